@@ -20,7 +20,7 @@ ROOM, FENCE = 40, 0x0123456789ABCDEF
 MESSAGES = CanMessages(ROOM)
 BLOCKS, CHANNELS, COUNTERS = Blocks(2048), Channels(3 * 192), counters()
 DECODERS = [ICubDecoder([(0, 13), (1, 3), (0, 2)], bus, period=0.01) for bus in (0, 1)]
-ENCODERS = [ICubEncoder([(1, t) for t in range(16)]), ICubEncoder([(1, 0)], firmware=Firmware.MTB3)]
+ENCODERS = [ICubEncoder([(1, t) for t in range(16)]), ICubEncoder([(1, 0)])]
 
 
 def one_input(data: bytes) -> None:

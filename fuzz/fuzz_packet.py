@@ -12,7 +12,6 @@ from skinfield.wire.packet import (
     Packet,
     PacketDecoder,
     PacketDevice,
-    PacketKind,
     PacketScanner,
     encode_packet,
     packets_of,
@@ -101,9 +100,5 @@ def plain_packets(data: bytes) -> None:
         for packet in packets_of(data):
             assert len(packet.values) in (0, packet.count)
             encode_packet(packet)
-            if packet.kind == PacketKind.HELLO:
-                Hello.from_payload(packet.payload)
-            if packet.kind == PacketKind.ANSWER:
-                Answer.from_payload(packet.payload)
     except InputError:
         pass

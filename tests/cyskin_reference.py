@@ -75,17 +75,6 @@ class Reference:
                 self.before[board] = data
             self.parts[board] = None
 
-    def without_copies(self, packet: bytes, many: int) -> bytes:
-        parts = [packet[at : at + 8] for at in range(0, len(packet), 8)]
-        again = [i for i in range(1, len(parts) - 1) if parts[i] == parts[i - 1]]
-        tries = [again] if len(again) == many else [[i] for i in again if many == 1]
-        for left_out in tries:
-            shorter = b"".join(part for i, part in enumerate(parts) if i not in left_out)
-            if shorter[-1] == crc8(shorter[:-1]):
-                self.duplicated += many
-                return shorter
-        return packet
-
     def packet(self, board: int, packet: bytes) -> None:
         if packet and packet[0] < 0x10:
             self.foreign += 1
@@ -97,9 +86,6 @@ class Reference:
         if len(packet) < 3 + size:
             self.lost += -(-(3 + size - len(packet)) // 8)
             return
-        many, rest = divmod(len(packet) - 3 - size, 8)
-        if many > 0 and rest == 0:
-            packet = self.without_copies(packet, many)
         if len(packet) > 3 + size or packet[-1] != crc8(packet[:-1]):
             self.malformed += 1
             return

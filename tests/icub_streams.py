@@ -34,9 +34,9 @@ def decoded(rows, channel=0, **settings):
 
 
 def counted(rows, **settings):
-    """Lost, duplicated and swapped messages."""
+    """Lost and duplicated messages."""
     found = decoded(rows, **settings)[1]
-    return found["LOST"], found["DUPLICATED"], found["SWAPPED"]
+    return found["LOST"], found["DUPLICATED"]
 
 
 def head(k, board=13, triangle=0):
@@ -76,24 +76,17 @@ def delayed(rows, rng, chance, most):
     return found
 
 
-def wired(rows, rng, lose=0.0, duplicate=0.0, swap=0.0):
-    """What arrives, and how many were lost, came twice, and were swapped with their counterpart."""
-    out, kept, truth = [], None, Counter()
+def wired(rows, rng, lose=0.0, duplicate=0.0):
+    """What arrives, and how many were lost and came twice."""
+    out, truth = [], Counter()
     for row in rows:
         if rng.random() < lose:
             truth["lost"] += 1
-            continue
-        if kept is None and rng.random() < swap:
-            kept = row
             continue
         out.append(row)
         if rng.random() < duplicate:
             out.append(row)
             truth["duplicated"] += 1
-        if kept is not None:
-            out.append((*kept[:2], row[2]))
-            truth["swapped"] += kept[0] == row[0]
-            kept = None
     return out, truth
 
 

@@ -1,8 +1,11 @@
 """Devices in software, each at a place of its own, for the tests of live sources."""
 
+import ctypes
 import os
 import socket
+import time
 import uuid
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from tempfile import gettempdir
@@ -10,18 +13,12 @@ from tempfile import gettempdir
 import numpy as np
 from bus_peers import free_port, wait_for
 
-from skinfield.signal import CanMessages, Stream
+from skinfield.signal import Blocks, CanMessages, Channels, Count, Stream
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings, open_bus
-from skinfield.wire.cyskin import CySkinEncoder, on_boards
-from skinfield.wire.cyskin.shared_memory import (
-    DATA_HEAD,
-    HEADER_WORDS,
-    Area,
-    data_words,
-    words_from_uids,
-)
+from skinfield.wire.cyskin import CySkinEncoder, on_boards, uids_of
+from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for
 from skinfield.wire.packet import encode_command, packets_of
 from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
@@ -29,6 +26,31 @@ from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
 COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))
 ON_CYSKIN, CYSKIN_BOARDS = on_boards(HEXAGON)
+
+
+class Host:
+    """A stream that takes in whatever comes, and the channels that it fills."""
+
+    def __init__(self, stream: Stream) -> None:
+        self.stream, self.blocks = stream, Blocks()
+        self.channels = Channels(sum(port.channels for port in stream.ports))
+
+    def poll(self) -> int:
+        self.blocks.clear()
+        taken = self.stream.poll(self.blocks, 0, time.time_ns())
+        self.channels.apply(self.blocks)
+        return int(taken)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        wait_for(lambda: (self.poll(), condition())[1])
+
+    def came(self, there: slice | list[int]) -> np.ndarray:
+        """Counts, once those are there."""
+        self.until(lambda: np.isfinite(self.channels.counts[there]).all())
+        return self.channels.counts
+
+    def count(self, what: Count) -> int:
+        return int(self.stream.counters[what])
 
 
 class ICubBoard:
@@ -120,16 +142,30 @@ def packet(number: int, channels: int = 72) -> bytes:
     )
 
 
+class PacketSocket:
+    """A device that sends by UDP."""
+
+    def __init__(self) -> None:
+        self.number, self.socket = -1, socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.close = self.socket.close
+
+    def send(self, stream: Stream) -> int:
+        """Send one reading; blocks of counts that it makes."""
+        self.number += 1
+        self.socket.sendto(packet(self.number), stream.address)  # type: ignore[attr-defined]
+        return 1
+
+
 class PacketServer:
     """A device behind a TCP server."""
 
-    def __init__(self) -> None:
-        self.number, self.port = -1, 0
+    def __init__(self, port: int = 0) -> None:
+        self.number, self.port = -1, port
         self.connections: list[socket.socket] = []
         self.told: list[int] = []
-        self.listen()
+        self.plug()
 
-    def listen(self) -> None:
+    def plug(self) -> None:
         self.server = socket.socket()
         self.server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.server.bind(("127.0.0.1", self.port))
@@ -150,20 +186,18 @@ class PacketServer:
 
     def send(self, data: bytes | None = None) -> int:
         """Send one reading; blocks of counts that it makes."""
-        wait_for(lambda: self._accepted())
+        wait_for(self._accepted)
         self.number += 1
         self.connections[-1].sendall(packet(self.number) if data is None else data)
         return 1
 
     def _accepted(self) -> bool:
-        if self.connections and self.connections[-1].fileno() >= 0:
+        with suppress(IndexError, OSError):
             self.connection()
-            return True
-        try:
-            self.connection()
-        except (IndexError, OSError):
-            return False
-        return self.connections[-1].fileno() >= 0
+        return bool(self.connections) and self.connections[-1].fileno() >= 0
+
+    def unplug(self, stream: Stream) -> None:
+        self.close()
 
     def close(self) -> None:
         for each in (*self.connections, self.server):
@@ -186,7 +220,7 @@ class SerialLine:
         self.path.symlink_to(os.ttyname(slave))
         self._slave = slave
 
-    def unplug(self) -> None:
+    def unplug(self, stream: Stream | None = None) -> None:
         os.close(self._slave)
         os.close(self.master)
         self.path.unlink()
@@ -215,51 +249,55 @@ class SharedMemoryWriter:
     """The side of CySkin's tool: makes the memory, and removes it."""
 
     def __init__(self, uids: np.ndarray, key: int, data_key: int) -> None:
-        self._uids = words_from_uids(uids)
-        count = len(self._uids)
-        self._header = Area(key, HEADER_WORDS, create=True)
-        self._data = Area(data_key, data_words(count), create=True)
-        self._header.words[2] = data_key
-        self._header.words[:2] = count, 0
+        self._uids, self._areas = np.asarray(uids, np.uint32), []
+        # the maker's tool asks for 10 bytes of header, not words
+        self.header = self._made(key, 10, HEADER_WORDS)
+        words = 2 * len(self._uids) + DATA_HEAD
+        self._data = self._made(data_key, 4 * words, words)
+        self.header[2], self.header[1], self.header[0] = data_key, 0, len(self._uids)
         self.sample = 0
 
+    def _made(self, key: int, size: int, words: int) -> np.ndarray:
+        number = libc().shmget(key, size, 0o1600)  # IPC_CREAT
+        if number < 0:
+            raise OSError(ctypes.get_errno(), "no shared memory")
+        address = libc().shmat(number, None, 0)
+        self._areas.append((number, address))
+        return np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
+
     def write(self, responses: np.ndarray, time_ms: int) -> None:
-        """Write one sample (N,), in the tool's own order."""
-        words, count = self._data.words, len(self._uids)
+        """Write one sample (N,), in the tool's own order: its number is the last word."""
+        words, count = self._data, len(self._uids)
         words[DATA_HEAD : DATA_HEAD + count] = self._uids
         words[DATA_HEAD + count :] = responses
-        words[2] = count
-        words[1] = time_ms
-        words[0] = self.sample
+        words[2], words[1], words[0] = count, time_ms, self.sample
         self.sample += 1
 
     def close(self) -> None:
-        for area in (self._header, self._data):
-            area.remove()
-            area.close()
+        for number, address in self._areas:
+            libc().shmctl(number, 0, None)  # IPC_RMID
+            libc().shmdt(address)
+        self._areas = []
 
 
 class Memory:
     """CySkin's acquisition tool, at keys of its own."""
 
-    def __init__(self, uids: np.ndarray) -> None:
-        self.uids, self.number = uids, 0
+    def __init__(self) -> None:
+        self.uids, self.number = uids_of(CYSKIN_BOARDS)[0], 0
         self.key = int.from_bytes(os.urandom(3), "big") + 1000
         self.plug()
 
     def plug(self) -> None:
-        self.writer: SharedMemoryWriter | None = SharedMemoryWriter(
-            self.uids, self.key, self.key + (1 << 25)
-        )
+        self.writer = SharedMemoryWriter(self.uids, self.key, self.key + (1 << 25))
 
-    def unplug(self) -> None:
-        if self.writer is not None:
-            self.writer.close()
-        self.writer = None
-
-    def send(self) -> None:
+    def send(self) -> int:
         self.number += 1
-        assert self.writer is not None
         self.writer.write(np.arange(len(self.uids)) + self.number, self.number)
+        return 1
 
-    close = unplug
+    def unplug(self, stream: Stream) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self.writer.close()

@@ -63,21 +63,18 @@ def packet_at(data: bytes, at: int) -> int:
         return -1
     if len(rest) < 24:
         return 0
-    kind, (length,), (count,) = (
-        rest[3],
-        struct.unpack("<H", rest[6:8]),
-        struct.unpack("<H", rest[18:20]),
-    )
+    kind, length, count = rest[3], u16(rest, 6), u16(rest, 18)
     wanted = WIDTHS[kind] * count if kind in WIDTHS else (count + 7) // 8 if kind == 4 else length
     if length > 4064 or wanted != length:
         return -1
     if len(rest) < 26 + length:
         return 0
-    good = (
-        crc_hqx(rest[: 24 + length], 0xFFFF)
-        == struct.unpack("<H", rest[24 + length : 26 + length])[0]
-    )
+    good = crc_hqx(rest[: 24 + length], 0xFFFF) == u16(rest, 24 + length)
     return 26 + length if good else -1
+
+
+def u16(data: bytes, at: int) -> int:
+    return int.from_bytes(data[at : at + 2], "little")
 
 
 @dataclass
@@ -91,7 +88,6 @@ class Reference:
     foreign: int = 0
     malformed: int = 0
     readings: int = 0
-    packets: list = field(default_factory=list)
 
     def stream(self, data: bytes, final: bool = False) -> int:
         """Octets that are done with."""
@@ -113,11 +109,10 @@ class Reference:
 
     def take(self, packet: bytes) -> None:
         kind = packet[3]
-        device, _length, sequence, _time, channel, count = struct.unpack("<HHIIHH", packet[4:20])
+        device, channel, count = u16(packet, 4), u16(packet, 16), u16(packet, 18)
         if device != self.device or kind >= 32:
             self.foreign += 1
             return
-        self.packets.append(sequence)
         if (kind in WIDTHS or kind == 4) and channel + count > self.channels:
             self.foreign += 1
             return

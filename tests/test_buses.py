@@ -21,9 +21,7 @@ STRUCT = struct.Struct("=IB3x8s")  # struct can_frame of linux/can.h
 
 
 def struct_of(messages: CanMessages, row: int) -> bytes:
-    return STRUCT.pack(
-        int(messages.ids[row]), int(messages.lengths[row]), messages.data[row].tobytes()
-    )
+    return STRUCT.pack(messages.ids[row], messages.lengths[row], messages.data[row].tobytes())
 
 
 def python_can_of(messages: CanMessages, row: int) -> can.Message:
@@ -76,7 +74,6 @@ def test_datagrams_of_udp_hold_structs_of_linux() -> None:
             stamps = [stamp for _, _, stamp in received]
             assert stamps == sorted(stamps)
             assert before <= stamps[0] <= stamps[-1] <= time.time_ns()
-            assert bus.octets == 16 * len(messages)
             assert bus.malformed == bus.errors == bus.overflowed == 0
 
 
@@ -281,17 +278,21 @@ def test_interfaces_of_python_can(interface: str) -> None:
 @pytest.mark.parametrize(
     ("settings", "text"),
     [
-        (BusSettings("telepathy"), "expected udp, socketcan or one of.*udp_multicast.*virtual"),
-        (BusSettings("udp", "no such host"), "channel is 'no such host'"),
-        (BusSettings("udp", peer="nobody"), "expected host:port"),
-        (BusSettings("udp", peer="127.0.0.1:0"), "expected host:port"),
-        (BusSettings("udp", "::1", 0, peer="127.0.0.1:9"), "both of IPv4 or both of IPv6"),
-        (BusSettings("socketcand", "x"), "cannot be opened.*host"),
+        (["telepathy"], "expected udp, socketcan or one of.*udp_multicast.*virtual"),
+        (["udp", "no such host"], "channel is 'no such host'"),
+        (["udp", "", 0, "nobody"], "expected host:port"),
+        (["udp", "", 0, "127.0.0.1:0"], "expected host:port"),
+        (["udp", "::1", 0, "127.0.0.1:9"], "both of IPv4 or both of IPv6"),
+        (["socketcand", "x"], "cannot be opened.*host"),
+        ([""], "interface is ''"),
+        (["udp", "", 70000], "port is 70000"),
+        (["udp", 3], "channel"),
+        (["slcan", "", 0, "", -1], "bitrate is -1"),
     ],
 )
-def test_settings_that_cannot_be_used(settings: BusSettings, text: str) -> None:
+def test_settings_that_cannot_be_used(settings: list, text: str) -> None:
     with pytest.raises(InputError, match=text):
-        open_bus(settings)
+        open_bus(BusSettings(*settings))
 
 
 def test_messages_that_cannot_be_sent() -> None:
@@ -300,11 +301,3 @@ def test_messages_that_cannot_be_sent() -> None:
             host.send(1, bytes(9))
         with pytest.raises(InputError, match="rows 3 to 9"):
             host.send_many(CanMessages(8), 6, 3)
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"interface": ""}, {"port": 70000}, {"channel": 3}, {"bitrate": -1}]
-)
-def test_settings_are_checked(wrong: dict) -> None:
-    with pytest.raises(InputError):
-        BusSettings(**wrong)

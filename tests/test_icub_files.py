@@ -20,7 +20,7 @@ from skinfield.wire.icub import (
     kind_for,
     load_configuration,
 )
-from skinfield.wire.icub.robot_files import LARGEST, LINE, tree_of, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, LINE, read_tree, without_comments
 
 
 @pytest.fixture
@@ -40,7 +40,6 @@ def test_a_leg_with_all_its_files(write):
     assert found.buses == (1, 2)
     assert found.addresses == ((1, 13), (1, 12), (0, 1), (0, 2), (0, 3))
     assert found.channels == 960
-    assert found.diagnostic
     assert found.ports == (
         PortRun("left_leg_upper", 384, 576, 0),
         PortRun("left_foot", 0, 384, 0),
@@ -51,7 +50,6 @@ def test_a_leg_with_all_its_files(write):
     assert [t for t, each in enumerate(upper.triangles) if each.enabled] == [0, 1, 2, 3]
     assert [t for t, each in enumerate(foot.triangles) if each.enabled] == [5]
     assert (foot.triangles[5].shift, foot.triangles[5].cdc_offset) == (0, 0x2000)
-    assert found.notes == ()
     assert found.period == 0.02
     assert ICubDecoder(found.addresses, 1).channels == 960
     newer = load_configuration(*files, last_patch_first=False)
@@ -72,7 +70,6 @@ def test_what_is_sent_at_the_start(write):
         "07 00",
         "07 00",
     ]
-    assert found.messages(1, start=False) == messages[:-2]
     assert [data.hex() for _, data in found.stop_messages(0)] == ["0701"] * 3
     with pytest.raises(InputError, match="bus is 2"):
         found.messages(2)
@@ -81,55 +78,23 @@ def test_what_is_sent_at_the_start(write):
 def test_a_board_on_can_itself(write):
     found = load_configuration(write(OLD_SKIN))
     assert (found.buses, found.addresses) == ((7,), ((0, 14), (0, 10)))
-    assert "no settings of boards, the usual ones are taken" in found.notes[0]
     kinds = [type(command_from(data)) for _, data in found.messages()]
     assert kinds == [SetBoard, SetTriangles] * 2 + [Transmit] * 2
 
 
-def test_includes_are_told_but_not_followed(write):
-    (note,) = load_configuration(write(SKIN)).notes
-    assert "../../general.xml, ./left_leg-eb10-skinSpec.xml, which is not followed" in note
-
-
-def test_a_wrapper_of_another_device_is_told(write):
-    other = WRAPPER.replace("left_leg-eb10-skin", "torso-eb22-skin")
-    found = load_configuration(write(SKIN), write(SPEC, "spec.xml"), write(other, "w.xml"))
-    assert "is of torso-eb22-skin, not left_leg-eb10-skin" in found.notes[0]
-
-
 WRONG = [  # in which file, what becomes what, the error
     (SPEC, ">         false  <", "> fasle <", "spec.xml:17: enabled is 'fasle', expected true or"),
-    (
-        SPEC,
-        "0xf0",
-        "0x1f0",
-        "spec.xml:9: noLoad is '0x1f0', expected the byte of an unloaded taxel",
-    ),
+    (SPEC, "0xf0", "0x1f0", "spec.xml:9: noLoad is '0x1f0', expected the byte of an unloaded"),
     (SPEC, "0xf0", "f0", "noLoad is 'f0'"),
     (SPEC, "50  <", "0.0  <", "spec.xml:6: period is '0.0', expected milliseconds, a whole number"),
     (SPEC, "50  <", "  <", "spec.xml:6: period is '', expected a value"),
     (SPEC, 'name="shift"', 'name="shfit"', "defaultCfgTriangle has no param 'shift', expected one"),
     (SPEC, "defaultCfgBoard", "defaultBoard", "has no group 'defaultCfgBoard', expected it and"),
     (SPEC, ">  2  <", ">  3  <", "specialCfgTriangles has no param 'triangleSetCfg3'"),
-    (
-        SPEC,
-        "5   5",
-        "5   4",
-        "triangleSetCfg2 is '5', expected first triangle, not behind the last",
-    ),
+    (SPEC, "5   5", "5   4", "triangleSetCfg2 is '5', expected first triangle, not behind the"),
     (SPEC, "2   13  5", "13  5", "triangleSetCfg2 is .* expected 7 numbers"),
-    (
-        SPEC,
-        "2   13  5",
-        "2   1  5",
-        "spec.xml:24: sets board 1 of patch 2, expected one of 1: 1 2 3",
-    ),
-    (
-        SPEC,
-        "2           12",
-        "3           12",
-        "sets board 12 of patch 3, expected one of 1: 1 2 3",
-    ),
+    (SPEC, "2   13  5", "2   1  5", "spec.xml:24: sets board 1 of patch 2, expected one of 1: 1 2"),
+    (SPEC, "2           12", "3           12", "sets board 12 of patch 3, expected one of 1: 1 2"),
     (SKIN, "1 2 3", "1 2 1", "skinCanAddrsPatch1 is '1 2 1', expected addresses of boards, each"),
     (SKIN, "1 2 3", "1 2 16", "skinCanAddrsPatch1 is '16', expected addresses of boards, a whole"),
     (SKIN, "Patch2", "Patch1", "patches is '2 lists', expected skinCanAddrsPatch1, 2, each once"),
@@ -157,23 +122,12 @@ def test_files_that_do_not_go_together(write):
         load_configuration(write(SPEC, "spec.xml"))
     with pytest.raises(FileError, match="no file: no addresses"):
         load_configuration()
-    with pytest.raises(FileError, match=r"b.xml: is a second SkinDevice beside .*a.xml"):
+    with pytest.raises(FileError, match=r"b.xml: is a second skin beside .*a.xml"):
         load_configuration(write(SKIN, "a.xml"), write(OLD_SKIN, "b.xml"))
     with pytest.raises(FileError, match="says nothing of a skin"):
         load_configuration(write("<robot name='x'/>"))
     with pytest.raises(FileError, match="cannot be read: No such file"):
         load_configuration("/nowhere/there.xml")
-
-
-def test_more_sets_than_robots_read_are_told(write):
-    sets = "".join(
-        f'<param name="triangleSetCfg{n}"> 1 3 0 0 1 2 0 </param>\n' for n in range(1, 23)
-    )
-    start, stop = SPEC.index('<param name="triangleSetCfg1"'), SPEC.rindex("</group>")
-    text = SPEC[:start] + sets + SPEC[stop:]
-    text = text.replace(">  2  <", ">  22  <")
-    (note,) = load_configuration(write(SKIN), write(text, "spec.xml")).notes
-    assert "22 sets of triangles are in force; the robots' own software reads the first 20" in note
 
 
 def test_files_of_a_real_robot(shared_data, write):
@@ -187,8 +141,6 @@ def test_files_of_a_real_robot(shared_data, write):
     found = load_configuration(write(skin), spec, wrapper)
     assert found.ports == (PortRun("torso", 0, 768, 0),)
     assert found.addresses == ((0, 7), (0, 8), (0, 9), (0, 10))
-    assert not found.diagnostic
-    assert found.notes == ()
     for board in found.boards:
         assert board.board == SetBoard(kind=0, period_ms=50, no_load=240)
         assert {(t.enabled, t.shift, t.cdc_offset) for t in board.triangles} == {(True, 2, 0x2200)}
@@ -215,7 +167,6 @@ LAUGHS = """<?xml version="1.0"?>
             '<!DOCTYPE a [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><device/>',
             "declares the entity 'x'",
         ),
-        ("<a>" * 40, "more than 32 elements within each other"),
         (b"<a>" + b" " * LARGEST + b"</a>", "larger than 1048576 bytes"),
         ("", "no element found"),
         ("<!-- only -->", "no element found"),
@@ -231,9 +182,9 @@ def test_what_is_no_robot_s_file(tmp_path, data, error):
         load_configuration(path)
 
 
-def test_comments_keep_their_lines():
+def test_comments_keep_their_lines(write):
     assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x")[0].get(LINE) == "3"
+    assert read_tree(write("<a><!-- \n\n --><b/></a>"))[0].get(LINE) == "3"
 
 
 def test_patches_laid_on_boards_keep_their_channels():

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bus_peers import wait_for
-from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, ICubBoard
+from icub_files import SKIN, SPEC
+from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, PacketSocket
 
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, Channels, Count, Kind, Port, Status, counters
+from skinfield.signal import Blocks, Count, Kind, Port, Status, counters
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
@@ -29,15 +30,18 @@ from skinfield.wire.sources import (
     CySkinCan,
     ICubCan,
     NoReadingError,
+    PacketUdp,
     SimulationSource,
     StreamReader,
     matched,
-    read,
-    read_latest,
 )
-from skinfield.wire.sources.boards import ports_of
+from skinfield.wire.sources.boards import (
+    AT_ONCE,
+    CySkinSupervision,
+    ICubSupervision,
+    ports_of,
+)
 from skinfield.wire.sources.factory import source_from_options
-from skinfield.wire.sources.managed_stream import AT_ONCE, CySkinSupervision, ICubSupervision
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND
@@ -168,79 +172,53 @@ def board() -> Iterator[ICubBoard]:
     device.close()
 
 
-def poll_until(stream: object, condition: object, blocks: Blocks | None = None) -> None:
-    blocks = blocks or Blocks()
-
-    def polled() -> object:
-        blocks.clear()
-        stream.poll(blocks, 0, time.time_ns())  # type: ignore[attr-defined]
-        return condition()  # type: ignore[operator]
-
-    wait_for(polled)
-
-
-def counts_when(stream: object, channels: int, there: slice | list[int]) -> Channels:
-    """Counts of a stream's channels, once some of them are there."""
-    found, blocks = Channels(channels), Blocks()
-
-    def came() -> bool:
-        found.apply(blocks)
-        return bool(np.isfinite(found.counts[there]).all())
-
-    poll_until(stream, came, blocks)
-    return found
-
-
 def test_messages_over_a_bus_start_the_boards_and_stop_them(board: ICubBoard) -> None:
-    stream = ICubCan(board.configuration, (board.settings,)).open()
+    host = Host(ICubCan(board.configuration, (board.settings,)).open())
     expected = list(board.configuration.messages())
-    poll_until(stream, lambda: len(board.listen()) >= len(expected))
+    host.until(lambda: len(board.listen()) >= len(expected))
     assert board.told == expected
     board.send(3)
-    poll_until(stream, lambda: stream.counters[Count.RECEIVED] == 12)
-    stream.close()
+    host.until(lambda: host.count(Count.RECEIVED) == 12)
+    host.stream.close()
     wait_for(lambda: len(board.listen()) > len(expected))
     assert board.told[len(expected) :] == [(0x201, b"\x07\x01")]
 
 
 def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) -> None:
-    stream = ICubCan(board.configuration, (board.settings,)).open()
+    host = Host(ICubCan(board.configuration, (board.settings,)).open())
     count = len(board.configuration.messages())
-    poll_until(stream, lambda: len(board.listen()) >= count)
-    board.unplug(stream)
-    poll_until(stream, lambda: not stream.up)
-    assert "closed" in stream.fault or "descriptor" in stream.fault
+    host.until(lambda: len(board.listen()) >= count)
+    board.unplug(host.stream)
+    host.until(lambda: not host.stream.up)
+    assert "closed" in host.stream.fault or "descriptor" in host.stream.fault
     board.plug()
-    poll_until(stream, lambda: len(board.listen()) >= 2 * count)
+    host.until(lambda: len(board.listen()) >= 2 * count)
     assert board.told[count : 2 * count] == board.told[:count]
-    stream.close()
+    host.stream.close()
 
 
 def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
-    stream = ICubCan(board.configuration, (board.settings,), configure=False).open()
-    poll_until(stream, lambda: stream.up)
+    host = Host(ICubCan(board.configuration, (board.settings,), configure=False).open())
+    host.until(lambda: host.stream.up)
     board.send()
-    channels = counts_when(stream, 192, slice(72))
-    assert (channels.counts[:72] == 1).all()
-    assert np.isnan(channels.counts[72:]).all()
-    stream.close()
+    counts = host.came(slice(72))
+    assert (counts[:72] == 1).all()
+    assert np.isnan(counts[72:]).all()
+    host.stream.close()
     assert board.listen() == []
 
 
 def test_two_buses_bring_one_port_each_its_boards() -> None:
     devices = ICubBoard(), ICubBoard()
     configuration = ICubConfiguration((BoardSettings(0, 1), BoardSettings(1, 1)), (0, 1), "arm")
-    stream = ICubCan(configuration, tuple(each.settings for each in devices)).open()
-    devices[0].send()
-    devices[1].send()
-    devices[1].send()
-    channels = counts_when(stream, 384, [0, 192])
-    poll_until(stream, lambda: stream.counters[Count.RECEIVED] == 36)
-    assert channels.counts[0] == 1
-    assert stream.ports[0].channels == 384
-    assert len(stream.filenos()) == 2
-    stream.close()
-    for each in devices:
+    host = Host(ICubCan(configuration, tuple(each.settings for each in devices)).open())
+    for each in (devices[0], devices[1], devices[1]):
+        each.send()
+    assert host.came([0, 192])[0] == 1
+    host.until(lambda: host.count(Count.RECEIVED) == 36)
+    assert host.stream.ports[0].channels == 384
+    assert len(host.stream.filenos()) == 2
+    for each in (host.stream, *devices):
         each.close()
 
 
@@ -253,14 +231,13 @@ def test_the_number_of_buses_must_fit() -> None:
 
 def test_a_cyskin_board_over_a_bus() -> None:
     device = CySkinBoard()
-    stream = CySkinCan(CYSKIN_BOARDS, (device.settings,), period_ms=20).open()
+    host = Host(CySkinCan(CYSKIN_BOARDS, (device.settings,), period_ms=20).open())
     start = start_messages(CYSKIN_BOARDS, CySkinWire(), period_ms=20)
-    poll_until(stream, lambda: len(device.listen()) >= len(start))
+    host.until(lambda: len(device.listen()) >= len(start))
     assert device.told == start
     device.send()
-    channels = counts_when(stream, 72, slice(None))
-    np.testing.assert_array_equal(channels.counts, np.arange(72) + 1)
-    stream.close()
+    np.testing.assert_array_equal(host.came(slice(None)), np.arange(72) + 1)
+    host.stream.close()
     device.close()
 
 
@@ -283,28 +260,24 @@ def test_ports_follow_the_robots_wrapper() -> None:
     assert found[4:] == ((255, 0), (0, 1), (0, 5), (0, 7))
 
 
-FOREARM = """
-<device name="left_forearm-wrapper" type="skinWrapper">
-    <param name="total_taxels"> 576 </param>
-    <paramlist name="ports">
-        <elem name="left_hand"> 0 {hand_last} 0 {hand_last} </elem>
-        <elem name="left_forearm"> 192 575 0 383 </elem>
-    </paramlist>
-</device>
-"""
-BOARDS_OF_ARM = """
-<device name="left_arm-skin" type="embObjSkin">
-    <group name="patches"> <param name="skinCanAddrsPatch1"> 14 2 3 </param> </group>
-</device>
-"""
+BOARDS_OF_ARM = SKIN.replace("1 2 3", "14 2 3").replace(
+    '<param name="skinCanAddrsPatch2"> 13 0xC </param>', ""
+)
+
+
+def wrapper(**runs: str) -> str:
+    """A wrapper with the runs of some ports."""
+    elements = "".join(f"<elem name='{name}'> {run} </elem>" for name, run in runs.items())
+    return f"<device><paramlist name='ports'>{elements}</paramlist></device>"
 
 
 @pytest.mark.parametrize("hand_last", [191, 155, 119, 60])  # of boards that are not full, too
 def test_runs_of_a_wrapper_take_whole_boards(tmp_path: Path, hand_last: int) -> None:
-    skin, wrapper = tmp_path / "arm-skin.xml", tmp_path / "arm-skin_wrapper.xml"
-    skin.write_text(BOARDS_OF_ARM)
-    wrapper.write_text(FOREARM.format(hand_last=hand_last))
-    found, ports = ports_of(load_configuration(skin, wrapper))
+    files = tmp_path / "arm-skin.xml", tmp_path / "arm-skin_wrapper.xml"
+    hand = f"0 {hand_last} 0 {hand_last}"
+    files[0].write_text(BOARDS_OF_ARM)
+    files[1].write_text(wrapper(left_hand=hand, left_forearm="192 575 0 383"))
+    found, ports = ports_of(load_configuration(*files))
     assert [(port.name, port.channels) for port in ports] == [
         ("left_hand", 192),
         ("left_forearm", 384),
@@ -332,62 +305,32 @@ def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
         ICubCan(ICubConfiguration(boards, (0,), "x", (run,))).open()
 
 
-WRAPPER = """
-<device name="left_arm-wrapper" type="skinWrapper">
-    <param name="total_taxels"> 384 </param>
-    <paramlist name="ports"> <elem name="rectangular"> 0 {last} 0 {last} </elem> </paramlist>
-</device>
-"""
-SPEC = """
-<params robot="mine" build="1">
-    <group name="defaultCfgBoard">
-        <param name="period"> 20 </param> <param name="skinType"> 2 </param>
-        <param name="noLoad"> 0xeb </param> <param name="diagnostic"> true </param>
-    </group>
-    <group name="defaultCfgTriangle">
-        <param name="enabled"> true </param> <param name="shift"> 2 </param>
-        <param name="cdcOffset"> 0x2200 </param>
-    </group>
-    <group name="specialCfgTriangles">
-        <param name="numOfSets"> 1 </param>
-        <param name="triangleSetCfg1"> 1 2 3 3 0 2 0x2200 </param>
-    </group>
-</params>
-"""
-
-
 def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
     """Two boards, of which the second has four triangles; the last of them is switched off."""
+    spec = SPEC.replace("0xf0", "0xeb").replace("50  <", "20  <").replace("  0  <", "  2  <")
+    spec = spec.replace(">         false", "> true").replace(">  2  </", ">  1  </")  # one set
+    spec = spec.replace(" 1   3   0   3   1 ", " 1 2 3 3 0 ").replace("specialCfgBoards", "none")
     files = {
         "arm-skin.xml": BOARDS_OF_ARM.replace("14 2 3", "1 2"),
-        "arm-skinSpec.xml": SPEC,
-        "arm-skin_wrapper.xml": WRAPPER.replace("{last}", "239"),
+        "arm-skinSpec.xml": spec,
+        "arm-skin_wrapper.xml": wrapper(rectangular="0 239 0 239"),
     }
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+    for name, content in files.items():
+        (tmp_path / name).write_text(content)
     text = "rectangular:rows=12,columns=20"
     config = ",".join(str(tmp_path / name) for name in files)
     with start(VirtualSettings(skin=text, bus="udp", scene="idle", noise=0.0)) as boards:
         skin = Skin((by_name(text),))
-        stream = source_from_options(
-            "icub", "udp", boards.channels, skin, {"config": config}
-        ).open()
-        assert [(port.name, port.channels) for port in stream.ports] == [("rectangular", 384)]
-        channels, blocks = Channels(384), Blocks()
-
-        def came() -> bool:
-            blocks.clear()
-            stream.poll(blocks, 0, time.time_ns())
-            channels.apply(blocks)
-            return stream.counters[Count.RECEIVED] > 600
-
-        wait_for(came)
-        stream.close()
+        source = source_from_options("icub", "udp", boards.channels, skin, {"config": config})
+        host = Host(source.open())
+        assert [(port.name, port.channels) for port in host.stream.ports] == [("rectangular", 384)]
+        host.until(lambda: host.count(Count.RECEIVED) > 600)
+        host.stream.close()
+    channels = host.channels
     assert (channels.counts[:228] == 0xEB).all()
     assert np.isnan(channels.counts[240:]).all()
     assert (channels.stamp_ns[228:240] < channels.stamp_ns[:228].min()).all()
-    lost = [stream.counters[each] for each in (Count.LOST, Count.DUPLICATED, Count.SWAPPED)]
-    assert lost == [0, 0, 0]
+    assert [host.count(each) for each in (Count.LOST, Count.DUPLICATED)] == [0, 0]
 
 
 class Script:
@@ -424,7 +367,7 @@ def test_a_reading_is_complete_when_a_channel_comes_again_or_all_came() -> None:
 
 def test_what_does_not_answer_is_not_valid() -> None:
     step = [(0, [1.0, np.nan], OK), (2, [3.0], Status.NOT_CONNECTED)]
-    reading = read(Script(step, step))
+    reading = StreamReader(Script(step, step)).read()
     assert reading.valid.tolist() == [True, False, False, False]
 
 
@@ -432,9 +375,9 @@ def test_a_reading_that_does_not_come() -> None:
     script = Script([LEFT])
     script.up = False
     with pytest.raises(NoReadingError, match=r"2 of 4 channels.*down \(unplugged\)"):
-        read(script, 0.01)
+        StreamReader(script).read(0.01)
     with pytest.raises(TimeoutError, match="newest reading is none"):
-        read_latest(Script())
+        StreamReader(Script()).read_latest()
 
 
 def test_the_newest_reading_is_young_enough_or_refused() -> None:
@@ -458,25 +401,19 @@ def test_readings_of_a_source() -> None:
 
 
 def test_reading_waits_for_a_file_descriptor() -> None:
-    import socket
+    device, stream = PacketSocket(), PacketUdp(72, port=0).open()
 
-    from live_devices import packet
+    def send() -> None:
+        for _ in range(3):
+            time.sleep(0.02)
+            device.send(stream)
 
-    from skinfield.wire.sources import PacketUdp
-
-    stream = PacketUdp(72, port=0).open()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
-
-        def send() -> None:
-            for number in range(3):
-                time.sleep(0.02)
-                device.sendto(packet(number), stream.address)
-
-        thread = threading.Thread(target=send)
-        thread.start()
-        assert read(stream, 30.0).counts.shape == (72,)
-        thread.join()
+    thread = threading.Thread(target=send)
+    thread.start()
+    assert StreamReader(stream).read(30.0).counts.shape == (72,)
+    thread.join()
     stream.close()
+    device.close()
 
 
 def test_ports_are_matched_by_name_or_being_the_only_one() -> None:

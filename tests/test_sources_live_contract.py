@@ -14,14 +14,13 @@ from live_devices import (
     ICubBoard,
     Memory,
     PacketServer,
+    PacketSocket,
     SerialLine,
-    packet,
 )
 
 from skinfield.signal import Source, Stream
 from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings
-from skinfield.wire.cyskin import uids_of
 from skinfield.wire.icub import configuration_for
 from skinfield.wire.sources import (
     CySkinCan,
@@ -35,35 +34,43 @@ from skinfield.wire.sources import (
 )
 
 
-class TestICubCan(SourceContract):
-    @pytest.fixture(autouse=True)
-    def _board(self) -> Iterator[None]:
-        self.board = ICubBoard()
-        yield
-        self.board.close()
+class WithDevice(SourceContract):
+    """A source with a device of its own, which sends and goes away when it is told to."""
 
-    def make(self) -> Source:
-        return ICubCan(self.board.configuration, (self.board.settings,))
+    made: type
+
+    @pytest.fixture(autouse=True)
+    def _device(self) -> Iterator[None]:
+        self.device = self.made()
+        yield
+        self.device.close()
 
     def provoke(self, stream: Stream) -> int:
-        return self.board.send()
+        return int(self.device.send())
+
+
+class Leaving(WithDevice):
+    """A device that can be unplugged, too."""
 
     def unplug(self, stream: Stream) -> None:
-        self.board.unplug(stream)
+        self.device.unplug(stream)
 
     def plug(self, stream: Stream) -> None:
-        self.board.plug()
+        self.device.plug()
 
 
-class TestCySkinCan(TestICubCan):
-    @pytest.fixture(autouse=True)
-    def _board(self) -> Iterator[None]:
-        self.board = CySkinBoard()
-        yield
-        self.board.close()
+class TestICubCan(Leaving):
+    made = ICubBoard
 
     def make(self) -> Source:
-        return CySkinCan(CYSKIN_BOARDS, (self.board.settings,))
+        return ICubCan(self.device.configuration, (self.device.settings,))
+
+
+class TestCySkinCan(Leaving):
+    made = CySkinBoard
+
+    def make(self) -> Source:
+        return CySkinCan(CYSKIN_BOARDS, (self.device.settings,))
 
 
 class TestICubOverPythonCan(SourceContract):
@@ -78,94 +85,46 @@ class TestICubOverPythonCan(SourceContract):
 
     def provoke(self, stream: Stream) -> int:
         self.sent += 1
-        head = b"\x40" + bytes([self.sent % 200]) * 7
-        self.bus.send(can.Message(arbitration_id=0x415, is_extended_id=False, data=head))
-        tail = b"\xc0" + bytes([self.sent % 200]) * 5
-        self.bus.send(can.Message(arbitration_id=0x415, is_extended_id=False, data=tail))
+        for first, taxels in ((0x40, 7), (0xC0, 5)):
+            data = bytes([first, *[self.sent % 200] * taxels])
+            self.bus.send(can.Message(arbitration_id=0x415, is_extended_id=False, data=data))
         return 2
 
 
-class TestPacketUdp(SourceContract):
-    @pytest.fixture(autouse=True)
-    def _device(self) -> Iterator[None]:
-        import socket
-
-        self.number = -1
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as self.socket:
-            yield
+class TestPacketUdp(WithDevice):
+    made = PacketSocket
 
     def make(self) -> Source:
         return PacketUdp(72, port=0)
 
     def provoke(self, stream: Stream) -> int:
-        self.number += 1
-        address = stream.address  # type: ignore[attr-defined]
-        self.socket.sendto(packet(self.number), address)
-        return 1
+        return int(self.device.send(stream))
 
 
-class TestPacketTcp(SourceContract):
-    @pytest.fixture(autouse=True)
-    def _server(self) -> Iterator[None]:
-        self.server = PacketServer()
-        yield
-        self.server.close()
+class TestPacketTcp(Leaving):
+    made = PacketServer
 
     def make(self) -> Source:
-        return PacketTcp(72, port=self.server.port)
-
-    def provoke(self, stream: Stream) -> int:
-        return self.server.send()
-
-    def unplug(self, stream: Stream) -> None:
-        self.server.close()
-
-    def plug(self, stream: Stream) -> None:
-        self.server.listen()
+        return PacketTcp(72, port=self.device.port)
 
 
-class TestPacketSerial(SourceContract):
-    @pytest.fixture(autouse=True)
-    def _line(self) -> Iterator[None]:
-        self.line = SerialLine()
-        yield
-        self.line.close()
+class TestPacketSerial(Leaving):
+    made = SerialLine
 
     def make(self) -> Source:
-        return PacketSerial(72, str(self.line.path))
-
-    def provoke(self, stream: Stream) -> int:
-        return self.line.send()
-
-    def unplug(self, stream: Stream) -> None:
-        self.line.unplug()
-
-    def plug(self, stream: Stream) -> None:
-        self.line.plug()
+        return PacketSerial(72, str(self.device.path))
 
 
-class TestCySkinSharedMemory(SourceContract):
+class TestCySkinSharedMemory(Leaving):
+    made = Memory
     rounds = 1  # it holds the newest sample only
 
-    @pytest.fixture(autouse=True)
-    def _memory(self) -> Iterator[None]:
-        self.memory = Memory(uids_of(CYSKIN_BOARDS)[0])
-        yield
-        self.memory.close()
-
     def make(self) -> Source:
-        return CySkinSharedMemory(CYSKIN_BOARDS, self.memory.key)
-
-    def provoke(self, stream: Stream) -> int:
-        self.memory.send()
-        return 1
-
-    def unplug(self, stream: Stream) -> None:
-        self.memory.unplug()
+        return CySkinSharedMemory(CYSKIN_BOARDS, self.device.key)
 
     def plug(self, stream: Stream) -> None:
-        self.memory.plug()
-        self.memory.send()
+        super().plug(stream)
+        self.device.send()
 
 
 class TestSimulationSource(SourceContract):

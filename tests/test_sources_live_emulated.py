@@ -1,84 +1,48 @@
 """Sources against the virtual skin in another process: what it sent is what was taken in."""
 
-import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from bus_peers import PATIENCE
-from live_devices import HEXAGON
+from live_devices import HEXAGON, Host
 
 from skinfield.emulator.process import VirtualProcess, start
 from skinfield.emulator.settings import VirtualSettings
-from skinfield.signal import Blocks, Channels, Count, Lasting, Source
+from skinfield.signal import Count, Lasting, Source
 from skinfield.wire.sources import matched, skin_for, source_from_options
 
 
-class Host:
-    """Takes in whatever comes."""
-
-    def __init__(self, source: Source) -> None:
-        self.source, self.stream, self.blocks = source, source.open(), Blocks()
-        self.channels = Channels(sum(port.channels for port in self.stream.ports))
-
-    def follow(self) -> None:
-        """Leave the boards to another stream, as engines do that follow on each other."""
-        before = self.stream
-        assert isinstance(before, Lasting)
-        before.leave()
-        before.close()
-        self.stream = self.source.open()
-        assert isinstance(self.stream, Lasting)
-        self.stream.resume()
-
-    def until(self, condition: Callable[[], object]) -> None:
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, self.stream.counters
-            self.blocks.clear()
-            self.stream.poll(self.blocks, 0, time.time_ns())
-            self.channels.apply(self.blocks)
-            time.sleep(1e-3)
-
-    def count(self, what: Count) -> int:
-        return int(self.stream.counters[what])
+def follow(host: Host, source: Source) -> Host:
+    """Leave the boards to another stream, as engines do that follow on each other."""
+    assert isinstance(host.stream, Lasting)
+    host.stream.leave()
+    host.stream.close()
+    stream = source.open()
+    assert isinstance(stream, Lasting)
+    stream.resume()
+    return Host(stream)
 
 
-def started(hardware: str, bus: str, *channels: str, **options: str) -> tuple[VirtualProcess, Host]:
-    settings = VirtualSettings(hardware=hardware, bus=bus, channels=channels, scene="idle")
-    skin = start(settings)
-    try:
-        source = source_from_options(
-            hardware, bus, tuple(skin.channels), skin_for(hardware, HEXAGON), options
-        )
-        host = Host(source)
-        assert matched(skin_for(hardware, HEXAGON), host.stream.ports) == (0,)
-    except BaseException:
-        skin.stop()
-        raise
-    return skin, host
+@contextmanager
+def started(hardware: str, bus: str, **options: str) -> Iterator[tuple[VirtualProcess, Source]]:
+    with start(VirtualSettings(hardware=hardware, bus=bus, scene="idle")) as skin:
+        placed = skin_for(hardware, HEXAGON)
+        yield skin, source_from_options(hardware, bus, tuple(skin.channels), placed, options)
 
 
-def test_icub_goes_on_under_a_press_for_the_next_to_read() -> None:
-    skin, host = started("icub", "udp", period_ms="5")
-    try:
-        host.until(lambda: host.count(Count.RECEIVED) > 200)
+def test_icub_goes_on_under_a_press_and_is_told_again_when_it_boots() -> None:
+    with started("icub", "udp", period_ms="5", no_load="245") as (skin, source):
+        first = Host(source.open())
+        first.until(lambda: first.count(Count.RECEIVED) > 500)
+        assert abs(np.nanmean(first.channels.counts[:72]) - 245.0) < 2.0
         skin.press(taxel=40, force=2.0)
-        host.until(lambda: np.nanmin(host.channels.counts[:72]) < 220)
-        host.follow()
+        first.until(lambda: np.nanmin(first.channels.counts[:72]) < 225)
+        host = follow(first, source)
         host.until(lambda: host.count(Count.RECEIVED) > 200)
-        assert np.nanmin(host.channels.counts[:72]) < 220  # of 240 at rest
+        assert np.nanmin(host.channels.counts[:72]) < 225
         assert host.stream.reconfigured == 0  # type: ignore[attr-defined]
-    finally:
-        host.stream.close()
-        skin.stop()
-
-
-def test_icub_that_boots_again_is_told_again() -> None:
-    skin, host = started("icub", "udp", period_ms="5", no_load="245")
-    try:
-        host.until(lambda: host.count(Count.RECEIVED) > 500)
-        assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
+        skin.release()
         skin.fault("reboot 0+100ms")
         host.until(lambda: host.stream.reconfigured == 1)  # type: ignore[attr-defined]
         before = host.count(Count.RECEIVED)
@@ -89,20 +53,16 @@ def test_icub_that_boots_again_is_told_again() -> None:
         assert counts["reboots"] == 1
         for what in (Count.LOST, Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
             assert host.count(what) == 0, what.name
-        assert host.count(Count.RECEIVED) <= counts["messages"]
-    finally:
-        skin.stop()
+        assert first.count(Count.RECEIVED) + host.count(Count.RECEIVED) <= counts["messages"]
 
 
 @pytest.mark.parametrize(("hardware", "bus"), [("cyskin", "udp"), ("packet", "serial")])
 def test_all_of_a_skin_arrives(hardware: str, bus: str) -> None:
-    skin, host = started(hardware, bus)
-    try:
+    with started(hardware, bus) as (_, source):
+        host, placed = Host(source.open()), skin_for(hardware, HEXAGON)
+        assert matched(placed, host.stream.ports) == (0,)
         host.until(lambda: host.count(Count.READINGS) > 20)
-        placed = skin_for(hardware, HEXAGON)[0]
-        assert np.isfinite(host.channels.counts[placed.channel]).all()
+        assert np.isfinite(host.channels.counts[placed[0].channel]).all()
         for what in (Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
             assert host.count(what) == 0, what.name
         host.stream.close()
-    finally:
-        skin.stop()

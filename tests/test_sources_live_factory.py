@@ -11,7 +11,8 @@ from skinfield.signal import Source
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
-from skinfield.wire.can.bus import bus_settings, host_and_port, own_address
+from skinfield.wire.can.bus import bus_settings, host_and_port, udp_places
+from skinfield.wire.packet import PacketDevice
 from skinfield.wire.sources import (
     CySkinCan,
     CySkinSharedMemory,
@@ -79,24 +80,26 @@ def test_the_skin_on_its_hardware() -> None:
     np.testing.assert_array_equal(skin_for("cyskin", HEXAGON)[0].channel, ON_CYSKIN[0].channel)
 
 
-def test_packets() -> None:
-    source = made("packet", "udp", ":5000", unit="Pa")
-    assert isinstance(source, PacketUdp)
-    assert (source.host, source.port, source.peer, source.unit) == ("127.0.0.1", 5000, "", "Pa")
-    assert source.names == ("hexagon72",)
-    assert source.devices[0].channels == 72
-    source = made("packet", "udp", "0.0.0.0:5000")
-    assert isinstance(source, PacketUdp)
-    assert (source.host, source.port, source.peer) == ("0.0.0.0", 5000, "")
-    source = made("packet", "", "192.0.2.9:5000")
-    assert isinstance(source, PacketUdp)
-    assert (source.host, source.port, source.peer) == ("0.0.0.0", 0, "192.0.2.9:5000")
-    source = made("packet", "tcp", "192.0.2.9")
-    assert isinstance(source, PacketTcp)
-    assert (source.host, source.port) == ("192.0.2.9", 43211)
-    source = made("packet", "serial", "/dev/ttyUSB3", baud="115200", listen="true")
-    assert isinstance(source, PacketSerial)
-    assert (source.path, source.baud, source.command) == ("/dev/ttyUSB3", 115200, False)
+@pytest.mark.parametrize(
+    ("channel", "place"),
+    [
+        (":5000", ("127.0.0.1", 5000, "")),
+        ("0.0.0.0:5000", ("0.0.0.0", 5000, "")),
+        ("192.0.2.9:5000", ("0.0.0.0", 0, "192.0.2.9:5000")),
+    ],
+)
+def test_packets_by_udp(channel: str, place: tuple[str, int, str]) -> None:
+    source = made("packet", "udp", channel, unit="Pa", listen="yes")
+    assert source == PacketUdp(
+        (PacketDevice(1, 72),), *place, names=("hexagon72",), unit="Pa", command=False
+    )
+
+
+def test_packets_by_tcp_and_serial() -> None:
+    devices = {"devices": (PacketDevice(1, 72),), "names": ("hexagon72",)}
+    assert made("packet", "tcp", "192.0.2.9") == PacketTcp(host="192.0.2.9", **devices)
+    line = made("packet", "serial", "/dev/ttyUSB3", baud="115200", listen="true")
+    assert line == PacketSerial(path="/dev/ttyUSB3", baud=115200, command=False, **devices)
 
 
 def test_replay_and_simulation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -201,8 +204,6 @@ def test_places() -> None:
     assert bus == BusSettings("slcan", "/dev/ttyACM0", bitrate=500000)
     (bus,) = bus_settings("udp", ["[fe80::7]:9"], 1, 0)
     assert bus == BusSettings("udp", "::", 0, "[fe80::7]:9")
-    assert [own_address(h) for h in ("::1", "localhost", "192.0.2.1")] == [
-        "::1",
-        "127.0.0.1",
-        "0.0.0.0",
-    ]
+    for text, own in (("[::1]:5", "::1"), ("localhost:5", "127.0.0.1"), ("192.0.2.1:5", "0.0.0.0")):
+        assert udp_places(text, *host_and_port(text, "h", 1)) == (own, 0, text)
+    assert udp_places("0.0.0.0:5", "0.0.0.0", 5) == ("0.0.0.0", 5, "")

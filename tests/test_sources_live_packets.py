@@ -9,33 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bus_peers import free_port, pair, wait_for
-from live_devices import PacketServer, SerialLine, packet
+from live_devices import Host, PacketServer, SerialLine, packet
 
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, CanMessages, Channels, Count
+from skinfield.signal import CanMessages, Count
 from skinfield.wire.packet import PacketDevice
 from skinfield.wire.packet.packets import PacketKind, packets_of
 from skinfield.wire.sources import PacketSerial, PacketTcp, PacketUdp
-
-
-class Host:
-    """A stream and the channels that it fills."""
-
-    def __init__(self, stream: object) -> None:
-        self.stream, self.blocks = stream, Blocks()
-        self.channels = Channels(sum(port.channels for port in stream.ports))
-
-    def poll(self) -> int:
-        self.blocks.clear()
-        taken = self.stream.poll(self.blocks, 0, time.time_ns())
-        self.channels.apply(self.blocks)
-        return int(taken)
-
-    def until(self, condition: object) -> None:
-        wait_for(lambda: (self.poll(), condition())[1])
-
-    def count(self, what: Count) -> int:
-        return int(self.stream.counters[what])
 
 
 def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
@@ -48,7 +28,7 @@ def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
     server.close()
     host.until(lambda: not host.stream.up)
     assert host.stream.filenos() == []
-    server.listen()
+    server.plug()
     server.number = 1
     host.until(lambda: host.stream.up)
     server.send()
@@ -67,9 +47,7 @@ def test_a_server_that_is_not_there_yet_is_waited_for() -> None:
     assert not host.stream.up
     assert host.stream.fault
     host.poll()
-    server = PacketServer.__new__(PacketServer)
-    server.number, server.port, server.connections, server.told = -1, port, [], []
-    server.listen()
+    server = PacketServer(port)
     host.until(lambda: host.stream.up)
     server.send()
     host.until(lambda: host.count(Count.READINGS) == 1)

@@ -16,7 +16,7 @@ from skinfield.wire.cyskin import (
     CySkinBoardState,
     CySkinEncoder,
     CySkinWire,
-    on_enough_boards,
+    on_boards,
 )
 from skinfield.wire.cyskin.modules import SENSORS
 
@@ -35,7 +35,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
     """
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
-        placed, self.boards = on_enough_boards(skin)
+        placed, self.boards = on_boards(skin)
         self.wire = CySkinWire()
         rng = np.random.default_rng([settings.seed, 2])
         fresh = [

@@ -215,7 +215,7 @@ class ICubBoards(CanBoards[BoardState]):
             for triangle in board.triangles
         ]
         wire = CanWire(bus, 2 * len(triangles), Fates(settings.wires, rng))
-        encoder = ICubEncoder(triangles, firmware=firmware)
+        encoder = ICubEncoder(triangles, BoardState(firmware=firmware))
         return Line(wire, encoder, slots_of(skin, self.boards, number))
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:

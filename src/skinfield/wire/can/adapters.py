@@ -9,7 +9,6 @@ import errno
 import os
 import socket
 import struct
-from collections.abc import Sequence
 from contextlib import suppress
 from time import time_ns
 from types import ModuleType
@@ -21,10 +20,11 @@ from skinfield.errors import InputError, Ints
 from skinfield.signal.block import Octets
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
-from skinfield.wire.can.datagrams import (
+from skinfield.wire.datagrams import (
     TRANSIENT,
     Datagrams,
     address_from_octets,
+    address_of,
     buffer_note,
     let_go,
     peer_from_text,
@@ -40,6 +40,8 @@ PER_DATAGRAM = 64  # messages that are sent in a datagram of UDP
 LONGEST = 92 * STRUCT  # bytes of a datagram of UDP that are read: Ethernet carries 1472
 SOL_CAN_RAW, CAN_RAW_ERR_FILTER = 101, 2
 ERRORS_OF_INTEREST = 0x1FFFFFFF  # CAN_ERR_MASK: all kinds
+OTHER = "take interface udp, or one of python-can's (pcan, slcan, ...)"
+NO_CAN = {errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT, errno.EPERM, errno.EACCES}
 ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
 
 
@@ -69,12 +71,12 @@ class SocketBus(Bus):
         self._socket: socket.socket | None = None
         self._take(self._one, 0)  # compiles before the first message
 
-    def _use(self, sock: socket.socket, buffer_bytes: int) -> None:
+    def _use(self, sock: socket.socket, buffer_bytes: int) -> bool:
         """Take over an open socket."""
         self._in.of_new_socket()
         self._cursor[:], self._taken = 0, 0
-        self._socket, self.up, self.fault = sock, True, ""
-        self.note = buffer_note(self.settings.label, buffer_bytes)
+        self._socket, self.note = sock, buffer_note(self.label, buffer_bytes)
+        return self._opened(sock.fileno())
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
         """See `Bus`."""
@@ -86,11 +88,10 @@ class SocketBus(Bus):
                 try:
                     count = self._in.receive(self._socket)
                 except OSError as error:
-                    self._broke(error)
+                    self.broke(error)
                     break
                 if not count:
                     break
-                self.octets += self._in.bytes
                 self.overflowed = self._in.dropped
                 self._cursor[:], self._taken, empty = 0, count, count < BATCH
                 self._came(count)
@@ -121,7 +122,7 @@ class SocketBus(Bus):
                     break
             except OSError as error:
                 if error.errno not in TRANSIENT:
-                    self._broke(error)
+                    self.broke(error)
                 break
             sent += part
         return sent
@@ -130,13 +131,10 @@ class SocketBus(Bus):
         """Send a datagram; False if nobody is known whom to."""
         return sock.send(datagram) > 0
 
-    def filenos(self) -> Sequence[int]:
-        """Of the socket."""
-        return (self._socket.fileno(),) if self._socket is not None else ()
-
-    def _release(self) -> None:
+    def close(self) -> None:
+        """Let go of the socket."""
         let_go(self._socket)
-        self._socket, self.up = None, False
+        self._socket, self.up, self.fault = None, False, "closed"
 
 
 def structs_of(messages: CanMessages, first: int, count: int) -> bytes:
@@ -168,24 +166,19 @@ class UdpBus(SocketBus):
     @property
     def address(self) -> tuple[str, int]:
         """Host and port at which it listens; ("", 0) while it is down."""
-        if self._socket is None:
-            return "", 0
-        host, port = self._socket.getsockname()[:2]
-        return str(host), int(port)
+        return address_of(self._socket)
 
-    def reopen(self) -> bool:
-        """Open the socket anew."""
-        self._release()
+    def _open(self) -> bool:
+        self.close()
         try:
             self._use(*unicast_socket(self._own))
         except OSError as error:
-            self._broke(error)
-            return False
-        if self.settings.peer and self._socket is not None:
+            self.broke(error)
+        if self.up and self.settings.peer and self._socket is not None:
             with suppress(OSError):
                 # an empty datagram tells a host that only answers where to answer to
                 self._put(self._socket, b"")
-        return True
+        return self.up
 
     def _put(self, sock: socket.socket, datagram: bytes) -> bool:
         if self._peer is None:
@@ -213,15 +206,17 @@ class SocketCanBus(SocketBus):
 
     def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
         super().__init__(settings, STRUCT, 1)
-        if sock is None:
-            _check_system()
-            self.reopen()
-        else:
+        if sock is not None:
             self._use(sock, set_options(sock))
+        elif hasattr(socket, "AF_CAN"):
+            self._open()
+        else:
+            raise InputError(
+                f"interface is 'socketcan', expected Linux: this Python has no AF_CAN; {OTHER}"
+            )
 
-    def reopen(self) -> bool:
-        """Open the socket anew."""
-        self._release()
+    def _open(self) -> bool:
+        self.close()
         device = self.settings.channel or "can0"
         sock = None
         try:
@@ -233,47 +228,23 @@ class SocketCanBus(SocketBus):
                 raise OSError(code, os.strerror(code))
         except OSError as error:
             let_go(sock)
+            if error.errno in NO_CAN:
+                raise InputError(
+                    "interface is 'socketcan', expected a kernel with CAN, and leave to open it: "
+                    f"this one refuses ({error.strerror}); modprobe can can_raw, or {OTHER}"
+                ) from None
             self.fault = f"{device}: {error.strerror or error}"
             if error.errno in ABSENT:
                 self.fault += f"; ip link set {device} up type can bitrate 1000000"
             return False
-        self._use(sock, set_options(sock))
-        return True
-
-
-def _check_system() -> None:
-    """Raise InputError where there is no CAN at all."""
-    other = "take interface udp, or one of python-can's (pcan, slcan, ...)"
-    if not hasattr(socket, "AF_CAN"):
-        raise InputError(
-            f"interface is 'socketcan', expected Linux: this Python has no AF_CAN; {other}"
-        )
-    try:
-        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
-    except OSError as error:
-        if error.errno in (errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT):
-            raise InputError(
-                "interface is 'socketcan', expected a kernel with CAN: this one refuses "
-                f"({error.strerror}); modprobe can can_raw, or {other}"
-            ) from None
-        if error.errno in (errno.EPERM, errno.EACCES):
-            raise InputError(
-                f"interface is 'socketcan', expected leave to open it ({error.strerror}): run "
-                f"where that is permitted, or {other}"
-            ) from None
+        return self._use(sock, set_options(sock))
 
 
 NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's own
 
 
 def python_can() -> ModuleType:
-    """The package.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
-    """
+    """The package."""
     try:
         import can
     except ImportError as error:
@@ -298,16 +269,8 @@ class PythonCanBus(Bus):
         self._bus: Any = None
         self._open()
 
-    def reopen(self) -> bool:
-        """Open it anew."""
-        try:
-            return self._open()
-        except InputError as error:
-            self.fault = str(error)
-            return False
-
     def _open(self) -> bool:
-        self._release()
+        self.close()
         name, options = self.settings.interface, dict(self.settings.options)
         if self.settings.channel:
             options["channel"] = self.settings.channel
@@ -318,16 +281,18 @@ class PythonCanBus(Bus):
         except self._can.CanInterfaceNotImplementedError as error:
             raise self._unusable(options, error) from error
         except (self._can.CanError, OSError) as error:
-            self.fault = f"{self.settings.label}: {error}"
-            return False
+            return bool(self.broke(error))
         except Exception as error:  # drivers raise whatever they do not catch
             raise self._unusable(options, error) from error
-        self.up, self.fault = True, ""
-        return True
+        try:
+            number = self._bus.fileno()
+        except Exception:  # not all have one
+            number = -1
+        return self._opened(number)
 
     def _unusable(self, options: dict[str, Any], error: Exception) -> InputError:
         return InputError(
-            f"{self.settings.label} cannot be opened with {options}, expected settings that "
+            f"{self.label} cannot be opened with {options}, expected settings that "
             f"python-can understands, and the driver installed: {type(error).__name__}: {error}"
         )
 
@@ -338,7 +303,7 @@ class PythonCanBus(Bus):
             try:
                 message = self._bus.recv(0)
             except Exception as error:  # drivers raise whatever they do not catch
-                self._broke(error)
+                self.broke(error)
                 break
             if message is None:
                 break
@@ -362,7 +327,6 @@ class PythonCanBus(Bus):
         into.data[row, : len(data)] = data
         into.data[row, len(data) :] = 0
         into.stamp_ns[row] = stamp if now - NEAR < stamp <= now else now
-        self.octets += len(data)
         return 1
 
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
@@ -376,7 +340,7 @@ class PythonCanBus(Bus):
             except self._can.CanTimeoutError:
                 return row - first
             except Exception as error:
-                self._broke(error)
+                self.broke(error)
                 return row - first
         return count
 
@@ -392,21 +356,14 @@ class PythonCanBus(Bus):
             data=None if remote else messages.data[row, :length].tobytes(),
         )
 
-    def filenos(self) -> Sequence[int]:
-        """Of the adapter, where it has one."""
-        try:
-            number = self._bus.fileno() if self._bus is not None else -1
-        except Exception:  # not all have one
-            number = -1
-        return (number,) if number >= 0 else ()
-
-    def _release(self) -> None:
-        bus, self._bus, self.up = self._bus, None, False
+    def close(self) -> None:
+        """Let go of the adapter."""
+        bus, self._bus, self.up, self.fault = self._bus, None, False, "closed"
         if bus is not None:
             try:
                 bus.shutdown()
             except Exception as error:
-                self.fault = f"{self.settings.label}: {error}"
+                self.fault = f"{self.label}: {error}"
 
 
 def open_bus(settings: BusSettings) -> Bus:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal.can import CanMessages
+from skinfield.wire.links import BreakingLink
 
 PORT = 43113  # of UDP, as python-can's bus over multicast has it
 INTERFACES = "udp, socketcan or one of python-can's"
@@ -54,7 +55,7 @@ class BusSettings:
         return f"{self.interface}:{self.channel or self.port}"
 
 
-class Bus:
+class Bus(BreakingLink):
     """An open bus; no call waits. A bus that breaks is down until `reopen` says it is back.
 
     Parameters
@@ -63,26 +64,20 @@ class Bus:
 
     Attributes
     ----------
-    up : bool
-        Whether messages can come.
-    fault : str
-        Why it is down, in words; empty while it is up.
     overflowed : int
         Messages that the system dropped for want of room, since it was opened; of UDP, datagrams.
     malformed : int
         Datagrams that were no message of classic CAN.
     errors : int
         Messages by which the bus reports an error.
-    octets : int
-        Bytes received.
     note : str
         What should be known of it, in words.
     """
 
     def __init__(self, settings: BusSettings) -> None:
-        self.settings = settings
-        self.up, self.fault, self.note = False, "", ""
-        self.overflowed = self.malformed = self.errors = self.octets = 0
+        super().__init__(settings.label)
+        self.settings, self.note = settings, ""
+        self.overflowed = self.malformed = self.errors = 0
         self._one = CanMessages(1)
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
@@ -111,27 +106,6 @@ class Bus:
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows `first` to `first + count`; how many the system took, the first ones."""
         raise NotImplementedError
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when something arrives; may be none."""
-        raise NotImplementedError
-
-    def reopen(self) -> bool:
-        """Try to get a bus back that is down; whether it is up now."""
-        raise NotImplementedError
-
-    def _broke(self, error: Exception) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {getattr(error, 'strerror', None) or error}"
-
-    def _release(self) -> None:
-        """Let go of what is open."""
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """Let go of it; a second time does nothing."""
-        self._release()
-        self.fault = "closed"
 
 
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
@@ -189,10 +163,7 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
 def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
     if bus == "udp":
         host, port = host_and_port(channel, "127.0.0.1", PORT + number)
-        if channel and listens(channel, host):
-            return BusSettings(bus, host, port)
-        named = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        return BusSettings(bus, own_address(host), 0, named)
+        return BusSettings(bus, *udp_places(channel or host, host, port))
     return can_interface(bus, channel, number, bitrate)
 
 
@@ -206,13 +177,22 @@ def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusS
     return BusSettings(bus, channel, bitrate=bitrate)
 
 
-def listens(text: str, host: str) -> bool:
-    """Whether a place is one's own: none, a port alone, or all of one's addresses."""
-    return not text or text.startswith(":") or host in ("0.0.0.0", "::")
+def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
+    """Own address and port to bind, and the peer.
 
+    No text, a port alone, or all of one's addresses listen there; any other place is the peer's,
+    which is talked with from a free port.
 
-def own_address(host: str) -> str:
-    """Address to bind for talking with a host: this machine's own, or all of its own."""
+    Parameters
+    ----------
+    text : str
+    host, port
+        What it says; see `host_and_port`.
+    """
+    if not text or text.startswith(":") or host in ("0.0.0.0", "::"):
+        return host, port, ""
     if host in ("127.0.0.1", "localhost", "::1"):
-        return "::1" if host == "::1" else "127.0.0.1"
-    return "::" if ":" in host else "0.0.0.0"
+        own = "::1" if host == "::1" else "127.0.0.1"
+    else:
+        own = "::" if ":" in host else "0.0.0.0"
+    return own, 0, f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

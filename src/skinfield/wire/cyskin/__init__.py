@@ -5,17 +5,13 @@ from skinfield.wire.cyskin.board import start_messages as start_messages
 from skinfield.wire.cyskin.board import stop_messages as stop_messages
 from skinfield.wire.cyskin.codec import CySkinDecoder as CySkinDecoder
 from skinfield.wire.cyskin.codec import CySkinEncoder as CySkinEncoder
-from skinfield.wire.cyskin.modules import CdcSpeed as CdcSpeed
 from skinfield.wire.cyskin.modules import Command as Command
 from skinfield.wire.cyskin.modules import CySkinBoard as CySkinBoard
 from skinfield.wire.cyskin.modules import CySkinModule as CySkinModule
-from skinfield.wire.cyskin.modules import Grouping as Grouping
 from skinfield.wire.cyskin.modules import Part as Part
 from skinfield.wire.cyskin.modules import Refusal as Refusal
-from skinfield.wire.cyskin.modules import boards_from_skin as boards_from_skin
 from skinfield.wire.cyskin.modules import boards_from_uids as boards_from_uids
 from skinfield.wire.cyskin.modules import on_boards as on_boards
-from skinfield.wire.cyskin.modules import on_enough_boards as on_enough_boards
 from skinfield.wire.cyskin.modules import port_of as port_of
 from skinfield.wire.cyskin.modules import skin_on_boards as skin_on_boards
 from skinfield.wire.cyskin.modules import uids_of as uids_of
@@ -26,5 +22,4 @@ from skinfield.wire.cyskin.wire import Crc as Crc
 from skinfield.wire.cyskin.wire import CySkinWire as CySkinWire
 from skinfield.wire.cyskin.wire import Sum as Sum
 from skinfield.wire.cyskin.wire import Unchecked as Unchecked
-from skinfield.wire.cyskin.wire import checksum_of as checksum_of
 from skinfield.wire.cyskin.wire import matching_checksums as matching_checksums

@@ -7,27 +7,20 @@ the answers' fields is that of their arguments. Numbers of several octets have t
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from skinfield.errors import check_count
 from skinfield.wire.cyskin.modules import (
     EVERY_MODULE,
-    CdcSpeed,
     Command,
     CySkinBoard,
     CySkinModule,
-    Grouping,
     Refusal,
 )
 from skinfield.wire.cyskin.wire import CySkinWire, Message
 
 PERIOD_MS = 50  # as the makers' own start
+SINGLY = 0  # grouping of a module's sensors: none are read together
 Packet = tuple[int, bytes]  # command, data
-
-
-def order_of(wire: CySkinWire) -> Literal["big", "little"]:
-    """Of the octets of a number."""
-    return "big" if wire.big_endian else "little"
 
 
 def start_messages(
@@ -35,7 +28,6 @@ def start_messages(
     wire: CySkinWire | None = None,
     *,
     period_ms: int = PERIOD_MS,
-    grouping: Grouping = Grouping.NONE,
 ) -> list[Message]:
     """CAN messages that let boards send readings by themselves.
 
@@ -49,16 +41,14 @@ def start_messages(
     wire : CySkinWire
     period_ms : int, ms
         Between two readings, 1 to 65535.
-    grouping : Grouping
-        Sensors that are read together; none in ordinary use.
     """
     check_count("period_ms", period_ms, 1, 0xFFFF, "ms between two readings")
     wire = wire or CySkinWire()
-    period = period_ms.to_bytes(2, order_of(wire))
+    period = wire.number(period_ms, 2)
     messages: list[Message] = []
     for board in boards:
         for command, data in (
-            (Command.SET_MODULE_GROUPING, bytes([EVERY_MODULE, grouping])),
+            (Command.SET_MODULE_GROUPING, bytes([EVERY_MODULE, SINGLY])),
             (Command.SET_AUTO_SYNC_PERIOD, period),
             (Command.SET_AUTO_SYNC, b"\x01"),
         ):
@@ -87,9 +77,6 @@ class CySkinBoardState:
     sending : bool
         Whether it sends readings by itself: automatic synchronisation.
     period_ms : int, ms
-    grouping : Grouping
-        Of all modules alike.
-    cdc_speed : int
     syncs : int
         How often it was asked for one reading.
     ignored : int
@@ -100,32 +87,23 @@ class CySkinBoardState:
     wire: CySkinWire
     sending: bool = False
     period_ms: int = PERIOD_MS
-    grouping: int = Grouping.NONE
-    cdc_speed: int = CdcSpeed.SLOW
     syncs: int = 0
     ignored: int = 0
 
     def after(self, command: int, data: bytes) -> tuple["CySkinBoardState", list[Packet]]:
         """State after a packet of the host, and the packets that it answers with."""
-        order = order_of(self.wire)
         match command, len(data):
             case Command.SET_AUTO_SYNC, n if n >= 1:
                 return replace(self, sending=bool(data[0])), []
             case Command.SET_AUTO_SYNC_PERIOD, n if n >= 2:
-                period = int.from_bytes(data[:2], order)
+                period = int.from_bytes(data[:2], "big" if self.wire.big_endian else "little")
                 if period == 0:
                     return self._refused(command, Refusal.INVALID)
                 return replace(self, period_ms=period), []
             case Command.SET_MODULE_GROUPING, n if n >= 2:
-                return replace(self, grouping=data[1]), [(command, data[:1])]
-            case Command.CDC_SPEED, n if n >= 2:
-                return replace(self, cdc_speed=data[1]), [(command, data[:2])]
+                return self, [(command, data[:1])]
             case Command.SYNC, _:
                 return replace(self, syncs=self.syncs + 1), []
-            case Command.PING, _:
-                return self, [(command, data)]
-            case Command.UID, _:
-                return self, [(command, self.board.number.to_bytes(4, order))]
             case Command.DECLARE, _:
                 sensors = [len(module.sensors) for module in self.board.modules]
                 return self, [(command, bytes([len(sensors), 0, *sensors]))]
@@ -144,14 +122,8 @@ class CySkinBoardState:
 
     def _detail(self, place: int, module: CySkinModule) -> bytes:
         """Index u8, sui u32, sensors u8, grouping u8, uncut u16, control and speed of the CDC."""
-        order = order_of(self.wire)
-        return (
-            bytes([place])
-            + module.sui.to_bytes(4, order)
-            + bytes([len(module.sensors), self.grouping])
-            + module.uncut.to_bytes(2, order)
-            + bytes([0, self.cdc_speed])
-        )
+        sui, uncut = self.wire.number(module.sui, 4), self.wire.number(module.uncut, 2)
+        return bytes([place]) + sui + bytes([len(module.sensors), SINGLY]) + uncut + bytes(2)
 
     def _refused(self, command: int, error: Refusal) -> tuple["CySkinBoardState", list[Packet]]:
         state = replace(self, ignored=self.ignored + 1)

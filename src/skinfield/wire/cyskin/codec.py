@@ -18,7 +18,7 @@ from skinfield.wire.cyskin.modules import (
     checked_boards,
     uids_of,
 )
-from skinfield.wire.cyskin.wire import CySkinWire, table_of
+from skinfield.wire.cyskin.wire import CySkinWire
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +92,9 @@ class CySkinDecoder(CanDecoder):
     - `FOREIGN`: sensor data of a module or sensor that the board does not have, and packets that
       begin with a sequence number.
 
-    A message that comes twice is `DUPLICATED` too: a first or last one that repeats the one before
-    it, and a middle one without which length and checksum of its packet are right. One that comes
-    after a later one spoils its packet, which shows as lost or malformed.
+    A first or last message that repeats the one before it is `DUPLICATED` too. A middle one that
+    comes twice, and any that comes after a later one, spoils its packet, which shows as lost or
+    malformed.
     """
 
     def __init__(
@@ -107,7 +107,7 @@ class CySkinDecoder(CanDecoder):
         self.table = sensor_table(self.boards, bus)
         count = len(self.table.numbers)
         self._check = self.wire.checksum.numbers
-        self._sums = table_of(self.wire.checksum)
+        self._sums = self.wire.checksum.table
         self._packets: Octets = np.zeros((count, ROOM), np.uint8)
         self._used: Ints = np.full(count, IDLE, np.int64)
         self._previous: Ints = np.zeros(count, np.int64)
@@ -184,28 +184,12 @@ class CySkinEncoder:
     @property
     def messages_per_reading(self) -> int:
         """CAN messages of one reading of all boards of the bus."""
-        fixed = 4 + int(self.wire.checksum.numbers[1])  # octets beside the responses
-        total = 0
-        for row, count in enumerate(self.table.counts):
-            sensors = int(self.table.begins[row, count] - self.table.begins[row, 0])
-            whole, rest = divmod(sensors, self.per_packet)
-            for packets, responses in ((whole, self.per_packet), (bool(rest), rest)):
-                total += packets * -(-(fixed + 2 * responses) // 8)
-        return total
+        fixed = 2 + self.wire.checksum.octets  # octets of a packet before and behind its data
+        boards = range(len(self.table.numbers))
+        return sum(-(-(fixed + len(d)) // 8) for each in boards for d in self._readings(each))
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
-        """Write one reading of each board that sends, from row `first` on.
-
-        Returns
-        -------
-        int
-            The row behind the last one.
-
-        Raises
-        ------
-        InputError
-            If `messages` has too few rows.
-        """
+        """Write one reading of each board that sends, from row `first` on; the row behind."""
         check_count("first", first, 0, len(messages), "row of the messages")
         row = first
         for board in np.flatnonzero(self.sends).tolist():

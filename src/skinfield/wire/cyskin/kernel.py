@@ -22,7 +22,7 @@ RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as
 EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
 FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
-ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and copies
+ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and some too many
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
 
 
@@ -146,67 +146,6 @@ def is_copy(
     for k in range(length):
         same = same and packet[at + k] == data[message, k]
     return same
-
-
-@inner
-def next_copy(packet: Octets, at: int, stop: int) -> int:
-    """First message of a packet from `at` on, before `stop`, that repeats the one before; or 0."""
-    while at < stop:
-        same = True
-        for k in range(8):
-            same = same and packet[at + k] == packet[at - 8 + k]
-        if same:
-            return at
-        at += 8
-    return 0
-
-
-@inner
-def drop_copies(packet: Octets, length: int) -> int:
-    """Take out all messages but the last that repeat the one before; their octets."""
-    to, copy = 8, next_copy(packet, 8, length - 8)
-    for at in range(8, length, 8):
-        if at == copy:
-            copy = next_copy(packet, at + 8, length - 8)
-            continue
-        for k in range(min(8, length - at)):
-            packet[to + k] = packet[at + k]
-        to += 8
-    return int(((length - 1) | 7) + 1 - to)
-
-
-@inner
-def is_whole(packet: Octets, length: int, extra: int, check: Table, table: Table) -> bool:
-    """Whether the checksum is right, once messages that came twice are taken out.
-
-    Where several are too many, it must be as many as repeat the one before; where it is one, it is
-    looked for among those that repeat.
-
-    Parameters
-    ----------
-    extra : int
-        Octets that are too many: 0, or those of whole messages.
-    """
-    copy = 0
-    if extra == 8:
-        copy = next_copy(packet, 8, length - 8)
-        if copy == 0:
-            return False
-    elif extra > 0 and drop_copies(packet, length) != extra:
-        return False
-    while True:
-        if copy:
-            for k in range(copy, length - 8):
-                packet[k] = packet[k + 8]
-        if is_summed(packet, 0, length - extra - check[1], check, table):
-            return True
-        if copy == 0:
-            return False
-        for k in range(length - 9, copy - 9, -1):  # put it back
-            packet[k + 8] = packet[k]
-        copy = next_copy(packet, copy + 8, length - 8)
-        if copy == 0:
-            return False
 
 
 @inner
@@ -361,10 +300,9 @@ def is_good(packet: Octets, length: int, check: Table, table: Table, counters: I
     if extra < 0:
         counters[LOST] += (7 - extra) >> 3
         return False
-    if extra & 7 or not is_whole(packet, length, extra, check, table):
+    if extra > 0 or not is_summed(packet, 0, length - tail, check, table):
         counters[MALFORMED] += 1
         return False
-    counters[DUPLICATED] += extra >> 3
     return True
 
 

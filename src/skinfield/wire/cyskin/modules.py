@@ -6,8 +6,8 @@ is `sui << 4 | s`. Number 0 is the module's temperature: it has a channel, which
 Sensors that were cut off are left out of what a board sends, so their channels stay empty.
 """
 
+import math
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 
@@ -21,7 +21,6 @@ from skinfield.skin.patch import Skin
 SENSORS = 12  # of a module; number 0 is its temperature
 MODULES = 248  # of a board
 EVERY_MODULE = 255
-MOST_BOARDS = 16
 LONGEST_DATA = 255  # octets, as one octet says how many
 RESPONSES = 126  # in one packet of sensor data at most: (255 - 2) / 2
 
@@ -44,60 +43,21 @@ class Part(IntFlag):
 class Command(IntEnum):
     """First octet of an application packet, and of the answer to it."""
 
-    DISCOVERY_PING = 0x10
-    DISCOVERY_RECEIVE_ID = 0x11
-    PING = 0x12
     ERROR = 0x13
-    COLD_REBOOT = 0x32
-    WARM_REBOOT = 0x33
     SET_MODULE_GROUPING = 0x36
     SET_AUTO_SYNC = 0x37
     SET_AUTO_SYNC_PERIOD = 0x38
-    SET_SPI_SPEED = 0x39
-    GET_SPI_SPEED = 0x3A
     SYNC = 0x3B
     DECLARE = 0x3C
     MODULE_DETAILS = 0x3D
-    VERSION = 0x3E
-    UID = 0x41
-    CDC_SPEED = 0x42
     SENSOR_DATA = 0x43
-    CDC_CONTROL = 0x44
-    PHASE_SHIFT = 0x45
-    SET_CUT_SENSORS = 0x47
-
-
-class Grouping(IntEnum):
-    """Which sensors of a module are read together."""
-
-    NONE = 0x00
-    THREE = 0x50
-    ALL = 0xF0
-    AUTO = 0x88
-
-
-class CdcSpeed(IntEnum):
-    """Decimation of the converter."""
-
-    SLOW = 0  # 256
-    AVERAGE = 1  # 128
-    FAST = 2  # 64
 
 
 class Refusal(IntEnum):
     """Error codes of an `ERROR` answer."""
 
-    FAILED = 0xE1
     UNSUPPORTED = 0xE2
     INVALID = 0xE3
-    NO_COMMAND = 0xE4
-    NO_ARGUMENT = 0xE5
-    FORMAT = 0xE6
-    CHECKSUM = 0xE7
-    NO_ROOM = 0xE8
-    WRONG_PHASE = 0xE9
-    BUSY = 0xEA
-    COMPONENT = 0xEB
 
 
 @dataclass(frozen=True)
@@ -150,13 +110,7 @@ class CySkinBoard:
 
 
 def checked_boards(boards: Iterable[CySkinBoard]) -> tuple[CySkinBoard, ...]:
-    """Boards as a tuple.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one of a bus or a module stands there twice.
-    """
+    """Boards as a tuple."""
     boards = tuple(boards)
     addresses = [(board.bus, board.number) for board in boards]
     if not boards or len(set(addresses)) < len(addresses):
@@ -177,9 +131,9 @@ def channels_of(boards: Sequence[CySkinBoard]) -> int:
     return SENSORS * sum(len(board.modules) for board in boards)
 
 
-def port_of(name: str, boards: Iterable[CySkinBoard]) -> Port:
+def port_of(boards: Sequence[CySkinBoard]) -> Port:
     """Port of such boards."""
-    return Port(name, channels_of(checked_boards(boards)))
+    return Port("skin", channels_of(boards))
 
 
 def uids_of(boards: Sequence[CySkinBoard]) -> tuple[Uids, Ints]:
@@ -239,14 +193,6 @@ def boards_from_uids(
     )
 
 
-def boards_from_skin(
-    skin: Skin, numbers: Sequence[int] = (1,), *, temperature: bool = True
-) -> tuple[CySkinBoard, ...]:
-    """Boards for all taxels of a skin by their uids, see `boards_from_uids`."""
-    uids = np.concatenate([patch.uid for patch in skin])
-    return boards_from_uids(uids, numbers, temperature=temperature)
-
-
 def skin_on_boards(skin: Skin, boards: Iterable[CySkinBoard]) -> Skin:
     """The same skin, its taxels on the channels of such boards.
 
@@ -271,7 +217,9 @@ def skin_on_boards(skin: Skin, boards: Iterable[CySkinBoard]) -> Skin:
     return replace(skin, patches=tuple(patches))
 
 
-def on_boards(skin: Skin, numbers: Sequence[int] = (1,)) -> tuple[Skin, tuple[CySkinBoard, ...]]:
+def on_boards(
+    skin: Skin, numbers: Sequence[int] | None = None
+) -> tuple[Skin, tuple[CySkinBoard, ...]]:
     """Boards for any skin, and the skin on their channels.
 
     Uids that are CySkin's are kept. Others, such as the rows of a layout that has none, are made
@@ -281,23 +229,18 @@ def on_boards(skin: Skin, numbers: Sequence[int] = (1,)) -> tuple[Skin, tuple[Cy
     ----------
     skin : Skin
     numbers : sequence of int
-        Of the boards.
+        Of the boards; default 1, 2, ... as many as the modules need.
     """
     uids = np.concatenate([patch.uid for patch in skin])
     if len(np.unique(uids)) < len(uids) or (uids & np.uint64(15) >= SENSORS).any():
         skin = _with_new_uids(skin)
-    uids = np.concatenate([patch.uid for patch in skin])
+        uids = np.concatenate([patch.uid for patch in skin])
+    if numbers is None:
+        modules = len(np.unique(uids >> np.uint64(4)))
+        numbers = range(1, 1 + math.ceil(modules / MODULES))
     temperature = bool((uids & np.uint64(15) != 0).all())
     boards = boards_from_uids(uids, numbers, temperature=temperature)
     return skin_on_boards(skin, boards), boards
-
-
-def on_enough_boards(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
-    """As `on_boards`, with boards 1, 2, ... as many as the modules need."""
-    for count in range(1, MOST_BOARDS):
-        with suppress(InputError):  # more modules than so many boards carry
-            return on_boards(skin, range(1, count + 1))
-    return on_boards(skin, range(1, MOST_BOARDS + 1))
 
 
 def _with_new_uids(skin: Skin) -> Skin:

@@ -22,16 +22,17 @@ next may be on their way already.
 """
 
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from skinfield.errors import InputError, Ints, check_count
 from skinfield.signal import Blocks, Count
 from skinfield.wire.cyskin.modules import CySkinBoard, channels_of, checked_boards, uids_of
+from skinfield.wire.links import BreakingLink
 
 HEADER_WORDS, HEADER_KEY, DATA_KEY = 10, 450, 64
 DATA_HEAD = 3  # words before the uids
@@ -39,32 +40,10 @@ HIGHEST = 65535  # of a response
 MOST = 1 << 20  # sensors that a header may speak of
 
 Words32 = NDArray[np.uint32]
-IPC_CREAT, IPC_RMID, IPC_STAT, SHM_RDONLY = 0o1000, 0, 2, 0o10000
+IPC_STAT, SHM_RDONLY = 2, 0o10000
 SIZE_AT = 48  # octet of shm_segsz in struct shmid_ds, on Linux of 64 bits
 TRIES = 4  # snapshots before what is torn is left for the next poll
 HIGHEST_KEY = 2**31 - 1
-
-
-def data_words(sensors: int) -> int:
-    """Words of the data of so many sensors."""
-    return 2 * sensors + DATA_HEAD
-
-
-def words_from_uids(uids: ArrayLike) -> Words32:
-    """Uids (N,) as the memory holds them.
-
-    Raises
-    ------
-    InputError
-        If one has more than 32 bits.
-    """
-    values = np.asarray(uids, np.uint64)
-    if (values >> np.uint64(32)).any():
-        raise InputError(
-            f"uid {int(values.max())} has more than 32 bits, expected sui << 4 | sensor with a sui "
-            "of 28: the shared memory holds no more"
-        )
-    return values.astype(np.uint32)
 
 
 class SensorOrder:
@@ -85,14 +64,12 @@ class SensorOrder:
         boards = checked_boards(boards)
         uids, channels = uids_of(boards)
         order = np.argsort(uids)
-        self._known, self._channels = words_from_uids(uids[order]), channels[order]
+        self._known, self._channels = uids[order], channels[order]
         self.channels = channels_of(boards)
         self.unknown = 0
         self._uids: Words32 = np.zeros(0, np.uint32)
         self._take: Ints = np.zeros(0, np.int64)
         self._runs: Ints = np.zeros(0, np.int64)
-        self._long: Words32 = np.zeros(0, np.uint32)
-        self._shorts: NDArray[np.uint16] = np.zeros(0, np.uint16)
 
     def follow(self, uids: Words32) -> None:
         """Learn where the uids of the next responses belong; costs little if they are the same."""
@@ -105,8 +82,6 @@ class SensorOrder:
         _, first = np.unique(channels, return_index=True)  # sorts, and of twins takes the first
         self._take = np.flatnonzero(found)[first]
         self._runs = channels[first]
-        self._long = np.zeros(len(first), np.uint32)
-        self._shorts = np.zeros(len(first), np.uint16)
         self.unknown = len(uids) - len(first)
 
     def put(
@@ -115,93 +90,75 @@ class SensorOrder:
         """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
         from skinfield.wire.cyskin.kernel import put_pairs
 
-        np.take(
-            responses, self._take, out=self._long, mode="clip"
-        )  # which needs no room of its own
-        self._shorts[:] = self._long
+        shorts = responses[self._take].astype(np.uint16)
         return bool(
             put_pairs(
                 blocks.words, blocks.octets, blocks.end, now_ns, channel, self._runs, 0,
-                len(self._runs), self._shorts.view(np.uint8), 0, False, counters,
+                len(self._runs), shorts.view(np.uint8), 0, False, counters,
             )
         )  # fmt: skip
 
 
 class Area:
-    """One area of shared memory, as uint32 words.
+    """One area of shared memory as uint32 words, which are only read.
 
     Parameters
     ----------
     key : int
     words : int
         That are mapped.
-    create : bool
-        Make it, and write; otherwise it must be there, and is only read.
 
     Raises
     ------
     OSError
-        If the system refuses: it is not there, or belongs to someone else.
+        If it is not there, or belongs to someone else.
     InputError
         If it is smaller than that.
     """
 
-    def __init__(self, key: int, words: int, *, create: bool = False) -> None:
-        self.key = key
-        size = 4 * words if create else 0  # any size: the maker's tool makes its header too small
-        self.number = area_number(key, size, 0o600 | IPC_CREAT if create else 0)
-        if self.number < 0:
+    def __init__(self, key: int, words: int) -> None:
+        self.key, self.number = key, area_number(key)
+        status = ctypes.create_string_buffer(256)
+        if self.number < 0 or libc().shmctl(self.number, IPC_STAT, status) < 0:
             raise OSError(ctypes.get_errno(), f"shared memory with key {key} is not there")
-        held = _held(self.number)
-        if held < 4 * words and not (words == HEADER_WORDS and held >= HEADER_WORDS):
+        size = int.from_bytes(status.raw[SIZE_AT : SIZE_AT + 8], "little")
+        # The maker's tool makes its header of 10 bytes. A page has 4096, so 40 are there even so.
+        if size < 4 * words and not (words == HEADER_WORDS and size >= HEADER_WORDS):
             raise InputError(
-                f"shared memory with key {key} has {held} bytes, expected {4 * words}: of another "
+                f"shared memory with key {key} has {size} bytes, expected {4 * words}: of another "
                 "program, or another number of sensors"
             )
-        address = _libc().shmat(self.number, None, 0 if create else SHM_RDONLY)
-        if address in (None, ctypes.c_void_p(-1).value):
+        self._address = libc().shmat(self.number, None, SHM_RDONLY)
+        if self._address in (None, ctypes.c_void_p(-1).value):
             raise OSError(ctypes.get_errno(), f"shared memory with key {key} cannot be mapped")
-        self._address = address
-        # A page holds 4096 bytes, so 40 are there even where the area says that it has 10.
-        self.words: Words32 = np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
-        self.words.flags.writeable = create  # the system would end the process instead
+        mapped = (ctypes.c_uint32 * words).from_address(self._address)
+        self.words: Words32 = np.ctypeslib.as_array(mapped)
+        self.words.flags.writeable = False  # the system would end the process instead
 
     def close(self) -> None:
         """Unmap it; `words` must not be used after that."""
-        if self._address is not None:
-            self.words = np.zeros(0, np.uint32)
-            _libc().shmdt(self._address)
-            self._address = None
-
-    def remove(self) -> None:
-        """Let the system forget it as soon as nobody maps it."""
-        _libc().shmctl(self.number, IPC_RMID, None)
+        self.words = np.zeros(0, np.uint32)
+        libc().shmdt(self._address)
 
 
-def area_number(key: int, size: int = 0, flags: int = 0) -> int:
+def area_number(key: int) -> int:
     """Number by which the system knows an area now; -1 if there is none."""
-    return int(_libc().shmget(key, size, flags))
-
-
-def _held(number: int) -> int:
-    status = ctypes.create_string_buffer(256)
-    if _libc().shmctl(number, IPC_STAT, status) < 0:
-        raise OSError(ctypes.get_errno(), "the size of the shared memory cannot be read")
-    return int.from_bytes(status.raw[SIZE_AT : SIZE_AT + 8], "little")
+    return int(libc().shmget(key, 0, 0))
 
 
 @cache
-def _libc() -> Any:
-    libc = ctypes.CDLL(None, use_errno=True)
-    libc.shmget.argtypes = [ctypes.c_int, ctypes.c_size_t, ctypes.c_int]
-    libc.shmat.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_int]
-    libc.shmat.restype = ctypes.c_void_p
-    libc.shmdt.argtypes = [ctypes.c_void_p]
-    libc.shmctl.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_void_p]
-    return libc
+def libc() -> Any:
+    """The system's calls."""
+    calls = ctypes.CDLL(None, use_errno=True)
+    calls.shmget.argtypes = [ctypes.c_int, ctypes.c_size_t, ctypes.c_int]
+    calls.shmat.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_int]
+    calls.shmat.restype = ctypes.c_void_p
+    calls.shmdt.argtypes = [ctypes.c_void_p]
+    calls.shmctl.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_void_p]
+    return calls
 
 
-class SharedMemoryReader:
+class SharedMemoryReader(BreakingLink):
     """New samples of the tool's shared memory, as blocks.
 
     Each sample is copied until two copies in a row are the same, as the writer takes no lock; that
@@ -214,43 +171,17 @@ class SharedMemoryReader:
         Modules of the port, which give each uid its channel.
     key : int
         Of the header. 450 is the tool's.
-
-    Attributes
-    ----------
-    up : bool
-        Whether the memory is there.
-    torn : int
-        Reads that were given up, as the writer was writing each time.
     """
 
     def __init__(self, boards: Iterable[CySkinBoard], key: int = HEADER_KEY) -> None:
         check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
-        self.key, self.order, self.torn = key, SensorOrder(boards), 0
+        super().__init__(f"shared memory with key {key}")
+        self.key, self.order, self.fault = key, SensorOrder(boards), f"{self.label}: no tool runs"
         self._areas: tuple[Area, Area] | None = None
         self._copies: Words32 = np.zeros((2, 0), np.uint32)
         self._sample = -1
 
-    @property
-    def channels(self) -> int:
-        """Of the port: 12 per module."""
-        return self.order.channels
-
-    @property
-    def up(self) -> bool:
-        """See above."""
-        return self._areas is not None
-
-    @property
-    def fault(self) -> str:
-        """Why it is not up."""
-        return "" if self.up else f"no shared memory with key {self.key}: no tool runs"
-
-    def filenos(self) -> Sequence[int]:
-        """None: memory tells nobody."""
-        return ()
-
-    def reopen(self) -> bool:
-        """Map the memory if it is there; whether it is. Harmless when it is mapped already."""
+    def _open(self) -> bool:
         if self._areas is not None:
             return True
         try:
@@ -260,13 +191,13 @@ class SharedMemoryReader:
         sensors, _, key = header.words[:3].tolist()
         try:
             check_count("sensors in the header", sensors, 1, MOST, "none yet: it is being made")
-            data = Area(key or DATA_KEY, data_words(sensors))
+            data = Area(key or DATA_KEY, 2 * sensors + DATA_HEAD)
         except (OSError, InputError):  # between the writer's two steps, or another program's
             header.close()
             return False
         self._areas, self._sample = (header, data), -1
         self._copies = np.zeros((2, len(data.words)), np.uint32)
-        return True
+        return self._opened(-1)
 
     def read(self, blocks: Blocks, channel: int, counters: Ints, now_ns: int) -> int:
         """Append the newest sample if it is new; samples taken, 0 or 1.
@@ -310,7 +241,7 @@ class SharedMemoryReader:
         assert self._areas is not None
         if all(area_number(area.key) == area.number for area in self._areas):
             return True
-        self.close()
+        self.broke("no tool runs")
         return False
 
     def _copied(self, words: Words32) -> bool:
@@ -325,7 +256,6 @@ class SharedMemoryReader:
             if np.array_equal(one, other):
                 return True
             np.copyto(one, other)
-        self.torn += 1
         return False
 
     def close(self) -> None:
@@ -333,4 +263,4 @@ class SharedMemoryReader:
         if self._areas is not None:
             for area in self._areas:
                 area.close()
-            self._areas = None
+        self._areas, self.up = None, False

@@ -8,6 +8,7 @@ public, so it is a setting: take `matching_checksums` with packets of your board
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from skinfield.wire.cyskin.modules import (
 
 Table = NDArray[np.int64]
 SUM, CRC, UNCHECKED = 0, 1, 2  # how a kernel goes about it
+NO_TABLE: Table = np.zeros(256, np.int64)
 POLYNOMIALS_8 = (0x07, 0x31, 0x9B, 0xD5, 0x1D, 0x2F, 0x39, 0xA7)
 POLYNOMIALS_16 = (0x1021, 0x8005, 0x3D65, 0x8BB7)
 Message = tuple[int, bytes]  # identifier, data
@@ -66,12 +68,20 @@ class Crc:
             [CRC, self.octets, self.begin, self.final, self.reflected, self.high_first], np.int64
         )
 
+    @property
+    def table(self) -> Table:
+        """What each octet contributes (256,), for the kernels."""
+        return _crc_table(self.octets, self.polynomial, self.reflected)
 
-def table_of(checksum: "Checksum") -> Table:
-    """What each octet contributes to a CRC (256,), for the kernels; others need none."""
-    if not isinstance(checksum, Crc):
-        return np.zeros(256, np.int64)
-    return _crc_table(checksum.octets, checksum.polynomial, checksum.reflected).copy()
+    def of(self, data: bytes) -> bytes:
+        """Octets that follow `data`."""
+        table, crc, mask = self.table.tolist(), self.begin, (1 << 8 * self.octets) - 1
+        for octet in data:
+            if self.reflected:
+                crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
+            else:
+                crc = crc << 8 & mask ^ table[crc >> (8 * self.octets - 8) ^ octet]
+        return (crc ^ self.final).to_bytes(self.octets, "big" if self.high_first else "little")
 
 
 @cache
@@ -100,11 +110,17 @@ class Sum:
     """
 
     negated: bool = True
+    octets: ClassVar[int] = 1
+    table: ClassVar[Table] = NO_TABLE
 
     @property
     def numbers(self) -> Table:
-        """How, octets, begin, final, reflected, high first: for the kernels."""
+        """See `Crc`."""
         return np.array([SUM, 1, 0, self.negated, 0, 0], np.int64)
+
+    def of(self, data: bytes) -> bytes:
+        """Octet that follows `data`."""
+        return bytes([(-sum(data) if self.negated else sum(data)) & 0xFF])
 
 
 @dataclass(frozen=True)
@@ -118,34 +134,22 @@ class Unchecked:
     """
 
     octets: int = 1
+    table: ClassVar[Table] = NO_TABLE
 
     def __post_init__(self) -> None:
         check_count("octets", self.octets, 0, 2, "of the checksum that is not looked at")
 
     @property
     def numbers(self) -> Table:
-        """How, octets, begin, final, reflected, high first: for the kernels."""
+        """See `Crc`."""
         return np.array([UNCHECKED, self.octets, 0, 0, 0, 0], np.int64)
+
+    def of(self, data: bytes) -> bytes:
+        """Zeros."""
+        return bytes(self.octets)
 
 
 Checksum = Crc | Sum | Unchecked
-
-
-def checksum_of(data: bytes, checksum: Checksum) -> bytes:
-    """Octets that follow `data`."""
-    how, octets, begin, final, reflected, high_first = checksum.numbers.tolist()
-    if how == UNCHECKED:
-        return bytes(octets)
-    if how == SUM:
-        total = sum(data) & 0xFF
-        return bytes([-total & 0xFF if final else total])
-    table, crc, mask = table_of(checksum).tolist(), int(begin), (1 << 8 * octets) - 1
-    for octet in data:
-        if reflected:
-            crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
-        else:
-            crc = crc << 8 & mask ^ table[crc >> (8 * octets - 8) ^ octet]
-    return int(crc ^ final).to_bytes(octets, "big" if high_first else "little")
 
 
 def usual_checksums() -> Iterator[Checksum]:
@@ -203,8 +207,8 @@ def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
 
 
 def _fits(packet: bytes, checksum: Checksum) -> bool:
-    body, rest = packet[: 2 + packet[1]], packet[2 + packet[1] :]
-    return checksum_of(body, checksum) == rest
+    end = 2 + packet[1]
+    return checksum.of(packet[:end]) == packet[end:]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,6 +235,10 @@ class CySkinWire:
         """Number of a board that means all of them."""
         return EXTENDED_ID if self.extended else STANDARD_ID
 
+    def number(self, value: int, octets: int) -> bytes:
+        """A number of several octets."""
+        return value.to_bytes(octets, "big" if self.big_endian else "little")
+
     def identifier(self, board: int, part: Part) -> int:
         """CAN identifier, with the bit `EXTENDED` where it has 29 bits."""
         check_count("board", board, 0, self.every_board, "number of a board, or of all")
@@ -251,7 +259,7 @@ class CySkinWire:
         check_count("command", command, FIRST_COMMAND, 255, "an octet; below are numbers")
         check_count("octets of data", len(data), 0, LONGEST_DATA, "split it up")
         body = bytes([command, len(data)]) + data
-        return body + checksum_of(body, self.checksum)
+        return body + self.checksum.of(body)
 
     def messages(self, board: int, packet: bytes) -> Iterator[Message]:
         """CAN messages that carry a packet to or from a board."""
@@ -271,15 +279,15 @@ class CySkinWire:
         InputError
             If it is shorter or longer than it says, or its checksum is wrong.
         """
-        tail = int(self.checksum.numbers[1])
+        tail = self.checksum.octets
         if len(packet) < 2 or len(packet) != 2 + packet[1] + tail:
             raise InputError(
                 f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
                 f"octets of data and {tail} of checksum"
             )
         body, rest = packet[: len(packet) - tail], packet[len(packet) - tail :]
-        expected = checksum_of(body, self.checksum)
-        if rest != expected and self.checksum.numbers[0] != 2:
+        expected = self.checksum.of(body)
+        if rest != expected and not isinstance(self.checksum, Unchecked):
             raise InputError(
                 f"packet {packet.hex()} ends with the checksum {rest.hex()}, expected "
                 f"{expected.hex()}: it is damaged, or the board sums in another way; see "

@@ -3,7 +3,6 @@
 from skinfield.wire.icub.codec import ICubDecoder as ICubDecoder
 from skinfield.wire.icub.codec import ICubEncoder as ICubEncoder
 from skinfield.wire.icub.codec import gains_of as gains_of
-from skinfield.wire.icub.codec import port_of as port_of
 from skinfield.wire.icub.codec import triangle_payloads as triangle_payloads
 from skinfield.wire.icub.commands import BOARD_CHANNELS as BOARD_CHANNELS
 from skinfield.wire.icub.commands import BOARDS as BOARDS
@@ -23,7 +22,6 @@ from skinfield.wire.icub.commands import addressed_board as addressed_board
 from skinfield.wire.icub.commands import command_from as command_from
 from skinfield.wire.icub.commands import host_message as host_message
 from skinfield.wire.icub.commands import message_id as message_id
-from skinfield.wire.icub.commands import skin_type as skin_type
 from skinfield.wire.icub.configuration import BoardSettings as BoardSettings
 from skinfield.wire.icub.configuration import ICubConfiguration as ICubConfiguration
 from skinfield.wire.icub.configuration import configuration_for as configuration_for

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import InputError, Ints, check_count, check_range, check_shape
-from skinfield.signal import Blocks, CanDecoder, CanMessages, Port
+from skinfield.signal import Blocks, CanDecoder, CanMessages, Status
 from skinfield.signal.block import Octets
 from skinfield.signal.boards import GAINS, GAINS_V2, PAD
 from skinfield.wire.icub.commands import (
@@ -16,14 +16,15 @@ from skinfield.wire.icub.commands import (
     TRIANGLES,
     BoardState,
     Firmware,
-    MessageClass,
     SkinType,
+    TriangleState,
     message_id,
-    skin_type,
 )
 
 MESSAGES, PERIOD = 0, 2  # columns of what is learned of each board, as in `kernel`
-BOTH = (MessageClass.ANALOG, MessageClass.SKIN)
+HEAD, TAIL = 0x40, 0xC0  # first octets of a triangle's two messages
+HEAD_TAXELS = 7  # in the first of them
+UNPLUGGED = 0xFFFF  # what all converters of a triangle read that is not there
 
 
 class ICubDecoder(CanDecoder):
@@ -39,8 +40,6 @@ class ICubDecoder(CanDecoder):
         Of the whole port, in the order of its channels; those of other buses keep their places.
     bus : int
         Whose messages this decoder reads.
-    classes : iterable of MessageClass
-        That carry readings: configured boards send class 4, others class 3. Default both.
     period : float, s
         Of the boards' readings, as they were told; what they really keep is learned.
 
@@ -50,11 +49,10 @@ class ICubDecoder(CanDecoder):
     classes, extended identifiers, and the debug messages with identifier 0x100.
 
     A triangle sends head, tail, head, tail. While that order holds, nothing is counted. A part of
-    the same kind and data again, of the same reading, is DUPLICATED and makes no block. Else two
-    heads in a row are one LOST tail, two tails one LOST head; unless the missing part comes within
-    the same reading after, which is SWAPPED. That a part is missing shows by the next reading of
-    its triangle. A whole reading that is missing leaves no trace here, other than the age of its
-    channels. How a reading is told from the next one, see `kernel`.
+    the same kind and data once more, of the same reading, is DUPLICATED and makes no block. Else
+    two heads in a row are one LOST tail, two tails one LOST head. That a part is missing shows by
+    the next reading of its triangle. A whole reading that is missing leaves no trace here, other
+    than the age of its channels. How a reading is told from the next one, see `kernel`.
     """
 
     def __init__(
@@ -62,18 +60,16 @@ class ICubDecoder(CanDecoder):
         boards: Iterable[tuple[int, int]],
         bus: int = 0,
         *,
-        classes: Iterable[MessageClass] = BOTH,
         period: float = 0.05,
     ) -> None:
         self.boards = checked_boards(boards)
         check_range("period", period, 1e-4, 10.0, "seconds between two readings of a triangle")
-        self._classes = sum(1 << int(MessageClass(each)) for each in set(classes))
         self._positions = np.full(BOARDS, -1, np.int64)
         for place, (its_bus, address) in enumerate(self.boards):
             if its_bus == bus:
                 self._positions[address] = place
         self._state = np.zeros(BOARDS * TRIANGLES, np.uint8)
-        self._events: Ints = np.zeros((3 * BOARDS * TRIANGLES, 2), np.int64)
+        self._events: Ints = np.zeros((2 * BOARDS * TRIANGLES, 2), np.int64)
         self._learned: Ints = np.zeros((BOARDS, 3), np.int64)
         self._learned[:, PERIOD] = round(period * 1e9)
         self._newest: Octets = np.zeros((2 * BOARDS * TRIANGLES, 8), np.uint8)
@@ -108,20 +104,14 @@ class ICubDecoder(CanDecoder):
         return int(
             decode_messages(
                 messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
-                self._positions, self._classes, self._state, self._events, self._learned,
+                self._positions, self._state, self._events, self._learned,
                 self._newest, blocks.words, blocks.octets, blocks.end, channel, counters,
             )
         )  # fmt: skip
 
 
 def checked_boards(boards: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
-    """Pairs (bus, address) as a tuple.
-
-    Raises
-    ------
-    InputError
-        If there is none, one twice, or a number out of range.
-    """
+    """Pairs (bus, address) as a tuple."""
     pairs = tuple((bus, address) for bus, address in boards)
     for bus, address in pairs:
         check_count("bus", bus, 0, 255, "index into the buses of the source")
@@ -132,11 +122,6 @@ def checked_boards(boards: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], 
             "is that of the port's channels"
         )
     return pairs
-
-
-def port_of(name: str, boards: Iterable[tuple[int, int]]) -> Port:
-    """Port of such boards: 192 channels each."""
-    return Port(name, BOARD_CHANNELS * len(checked_boards(boards)))
 
 
 PALM_PAD = 11
@@ -154,18 +139,17 @@ def gains_of(kind: SkinType, triangle: int = 0) -> tuple[int, ...]:
 
 
 class ICubEncoder:
-    """Triangles of one bus: their counts to messages, in one compiled call that allocates nothing.
+    """Triangles of one bus: their counts to messages, for boards in software.
+
+    Counts become bytes as in `mtb3/main_V3.c` and mtb4's `embot_app_application_theSkin.cpp` of
+    robotology/icub-firmware, in whole numbers without overflow.
 
     Parameters
     ----------
     triangles : sequence of (board, triangle)
         Addresses, in the order in which they are sent.
-    firmware : Firmware
-        Generation of the boards.
-    message_class : MessageClass
-    no_load, shift : int
-        Byte at rest, and bits that are dropped, of all triangles until `configure` says otherwise.
-    kind : SkinType
+    state : BoardState, optional
+        Of all boards, until `follow` says otherwise; all triangles are sent until then.
 
     Attributes
     ----------
@@ -176,14 +160,7 @@ class ICubEncoder:
     """
 
     def __init__(
-        self,
-        triangles: Iterable[tuple[int, int]],
-        *,
-        firmware: Firmware = Firmware.MTB4,
-        message_class: MessageClass = MessageClass.SKIN,
-        no_load: int = 240,
-        shift: int = 2,
-        kind: SkinType = SkinType.COMPENSATED,
+        self, triangles: Iterable[tuple[int, int]], state: BoardState | None = None
     ) -> None:
         self.triangles = tuple((board, triangle) for board, triangle in triangles)
         if not self.triangles or len(set(self.triangles)) < len(self.triangles):
@@ -195,90 +172,67 @@ class ICubEncoder:
         self.raw: Shorts = np.full((count, TAXELS), 0x8000, np.uint16)
         self.base: Shorts = self.raw.copy()
         self.sends: NDArray[np.bool_] = np.ones(count, np.bool_)
-        self._no_load: Ints = np.zeros(count, np.int64)
-        self._shift: Ints = np.zeros(count, np.int64)
-        self._gains: Ints = np.zeros((count, TAXELS), np.int64)
-        self._pad: Ints = np.zeros(count, np.int64)
-        self._raw_test: NDArray[np.bool_] = np.zeros(count, np.bool_)
         self._ids: NDArray[np.uint32] = np.zeros(count, np.uint32)
-        self._negated_first: NDArray[np.bool_] = np.full(count, firmware == Firmware.MTB4)
+        self._no_load: Ints = np.zeros((count, 1), np.int64)
+        self._shift: Ints = np.zeros((count, 1), np.int64)
+        self._gains: Ints = np.zeros((count, TAXELS), np.int64)
+        self._pad: Ints = np.zeros((count, 1), np.int64)
+        self._negated_first: NDArray[np.bool_] = np.zeros((count, 1), np.bool_)
         for row in range(count):
-            self.configure(
-                row, message_class=message_class, no_load=no_load, shift=shift, kind=kind
-            )
+            self._configure(row, state or BoardState())
 
     def __len__(self) -> int:
         return len(self.triangles)
 
-    def configure(
-        self,
-        row: int,
-        *,
-        message_class: MessageClass,
-        no_load: int,
-        shift: int,
-        kind: SkinType,
-    ) -> None:
-        """Set how triangle `row` of `triangles` is sent from now on.
-
-        Raises
-        ------
-        InputError
-            If `no_load` is no byte, `shift` is not 0 to 15, or `kind` is unknown.
-        """
-        check_count("row", row, 0, len(self) - 1, "index into triangles")
-        check_count("no_load", no_load, 0, 255, "the byte of an unloaded taxel, 240 on most robots")
-        check_count("shift", shift, 0, 15, "bits that the board drops, 2 on most robots")
-        kind = skin_type(kind)
+    def _configure(self, row: int, state: BoardState) -> None:
         board, triangle = self.triangles[row]
-        self._ids[row] = message_id(message_class, board, triangle)
-        self._no_load[row], self._shift[row] = no_load, shift
-        self._gains[row] = gains_of(kind, triangle)
-        self._raw_test[row] = kind == SkinType.RAW_TEST
-        self._pad[row] = PALM_PAD if kind == SkinType.PALM else PAD
+        self._ids[row] = message_id(state.message_class, board, triangle)
+        self._no_load[row], self._shift[row] = state.no_load, state.triangles[triangle].shift
+        self._gains[row] = gains_of(state.kind, triangle)
+        self._pad[row] = PALM_PAD if state.kind == SkinType.PALM else PAD
+        self._negated_first[row] = state.firmware == Firmware.MTB4
 
     def follow(self, board: int, state: BoardState) -> None:
         """Set the triangles of a board as its state says, and which of them it sends."""
         for row, (its_board, triangle) in enumerate(self.triangles):
             if its_board == board:
-                settings = state.triangles[triangle]
-                self.configure(
-                    row,
-                    message_class=state.message_class,
-                    no_load=state.no_load,
-                    shift=settings.shift,
-                    kind=state.kind,
-                )
-                self._negated_first[row] = state.firmware == Firmware.MTB4
-                self.sends[row] = state.sending and settings.enabled
+                self._configure(row, state)
+                self.sends[row] = state.sending and state.triangles[triangle].enabled
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
-        """Write head and tail of each triangle that sends from row `first` on.
-
-        Returns
-        -------
-        int
-            The row behind the last one.
-
-        Raises
-        ------
-        InputError
-            If `messages` has too few rows.
-        """
-        from skinfield.wire.icub.kernel import encode_messages
-
+        """Write head and tail of each triangle that sends from row `first` on; the row behind."""
         check_count("first", first, 0, len(messages), "row of the messages")
-        end = encode_messages(
-            self.raw, self.base, self.sends, self._no_load, self._shift, self._gains, self._pad,
-            self._negated_first, self._raw_test, self._ids, messages.ids, messages.lengths,
-            messages.data, messages.stamp_ns, first, stamp_ns,
-        )  # fmt: skip
-        if end < 0:
+        rows = np.flatnonzero(self.sends)
+        end = first + 2 * len(rows)
+        if end > len(messages):
             raise InputError(
-                f"messages have {len(messages)} rows, expected {first + 2 * len(self)}: two for "
-                "each triangle behind those before"
+                f"messages have {len(messages)} rows, expected {end}: two for each triangle "
+                "behind those before"
             )
-        return int(end)
+        messages.ids[first:end] = np.repeat(self._ids[rows], 2)
+        messages.lengths[first:end], messages.stamp_ns[first:end] = 8, stamp_ns
+        messages.data[first:end] = self._data(rows).reshape(-1, 8)
+        return end
+
+    def _data(self, rows: Ints) -> Octets:
+        """Octets (R, 16) of head and tail of some triangles."""
+        raw, base = self.raw[rows].astype(np.int64), self.base[rows].astype(np.int64)
+        no_load, shift = self._no_load[rows], self._shift[rows]
+        away = raw - base
+        warmth = np.take_along_axis(away, self._pad[rows], axis=1)
+        product = (np.abs(warmth) >> 2) * self._gains[rows]
+        colder = np.where(self._negated_first[rows], -product >> 5, -(product >> 5))
+        value = away - np.where(warmth < 0, colder, product >> 5)
+        low, high = (no_load - 255) << shift, no_load << shift
+        counts = np.where(value <= low, 255, np.where(value >= high, 0, no_load - (value >> shift)))
+        beyond = ((value <= 2 * low) | (value >= 2 * high)) @ (1 << np.arange(TAXELS))
+        errors = np.where(((raw == 0) & (base != 0)).any(axis=1), int(Status.NO_ACK), 0)
+        errors[(raw == UNPLUGGED).all(axis=1)] = int(Status.NOT_CONNECTED)
+        data: Octets = np.empty((len(rows), 16), np.uint8)
+        data[:, 0], data[:, 8] = HEAD, TAIL
+        data[:, 1:8], data[:, 9:14] = counts[:, :HEAD_TAXELS], counts[:, HEAD_TAXELS:]
+        data[:, 14], data[:, 15] = beyond >> 4, (beyond & 15) << 4 | errors
+        return data
 
 
 def triangle_payloads(
@@ -297,7 +251,9 @@ def triangle_payloads(
     raw, base : (12,) arrays, converter counts
         0 to 65535.
     """
-    encoder = ICubEncoder([(0, 0)], firmware=firmware, no_load=no_load, shift=shift, kind=kind)
+    triangles = (TriangleState(shift=shift),) * TRIANGLES
+    state = BoardState(firmware=firmware, kind=kind, no_load=no_load, triangles=triangles)
+    encoder = ICubEncoder([(0, 0)], state)
     for name, values, into in (("raw", raw, encoder.raw), ("base", base, encoder.base)):
         array = np.asarray(values)
         check_shape(name, array, (TAXELS,), "one converter count for each channel")

@@ -6,7 +6,7 @@ From the public sources of robotology (icub-main, icub-firmware, icub-firmware-s
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from skinfield.errors import InputError, check_count, check_type
+from skinfield.errors import check_count, check_type
 
 BOARDS = 16  # addresses of a bus
 TRIANGLES = 16  # of a board
@@ -36,7 +36,6 @@ class SkinType(IntEnum):
     PALM = 1  # palm and fingertips: by pad 11, all gains 0
     UNCOMPENSATED = 2
     ERGO_HAND = 3  # hand of ergoCub: triangles 0 to 4 as PALM, the others as COMPENSATED_V2
-    RAW_TEST = 7  # the low octet of what the converter reads, nothing else
     COMPENSATED_V2 = 8  # by pad 6, gains of the second generation
 
 
@@ -53,21 +52,6 @@ def message_id(message_class: int, board: int, triangle: int) -> int:
     check_count("board", board, 0, BOARDS - 1, "address on its bus")
     check_count("triangle", triangle, 0, TRIANGLES - 1, "of a board")
     return message_class << 8 | board << 4 | triangle
-
-
-def skin_type(value: int) -> SkinType:
-    """Kind of skin of a number.
-
-    Raises
-    ------
-    InputError
-        If there is none of that number.
-    """
-    try:
-        return SkinType(value)
-    except ValueError:
-        known = ", ".join(f"{int(each)} ({each.name.lower()})" for each in SkinType)
-        raise InputError(f"skin type is {value!r}, expected one of {known}") from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,32 +84,45 @@ class SetBoard:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SetTriangles:
+class TriangleState:
+    """How a board treats one triangle.
+
+    Parameters
+    ----------
+    shift : int
+        Bits that the board drops. 2 on most robots.
+    enabled : bool
+        Whether it is sent.
+    cdc_offset : int
+        Of the converter, 16 bits. 0x2200 on most robots.
+    """
+
+    shift: int = 2
+    enabled: bool = True
+    cdc_offset: int = CDC_OFFSET
+
+    def __post_init__(self) -> None:
+        check_count("shift", self.shift, 0, 15, "bits that the board drops")
+        check_count("cdc_offset", self.cdc_offset, 0, 0xFFFF, "16 bits")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetTriangles(TriangleState):
     """Settings of a run of triangles. ``50 first last shift enabled offset_low offset_high``.
 
     Parameters
     ----------
     first, last : int
         Of the run, both within it.
-    shift : int
-        Bits that the board drops. 2 on most robots.
-    enabled : bool
-        Whether they are sent.
-    cdc_offset : int
-        Of the converter, 16 bits. 0x2200 on most robots.
     """
 
     first: int = 0
     last: int = TRIANGLES - 1
-    shift: int = 2
-    enabled: bool = True
-    cdc_offset: int = CDC_OFFSET
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_count("last", self.last, 0, TRIANGLES - 1, "a triangle of the board")
         check_count("first", self.first, 0, self.last, "a triangle not behind the last")
-        check_count("shift", self.shift, 0, 15, "bits that the board drops")
-        check_count("cdc_offset", self.cdc_offset, 0, 0xFFFF, "16 bits")
 
     @property
     def data(self) -> bytes:
@@ -180,15 +177,6 @@ def command_from(data: bytes) -> Command | None:
                 cdc_offset=data[5] | data[6] << 8,
             )
     return None
-
-
-@dataclass(frozen=True)
-class TriangleState:
-    """How a board treats one triangle; see `SetTriangles`."""
-
-    enabled: bool = True
-    shift: int = 2
-    cdc_offset: int = CDC_OFFSET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,46 +238,33 @@ class BoardState:
         07      sends, or stops
         ======= ========================================================================
         """
-        command = command_from(data)
-        if command is None:
-            return replace(self, ignored=self.ignored + 1)
-        return self._obeyed(command)
-
-    def _obeyed(self, command: Command) -> "BoardState":
-        match command:
-            case SetBoard():
-                return self._as_board(command)
-            case SetTriangles():
-                return self._as_triangles(command)
-            case Transmit():
-                configured = self.configured or command.on
-                return replace(self, sending=command.on, configured=configured)
-
-    def _as_board(self, command: SetBoard) -> "BoardState":
-        triangles = self.triangles
-        if self.firmware == Firmware.MTB4:
-            triangles = tuple(replace(each, enabled=False) for each in triangles)
-        return replace(
-            self,
-            kind=_kind(command.kind),
-            period_ms=command.period_ms,
-            no_load=command.no_load,
-            triangles=triangles,
-            configured=True,
-        )
-
-    def _as_triangles(self, command: SetTriangles) -> "BoardState":
-        new = TriangleState(command.enabled, command.shift, command.cdc_offset)
-        run = range(command.first, command.last + 1)
-        return replace(
-            self,
-            triangles=tuple(new if t in run else old for t, old in enumerate(self.triangles)),
-            configured=True,
-            sending=self.sending and self.firmware == Firmware.MTB3,
-            calibrations=self.calibrations + 1,
-        )
-
-
-def _kind(number: int) -> SkinType:
-    known = {int(each): each for each in SkinType}
-    return known.get(number, SkinType.UNCOMPENSATED)
+        match command_from(data):
+            case SetBoard(kind=kind, period_ms=period_ms, no_load=no_load):
+                triangles = self.triangles
+                if self.firmware == Firmware.MTB4:
+                    triangles = tuple(replace(each, enabled=False) for each in triangles)
+                known = kind in list(SkinType)
+                return replace(
+                    self,
+                    kind=SkinType(kind) if known else SkinType.UNCOMPENSATED,
+                    period_ms=period_ms,
+                    no_load=no_load,
+                    triangles=triangles,
+                    configured=True,
+                )
+            case SetTriangles(first=first, last=last, shift=shift, enabled=on, cdc_offset=offset):
+                new = TriangleState(shift=shift, enabled=on, cdc_offset=offset)
+                return replace(
+                    self,
+                    triangles=(
+                        *self.triangles[:first],
+                        *[new] * (last + 1 - first),
+                        *self.triangles[last + 1 :],
+                    ),
+                    configured=True,
+                    sending=self.sending and self.firmware == Firmware.MTB3,
+                    calibrations=self.calibrations + 1,
+                )
+            case Transmit(on=on):
+                return replace(self, sending=on, configured=self.configured or on)
+        return replace(self, ignored=self.ignored + 1)

@@ -1,5 +1,6 @@
 """Configuration of skin boards: from a robot's files, or for patches of a skin."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -10,9 +11,9 @@ import numpy as np
 
 from skinfield.errors import FileError, InputError, check_count, check_type
 from skinfield.skin import Patch
+from skinfield.wire.icub.codec import checked_boards
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
-    BOARDS,
     TAXELS,
     TRIANGLES,
     Message,
@@ -28,7 +29,6 @@ from skinfield.wire.icub.robot_files import (
     PortRun,
     SkinDevice,
     SkinSpec,
-    SkinWrapper,
     device_from,
     read_tree,
     spec_from,
@@ -38,6 +38,11 @@ from skinfield.wire.icub.robot_files import (
 USUAL = SetBoard(period_ms=50)  # of robots
 THERMAL = (6, 10)  # channels of a triangle that feel warmth alone
 FIRST_ADDRESS, ADDRESSES = 1, 14  # that the robots' Ethernet boards take for skin
+PARTS: dict[str, Callable[[str, Element], Any]] = {  # of files, by what they are called
+    "skin": device_from,
+    "skinSpec": spec_from,
+    "wrapper": wrapper_from,
+}
 
 
 @dataclass(frozen=True)
@@ -59,8 +64,6 @@ class BoardSettings:
     triangles: tuple[TriangleState, ...] = (TriangleState(),) * TRIANGLES
 
     def __post_init__(self) -> None:
-        check_count("bus", self.bus, 0, 255, "index into the buses")
-        check_count("address", self.address, 0, BOARDS - 1, "of a board on its bus")
         check_type("board", self.board, SetBoard, "its kind, period and rest")
         check_count("triangles", len(self.triangles), TRIANGLES, TRIANGLES, "one state for each")
 
@@ -70,15 +73,7 @@ class BoardSettings:
         commands = [self.board.data]
         for state, run in groupby(range(TRIANGLES), key=lambda t: self.triangles[t]):
             numbers = list(run)
-            commands.append(
-                SetTriangles(
-                    first=numbers[0],
-                    last=numbers[-1],
-                    shift=state.shift,
-                    enabled=state.enabled,
-                    cdc_offset=state.cdc_offset,
-                ).data
-            )
+            commands.append(SetTriangles(first=numbers[0], last=numbers[-1], **vars(state)).data)
         identifier = host_message(self.address, self.board)[0]
         return tuple((identifier, data) for data in commands)
 
@@ -97,24 +92,15 @@ class ICubConfiguration:
         Of the device.
     ports : tuple of PortRun
         Which channels go to which port; empty if no wrapper was given.
-    diagnostic : bool
-        Whether the robot's own software tells what the boards say of themselves. The boards say it
-        in any case, and skinfield reads it always.
-    notes : tuple of str
-        What a reader should know, in sentences.
     """
 
     boards: tuple[BoardSettings, ...]
     buses: tuple[int, ...] = (0,)
     name: str = "skin"
     ports: tuple[PortRun, ...] = ()
-    diagnostic: bool = False
-    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        pairs = self.addresses
-        if not pairs or len(set(pairs)) < len(pairs):
-            raise InputError(f"boards are {list(pairs)}, expected one or more, each once")
+        pairs = checked_boards(self.addresses)
         for bus, _ in pairs:
             check_count("bus", bus, 0, len(self.buses) - 1, "index into the buses")
         for run in self.ports:
@@ -139,20 +125,11 @@ class ICubConfiguration:
         """The shortest of the boards' periods, s."""
         return min(board.board.period_ms for board in self.boards) * 1e-3
 
-    def messages(self, bus: int = 0, *, start: bool = True) -> tuple[Message, ...]:
-        """What to send on a bus at the beginning: settings of each board, then start.
-
-        Parameters
-        ----------
-        bus : int
-            Index into the buses.
-        start : bool
-            Whether the boards shall send.
-        """
+    def messages(self, bus: int = 0) -> tuple[Message, ...]:
+        """What to send on a bus (index) at the beginning: settings of each board, then start."""
         boards = self._on(bus)
         setup = tuple(message for board in boards for message in board.messages)
-        starts = tuple(host_message(board.address, Transmit(True)) for board in boards)
-        return setup + (starts if start else ())
+        return setup + tuple(host_message(board.address, Transmit(True)) for board in boards)
 
     def stop_messages(self, bus: int = 0) -> tuple[Message, ...]:
         """What to send on a bus at the end."""
@@ -182,93 +159,68 @@ def load_configuration(*paths: str | Path, last_patch_first: bool = True) -> ICu
     """
     found: dict[str, tuple[str, Any]] = {}
     for path in map(str, paths):
-        for part in _parts(path, read_tree(Path(path))):
-            name = type(part).__name__
-            if name in found:
-                raise FileError(
-                    f"{path}: is a second {name} beside {found[name][0]}, expected one skin, one "
-                    "skinSpec, one wrapper"
-                )
-            found[name] = path, part
-    if "SkinDevice" not in found:
+        root = read_tree(Path(path))
+        parts = {name: (path, part) for name, read in PARTS.items() if (part := read(path, root))}
+        if not parts:
+            raise FileError(
+                f"{path}:{root.get(LINE)}: {root.tag} {root.get('name', '')!r} says nothing of a "
+                "skin, expected defaultCfgBoard, patches, skinCanIds or ports"
+            )
+        for name in parts.keys() & found.keys():
+            raise FileError(
+                f"{path}: is a second {name} beside {found[name][0]}, expected one skin, one "
+                "skinSpec, one wrapper"
+            )
+        found |= parts
+    if "skin" not in found:
         raise FileError(
             f"{', '.join(str(path) for path in paths) or 'no file'}: no addresses of boards, "
             "expected a *-skin.xml with skinCanAddrsPatch1 or skinCanIds"
         )
-    path, device = found["SkinDevice"]
-    spec_path, spec = found.get("SkinSpec", ("", None))
-    wrapper_path, wrapper = found.get("SkinWrapper", (path, None))
-    notes = list(spec.notes if spec else ())
-    if spec is None:
-        notes.append(
-            f"{path}: no settings of boards, the usual ones are taken; it includes "
-            f"{', '.join(device.includes) or 'nothing'}, which is not followed: give that file too"
-        )
-    if wrapper and device.name not in wrapper.devices:
-        notes.append(
-            f"{wrapper_path}: is of {', '.join(wrapper.devices) or 'no device'}, not {device.name}"
-        )
-    order = list(enumerate(device.patches))[:: -1 if last_patch_first else 1]
+    path, device = found["skin"]
+    spec_path, spec = found.get("skinSpec", ("", SkinSpec(USUAL, TriangleState())))
+    wrapper_path, ports = found.get("wrapper", (path, ()))
+    _check_specials(device, spec, spec_path)
     boards = [
         _specified(bus, address, patch, spec)
-        for bus, (patch, addresses) in order
+        for bus, (patch, addresses) in enumerate(device.patches)
         for address in addresses
     ]
-    if spec:
-        _check_sets(device, spec, spec_path)
+    if last_patch_first:
+        boards.sort(key=lambda board: -board.bus)
     try:
         return ICubConfiguration(
-            tuple(boards),
-            tuple(number for number, _ in device.patches),
-            device.name,
-            wrapper.ports if wrapper else (),
-            spec.diagnostic if spec else False,
-            tuple(notes),
+            tuple(boards), tuple(number for number, _ in device.patches), device.name, ports
         )
     except InputError as error:
         raise FileError(f"{wrapper_path}: {error}") from error
 
 
-def _parts(path: str, root: Element) -> list[SkinSpec | SkinDevice | SkinWrapper]:
-    parts = [read(path, root) for read in (spec_from, device_from, wrapper_from)]
-    good = [part for part in parts if part is not None]
-    if not good:
-        raise FileError(
-            f"{path}:{root.get(LINE)}: {root.tag} {root.get('name', '')!r} says nothing of a skin, "
-            "expected defaultCfgBoard, patches, skinCanIds or ports"
-        )
-    return good
-
-
-def _specified(bus: int, address: int, patch: int, spec: SkinSpec | None) -> BoardSettings:
-    if spec is None:
-        return BoardSettings(bus, address)
+def _specified(bus: int, address: int, patch: int, spec: SkinSpec) -> BoardSettings:
     settings, triangles = spec.board, [spec.triangle] * TRIANGLES
-    for boards in spec.boards:
-        if boards.patch == patch and boards.first <= address <= boards.last:
-            settings = boards.settings
-    for run in spec.triangles:
-        if run.patch == patch and run.board == address:
-            triangles[run.first : run.last + 1] = [run.settings] * (run.last + 1 - run.first)
+    for each in spec.specials:
+        if each.patch != patch or address not in each.boards:
+            continue
+        if isinstance(each.settings, SetBoard):
+            settings = each.settings
+        else:
+            triangles[each.triangles.start : each.triangles.stop] = [each.settings] * len(
+                each.triangles
+            )
     return BoardSettings(bus, address, settings, tuple(triangles))
 
 
-def _check_sets(device: SkinDevice, spec: SkinSpec, path: str) -> None:
+def _check_specials(device: SkinDevice, spec: SkinSpec, path: str) -> None:
     """Raise FileError if a special setting is of a board that is not there."""
     known = dict(device.patches)
-    wanted = [
-        (boards.patch, address, boards.line)
-        for boards in spec.boards
-        for address in range(boards.first, boards.last + 1)
-    ]
-    for patch, address, line in wanted + [
-        (run.patch, run.board, run.line) for run in spec.triangles
-    ]:
-        if address not in known.get(patch, ()):
-            there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
-            raise FileError(
-                f"{path}:{line}: sets board {address} of patch {patch}, expected one of {there}"
-            )
+    for each in spec.specials:
+        for address in each.boards:
+            if address not in known.get(each.patch, ()):
+                there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
+                raise FileError(
+                    f"{path}:{each.line}: sets board {address} of patch {each.patch}, expected "
+                    f"one of {there}"
+                )
 
 
 def kind_for(patch: Patch) -> SkinType:

@@ -1,15 +1,12 @@
-"""Messages of an iCub's skin boards, compiled: decoding in order, and encoding.
+"""Decoder of the messages of an iCub's skin boards, compiled.
 
 A triangle sends head, tail, head, tail; only where that order breaks is anything counted, so that
-nothing is where no message is missing, doubled or out of place, whatever rate the board has, and
-however late or close together its messages are read.
+nothing is where no message is missing or doubled, whatever rate the board has, and however late or
+close together its messages are read. That messages of a triangle change places, CAN does not do.
 
 Two parts belong to one reading if few messages of their board came between: less than half of what
 a board sends in a reading. A board of one triangle has nothing in between; there it is the time
 that tells: less than half of its period. Both are learned from the messages themselves.
-
-Counts become bytes as in `mtb3/main_V3.c` and mtb4's `embot_app_application_theSkin.cpp` of
-robotology/icub-firmware, in whole numbers without overflow.
 
 Numba checks no bounds: indices are masked to the size of the tables, rows are below `count`, which
 the caller checked, as the shapes, and blocks are begun by `begin_block`, which does.
@@ -23,12 +20,8 @@ from skinfield.errors import Ints
 from skinfield.signal.block import Octets, Words
 from skinfield.signal.blocks_kernel import begin_block
 
-LOST, DUPLICATED, SWAPPED = 2, 6, 7  # as `Count`
+LOST, DUPLICATED = 2, 6  # as `Count`
 HEAD_LAST, TAIL_LAST = 1, 2  # state: the part that came last
-HEAD_OWED, TAIL_OWED = 4, 8  # added to it: a part that should have come before the last one did
-SUSPECT = 16  # added to it: the last part looks like a copy, but came when one was due
-PART, OWED = 3, 12  # masks of the two
-OWED_SINCE = 2  # row of `events`, after those of head and tail
 STAMP, NUMBER = 0, 1  # columns of `events`
 MESSAGES, ROUND, PERIOD = 0, 1, 2  # columns of `boards`
 QUARTERS = 4  # of a message: the unit of `ROUND`
@@ -41,11 +34,9 @@ OUT_OF_RANGE = 4  # as `Status`
 RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
 HEAD, TAIL = 0x40, 0xC0
 HIGHEST_ID = 0x7FF
+ANALOG, SKIN = 3, 4  # as `MessageClass`
 MEANINGLESS, OF_OTHERS = -1, -2  # no head and no tail
 TAIL_WORDS = 6  # a block of 5 counts and one of status
-Shorts = NDArray[np.uint16]
-Bools = NDArray[np.bool_]
-NO_ACK, NOT_CONNECTED = 1, 2
 
 
 @inner
@@ -97,10 +88,9 @@ def follow(
         Whether its data is that of the part of this kind before.
     stamp_ns : int, ns
     state : (256,) uint8 array
-        See the constants.
-    events : (768, 2) int64 array
-        Stamp and number of the last head, of the last tail, and since when a part is owed; three
-        rows of each triangle.
+        The part that came last; 0 at first.
+    events : (512, 2) int64 array
+        Stamp and number of the last head and of the last tail; two rows of each triangle.
     boards : (16, 3) int64 array
         Messages of each board until now; how many make a reading, in quarters; its period, ns.
     counters : (len(Count),) int64 array
@@ -110,53 +100,19 @@ def follow(
     bool
         Whether it is a reading; else it is a copy of one.
     """
-    board, first = triangle >> 4, 3 * triangle
-    event, owed_since = first + part - 1, first + OWED_SINCE
+    board, event = triangle >> 4, 2 * triangle + part - 1
     number = boards[board, MESSAGES] + 1
-    last, owed = state[triangle] & PART, state[triangle] & OWED
-    copy = same and is_near(board, event, stamp_ns, number, events, boards)
-    late = owed == part << 2 and is_near(board, owed_since, stamp_ns, number, events, boards)
-    if last != part:
-        if last == TAIL_LAST and not owed:
-            learn(board, event, stamp_ns, number, events, boards)
-        state[triangle] = in_order(part, last, owed, copy, late, counters)
-    elif copy and not (late and boards[board, ROUND] < SEVERAL):
-        counters[DUPLICATED] += 1
-        return False
-    else:
-        if not late and not state[triangle] & SUSPECT:
-            events[owed_since, STAMP], events[owed_since, NUMBER] = stamp_ns, number
-        state[triangle] = out_of_order(part, state[triangle], late, counters)
+    if state[triangle] == part:
+        if same and is_near(board, event, stamp_ns, number, events, boards):
+            counters[DUPLICATED] += 1
+            return False
+        counters[LOST] += 1
+    elif state[triangle] == TAIL_LAST and events[event, NUMBER]:
+        learn(board, event, stamp_ns, number, events, boards)
+    state[triangle] = part
     boards[board, MESSAGES] = number
     events[event, STAMP], events[event, NUMBER] = stamp_ns, number
     return True
-
-
-@njit
-def in_order(part: int, last: int, owed: int, copy: bool, late: bool, counters: Ints) -> int:
-    """State after a part that follows one of the other kind.
-
-    A head ends the reading before it: what that still owes is lost, unless it is this very head,
-    which came behind its tail.
-    """
-    if owed and part == HEAD_LAST:
-        counters[SWAPPED if late else LOST] += 1
-        return last if late else part
-    return part | owed | (SUSPECT if copy and not owed else 0)
-
-
-@inner
-def out_of_order(part: int, state: int, late: bool, counters: Ints) -> int:
-    """State after a second part of one kind, which is no copy of the first."""
-    if late:  # tail after tail, behind two heads: the first tail was late
-        counters[SWAPPED] += 1
-        return part
-    if state & SUSPECT:  # the first was a copy, of an earlier one
-        counters[DUPLICATED] += 1
-        return part
-    if state & OWED:
-        counters[LOST] += 1
-    return part | (HEAD_LAST + TAIL_LAST - part) << 2
 
 
 @inner
@@ -179,7 +135,6 @@ def decode_messages(
     first: int,
     count: int,
     positions: Ints,
-    classes: int,
     state: Octets,
     events: Ints,
     boards: Ints,
@@ -198,8 +153,6 @@ def decode_messages(
         Of `CanMessages`.
     positions : (16,) int64 array
         Place of each board in the port, -1 of one that is not ours.
-    classes : int
-        Bit c is set if messages of class c are readings.
     state, events, boards : arrays
         Of `follow`.
     newest : (512, 8) uint8 array
@@ -212,7 +165,7 @@ def decode_messages(
     """
     for i in range(first, count):
         identifier, length = int(ids[i]), min(int(lengths[i]), 8)
-        head = is_head(identifier, lengths[i], data, i, classes)
+        head = is_head(identifier, lengths[i], data, i)
         place = positions[(identifier >> 4) & 15]
         if head < 0 or place < 0:
             broken = head == MEANINGLESS and (place >= 0 or identifier > HIGHEST_ID)
@@ -234,13 +187,13 @@ def decode_messages(
 
 
 @inner
-def is_head(identifier: int, length: int, data: Octets, row: int, classes: int) -> int:
+def is_head(identifier: int, length: int, data: Octets, row: int) -> int:
     """1 of a head, 0 of a tail; or `MEANINGLESS`, or `OF_OTHERS`."""
     if identifier & 0x80000000:
         return OF_OTHERS
     if identifier > HIGHEST_ID or length > 8:
         return MEANINGLESS
-    if not (classes >> (identifier >> 8)) & 1:
+    if identifier >> 8 not in (ANALOG, SKIN):
         return OF_OTHERS
     if length == 8 and data[row, 0] == HEAD:
         return 1
@@ -276,114 +229,3 @@ def put_part(
     beyond = (np.int64(data[row, 6]) << 4) | (np.int64(data[row, 7]) >> 4)
     octets[at] = beyond & 0xFF
     octets[at + 1] = beyond >> 8
-
-
-@njit
-def encode_messages(
-    raw: Shorts,
-    base: Shorts,
-    sends: Bools,
-    no_load: Ints,
-    shift: Ints,
-    gains: Ints,
-    pad: Ints,
-    negated_first: Bools,
-    raw_test: Bools,
-    identifiers: NDArray[np.uint32],
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    first: int,
-    stamp_ns: int,
-) -> int:
-    """Write both messages of each triangle that sends; the row behind the last, or -1 if full.
-
-    Parameters
-    ----------
-    raw, base : (T, 12) uint16 arrays, converter counts
-    sends : (T,) bool array
-    no_load, shift, pad : (T,) int64 arrays
-    gains : (T, 12) int64 array
-        Of the correction of drift, 128ths.
-    negated_first : (T,) bool array
-        True where a negative drift is shifted after its sign was taken.
-    raw_test : (T,) bool array
-        True where the low octets of `raw` are sent as they are.
-    identifiers : (T,) uint32 array
-        Of the messages.
-    ids, lengths, data, stamps : arrays
-        Of `CanMessages`.
-    """
-    row = first
-    for t in range(len(raw)):
-        if not sends[t]:
-            continue
-        if row + 2 > len(ids):
-            return -1
-        if raw_test[t]:
-            encode_raw(raw[t], data, row)
-        else:
-            encode_triangle(
-                raw[t], base[t], no_load[t], shift[t], gains[t], pad[t], negated_first[t], data, row
-            )
-        for part in range(2):
-            ids[row + part] = identifiers[t]
-            lengths[row + part] = 8
-            stamps[row + part] = stamp_ns
-        row += 2
-    return row
-
-
-@inner
-def encode_triangle(
-    raw: Shorts,
-    base: Shorts,
-    no_load: int,
-    shift: int,
-    gains: Ints,
-    pad: int,
-    negated_first: bool,
-    data: Octets,
-    row: int,
-) -> None:
-    """Write the data of a triangle's head and tail into rows `row` and `row` + 1."""
-    low, high = -((255 - no_load) << shift), no_load << shift
-    warmth = np.int64(raw[pad]) - np.int64(base[pad])
-    beyond, unplugged, errors = 0, 0, 0
-    data[row, 0], data[row + 1, 0] = HEAD, TAIL
-    for i in range(12):
-        drift = (abs(warmth) >> 2) * gains[i]
-        if warmth >= 0:
-            drift = drift >> 5
-        elif negated_first:
-            drift = (-drift) >> 5
-        else:
-            drift = -(drift >> 5)
-        value = np.int64(raw[i]) - np.int64(base[i]) - drift
-        byte = 255 if value <= low else 0 if value >= high else no_load - (value >> shift)
-        if value <= 2 * low or value >= 2 * high:
-            beyond |= 1 << i
-        unplugged += raw[i] == 0xFFFF
-        if raw[i] == 0 and base[i] != 0:
-            errors = NO_ACK
-        if i < 7:
-            data[row, 1 + i] = byte
-        else:
-            data[row + 1, i - 6] = byte
-    if unplugged == 12:
-        errors = NOT_CONNECTED
-    data[row + 1, 6] = (beyond >> 4) & 0xFF
-    data[row + 1, 7] = ((beyond & 15) << 4) | errors
-
-
-@inner
-def encode_raw(raw: Shorts, data: Octets, row: int) -> None:
-    """Write a triangle's low octets into rows `row` and `row` + 1, without diagnostics."""
-    data[row, 0], data[row + 1, 0] = HEAD, TAIL
-    for i in range(12):
-        if i < 7:
-            data[row, 1 + i] = raw[i] & 0xFF
-        else:
-            data[row + 1, i - 6] = raw[i] & 0xFF
-    data[row + 1, 6] = data[row + 1, 7] = 0

@@ -7,9 +7,10 @@ In a ``*-skin_wrapper.xml`` each ``elem`` of ``ports`` holds four numbers: first
 the devices, then first and last channel of the port.
 
 ``*-skinSpec.xml`` holds the settings of boards and triangles, ``*-skin.xml`` the addresses of the
-boards. XIncludes are not followed: each file is handed in, and what one includes is told.
+boards. XIncludes are not followed: each file is handed in.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element, TreeBuilder
@@ -19,56 +20,32 @@ from skinfield.errors import FileError
 from skinfield.wire.icub.commands import BOARDS, TRIANGLES, SetBoard, TriangleState
 
 LARGEST = 1 << 20  # bytes; the largest of those seen has 10 kB
-DEEPEST = 32  # elements within each other
 LINE = " line"  # attribute, which no file can have, with the line of each element
 YES, NO = ("true", "1"), ("false", "0")
 HIGHEST_CHANNEL = 1 << 20
-SETS_OF_ROBOTS = 20  # special settings of triangles that the robots' own software reads
 
 
 def read_tree(path: Path) -> Element:
-    """Root element of a file.
+    """Root element of a file, its elements with their `LINE`.
 
     Raises
     ------
     FileError
         If it cannot be read, is larger than 1 MiB, is no XML, or declares entities.
     """
+    name = str(path)
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{path}: cannot be read: {reason}") from error
-    return tree_of(data, str(path))
-
-
-def tree_of(data: bytes, name: str) -> Element:
-    """Root element of a file's bytes, its elements with their `LINE`; `name` is for errors.
-
-    Raises
-    ------
-    FileError
-        See `read_tree`.
-    """
+        raise FileError(f"{name}: cannot be read: {reason}") from error
     if len(data) > LARGEST:
         raise FileError(f"{name}: larger than {LARGEST} bytes, expected a robot's XML file")
-    builder, parser, depth = TreeBuilder(), expat.ParserCreate(), 0
+    builder, parser = TreeBuilder(), expat.ParserCreate()
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > DEEPEST:
-            raise FileError(
-                f"{name}:{parser.CurrentLineNumber}: more than {DEEPEST} elements within each "
-                "other, expected a robot's XML file"
-            )
         builder.start(tag, {**attributes, LINE: str(parser.CurrentLineNumber)})
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
 
     def entity(entity: str, *_: object) -> None:
         raise FileError(
@@ -77,7 +54,7 @@ def tree_of(data: bytes, name: str) -> Element:
         )
 
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
-    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.StartElementHandler, parser.EndElementHandler = start, builder.end
     parser.CharacterDataHandler, parser.EntityDeclHandler = builder.data, entity
     try:
         parser.Parse(without_comments(data), True)
@@ -195,22 +172,8 @@ class PortRun:
     port_first: int
 
 
-@dataclass(frozen=True)
-class SkinWrapper:
-    """What a ``skin_wrapper`` file says: runs of ports, and names of the devices they are of."""
-
-    ports: tuple[PortRun, ...]
-    devices: tuple[str, ...]
-
-
-def wrapper_from(path: str, root: Element) -> SkinWrapper | None:
-    """Ports; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
+def wrapper_from(path: str, root: Element) -> tuple[PortRun, ...] | None:
+    """Ports of a ``skin_wrapper`` file; None if the file has none."""
     values, ports = Values(path), named(root, "paramlist", "ports")
     if ports is None:
         return None
@@ -224,55 +187,40 @@ def wrapper_from(path: str, root: Element) -> SkinWrapper | None:
         runs.append(PortRun(port, row[0], row[1] - row[0] + 1, row[2]))
     if not runs:
         raise values.missing(ports, "has no elem, expected one for each port")
-    networks = named(root, "paramlist", "networks")
-    devices = [] if networks is None else networks.findall("elem")
-    return SkinWrapper(
-        tuple(runs), tuple(word for node in devices for word in words(text_of(node)))
-    )
+    return tuple(runs)
 
 
 @dataclass(frozen=True)
-class BoardSet:
-    """Settings of a run of boards of one patch.
+class Special:
+    """Settings of some boards of one patch, or of some triangles of one board.
 
     Parameters
     ----------
-    patch, first, last : int
-        Number of the patch, or of the CAN device; addresses, both within.
-    settings : SetBoard
+    patch : int
+        Number of the patch, or of the CAN device.
+    boards : range
+        Addresses.
+    settings : SetBoard or TriangleState
     line : str
         Of its file.
+    triangles : range
+        Of the board; without meaning for a `SetBoard`.
     """
 
     patch: int
-    first: int
-    last: int
-    settings: SetBoard
+    boards: range
+    settings: SetBoard | TriangleState
     line: str
-
-
-@dataclass(frozen=True)
-class TriangleSet:
-    """Settings of a run of triangles of one board; see `BoardSet`."""
-
-    patch: int
-    board: int
-    first: int
-    last: int
-    settings: TriangleState
-    line: str
+    triangles: range = range(TRIANGLES)
 
 
 @dataclass(frozen=True)
 class SkinSpec:
-    """What a ``skinSpec`` file says."""
+    """What a ``skinSpec`` file says: the settings of most boards and triangles, and the others."""
 
     board: SetBoard
     triangle: TriangleState
-    diagnostic: bool
-    boards: tuple[BoardSet, ...] = ()
-    triangles: tuple[TriangleSet, ...] = ()
-    notes: tuple[str, ...] = ()
+    specials: tuple[Special, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -285,23 +233,14 @@ class SkinDevice:
         Of the device.
     patches : tuple of (patch, addresses)
         By rising number: 1 and 2 are the two CAN buses of an Ethernet board; else the CAN device.
-    includes : tuple of str
-        Other files that it names.
     """
 
     name: str
     patches: tuple[tuple[int, tuple[int, ...]], ...]
-    includes: tuple[str, ...] = ()
 
 
 def spec_from(path: str, root: Element) -> SkinSpec | None:
-    """Settings of boards and triangles; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
+    """Settings of boards and triangles; None if the file has none."""
     values = Values(path)
     groups = {
         name: named(root, "group", name) for name in ("defaultCfgBoard", "defaultCfgTriangle")
@@ -312,36 +251,20 @@ def spec_from(path: str, root: Element) -> SkinSpec | None:
     if board is None or triangle is None:
         absent = next(name for name, group in groups.items() if group is None)
         raise values.missing(root, f"has no group {absent!r}, expected it and its pair")
-    rows = _sets(values, root, "specialCfgTriangles", "triangleSetCfg", 7)
-    notes: tuple[str, ...] = ()
-    if len(rows) > SETS_OF_ROBOTS:
-        notes = (
-            f"{path}: {len(rows)} sets of triangles are in force; the robots' own software reads "
-            f"the first {SETS_OF_ROBOTS} only",
-        )
-    triangle_words = [values.param(triangle, name) for name in ("enabled", "shift", "cdcOffset")]
     return SkinSpec(
         _board(values, [values.param(board, name) for name in ("period", "skinType", "noLoad")]),
-        _triangle(values, triangle_words),
-        values.yes(*values.param(board, "diagnostic")),
-        tuple(
-            _board_set(values, node, row)
-            for node, row in _sets(values, root, "specialCfgBoards", "boardSetCfg", 6)
+        _triangle(values, [values.param(triangle, n) for n in ("enabled", "shift", "cdcOffset")]),
+        (
+            *_specials(values, root, "specialCfgBoards", "boardSetCfg", 6),
+            *_specials(values, root, "specialCfgTriangles", "triangleSetCfg", 7),
         ),
-        tuple(_triangle_set(values, node, row) for node, row in rows),
-        notes,
     )
 
 
 def device_from(path: str, root: Element) -> SkinDevice | None:
-    """Addresses of boards; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
-    values, patches, ids = Values(path), named(root, "group", "patches"), _param(root, "skinCanIds")
+    """Addresses of boards; None if the file has none."""
+    values, patches = Values(path), named(root, "group", "patches")
+    ids = named(root, "param", "skinCanIds")
     lists: list[tuple[Element, int]] = []
     if patches is not None:
         for node in patches.findall("param"):
@@ -353,7 +276,7 @@ def device_from(path: str, root: Element) -> SkinDevice | None:
             what = "skinCanAddrsPatch1, 2, each once"
             raise values.spoilt(patches, f"{len(lists)} lists", what)
     elif ids is not None:
-        bus = _param(root, "canDeviceNum")
+        bus = named(root, "param", "canDeviceNum")
         if bus is None:
             raise values.missing(root, "has no param 'canDeviceNum', expected a CAN device")
         numbers = values.many(bus, 0, 255, "a CAN device")
@@ -369,29 +292,38 @@ def device_from(path: str, root: Element) -> SkinDevice | None:
             raise values.spoilt(node, text_of(node), "addresses of boards, each once")
         found.append((number, addresses))
     device = next(root.iter("device"), root)
-    includes = [node.get("href") for node in root.iter("xi:include")]
-    return SkinDevice(device.get("name", ""), tuple(sorted(found)), tuple(filter(None, includes)))
+    return SkinDevice(device.get("name", ""), tuple(sorted(found)))
 
 
-def _param(root: Element, name: str) -> Element | None:
-    return named(root, "param", name)
-
-
-def _sets(
+def _specials(
     values: Values, root: Element, group_name: str, prefix: str, length: int
-) -> list[tuple[Element, list[str]]]:
+) -> Iterator[Special]:
+    """Special settings of boards, 6 numbers each, or of triangles of one board, 7."""
     group = named(root, "group", group_name)
     if group is None or group.find("param") is None:
-        return []
+        return
     count = values.one(group, "numOfSets", 0, 1024, f"how many {prefix} follow")
-    rows = []
     for number in range(1, count + 1):
         node, text = values.param(group, f"{prefix}{number}")
         row = words(text)
         if len(row) != length:
             raise values.spoilt(node, text, f"{length} numbers")
-        rows.append((node, row))
-    return rows
+        line, patch = node.get(LINE, ""), values.whole(node, row[0], 0, 255, "number of the patch")
+        if length == 6:
+            boards = _run(values, node, row[1:3], BOARDS, "address")
+            settings = _board(values, [(node, word) for word in row[3:]])
+            yield Special(patch, boards, settings, line)
+        else:
+            board = values.whole(node, row[1], 0, BOARDS - 1, "address of the board")
+            triangles = _run(values, node, row[2:4], TRIANGLES, "triangle")
+            state = _triangle(values, [(node, word) for word in row[4:]])
+            yield Special(patch, range(board, board + 1), state, line, triangles)
+
+
+def _run(values: Values, node: Element, words: list[str], count: int, what: str) -> range:
+    last = values.whole(node, words[1], 0, count - 1, f"last {what}")
+    first = values.whole(node, words[0], 0, last, f"first {what}, not behind the last")
+    return range(first, last + 1)
 
 
 def _board(values: Values, words: list[tuple[Element, str]]) -> SetBoard:
@@ -406,24 +338,7 @@ def _board(values: Values, words: list[tuple[Element, str]]) -> SetBoard:
 def _triangle(values: Values, words: list[tuple[Element, str]]) -> TriangleState:
     """Settings of whether it is on, shift and offset."""
     return TriangleState(
-        values.yes(*words[0]),
-        values.whole(*words[1], 0, 15, "bits that the board drops"),
-        values.whole(*words[2], 0, 0xFFFF, "offset of the converters"),
+        enabled=values.yes(*words[0]),
+        shift=values.whole(*words[1], 0, 15, "bits that the board drops"),
+        cdc_offset=values.whole(*words[2], 0, 0xFFFF, "offset of the converters"),
     )
-
-
-def _board_set(values: Values, node: Element, row: list[str]) -> BoardSet:
-    patch = values.whole(node, row[0], 0, 255, "number of the patch")
-    last = values.whole(node, row[2], 0, BOARDS - 1, "last address")
-    first = values.whole(node, row[1], 0, last, "first address, not behind the last")
-    settings = _board(values, [(node, word) for word in row[3:]])
-    return BoardSet(patch, first, last, settings, node.get(LINE, ""))
-
-
-def _triangle_set(values: Values, node: Element, row: list[str]) -> TriangleSet:
-    patch = values.whole(node, row[0], 0, 255, "number of the patch")
-    board = values.whole(node, row[1], 0, BOARDS - 1, "address of the board")
-    last = values.whole(node, row[3], 0, TRIANGLES - 1, "last triangle")
-    first = values.whole(node, row[2], 0, last, "first triangle, not behind the last")
-    settings = _triangle(values, [(node, word) for word in row[4:]])
-    return TriangleSet(patch, board, first, last, settings, node.get(LINE, ""))

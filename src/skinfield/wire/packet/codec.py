@@ -15,11 +15,10 @@ from skinfield.wire.packet.packets import (
     HEADER_BYTES,
     LONGEST,
     LONGEST_PAYLOAD,
-    WIDTH,
     Packet,
     PacketFlag,
     PacketKind,
-    encode_packet,
+    encode_counts,
 )
 
 
@@ -218,12 +217,11 @@ class PacketEncoder:
         device: int = 1,
         payload: int = ETHERNET,
     ) -> None:
-        check_count("channels", channels, 1, 65535, "of one device")
-        check_count("device", device, 0, 0xFFFE, "65535 stands for all of them")
-        if kind not in WIDTH:
+        PacketDevice(device, channels)  # refuses what cannot be
+        if kind not in DTYPES:
             raise InputError(f"kind is {kind!r}, expected BYTES, SHORTS, FLOATS or SIGNED")
         self.kind = PacketKind(kind)
-        width = WIDTH[self.kind]
+        width = DTYPES[self.kind].itemsize
         check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
         self.channels, self.device, self.per_packet = channels, device, payload // width
         self.sequence = self.reading = 0
@@ -239,7 +237,7 @@ class PacketEncoder:
             Of the device's clock.
         status : Status
         """
-        array = np.asarray(values).astype(DTYPES[self.kind])
+        array = np.asarray(values)
         check_shape("values", array, (self.channels,), "one per channel")
         packets = []
         for first in range(0, self.channels, self.per_packet):
@@ -247,11 +245,10 @@ class PacketEncoder:
             last = first + len(part) == self.channels
             packet = Packet(
                 kind=self.kind, device=self.device, sequence=self.sequence, time_us=time_us,
-                channel=first, count=len(part), reading=self.reading,
-                flags=PacketFlag.LAST if last else PacketFlag.NONE, status=status,
-                payload=part.tobytes(),
+                channel=first, reading=self.reading, status=status,
+                flags=PacketFlag.LAST if last else PacketFlag.NONE,
             )  # fmt: skip
-            packets.append(encode_packet(packet))
+            packets.append(encode_counts(part, packet))
             self.sequence = (self.sequence + 1) & 0xFFFFFFFF
         self.reading = (self.reading + 1) & 0xFFFF
         return packets

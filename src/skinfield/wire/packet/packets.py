@@ -31,7 +31,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 from struct import Struct, error, pack
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,7 +43,7 @@ MAGIC = b"SF"
 VERSION = 1
 HEADER = Struct("<2sBBHHIIHHHBB")
 HEADER_BYTES = 24
-CRC_BYTES = 2
+CRC_BYTES, CRC_BEGIN = 2, 0xFFFF
 LONGEST_PAYLOAD = 4064  # bytes; with header and CRC 4090
 LONGEST = HEADER_BYTES + LONGEST_PAYLOAD + CRC_BYTES
 EVERY_DEVICE = 0xFFFF  # in commands: whoever hears it
@@ -72,14 +71,16 @@ class PacketKind(IntEnum):
     ASK = 36  # send a HELLO
 
 
-DTYPES = {PacketKind.BYTES: "<u1", PacketKind.SHORTS: "<u2", PacketKind.FLOATS: "<f4"}
-DTYPES[PacketKind.SIGNED] = "<i2"
-
-
+DTYPES = {
+    kind: np.dtype(form)
+    for kind, form in (
+        (PacketKind.BYTES, "<u1"),
+        (PacketKind.SHORTS, "<u2"),
+        (PacketKind.FLOATS, "<f4"),
+        (PacketKind.SIGNED, "<i2"),
+    )
+}
 COMMANDS = frozenset(kind for kind in PacketKind if kind >= PacketKind.START)
-WIDTH = {PacketKind.BYTES: 1, PacketKind.SHORTS: 2, PacketKind.FLOATS: 4, PacketKind.SIGNED: 2}
-CODE = {PacketKind.BYTES: "B", PacketKind.SHORTS: "H", PacketKind.FLOATS: "f"}
-CODE[PacketKind.SIGNED] = "h"
 
 
 class PacketFlag(IntFlag):
@@ -123,15 +124,15 @@ class Packet:
     @property
     def values(self) -> tuple[float, ...]:
         """Numbers (count,) of a packet of counts; empty for other kinds."""
-        if self.kind not in CODE:
+        if self.kind not in DTYPES:
             return ()
-        return Struct(f"<{self.count}{CODE[PacketKind(self.kind)]}").unpack(self.payload)
+        return tuple(np.frombuffer(self.payload, DTYPES[PacketKind(self.kind)]).tolist())
 
 
 def payload_bytes(kind: int, count: int) -> int:
     """Bytes that the payload of `count` channels must have; -1 where the kind leaves it open."""
-    if kind in WIDTH:
-        return WIDTH[PacketKind(kind)] * count
+    if kind in DTYPES:
+        return DTYPES[PacketKind(kind)].itemsize * count
     return -(-count // 8) if kind == PacketKind.STATUS else -1
 
 
@@ -143,20 +144,41 @@ def packet_from_bytes(data: bytes | memoryview, start: int = 0) -> Packet:
     InputError
         If there is none, or it is not whole, or its CRC is wrong.
     """
-    packet, length = _header(data, start)
-    end = start + HEADER_BYTES + length
-    if end + CRC_BYTES > len(data):
+    room = len(data) - start
+    if room < HEADER_BYTES:
         raise InputError(
-            f"packet at byte {start} has {len(data) - start} bytes, expected "
-            f"{HEADER_BYTES + length + CRC_BYTES}: the data was cut"
+            f"packet at byte {start} has {room} bytes, expected a header of {HEADER_BYTES}: the "
+            "data was cut"
         )
-    stated = int.from_bytes(data[end : end + CRC_BYTES], "little")
-    found = crc_of(data[start:end])
-    if stated != found:
+    magic, version, kind, device, length, *fields = HEADER.unpack_from(data, start)
+    sequence, time, channel, count, reading, flags, status = fields
+    if magic != MAGIC or version != VERSION:
         raise InputError(
-            f"packet at byte {start} has CRC {stated:#06x}, expected {found:#06x}: damaged"
+            f"byte {start} begins with {magic!r} and version {version}, expected {MAGIC!r} and "
+            f"{VERSION}: no packet, or of a newer device"
         )
-    return packet
+    if length > LONGEST_PAYLOAD or payload_bytes(kind, count) not in (-1, length):
+        raise InputError(
+            f"packet at byte {start} has {length} bytes of payload, expected those of {count} "
+            f"channels of kind {kind}, at most {LONGEST_PAYLOAD}: damaged"
+        )
+    size = HEADER_BYTES + length
+    if size + CRC_BYTES > room:
+        raise InputError(
+            f"packet at byte {start} has {room} bytes, expected {size + CRC_BYTES}: the data was "
+            "cut"
+        )
+    body = bytes(data[start : start + size])
+    stated = int.from_bytes(data[start + size : start + size + CRC_BYTES], "little")
+    if stated != crc_hqx(body, CRC_BEGIN):
+        raise InputError(
+            f"packet at byte {start} has CRC {stated:#06x}, expected "
+            f"{crc_hqx(body, CRC_BEGIN):#06x}: damaged"
+        )
+    return Packet(
+        kind=kind, device=device, sequence=sequence, time_us=time, channel=channel, count=count,
+        reading=reading, flags=flags, status=status, payload=body[HEADER_BYTES:],
+    )  # fmt: skip
 
 
 def packets_of(data: bytes | memoryview) -> Iterator[Packet]:
@@ -172,38 +194,6 @@ def packets_of(data: bytes | memoryview) -> Iterator[Packet]:
         packet = packet_from_bytes(data, at)
         yield packet
         at += HEADER_BYTES + len(packet.payload) + CRC_BYTES
-
-
-def _header(data: bytes | memoryview, start: int) -> tuple[Packet, int]:
-    try:
-        fields = HEADER.unpack_from(data, start)
-    except error as short:
-        raise InputError(
-            f"packet at byte {start} has {len(data) - start} bytes, expected a header of "
-            f"{HEADER_BYTES}: the data was cut"
-        ) from short
-    magic, version, kind, device, length, sequence, time, channel, count, reading = fields[:10]
-    if magic != MAGIC or version != VERSION:
-        raise InputError(
-            f"byte {start} begins with {magic!r} and version {version}, expected {MAGIC!r} and "
-            f"{VERSION}: no packet, or of a newer device"
-        )
-    if length > LONGEST_PAYLOAD or payload_bytes(kind, count) not in (-1, length):
-        raise InputError(
-            f"packet at byte {start} has {length} bytes of payload, expected those of {count} "
-            f"channels of kind {kind}, at most {LONGEST_PAYLOAD}: damaged"
-        )
-    payload = bytes(data[start + HEADER_BYTES : start + HEADER_BYTES + length])
-    packet = Packet(
-        kind=kind, device=device, sequence=sequence, time_us=time, channel=channel, count=count,
-        reading=reading, flags=fields[10], status=fields[11], payload=payload,
-    )  # fmt: skip
-    return packet, length
-
-
-def crc_of(data: bytes | memoryview) -> int:
-    """CRC-16/CCITT-FALSE of some bytes."""
-    return crc_hqx(data, 0xFFFF)
 
 
 def encode_packet(packet: Packet) -> bytes:
@@ -230,7 +220,7 @@ def encode_packet(packet: Packet) -> bytes:
     except error as wrong:
         raise InputError(f"{packet!r:.200} does not fit its fields: {wrong}") from wrong
     body = head + packet.payload
-    return body + crc_of(body).to_bytes(CRC_BYTES, "little")
+    return body + crc_hqx(body, CRC_BEGIN).to_bytes(CRC_BYTES, "little")
 
 
 def encode_counts(values: ArrayLike, packet: Packet) -> bytes:
@@ -248,11 +238,9 @@ def encode_counts(values: ArrayLike, packet: Packet) -> bytes:
     InputError
         If the kind is none of counts, or there are too many values.
     """
-    if packet.kind not in WIDTH:
-        raise InputError(
-            f"kind is {packet.kind}, expected one of {', '.join(str(int(k)) for k in WIDTH)}: "
-            "the kinds of counts"
-        )
+    if packet.kind not in DTYPES:
+        kinds = ", ".join(str(int(each)) for each in DTYPES)
+        raise InputError(f"kind is {packet.kind}, expected one of {kinds}: the kinds of counts")
     array = np.asarray(values).astype(DTYPES[PacketKind(packet.kind)])
     return encode_packet(replace(packet, count=len(array), payload=array.tobytes()))
 
@@ -291,7 +279,7 @@ class Hello:
     def __post_init__(self) -> None:
         check_count("channels", self.channels, 1, 65535, "of one device")
         check_count("period_us", self.period_us, 0, 2**32 - 1, "µs, or 0 for unknown")
-        if self.kind not in WIDTH:
+        if self.kind not in DTYPES:
             raise InputError(f"kind is {self.kind}, expected one of counts, such as SHORTS")
         if self.unit not in UNIT_CODES:
             raise InputError(f"unit is {self.unit!r}, expected one of {', '.join(UNIT_CODES)}")
@@ -310,27 +298,6 @@ class Hello:
             HELLO.pack(self.channels, self.kind, unit, self.period_us, self.layout, len(name))
             + name
         )
-
-    @classmethod
-    def from_payload(cls, payload: bytes) -> "Hello":
-        """Read it back.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
-        channels, kind, unit, period, layout, length = _unpack(HELLO, payload, "hello")
-        name = payload[HELLO.size : HELLO.size + length]
-        if len(name) != length or unit >= len(UNIT_CODES):
-            raise InputError(
-                f"hello has unit {unit} and {len(name)} bytes of name, expected at most "
-                f"{len(UNIT_CODES) - 1} and {length}"
-            )
-        return cls(
-            channels=channels, kind=kind, unit=UNIT_CODES[unit], period_us=period, layout=layout,
-            name=name.decode("utf-8", "replace"),
-        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -355,24 +322,6 @@ class Answer:
     def payload(self) -> bytes:
         """Bytes of the packet's payload."""
         return ANSWER.pack(self.command, self.result, 0, self.sequence)
-
-    @classmethod
-    def from_payload(cls, payload: bytes) -> "Answer":
-        """Read it back.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
-        command, result, _, sequence = _unpack(ANSWER, payload, "answer")
-        return cls(command, result, sequence)
-
-
-def _unpack(fields: Struct, payload: bytes, what: str) -> tuple[Any, ...]:
-    if len(payload) < fields.size:
-        raise InputError(f"{what} has {len(payload)} bytes, expected {fields.size} or more")
-    return fields.unpack_from(payload)
 
 
 def encode_command(

@@ -15,7 +15,5 @@ from skinfield.wire.sources.replay import SimulationSource as SimulationSource
 from skinfield.wire.sources.replay import pressed as pressed
 from skinfield.wire.sources.streams import NoReadingError as NoReadingError
 from skinfield.wire.sources.streams import StreamReader as StreamReader
-from skinfield.wire.sources.streams import read as read
-from skinfield.wire.sources.streams import read_latest as read_latest
 from skinfield.wire.sources.yarp import YarpPort as YarpPort
 from skinfield.wire.sources.yarp import YarpText as YarpText

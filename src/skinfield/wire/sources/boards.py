@@ -1,22 +1,326 @@
-"""Boards of an iCub and of CySkin on CAN buses, and the shared memory of CySkin's tool."""
+"""Sources of boards: iCub's and CySkin's on CAN buses, and the shared memory of CySkin's tool.
 
+A board calibrates anew each time that it is told, and then takes for its rest whatever presses it.
+So one that goes on by itself after a pause is left alone. It is told its settings and to start
+
+- when the stream opens, but for the stream of an engine that was started again;
+- when it was silent for `SILENCE` or ten periods, whichever is longer: it may have booted again,
+  been plugged in, or missed what it was told. Once more after 1 s, then after 2, 4, 8 and every
+  10 s, as it must be left to finish;
+- of an iCub, when its readings, which were of class 4, are of class 3: those of a board that nobody
+  configured.
+
+Not more than `AT_ONCE` messages are sent in one poll; what a bus does not take is sent later.
+"""
+
+from collections import deque
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
+from time import time_ns
 
 import numpy as np
 
-from skinfield.errors import InputError, check_count, check_type
-from skinfield.signal import Blocks, Port
-from skinfield.wire.can.bus import BusSettings
+from skinfield.errors import InputError, Ints, check_count, check_type
+from skinfield.signal import Blocks, CanDecoder, CanMessages, Count, Port
+from skinfield.wire.can.adapters import open_bus
+from skinfield.wire.can.bus import Bus, BusSettings
+from skinfield.wire.cyskin.board import start_messages, stop_messages
 from skinfield.wire.cyskin.codec import CySkinDecoder
 from skinfield.wire.cyskin.modules import CySkinBoard, checked_boards, port_of
 from skinfield.wire.cyskin.shared_memory import HEADER_KEY, SharedMemoryReader
 from skinfield.wire.cyskin.wire import CySkinWire
 from skinfield.wire.icub.codec import ICubDecoder
-from skinfield.wire.icub.commands import BOARD_CHANNELS, BOARDS, MessageClass
+from skinfield.wire.icub.commands import (
+    BOARD_CHANNELS,
+    BOARDS,
+    Message,
+    MessageClass,
+    Transmit,
+    host_message,
+    message_id,
+)
 from skinfield.wire.icub.configuration import ICubConfiguration
-from skinfield.wire.sources.managed_stream import CySkinSupervision, ICubSupervision, ManagedStream
 from skinfield.wire.sources.streams import LinkedStream
+
+SILENCE = 2.0  # s: longer than a busy computer keeps a board's messages back
+FIRST_PAUSE, LAST_PAUSE = 1.0, 10.0  # s between attempts to wake a board
+LOOK = 0.1  # s between two looks at who is silent
+AT_ONCE = 8
+
+
+class BoardSupervision:
+    """The boards of one bus.
+
+    Parameters
+    ----------
+    begin, end : sequence of (identifier, data)
+        What all boards are told at first, and at last.
+    each : sequence of sequences of (identifier, data)
+        What each board is told again.
+    numbers : sequence of int
+        By which its messages are known, of each board.
+    mask : int
+        Bits of identifiers in which these are.
+    period : float, s
+        Of the readings.
+
+    Attributes
+    ----------
+    heard_ns : (N,) int64 array, ns
+        When a message of each of `numbers` came last.
+    reconfigured : int
+        Times that a board was told its settings after the first.
+    """
+
+    def __init__(
+        self,
+        begin: Sequence[Message],
+        end: Sequence[Message],
+        each: Sequence[Sequence[Message]],
+        numbers: Sequence[int],
+        mask: int,
+        period: float,
+    ) -> None:
+        from skinfield.wire.sources.kernels import note_senders
+
+        self._note = note_senders
+        self._all, self._stop, self._each = tuple(begin), tuple(end), tuple(each)
+        self._numbers: Ints = np.array(numbers, np.int64)
+        self._mask = mask
+        self._silence = round(1e9 * max(SILENCE, 10 * period))
+        self.heard_ns: Ints = np.zeros(len(numbers), np.int64)
+        self._due = [0] * len(each)
+        self._pause = [FIRST_PAUSE] * len(each)
+        self._queue: deque[Message] = deque()
+        self._look = 0
+        self.reconfigured = 0
+
+    @property
+    def waiting(self) -> int:
+        """Messages that are to be sent still."""
+        return len(self._queue)
+
+    def begin(self, now_ns: int) -> None:
+        """Tell all boards everything, as at the beginning."""
+        self.resume(now_ns)
+        self._queue.extend(self._all)
+
+    def resume(self, now_ns: int) -> None:
+        """Take it that all boards were told everything before, and still do it."""
+        self._queue.clear()
+        self.heard_ns[:] = now_ns  # from here on they may be silent
+        for row in range(len(self._each)):
+            self._was_heard(row)
+
+    def _was_heard(self, row: int) -> None:
+        self._due[row], self._pause[row] = 0, FIRST_PAUSE
+
+    def heard(self, rows: CanMessages, count: int) -> None:
+        """Note who sent."""
+        self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)
+
+    def _last_ns(self, row: int) -> int:
+        """When a board sent last."""
+        return int(self.heard_ns[row])
+
+    def _forgot(self, row: int) -> bool:
+        """Whether a board that sends is known to have forgotten its settings."""
+        return False
+
+    def attend(self, bus: Bus, now_ns: int) -> None:
+        """Look who is silent, and send what is to be sent."""
+        if now_ns < self._look - 2e9 * LOOK:  # the clock was set back
+            np.minimum(self.heard_ns, now_ns, out=self.heard_ns)
+            self._due, self._look = [0] * len(self._due), now_ns
+        if now_ns >= self._look:
+            self._look = now_ns + round(1e9 * LOOK)
+            if not self._queue:
+                for row in range(len(self._each)):
+                    self._examine(row, now_ns)
+        for _ in range(min(AT_ONCE, len(self._queue))):
+            if not bus.send(*self._queue[0]):
+                break
+            self._queue.popleft()
+
+    def _examine(self, row: int, now_ns: int) -> None:
+        if now_ns - self._last_ns(row) <= self._silence and not self._forgot(row):
+            self._was_heard(row)
+        elif now_ns >= self._due[row]:
+            self._queue.extend(self._each[row])
+            self._due[row] = now_ns + round(1e9 * self._pause[row])
+            self._pause[row] = min(2 * self._pause[row], LAST_PAUSE)
+            self.reconfigured += 1
+
+    def stop(self, bus: Bus) -> None:
+        """Tell all boards to stop."""
+        if bus.up:
+            for identifier, data in self._stop:
+                bus.send(identifier, data)
+
+
+class ICubSupervision(BoardSupervision):
+    """Boards of an iCub, of bus `place` of their configuration, by their addresses and classes."""
+
+    def __init__(self, configuration: ICubConfiguration, place: int) -> None:
+        boards = [board for board in configuration.boards if board.bus == place]
+        self._configured = [False] * len(boards)
+        super().__init__(
+            configuration.messages(place),
+            configuration.stop_messages(place),
+            [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
+            [message_id(kind, each.address, 0) for kind in MessageClass for each in boards],
+            ~0xF,  # all bits but the triangle's
+            configuration.period,
+        )
+
+    def _classes_ns(self, row: int) -> tuple[int, int]:
+        """When a board sent readings last as one that nobody configured, and as configured."""
+        return int(self.heard_ns[row]), int(self.heard_ns[row + len(self._configured)])
+
+    def _last_ns(self, row: int) -> int:
+        return max(self._classes_ns(row))
+
+    def _was_heard(self, row: int) -> None:
+        super()._was_heard(row)
+        plain, configured = self._classes_ns(row)
+        if plain != configured:  # else it has not sent since all began
+            self._configured[row] = configured > plain
+
+    def _forgot(self, row: int) -> bool:
+        plain, configured = self._classes_ns(row)
+        return self._configured[row] and plain > configured
+
+
+class CySkinSupervision(BoardSupervision):
+    """Boards of CySkin on one bus."""
+
+    def __init__(self, boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int) -> None:
+        super().__init__(
+            start_messages(boards, wire, period_ms=period_ms),
+            stop_messages(boards, wire),
+            [start_messages([board], wire, period_ms=period_ms) for board in boards],
+            [board.number for board in boards],
+            wire.every_board,
+            period_ms * 1e-3,
+        )
+
+
+ROOM = 2048  # messages of one poll of a bus: 0.2 s of a full bus of 1 Mbit/s
+ROUNDS = 8  # of a poll, so that a flood cannot keep the cycle from its other work
+
+
+class Line:
+    """One bus of a stream, with the decoder of its messages and who attends to its boards."""
+
+    def __init__(
+        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision | None, counts: Ints
+    ) -> None:
+        self.bus, self.decoder, self.supervision = bus, decoder, supervision
+        self._rows, self._counts = CanMessages(ROOM), counts
+        self._first = self._count = self._overflowed = self._malformed = 0
+        decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
+        self._heard(0)
+
+    def _heard(self, count: int) -> None:
+        if self.supervision is not None:
+            self.supervision.heard(self._rows, count)
+
+    def take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append the blocks of what has arrived; messages."""
+        taken, bus, counts = 0, self.bus, self._counts
+        for _ in range(ROUNDS):
+            if self._first == self._count:
+                self._first, self._count = 0, bus.receive(self._rows)
+                if not self._count:
+                    break
+                self._heard(self._count)
+            before = self._first
+            self._first = self.decoder.decode(
+                self._rows, self._count, blocks, channel, counts, before
+            )
+            taken += self._first - before
+            if self._first < self._count or self._count < ROOM:
+                break  # the blocks are full, or the bus is empty
+        malformed = bus.malformed + bus.errors
+        counts[Count.OVERFLOWED] += bus.overflowed - self._overflowed
+        counts[Count.MALFORMED] += malformed - self._malformed
+        self._overflowed, self._malformed = bus.overflowed, malformed
+        if self.supervision is not None and bus.up:
+            self.supervision.attend(bus, now_ns)
+        return taken
+
+
+class ManagedStream(LinkedStream):
+    """Buses, each with a decoder; see the module for when boards get messages.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+    buses : sequence of BusSettings
+        They are opened.
+    decoders : sequence of CanDecoder
+        One for each bus; all decode to the same ports.
+    supervisions : sequence of BoardSupervision
+        One for each bus; empty if another host tells the boards what to do.
+
+    Attributes
+    ----------
+    reconfigured : int
+        Times that a board was told its settings after the first.
+    """
+
+    def __init__(
+        self,
+        ports: Sequence[Port],
+        buses: Sequence[BusSettings],
+        decoders: Sequence[CanDecoder],
+        supervisions: Sequence[BoardSupervision],
+    ) -> None:
+        self._supervisions = tuple(supervisions)
+        with ExitStack() as undo:
+            self.buses = [undo.enter_context(closing(open_bus(settings))) for settings in buses]
+            super().__init__(ports, self.buses)
+            attending = self._supervisions or (None,) * len(buses)
+            self._lines = [
+                Line(*each, self.counters)
+                for each in zip(self.buses, decoders, attending, strict=True)
+            ]
+            undo.pop_all()
+        self._leaves = False
+        for one in self._supervisions:
+            one.begin(time_ns())
+
+    @property
+    def reconfigured(self) -> int:
+        """See above."""
+        return sum(one.reconfigured for one in self._supervisions)
+
+    def resume(self) -> None:
+        """See `Lasting`."""
+        for one in self._supervisions:
+            one.resume(time_ns())
+
+    def leave(self) -> None:
+        """See `Lasting`."""
+        self._leaves = True
+
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        return sum(line.take(blocks, channel, now_ns) for line in self._lines)
+
+    def _went_down(self, place: int) -> None:
+        self._lines[place].decoder.reset()
+
+    def _came_back(self, place: int, now_ns: int) -> None:
+        one = self._lines[place].supervision
+        if one is not None:
+            (one.begin if one.waiting else one.resume)(now_ns)
+
+    def _stop(self) -> None:
+        if not self._leaves:
+            for one, bus in zip(self._supervisions, self.buses, strict=False):
+                one.stop(bus)
+
 
 NOWHERE = 255  # bus of boards that a port has room for and this device lacks
 
@@ -31,44 +335,38 @@ class ICubCan:
         Of `wire.icub.load_configuration` (the robot's own files) or `configuration_for`.
     buses : tuple of BusSettings
         One for each bus of the configuration.
-    classes : tuple of MessageClass
-        That carry readings.
     configure : bool
         False only listens: another host tells the boards what to do.
     """
 
     configuration: ICubConfiguration
     buses: tuple[BusSettings, ...] = (BusSettings(),)
-    classes: tuple[MessageClass, ...] = (MessageClass.ANALOG, MessageClass.SKIN)
     configure: bool = True
 
     def __post_init__(self) -> None:
         check_type("configuration", self.configuration, ICubConfiguration, "of load_configuration")
-        needed = len(self.configuration.buses)
-        if len(self.buses) != needed:
-            raise InputError(
-                f"buses are {[bus.label for bus in self.buses]}, expected {needed}: the boards of "
-                f"{self.configuration.name!r} are on so many"
-            )
+        _check_buses(self.buses, len(self.configuration.buses))
 
     def open(self) -> ManagedStream:
-        """Open the buses and tell the boards to send.
-
-        Raises
-        ------
-        InputError
-            If a bus cannot be used; see `open_bus`.
-        """
+        """Open the buses and tell the boards to send; see `open_bus` for what cannot be used."""
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
         places = range(len(self.buses))
         period = self.configuration.period
         return ManagedStream(
             ports,
             self.buses,
-            [ICubDecoder(boards, p, classes=self.classes, period=period) for p in places],
+            [ICubDecoder(boards, p, period=period) for p in places],
             [ICubSupervision(self.configuration, place) for place in places]
             if self.configure
             else (),
+        )
+
+
+def _check_buses(buses: Sequence[BusSettings], needed: int) -> None:
+    if len(buses) != needed:
+        raise InputError(
+            f"buses are {[bus.label for bus in buses]}, expected {needed}: the boards are on so "
+            "many"
         )
 
 
@@ -81,11 +379,6 @@ def ports_of(configuration: ICubConfiguration) -> tuple[Boards, tuple[Port, ...]
     Without ports in the configuration there is one, of all its boards and of its name. Boards that
     no port takes are a port of their own, "... without a port". A run that ends within a board
     takes the whole of it: wrappers of boards that are not full count only the triangles there are.
-
-    Raises
-    ------
-    InputError
-        If a port's run begins within a board.
     """
     addresses = configuration.addresses
     if not configuration.ports:
@@ -133,8 +426,6 @@ class CySkinCan:
     boards : sequence of CySkinBoard
     buses : sequence of BusSettings
         One for each bus that the boards name.
-    name : str
-        Of the port.
     wire : CySkinWire
         What is not public of the protocol.
     period_ms : int, ms
@@ -145,7 +436,6 @@ class CySkinCan:
 
     boards: Sequence[CySkinBoard]
     buses: Sequence[BusSettings] = (BusSettings(),)
-    name: str = "skin"
     wire: CySkinWire = field(default_factory=CySkinWire)
     period_ms: int = 50
     configure: bool = True
@@ -154,25 +444,14 @@ class CySkinCan:
         object.__setattr__(self, "boards", checked_boards(self.boards))
         object.__setattr__(self, "buses", tuple(self.buses))
         check_count("period_ms", self.period_ms, 1, 0xFFFF, "ms between two readings")
-        needed = 1 + max(board.bus for board in self.boards)
-        if len(self.buses) != needed:
-            raise InputError(
-                f"buses are {[bus.label for bus in self.buses]}, expected {needed}: the boards "
-                "are on so many"
-            )
+        _check_buses(self.buses, 1 + max(board.bus for board in self.boards))
 
     def open(self) -> ManagedStream:
-        """Open the buses and start the boards.
-
-        Raises
-        ------
-        InputError
-            If a bus cannot be used; see `open_bus`.
-        """
+        """Open the buses and start the boards; see `open_bus` for what cannot be used."""
         places = range(len(self.buses))
         mine = [[board for board in self.boards if board.bus == place] for place in places]
         return ManagedStream(
-            (port_of(self.name, self.boards),),
+            (port_of(self.boards),),
             self.buses,
             [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
             [CySkinSupervision(each, self.wire, self.period_ms) for each in mine]
@@ -191,13 +470,10 @@ class CySkinSharedMemory:
         Whose modules give each uid its channel.
     key : int
         Of the header; 450 is the tool's.
-    name : str
-        Of the port.
     """
 
     boards: Sequence[CySkinBoard]
     key: int = HEADER_KEY
-    name: str = "skin"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boards", checked_boards(self.boards))
@@ -212,7 +488,7 @@ class SharedMemoryStream(LinkedStream):
 
     def __init__(self, source: CySkinSharedMemory) -> None:
         self._reader = SharedMemoryReader(source.boards, source.key)
-        super().__init__((port_of(source.name, source.boards),), (self._reader,))
+        super().__init__((port_of(source.boards),), (self._reader,))
         nothing = np.zeros(0, np.uint32)
         self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()

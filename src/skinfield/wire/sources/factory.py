@@ -1,15 +1,16 @@
 """Sources from the words of a command line, third parties' included; and ports of patches."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, TypeVar
+from inspect import signature
+from typing import Any
 
 from skinfield.errors import InputError, check_offers
 from skinfield.signal import Port, Source
 from skinfield.skin import Patch, Skin
-from skinfield.wire.can.bus import bus_settings, host_and_port, listens, own_address
-from skinfield.wire.cyskin.modules import CySkinBoard, on_boards, on_enough_boards
+from skinfield.wire.can.bus import bus_settings, host_and_port, udp_places
+from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
 from skinfield.wire.packet.codec import PacketDevice
@@ -20,7 +21,6 @@ from skinfield.wire.sources.yarp import YarpPort, YarpText
 from skinfield.wire.yarp import PORT as YARP_PORT
 from skinfield.wire.yarp import port_of
 
-T = TypeVar("T")
 YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")
 
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
@@ -39,42 +39,6 @@ CONVERTERS: dict[type, tuple[str, Callable[[str], Any]]] = {
     int: ("a whole number", lambda text: int(text, 0)),
     float: ("a number", float),
 }
-
-
-class Options:
-    """Text by name, of which each is asked for once.
-
-    Parameters
-    ----------
-    texts : mapping of str to str
-    whose : str
-        Whose options they are, for messages.
-    """
-
-    def __init__(self, texts: Mapping[str, str], whose: str) -> None:
-        self._texts, self._whose = dict(texts), whose
-        self._read_names: list[str] = []
-
-    def get(self, name: str, default: T) -> T:
-        """One of them, of the type of its default: text, yes or no, whole (0x too), a number."""
-        self._read_names.append(name)
-        if name not in self._texts:
-            return default
-        what, convert = CONVERTERS[type(default)]
-        try:
-            value: T = convert(self._texts[name])
-        except ValueError:
-            raise InputError(
-                f"option {name} of {self._whose} is {self._texts[name]!r}, expected {what}"
-            ) from None
-        return value
-
-    def finish(self) -> None:
-        """Raise InputError if something was given that is unknown."""
-        for name in self._texts:
-            if name not in self._read_names:
-                known = ", ".join(sorted(self._read_names)) or "none"
-                raise InputError(f"{self._whose} has no option {name!r}, expected one of {known}")
 
 
 def matched(skin: Skin | Patch, ports: Sequence[Port]) -> tuple[int, ...]:
@@ -120,22 +84,6 @@ def matched(skin: Skin | Patch, ports: Sequence[Port]) -> tuple[int, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class SourceRequest:
-    """What was asked for: the words, and the skin that is to be read."""
-
-    skin: Skin
-    bus: str
-    channels: tuple[str, ...]
-    options: Options
-
-    def one_channel(self, default: str) -> str:
-        """The only channel."""
-        if len(self.channels) > 1:
-            raise InputError(f"channels are {', '.join(self.channels)}, expected one")
-        return self.channels[0] if self.channels else default
-
-
 def source_from_options(
     hardware: str,
     bus: str,
@@ -153,7 +101,7 @@ def source_from_options(
     bus : str
         By which it is connected; empty for the usual one.
     channels : sequence of str
-        Where on the bus, see `addresses.bus_settings`; empty for the usual place.
+        Where on the bus, see `bus_settings`; empty for the usual place.
     skin : Skin
         Whose taxels are read; see also `skin_for`.
     options : mapping of str to str
@@ -166,10 +114,10 @@ def source_from_options(
     """
     texts = dict(options or {})
     if hardware in HARDWARE:
-        read = Options(texts, hardware)
-        source = HARDWARE[hardware](SourceRequest(skin, bus, tuple(channels), read))
-        read.finish()
-        return source
+        make = HARDWARE[hardware]
+        read = _read_options(hardware, make, texts)
+        made: Source = make(skin, bus, tuple(channels), **read)
+        return made
     others = third_parties()
     if hardware not in others:
         more = ", ".join(sorted(others)) or "none"
@@ -182,6 +130,28 @@ def source_from_options(
     if channels:
         texts.setdefault("channels", ",".join(channels))
     return _called(others[hardware], skin, texts)
+
+
+def _read_options(
+    hardware: str, make: Callable[..., Source], texts: Mapping[str, str]
+) -> dict[str, Any]:
+    """Options of a function, of the types of their defaults: text, yes or no, numbers (0x too)."""
+    usual = {
+        each.name: each.default
+        for each in signature(make).parameters.values()
+        if each.kind is each.KEYWORD_ONLY
+    }
+    read = {}
+    for name, text in texts.items():
+        if name not in usual:
+            known = ", ".join(sorted(usual)) or "none"
+            raise InputError(f"{hardware} has no option {name!r}, expected one of {known}")
+        what, convert = CONVERTERS[type(usual[name])]
+        try:
+            read[name] = convert(text)
+        except ValueError:
+            raise InputError(f"option {name} of {hardware} is {text!r}, expected {what}") from None
+    return read
 
 
 def third_parties() -> dict[str, EntryPoint]:
@@ -204,133 +174,147 @@ def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
     """The skin on the channels that its hardware has: CySkin's go by uid, others keep theirs."""
-    return on_enough_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
+    return on_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
 
 
-def icub(request: SourceRequest) -> Source:
-    """Boards of an iCub.
+def icub(
+    skin: Skin,
+    bus: str,
+    channels: tuple[str, ...],
+    *,
+    config: str = "",
+    period_ms: int = 50,
+    no_load: int = 240,
+    shift: int = 2,
+    bitrate: int = 1_000_000,
+    listen: bool = False,
+) -> Source:
+    """Boards of an iCub: of the robot's XML files in `config`, by commas, or 1 to 14 of each bus.
 
-    Options: `config` (the robot's XML files, by commas; else boards 1 to 14 of each bus, in the
-    order of the patches), `period_ms`, `no_load`, `shift`, `bitrate`, `listen` (yes: tell the
-    boards nothing).
+    In the latter case they are in the order of the patches. With `listen` they are told nothing.
     """
-    read = request.options
-    files = [name for name in read.get("config", "").split(",") if name]
-    period, no_load, shift = (
-        read.get(name, usual) for name, usual in (("period_ms", 50), ("no_load", 240), ("shift", 2))
-    )
-    configuration = (
-        load_configuration(*files)
-        if files
-        else configuration_for(*request.skin, period_ms=period, no_load=no_load, shift=shift)
-    )
-    buses = bus_settings(
-        request.bus or "udp",
-        request.channels,
-        len(configuration.buses),
-        read.get("bitrate", 1_000_000),
-    )
-    return ICubCan(configuration, tuple(buses), configure=not read.get("listen", False))
+    files = [name for name in config.split(",") if name]
+    if files:
+        configuration = load_configuration(*files)
+    else:
+        configuration = configuration_for(*skin, period_ms=period_ms, no_load=no_load, shift=shift)
+    buses = bus_settings(bus or "udp", channels, len(configuration.buses), bitrate)
+    return ICubCan(configuration, tuple(buses), configure=not listen)
 
 
-def cyskin(request: SourceRequest) -> Source:
-    """Boards of CySkin on CAN.
+def cyskin(
+    skin: Skin,
+    bus: str,
+    channels: tuple[str, ...],
+    *,
+    boards: str = "",
+    period_ms: int = 50,
+    extended: bool = CySkinWire.extended,
+    big_endian: bool = CySkinWire.big_endian,
+    checked: bool = True,
+    bitrate: int = 1_000_000,
+    listen: bool = False,
+) -> Source:
+    """Boards of CySkin on CAN: `boards` are their numbers, by commas, see `on_boards`.
 
-    Options: `boards` (their numbers, by commas; default 1, 2, ... as many as the modules need),
-    `period_ms`, `extended`, `big_endian`, `checked` (no: checksums are not looked at), `bitrate`,
-    `listen`.
+    Unless `checked`, checksums are not looked at; with `listen` the boards are told nothing.
     """
-    read = request.options
-    usual = CySkinWire()
-    wire = CySkinWire(
-        extended=read.get("extended", usual.extended),
-        big_endian=read.get("big_endian", usual.big_endian),
-        checksum=usual.checksum if read.get("checked", True) else Unchecked(),
-    )
-    bus = bus_settings(request.bus or "udp", request.channels, 1, read.get("bitrate", 1_000_000))
+    wire = CySkinWire(extended=extended, big_endian=big_endian)
+    if not checked:
+        wire = replace(wire, checksum=Unchecked())
+    buses = bus_settings(bus or "udp", channels, 1, bitrate)
     return CySkinCan(
-        _boards(request),
-        tuple(bus),
-        wire=wire,
-        period_ms=read.get("period_ms", 50),
-        configure=not read.get("listen", False),
+        _boards(skin, boards), tuple(buses), wire=wire, period_ms=period_ms, configure=not listen
     )
 
 
-def shared_memory(request: SourceRequest) -> Source:
-    """The memory of CySkin's acquisition tool; the channel is its key. Options: `boards`."""
-    text = request.one_channel("450")
+def shared_memory(skin: Skin, bus: str, channels: tuple[str, ...], *, boards: str = "") -> Source:
+    """The memory of CySkin's acquisition tool; the channel is its key."""
+    text = _one(channels, "450")
     if not text.isdecimal():
         raise InputError(f"channel is {text!r}, expected the key of the memory, as 450")
-    return CySkinSharedMemory(_boards(request), int(text))
+    return CySkinSharedMemory(_boards(skin, boards), int(text))
 
 
-def _boards(request: SourceRequest) -> tuple[CySkinBoard, ...]:
-    text = request.options.get("boards", "")
-    if not text:
-        return on_enough_boards(request.skin)[1]
-    if not all(part.strip().isdecimal() for part in text.split(",")):
+def _boards(skin: Skin, text: str) -> tuple[CySkinBoard, ...]:
+    if text and not all(part.strip().isdecimal() for part in text.split(",")):
         raise InputError(f"boards are {text!r}, expected their numbers with commas, as 1,2")
-    return on_boards(request.skin, [int(part) for part in text.split(",")])[1]
+    return on_boards(skin, [int(part) for part in text.split(",")] if text else None)[1]
 
 
-def packet(request: SourceRequest) -> Source:
+def _one(channels: tuple[str, ...], usual: str) -> str:
+    """The only channel."""
+    if len(channels) > 1:
+        raise InputError(f"channels are {', '.join(channels)}, expected one")
+    return channels[0] if channels else usual
+
+
+def packet(
+    skin: Skin,
+    bus: str,
+    channels: tuple[str, ...],
+    *,
+    unit: str = "count",
+    baud: int = PacketSerial.baud,
+    listen: bool = False,
+) -> Source:
     """Skinfield's own packets; patch k is device k, from 1 on.
 
     Channels: of `udp` ``:port`` or ``0.0.0.0:port`` to listen at, or ``host:port`` of the device;
-    of `tcp` ``host:port`` of the server; of `serial` the path of the line. Options: `unit`, `baud`,
-    `listen`.
+    of `tcp` ``host:port`` of the server; of `serial` the path of the line.
     """
-    read, bus = request.options, request.bus or "udp"
-    devices = tuple(
-        PacketDevice(number, patch.n_channels) for number, patch in enumerate(request.skin, 1)
-    )
-    names = tuple(patch.name for patch in request.skin)
-    unit, command = read.get("unit", "count"), not read.get("listen", False)
+    devices = tuple(PacketDevice(number, patch.n_channels) for number, patch in enumerate(skin, 1))
+    names = tuple(patch.name for patch in skin)
     if bus == "serial":
-        path, baud = request.one_channel(PacketSerial.path), read.get("baud", PacketSerial.baud)
-        return PacketSerial(devices, path, baud, names, unit, command)
+        path = _one(channels, PacketSerial.path)
+        return PacketSerial(devices, path, baud, names=names, unit=unit, command=not listen)
+    where = _one(channels, "")
+    host, port = host_and_port(where, "127.0.0.1", TCP_PORT if bus == "tcp" else UDP_PORT)
     if bus == "tcp":
-        host, port = host_and_port(request.one_channel(""), "127.0.0.1", TCP_PORT)
-        return PacketTcp(devices, host, port, names, unit, command)
-    if bus != "udp":
+        return PacketTcp(devices, host, port, names=names, unit=unit, command=not listen)
+    if bus not in ("", "udp"):
         raise InputError(f"bus is {bus!r}, expected one of {', '.join(STREAMS)}: for packets")
-    where = request.one_channel("")
-    host, port = host_and_port(where, "127.0.0.1", UDP_PORT)
-    if listens(where, host):
-        return PacketUdp(devices, host, port, "", names, unit)
-    peer = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-    return PacketUdp(devices, own_address(host), 0, peer, names, unit)
+    own, port, peer = udp_places(where, host, port)
+    return PacketUdp(devices, own, port, peer, names=names, unit=unit, command=not listen)
 
 
-def replay(request: SourceRequest) -> Source:
-    """A recording; the channel is its path. Options: `speed` (inf: a reading a cycle), `loop`."""
-    path, read = request.one_channel(""), request.options
+def replay(
+    skin: Skin, bus: str, channels: tuple[str, ...], *, speed: float = 1.0, loop: bool = False
+) -> Source:
+    """A recording; the channel is its path, and an infinite `speed` brings a reading a cycle."""
+    path = _one(channels, "")
     if not path:
         raise InputError("channel is missing, expected the path of the recording to replay")
-    speed, loop = read.get("speed", 1.0), read.get("loop", False)
-    return ReplaySource(path, speed, loop, request.skin)
+    return ReplaySource(path, speed, loop, skin)
 
 
-def simulation(request: SourceRequest) -> Source:
-    """A ball that presses each patch in turn, within this process. Options: `rate`, `force`."""
-    read = request.options
-    return pressed(request.skin, force=read.get("force", 3.0), rate=read.get("rate", 50.0))
+def simulation(
+    skin: Skin, bus: str, channels: tuple[str, ...], *, rate: float = 50.0, force: float = 3.0
+) -> Source:
+    """A ball that presses each patch in turn, within this process."""
+    return pressed(skin, force=force, rate=rate)
 
 
-def yarp(request: SourceRequest) -> Source:
+def yarp(
+    skin: Skin,
+    bus: str,
+    channels: tuple[str, ...],
+    *,
+    robot: str = "icub",
+    own: str = YarpText.own,
+    unit: str = YarpText.unit,
+    no_load: int = 240,
+    shift: int = 2,
+) -> Source:
     """Ports of YARP, one for each patch.
 
     The bus is ``host:port`` of the name server. Channels: each port's name, or its place as
     ``host:port``, which needs no name server; default that of the patch's name, such as
-    ``/icub/skin/left_forearm``. Options: `robot` (in place of icub), `own` (name that we give),
-    `unit`; `no_load` and `shift`, which say what bytes mean, are for whoever reads these.
+    ``/icub/skin/left_forearm``. `own` is the name that we give; `no_load` and `shift`, which say
+    what bytes mean, are for whoever reads these.
     """
-    read, patches = request.options, tuple(request.skin)
-    for known, usual in (("no_load", 240), ("shift", 2)):
-        read.get(known, usual)
-    robot = read.get("robot", "icub")
-    names = request.channels or tuple(port_of(patch.name, robot) for patch in patches)
+    patches = tuple(skin)
+    names = channels or tuple(port_of(patch.name, robot) for patch in patches)
     if len(names) != len(patches):
         raise InputError(
             f"channels are {', '.join(names)}, expected {len(patches)}: a port for each of "
@@ -340,12 +324,10 @@ def yarp(request: SourceRequest) -> Source:
         YarpPort(patch.name, patch.n_channels, name)
         for patch, name in zip(patches, names, strict=True)
     )
-    host, port = host_and_port(request.bus, "127.0.0.1", YARP_PORT)
-    own, unit = read.get("own", YarpText.own), read.get("unit", YarpText.unit)
-    return YarpText(ports, host, port, own, unit)
+    return YarpText(ports, *host_and_port(bus, "127.0.0.1", YARP_PORT), own, unit)
 
 
-HARDWARE: dict[str, Callable[[SourceRequest], Source]] = {
+HARDWARE: dict[str, Callable[..., Source]] = {
     "icub": icub,
     "cyskin": cyskin,
     "packet": packet,

@@ -33,14 +33,22 @@ SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64
 
 
 @njit
-def survey(words: Words, bounds: Ints) -> int:
-    """Words up to the end of the last whole block.
+def survey(words: Words, tape: Words, table: Ints, bounds: Ints) -> int:
+    """Take out of a recording the blocks of counts and status; words up to the last whole block.
+
+    A step ends where the channel with which it began comes once more.
 
     Parameters
     ----------
     words : (W,) int64 array
-    bounds : (2,) int64 array
-        Written: channels, the highest one's number and 1; newest stamp, ns.
+        The recording.
+    tape : (W,) int64 array
+        Written: the blocks, one behind the other.
+    table : (W / 3, 4) int64 array
+        Written for each of them: first word in `tape`, stamp in ns, step, and how many of counts
+        there are with it.
+    bounds : (3,) int64 array
+        Written: channels, the highest one's number and 1; blocks; words of the tape.
 
     Returns
     -------
@@ -48,81 +56,27 @@ def survey(words: Words, bounds: Ints) -> int:
         Less than there are words, if something there is no block, or more than `SPAN` off the
         first one's stamp.
     """
-    at = 0
+    at, to, rows, step, counts, began, since = 0, 0, 0, 0, 0, -1, 0
     while at + HEADER_WORDS <= len(words):
-        head = words[at + 1]
-        first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
-        size = payload_words(kind, count)
-        if size < 0 or at + HEADER_WORDS + size > len(words):
-            break
-        if words[at] < 0 or words[0] < 0 or abs(words[at] - words[0]) > SPAN:
-            break
-        if kind <= STATUS:
-            bounds[0] = max(bounds[0], first + count)
-        bounds[1] = max(bounds[1], words[at])
-        at += HEADER_WORDS + size
-    return int(at)
-
-
-@njit
-def play(
-    tape: Words,
-    at: int,
-    until_ns: int,
-    step_by_step: bool,
-    begin_ns: int,
-    start_ns: int,
-    speed: float,
-    channel: int,
-    words: Words,
-    end: Words,
-    taken: Ints,
-) -> int:
-    """Copy blocks of counts and status from word `at` on whose time has come; the first one left.
-
-    Parameters
-    ----------
-    tape : (W,) int64 array
-        Whole blocks, the first of which is of `begin_ns` and played at `start_ns`.
-    until_ns : int, ns
-        Time of now.
-    step_by_step : bool
-        Copy until a channel would come twice, whatever the time; stamps are `until_ns`.
-    channel : int
-        Added to each.
-    words, end : arrays
-        Of `Blocks`.
-    taken : (4,) int64 array
-        Written: blocks; blocks of counts; first channel and stamp of a step's first block.
-    """
-    while at < len(tape):
-        head, stamp = tape[at + 1], tape[at]
+        stamp, head = words[at], words[at + 1]
         first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
         size = HEADER_WORDS + payload_words(kind, count)
+        if size < HEADER_WORDS or at + size > len(words):
+            break
+        if stamp < 0 or words[0] < 0 or abs(stamp - words[0]) > SPAN:
+            break
         if kind <= STATUS:
-            if step_by_step:
-                if repeats(kind, first, stamp, taken):
-                    break
-                stamp = until_ns
-            else:
-                stamp = start_ns + int((stamp - begin_ns) / speed)
-            if stamp > until_ns or end[0] + size > len(words):
-                break
-            words[end[0]] = stamp
-            words[end[0] + 1] = (head & ~0xFFFFFFFF) | ((first + channel) & 0xFFFFFFFF)
-            for i in range(HEADER_WORDS, size):
-                words[end[0] + i] = tape[at + i]
-            end[0] += size
-            taken[0] += 1
-            taken[1] += kind < STATUS
+            if kind < STATUS and first == began and stamp != since:
+                step, began = step + 1, -1
+            if began < 0:
+                began, since = first, stamp
+            bounds[0] = max(bounds[0], first + count)
+            counts += kind < STATUS
+            table[rows, 0], table[rows, 1], table[rows, 2], table[rows, 3] = to, stamp, step, counts
+            rows += 1
+            for i in range(size):
+                tape[to + i] = words[at + i]
+            to += size
         at += size
+    bounds[1], bounds[2] = rows, to
     return int(at)
-
-
-@njit
-def repeats(kind: int, first: int, stamp: int, taken: Ints) -> bool:
-    """Whether the channel with which a step began comes once more; notes which that is."""
-    if taken[1] == 0:
-        taken[2], taken[3] = first, stamp
-        return False
-    return bool(kind < STATUS and first == taken[2] and stamp != taken[3])

@@ -10,8 +10,8 @@ import socket
 import struct
 import termios
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
 from types import ModuleType
@@ -20,18 +20,19 @@ from typing import Any
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import Octets
-from skinfield.wire.can.datagrams import (
+from skinfield.wire.datagrams import (
     TRANSIENT,
     Datagrams,
+    address_of,
     buffer_note,
     let_go,
     peer_from_text,
     resolved,
     unicast_socket,
 )
+from skinfield.wire.links import BreakingLink, ByteLink, DialledLink
 from skinfield.wire.packet.codec import PacketDecoder, PacketDevice, PacketScanner
 from skinfield.wire.packet.packets import PacketKind, encode_command
-from skinfield.wire.sources.links import BreakingLink, DialledLink
 from skinfield.wire.sources.streams import LinkedStream
 
 SILENCE = 1_000_000_000  # ns
@@ -40,12 +41,26 @@ ROUNDS = 8  # of a poll
 BUFFER = 1 << 18  # bytes
 
 
+@dataclass(frozen=True)
 class PacketSource:
-    """Settings of devices, whatever their packets come by."""
+    """Settings of devices, whatever their packets come by.
+
+    Parameters
+    ----------
+    devices : sequence of PacketDevice, or int
+        A number: one device, of number 1, with so many channels.
+    names : sequence of str
+        Of the devices' ports; default "skin", or "device<number>" of several.
+    unit : str
+        Of the numbers, one of `skinfield.skin.reading.UNITS`.
+    command : bool
+        Whether devices are told to start and to stop.
+    """
 
     devices: Sequence[PacketDevice] | int
-    names: Sequence[str]
-    unit: str
+    names: Sequence[str] = field(default=(), kw_only=True)
+    unit: str = field(default="count", kw_only=True)
+    command: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         devices = self.devices
@@ -58,13 +73,7 @@ class PacketSource:
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        """One for each device.
-
-        Raises
-        ------
-        InputError
-            If there are names, but not one for each.
-        """
+        """One for each device."""
         devices = self.devices
         assert not isinstance(devices, int)  # since it was made
         if len(self.names) != len(devices):
@@ -80,15 +89,13 @@ class PacketSource:
 class PacketStream(LinkedStream):
     """Packets over one link; see `skinfield.signal.Stream`."""
 
-    def __init__(self, source: PacketSource, link: BreakingLink, command: bool) -> None:
-        try:
+    def __init__(self, source: PacketSource, link: "ByteLink | UdpLink") -> None:
+        with ExitStack() as undo:
+            undo.callback(link.close)
             super().__init__(source.ports, [link])
             self.decoder = PacketDecoder(source.devices)
-        except BaseException:
-            link.close()
-            raise
-        self._link = link
-        self._command = command
+            undo.pop_all()
+        self._send, self._command = link.send, source.command
         self._heard_ns = 0
         self._new = True  # connection, over which nothing was told yet
 
@@ -99,9 +106,9 @@ class PacketStream(LinkedStream):
         if packets:
             self._heard_ns = now_ns
         if self._command and (self._new or not 0 <= now_ns - self._heard_ns < SILENCE):
-            self._new, self._heard_ns = not self._link.up, now_ns
+            self._new, self._heard_ns = not self.up, now_ns
             if not self._new:
-                self._link.send(START)
+                self._send(START)
         return packets
 
     def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
@@ -111,27 +118,23 @@ class PacketStream(LinkedStream):
         self._new = True
 
     def _stop(self) -> None:
-        if self._command and self._link.up:
-            self._link.send(STOP)
+        if self._command and self.up:
+            self._send(STOP)
 
 
 class ByteStream(PacketStream):
     """See `PacketStream`."""
 
-    _link: "DialledLink | SerialLink"
-
-    def __init__(
-        self, source: PacketSource, link: "DialledLink | SerialLink", command: bool
-    ) -> None:
-        super().__init__(source, link, command)
-        self._scanner = PacketScanner(self.decoder, BUFFER)
+    def __init__(self, source: PacketSource, link: ByteLink) -> None:
+        super().__init__(source, link)
+        self._receive, self._scanner = link.receive, PacketScanner(self.decoder, BUFFER)
         self._scanner.take(0, Blocks(1024), 0, self.counters, 0)  # compiles
 
     def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
         scanner = self._scanner
         for _ in range(ROUNDS):
             free = scanner.free
-            received = self._link.receive(free) if len(free) else 0
+            received = self._receive(free) if len(free) else 0
             if not received and not scanner.used:
                 break
             before = scanner.used + received
@@ -154,12 +157,10 @@ LOOK = 0.25  # s between two looks at whether the device's node is still there
 
 @dataclass(frozen=True)
 class PacketUdp(PacketSource):
-    """Devices that send packets by UDP.
+    """Devices that send packets by UDP; see `PacketSource` for what all have in common.
 
     Parameters
     ----------
-    devices : sequence of PacketDevice, or int
-        A number: one device, of number 1, with so many channels.
     host : str
         Own address that is bound. The default hears this machine only; 0.0.0.0 hears all.
     port : int
@@ -167,18 +168,11 @@ class PacketUdp(PacketSource):
     peer : str
         ``host:port`` of a device that is told to start, and to stop at the end. Left empty, devices
         send by themselves.
-    names : sequence of str
-        Of the devices' ports; default "skin", or "device<number>" of several.
-    unit : str
-        Of the numbers, one of `skinfield.skin.reading.UNITS`.
     """
 
-    devices: Sequence[PacketDevice] | int
     host: str = "127.0.0.1"
     port: int = UDP_PORT
     peer: str = ""
-    names: Sequence[str] = ()
-    unit: str = "count"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -203,31 +197,23 @@ class UdpLink(BreakingLink):
         super().__init__(f"udp {self._own.address}")
         self.peer = peer_from_text(settings.peer).address if settings.peer else None
         self.batch = Datagrams(BATCH, LONGEST)
+        self.note = ""  # what should be known of it, in words
         self._socket: socket.socket | None = None
-        self.buffer_bytes = 0
         self.reopen()
 
     @property
     def address(self) -> tuple[str, int]:
         """Host and port at which it listens; ("", 0) while it is down."""
-        if self._socket is None:
-            return "", 0
-        host, port = self._socket.getsockname()[:2]
-        return str(host), int(port)
+        return address_of(self._socket)
 
-    @property
-    def note(self) -> str:
-        """What should be known of it, in words."""
-        return buffer_note(self._label, self.buffer_bytes)
-
-    def reopen(self) -> bool:
-        """Bind anew."""
+    def _open(self) -> bool:
         self.close()
         try:
-            self._socket, self.buffer_bytes = unicast_socket(self._own)
+            self._socket, buffer_bytes = unicast_socket(self._own)
         except OSError as error:
             return bool(self.broke(error))
         self.batch.of_new_socket()
+        self.note = buffer_note(self.label, buffer_bytes)
         return self._opened(self._socket.fileno())
 
     def receive(self) -> int:
@@ -239,12 +225,12 @@ class UdpLink(BreakingLink):
 
     def send(self, data: bytes) -> None:
         """Send one datagram to the peer."""
-        if self._socket is not None and self.peer is not None:
-            try:
+        try:
+            if self._socket is not None and self.peer is not None:
                 self._socket.sendto(data, self.peer)
-            except OSError as error:
-                if error.errno not in TRANSIENT:
-                    self.broke(error)
+        except OSError as error:
+            if error.errno not in TRANSIENT:
+                self.broke(error)
 
     def close(self) -> None:
         """Let go of the socket."""
@@ -255,11 +241,9 @@ class UdpLink(BreakingLink):
 class PacketUdpStream(PacketStream):
     """See `PacketStream`."""
 
-    _link: UdpLink
-
     def __init__(self, source: PacketUdp) -> None:
-        link = UdpLink(source)
-        super().__init__(source, link, link.peer is not None)
+        self._link = UdpLink(source)
+        super().__init__(source, self._link)
         self._first = self._count = self._overflowed = 0
         self._decode(Blocks(1024), 0)  # compiles before the first packet
 
@@ -277,9 +261,9 @@ class PacketUdpStream(PacketStream):
             self._decode(blocks, channel)
             if self._first < self._count or self._count < BATCH:
                 break  # the blocks are full, or nothing more waits
-        self._overflowed = self._count_since(
-            Count.OVERFLOWED, self._link.batch.dropped, self._overflowed
-        )
+        dropped = self._link.batch.dropped
+        self.counters[Count.OVERFLOWED] += dropped - self._overflowed
+        self._overflowed = dropped
 
     def _decode(self, blocks: Blocks, channel: int) -> None:
         batch = self._link.batch
@@ -291,29 +275,17 @@ class PacketUdpStream(PacketStream):
 
 @dataclass(frozen=True)
 class PacketTcp(PacketSource):
-    """Devices behind a TCP server.
+    """Devices behind a TCP server; see `PacketSource` for what all have in common.
 
     Parameters
     ----------
-    devices : sequence of PacketDevice, or int
-        A number: one device, of number 1, with so many channels.
     host : str
     port : int
         Of the server.
-    names : sequence of str
-        Of the devices' ports; default "skin", or "device<number>" of several.
-    unit : str
-        Of the numbers, one of `skinfield.skin.reading.UNITS`.
-    command : bool
-        Whether devices are told to start and to stop.
     """
 
-    devices: Sequence[PacketDevice] | int
     host: str = "127.0.0.1"
     port: int = TCP_PORT
-    names: Sequence[str] = ()
-    unit: str = "count"
-    command: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -329,36 +301,24 @@ class PacketTcp(PacketSource):
         """
         place = resolved(self.host, self.port, "host")
         link = DialledLink(f"tcp {self.host}:{self.port}", place)
-        return ByteStream(self, link, self.command)
+        return ByteStream(self, link)
 
 
 @dataclass(frozen=True)
 class PacketSerial(PacketSource):
-    """Devices at a serial line.
+    """Devices at a serial line; see `PacketSource` for what all have in common.
 
     Parameters
     ----------
-    devices : sequence of PacketDevice, or int
-        A number: one device, of number 1, with so many channels.
     path : str
         Of the device's node. One below /dev/serial/by-id stays the same when it is plugged in
         again, however many others there are.
     baud : int, bit/s
         Boards with USB of their own ignore it.
-    names : sequence of str
-        Of the devices' ports; default "skin", or "device<number>" of several.
-    unit : str
-        Of the numbers, one of `skinfield.skin.reading.UNITS`.
-    command : bool
-        Whether devices are told to start and to stop.
     """
 
-    devices: Sequence[PacketDevice] | int
     path: str = "/dev/ttyACM0"
     baud: int = 921600
-    names: Sequence[str] = ()
-    unit: str = "count"
-    command: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -373,17 +333,11 @@ class PacketSerial(PacketSource):
         InputError
             If pyserial is not installed, or the line cannot be set up so.
         """
-        return ByteStream(self, SerialLink(self.path, self.baud), self.command)
+        return ByteStream(self, SerialLink(self.path, self.baud))
 
 
 def pyserial() -> ModuleType:
-    """The package.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
-    """
+    """The package."""
     try:
         import serial
     except ImportError as error:
@@ -395,7 +349,7 @@ def pyserial() -> ModuleType:
     return module
 
 
-class SerialLink(BreakingLink):
+class SerialLink(ByteLink):
     """A serial line; pyserial sets it up, reading is the system's own call."""
 
     def __init__(self, path: str, baud: int) -> None:
@@ -407,14 +361,6 @@ class SerialLink(BreakingLink):
         self._look = 0.0
         self._waiting = bytearray(4)
         self._open()
-
-    def reopen(self) -> bool:
-        """Open it anew, if its node is there."""
-        try:
-            return self._open()
-        except InputError as error:
-            self.fault = str(error)
-            return False
 
     def _open(self) -> bool:
         self.close()
@@ -435,7 +381,7 @@ class SerialLink(BreakingLink):
         return self._opened(self._port.fileno())
 
     def receive(self, into: Octets) -> int:
-        """Write what has arrived."""
+        """See `ByteLink`."""
         if not self.up:
             return 0
         try:

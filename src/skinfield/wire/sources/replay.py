@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
 from skinfield.signal.block import LONGEST, WORD, Words
 from skinfield.skin import Patch, Skin
 from skinfield.skin.reading import UNITS, Recording
+from skinfield.wire.sources.streams import narrowest
 
 if TYPE_CHECKING:
     from skinfield.files.mcap.live import LiveRecording
@@ -35,20 +36,6 @@ SLOWEST = 0.01
 MCAP = b"\x89MCAP0\r\n"
 
 
-def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
-    """The kind of block that holds all counts without loss, or float32, and the counts so.
-
-    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
-    """
-    finite = np.isfinite(counts).all()
-    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
-        if (counts <= 0xFF).all():
-            return Kind.BYTES, counts.astype("<u1")
-        if (counts <= 0xFFFF).all():
-            return Kind.SHORTS, counts.astype("<u2")
-    return Kind.FLOATS, counts.astype("<f4")
-
-
 def tape_of(counts: Floats, after_ns: Ints) -> Words:
     """Readings of a table as blocks, in words.
 
@@ -58,12 +45,6 @@ def tape_of(counts: Floats, after_ns: Ints) -> Words:
     after_ns : (T,) int64 array, ns
         Of each reading, since the first; not decreasing.
     """
-    if not len(counts) or len(after_ns) != len(counts):
-        raise InputError(f"there are {len(counts)} readings, expected one or more with a time each")
-    if (np.diff(after_ns) < 0).any() or after_ns[0] != 0:
-        raise InputError(
-            f"after_ns is {after_ns}, expected the first at 0, none before its predecessor"
-        )
     kind, table = narrowest(counts)
     parts = []
     for first in range(0, table.shape[1], LONGEST):
@@ -120,12 +101,13 @@ class BlockReplayStream:
         path: str = "table",
         pause_ns: int = 0,
     ) -> None:
-        from skinfield.wire.sources.kernels import play, survey
+        from skinfield.wire.sources.kernels import survey
 
-        self._play = play
-        bounds: Ints = np.zeros(2, np.int64)
-        whole = survey(tape, bounds)
-        highest, newest = bounds.tolist()
+        self._tape: Words = np.zeros(len(tape), np.int64)
+        table: Ints = np.zeros((1 + len(tape) // 2, 4), np.int64)
+        bounds: Ints = np.zeros(3, np.int64)
+        whole = survey(tape, self._tape, table, bounds)
+        highest, rows, size = bounds.tolist()
         if whole < len(tape) or not highest:
             raise FileError(
                 f"{path}: byte {8 * whole} of {8 * len(tape)} of the readings is no block, "
@@ -139,12 +121,15 @@ class BlockReplayStream:
                 f"{channels}, of ports {', '.join(port.name for port in self.ports)}"
             )
         self.counters, self.index, self.up, self.ended = counters(), 0, True, False
-        self._tape, self._speed, self._loop = tape, speed, loop
-        self._step_by_step = speed == ALL_AT_ONCE
-        self._round = 0 if self._step_by_step else round((newest - int(tape[0]) + pause_ns) / speed)
+        self._loop, self._step_by_step = loop, speed == ALL_AT_ONCE
+        self._begins = np.append(table[:rows, 0], size)  # words
+        self._counts = np.insert(table[:rows, 3], 0, 0)  # blocks of counts before each
+        self._steps = table[:rows, 2].copy()
+        pace = 1.0 if self._step_by_step else speed
+        self._times = ((table[:rows, 1] - table[0, 1]) / pace).astype(np.int64)  # ns
+        self._due = np.maximum.accumulate(self._times)  # in their order, whatever their stamps
+        self._round = 0 if self._step_by_step else int(self._due[-1]) + round(pause_ns / pace)
         self._at, self._start, self._now = 0, 0, 0
-        self._taken: Ints = np.zeros(4, np.int64)
-        self._copy(Blocks(64), 0, 0, -1)  # compiles
 
     @property
     def fault(self) -> str:
@@ -165,36 +150,30 @@ class BlockReplayStream:
         return taken
 
     def _taken_in(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        before = int(blocks.end[0])
-        self._at = self._copy(blocks, channel, self._at, now_ns)
-        taken = int(self._taken[0])
-        self.counters[Count.RECEIVED] += taken
-        self.counters[Count.READINGS] += self._taken[1]
-        self.counters[Count.BYTES] += 8 * (int(blocks.end[0]) - before)
-        if self._at == len(self._tape):
+        """Append the blocks whose time has come, or those of a step, as far as there is room."""
+        at, end = self._at, int(blocks.end[0])
+        if self._step_by_step:
+            last = np.searchsorted(self._steps, self._steps[at], "right")
+        else:
+            last = np.searchsorted(self._due, now_ns - self._start, "right")
+        room = self._begins[at] + len(blocks.words) - end
+        last = max(min(int(last), int(np.searchsorted(self._begins, room, "right")) - 1), at)
+        first, size = int(self._begins[at]), int(self._begins[last] - self._begins[at])
+        part, heads = blocks.words[end : end + size], self._begins[at:last] - first
+        part[:] = self._tape[first : first + size]
+        part[heads] = now_ns if self._step_by_step else self._start + self._times[at:last]
+        part[heads + 1] += channel
+        blocks.end[0] += size
+        self._at = last
+        self.counters[Count.RECEIVED] += last - at
+        self.counters[Count.READINGS] += self._counts[last] - self._counts[at]
+        self.counters[Count.BYTES] += WORD * size
+        if last == len(self._due):
             self.ended, self._at = not self._loop, 0
             self._start += self._round
             if now_ns - self._start > self._round:
                 self._start = now_ns
-        return taken
-
-    def _copy(self, blocks: Blocks, channel: int, at: int, now_ns: int) -> int:
-        self._taken[:] = 0
-        return int(
-            self._play(
-                self._tape,
-                at,
-                now_ns,
-                self._step_by_step,
-                int(self._tape[0]),
-                self._start,
-                1.0 if self._step_by_step else self._speed,
-                channel,
-                blocks.words,
-                blocks.end,
-                self._taken,
-            )
-        )
+        return last - at
 
     def filenos(self) -> Sequence[int]:
         """None: it is a matter of time."""
@@ -231,20 +210,16 @@ class ReplaySource:
     skin : Skin or Patch, optional
         To whose channels the columns belong: found by uid where the recording has uids. Without
         it, columns are channels of one port. Not for MCAP files, which hold channels.
-    ports : sequence of Port
-        Of an MCAP file's channels, in place of those that it names; one of all where it names none.
     """
 
     path: str | Path
     speed: float = 1.0
     loop: bool = False
     skin: Skin | Patch | None = None
-    ports: Sequence[Port] = ()
 
     def __post_init__(self) -> None:
         if self.speed != ALL_AT_ONCE:
             check_range("speed", self.speed, SLOWEST, 1e9, "times real time, or infinite")
-        object.__setattr__(self, "ports", tuple(self.ports))
 
     def open(self) -> Stream:
         """Read the file.
@@ -259,7 +234,7 @@ class ReplaySource:
         path = Path(self.path)
         if _begins_as_mcap(path):
             ports, tape = recorded_blocks(path)
-            return BlockReplayStream(self.ports or ports, tape, self.speed, self.loop, str(path))
+            return BlockReplayStream(ports, tape, self.speed, self.loop, str(path))
         from skinfield.files.recordings import open_recording
 
         ports, counts, stamps = self._columns(open_recording(path))
@@ -308,13 +283,7 @@ def _begins_as_mcap(path: Path) -> bool:
 
 
 def recorded_blocks(path: Path) -> tuple[tuple[Port, ...], Words]:
-    """Ports of a live skin's recording, none if it does not say, and all its blocks.
-
-    Raises
-    ------
-    FileError
-        If it has no whole blocks.
-    """
+    """Ports of a live skin's recording, none if it does not say, and all its blocks."""
     from skinfield.files.mcap.live import LiveRecording
 
     recording = LiveRecording.open(path)

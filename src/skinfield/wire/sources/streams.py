@@ -4,15 +4,16 @@ import select
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from time import monotonic, monotonic_ns, time_ns
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Ints, SkinfieldError, check_range
-from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
+from skinfield.errors import Floats, Ints, SkinfieldError, check_range
+from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
-from skinfield.wire.sources.links import Link
+from skinfield.wire.links import BreakingLink
 
 SOURCE_WORDS = 3  # of a block that tells that a source went down or came up
 
@@ -26,7 +27,7 @@ class LinkedStream:
     Parameters
     ----------
     ports : sequence of Port
-    links : sequence of Link
+    links : sequence of BreakingLink
 
     Attributes
     ----------
@@ -35,7 +36,7 @@ class LinkedStream:
         sources sets it.
     """
 
-    def __init__(self, ports: Sequence[Port], links: Sequence[Link]) -> None:
+    def __init__(self, ports: Sequence[Port], links: Sequence[BreakingLink]) -> None:
         self.ports = tuple(ports)
         self.counters: Ints = counters()
         self.index = 0
@@ -59,11 +60,6 @@ class LinkedStream:
         """What should be known of it beside that, in sentences."""
         return tuple(note for link in self._links if (note := getattr(link, "note", "")))
 
-    @property
-    def channels(self) -> int:
-        """Of all ports."""
-        return sum(port.channels for port in self.ports)
-
     def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         """Append what has arrived; see `skinfield.signal.Stream`."""
         if self.closed:
@@ -77,7 +73,7 @@ class LinkedStream:
             self._report(up, blocks, now_ns)
         return messages
 
-    def _follow(self, place: int, link: Link, now_ns: int) -> bool:
+    def _follow(self, place: int, link: BreakingLink, now_ns: int) -> bool:
         """Note that a link broke, try it again, note that it is back; whether it is up."""
         retry, clock_ns = self._retries[place], monotonic_ns()  # that nobody sets back
         if not link.up and not retry.down_since:
@@ -122,12 +118,6 @@ class LinkedStream:
             self.closed = True
             for link in self._links:
                 link.close()
-
-    def _count_since(self, what: Count, now: int, before: int) -> int:
-        """Add what a total grew by; the new total."""
-        if now != before:
-            self.counters[what] += now - before
-        return now
 
 
 STEP = 1e-3  # s between two polls of a stream that cannot be waited for
@@ -255,11 +245,16 @@ def _why(stream: Stream) -> str:
     return f" ({fault})" if fault else ""
 
 
-def read(stream: Stream, timeout: float = 1.0) -> Reading:
-    """Next reading of all channels; see `StreamReader.read`, which is for more than one."""
-    return StreamReader(stream).read(timeout)
+def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
+    """The kind of block that holds all counts without loss, or float32, and the counts so.
 
-
-def read_latest(stream: Stream, max_age: float = 0.1) -> Reading:
-    """Newest reading that has arrived; see `StreamReader.read_latest`, for more than one."""
-    return StreamReader(stream).read_latest(max_age)
+    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
+    """
+    finite = np.isfinite(counts).all()
+    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
+        if (counts <= 0xFF).all():
+            return Kind.BYTES, counts.astype("<u1")
+        if (counts <= 0xFFFF).all():
+            return Kind.SHORTS, counts.astype("<u2")
+    with np.errstate(over="ignore"):
+        return Kind.FLOATS, counts.astype("<f4")

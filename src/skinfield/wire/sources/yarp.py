@@ -6,19 +6,20 @@ what it sends to all its readers.
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from time import monotonic
+from time import monotonic, sleep
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, Count, Kind, Port
+from skinfield.errors import InputError, Ints, check_count, check_type
+from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
 from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.can.datagrams import Place, resolved
-from skinfield.wire.sources.links import DialledLink
-from skinfield.wire.sources.streams import LinkedStream
+from skinfield.wire.datagrams import Place, resolved
+from skinfield.wire.links import DialledLink
+from skinfield.wire.sources.streams import LinkedStream, narrowest
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
 
@@ -26,10 +27,9 @@ PIECE = 1 << 16  # bytes that are read at once
 BYTES_PER_NUMBER = 32  # of text, at most: what YARP writes has 25
 SHORTEST_LINE = 1 << 16  # bytes of a line that are always read
 ROUNDS = 8  # of a poll
-SETTLE = 1.0  # s
+SETTLE, STEP = 1.0, 1e-3  # s: to wait for connections at first, between two looks at them
 DATA = ("d", "D")  # first letters of lines that numbers follow
 DIGITS = 18  # of a message's number
-NO_NUMBERS = -1
 
 
 @dataclass(frozen=True)
@@ -115,20 +115,20 @@ class YarpText:
             named = each.port.startswith("/")
             host, port = (self.host, self.port) if named else host_and_port(each.port, "", 0)
             places.append(resolved(host, port, "host"))
-        links: list[YarpLink] = []
-        try:
-            for each, place in zip(self.ports, places, strict=True):
-                longest = max(SHORTEST_LINE, BYTES_PER_NUMBER * each.channels)
-                links.append(YarpLink(each.port, place, self.own, longest))
+        with ExitStack() as undo:
+            links = [
+                undo.enter_context(closing(YarpLink(each.port, place, self.own, each.channels)))
+                for each, place in zip(self.ports, places, strict=True)
+            ]
             end = monotonic() + SETTLE
-            for link in links:
-                link.settle(end)
+            while monotonic() < end and any(link.connecting for link in links):
+                sleep(STEP)
+                for link in links:
+                    link.advance()
             ports = tuple(Port(each.name, each.channels, self.unit) for each in self.ports)
-            return YarpStream(ports, links)
-        except BaseException:
-            for link in links:
-                link.close()
-            raise
+            stream = YarpStream(ports, links)
+            undo.pop_all()
+        return stream
 
 
 class YarpLink(DialledLink):
@@ -142,8 +142,8 @@ class YarpLink(DialledLink):
         Of the name server, or of the socket.
     own : str
         Name that we give.
-    longest : int, bytes
-        Of a line that is read.
+    channels : int
+        Numbers in a vector, which say how long a line may be.
 
     Attributes
     ----------
@@ -151,24 +151,23 @@ class YarpLink(DialledLink):
         What came and was not taken.
     """
 
-    def __init__(self, port: str, place: Place, own: str, longest: int) -> None:
-        self._own, self._longest = own, longest
-        self.lines = Lines(longest)
+    def __init__(self, port: str, place: Place, own: str, channels: int) -> None:
+        self._own, self._longest = own, max(SHORTEST_LINE, BYTES_PER_NUMBER * channels)
+        self.lines = Lines(self._longest)
         super().__init__(port, place)
 
     def _opening(self) -> Iterator[None]:
         """Ask where the port is, where only its name is known, and be welcomed there."""
         place = self._place
-        if self._label.startswith("/"):
-            request = request_bytes(self._own, "query", self._label)
+        if self.label.startswith("/"):
+            request = request_bytes(self._own, "query", self.label)
             yield from self._connected(place, request)
             answer = Answer()
             while not answer.feed(self._heard("the name server closed the connection")):
                 yield
-            there = answer.registration
-            if there is None:
+            if answer.place is None:
                 raise OSError("the name server does not know it: is it open, see `yarp name list`")
-            place = resolved(there.host, there.port, "host of the port")
+            place = resolved(*answer.place, "host of the port")
         hello = greeting(Carrier.TEXT, self._own) + message(Carrier.TEXT, "r")
         yield from self._connected(place, hello)
         self.lines = Lines(self._longest)
@@ -214,9 +213,7 @@ class VectorReader:
     """
 
     def __init__(self, port: Port, link: YarpLink) -> None:
-        self._link = link
-        self._values: Floats = np.zeros(port.channels)
-        self._length = port.channels  # of the last vector; NO_NUMBERS
+        self._link, self._values = link, np.zeros(port.channels)
         self.forget()
 
     def forget(self) -> None:
@@ -224,7 +221,7 @@ class VectorReader:
         self._head = ""  # line with a stamp, whose numbers are still to come
         self._ready = False  # whether a vector waits for room
         self._last: int | None = None
-        self._length = len(self._values)
+        self.note = ""  # that vectors are of another length
 
     def take(self, blocks: Blocks, channel: int, counts: Ints, now_ns: int) -> None:
         """Append the vectors that are complete, as far as there is room."""
@@ -269,41 +266,31 @@ class VectorReader:
 
     def _parse(self, line: str) -> bool:
         """Read the numbers of a line; whether they are as many as there must be."""
-        words = line.replace(",", " ").split()
+        what: int | str
         try:
-            numbers = [float(word) for word in words]
+            numbers = [float(word) for word in line.replace(",", " ").split()]
+            what = len(numbers)
         except ValueError:
-            self._length = NO_NUMBERS
-            return False
-        self._length = len(numbers)
-        if len(numbers) != len(self._values):
-            return False
-        self._values[:] = numbers
-        return True
+            numbers, what = [], "something else than"
+        good = len(numbers) == len(self._values)
+        if good:
+            self._values[:] = numbers
+        self.note = ""
+        if not good:
+            self.note = (
+                f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in "
+                "each vector: is this the layout of that skin?"
+            )
+        return good
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
         """Append the vector in the smallest kind of block for it; False if there is no room."""
-        values = self._values
-        kind = Kind.FLOATS
-        if values.min() >= 0.0 and values.max() <= 65535.0 and (np.rint(values) == values).all():
-            kind = Kind.BYTES if values.max() <= 255.0 else Kind.SHORTS
+        kind, values = narrowest(self._values)
         try:
-            with np.errstate(over="ignore"):
-                blocks.put(now_ns, channel, values, kind)
+            blocks.put(now_ns, channel, values, kind)
         except Full:
             return False
         return True
-
-    @property
-    def note(self) -> str:
-        """That vectors are of another length; empty where they are not."""
-        if self._length == len(self._values):
-            return ""
-        what = "something else than" if self._length == NO_NUMBERS else self._length
-        return (
-            f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in each "
-            "vector: is this the layout of that skin?"
-        )
 
 
 class YarpStream(LinkedStream):

@@ -1,13 +1,11 @@
 """YARP: bottles, carriers, output ports, questions to a name server; YARP itself is not needed."""
 
-from skinfield.wire.yarp.bottle import Value as Value
-from skinfield.wire.yarp.bottle import Vocab as Vocab
-from skinfield.wire.yarp.bottle import bottle_from_text as bottle_from_text
-from skinfield.wire.yarp.bottle import bytes_from_bottle as bytes_from_bottle
-from skinfield.wire.yarp.bottle import text_from_bottle as text_from_bottle
 from skinfield.wire.yarp.carriers import Carrier as Carrier
+from skinfield.wire.yarp.carriers import Value as Value
+from skinfield.wire.yarp.carriers import bytes_from_bottle as bytes_from_bottle
 from skinfield.wire.yarp.carriers import checked_name as checked_name
 from skinfield.wire.yarp.carriers import envelope as envelope
+from skinfield.wire.yarp.carriers import text_from_bottle as text_from_bottle
 from skinfield.wire.yarp.contacts import SkinContact as SkinContact
 from skinfield.wire.yarp.contacts import SkinPart as SkinPart
 from skinfield.wire.yarp.contacts import part_of as part_of

@@ -1,4 +1,4 @@
-"""Carriers of YARP: how a connection between two ports begins, and its messages.
+r"""Carriers and bottles of YARP: how a connection between ports begins, and its messages.
 
 As in YARP 4.0.0: `doc/020_nameserver_and_protocols/yarp_protocol.dox` and, below
 `src/libYARP_os/src/yarp/os/impl`, `TextCarrier.cpp`, `TcpCarrier.cpp`, `PortCommand.cpp` and
@@ -14,30 +14,37 @@ text     ``CONNECT``, blank; lines that end in CR LF, and are read with or witho
 text_ack ``CONNACK``, blank; the same, each message acknowledged by ``<ACK>``
 tcp      ``YA E4 1E 00 00 RP``; blocks of bytes with their lengths, acknowledged
 ======== ============================================================================
+
+A bottle, as far as contacts need it, is after the grammar of `BottleImpl.cpp` and `Storable.cpp`.
+As text: values apart by blanks; ``12`` whole; ``1.5``, ``1e-3``, ``inf``, ``nan`` floating;
+``(a b)`` a list; everything else is text, in quotation marks where it must be, with ``\\``,
+``\"``, ``\n``, ``\r`` and ``\0`` within. Floating numbers always have a point or an exponent, as
+readers tell the types by it. As bytes, all numbers little-endian: a list is its length and its
+values, each behind its tag (`Bottle.h`); where all are of one type other than a list, the tag of
+that type is added to the list's and left out before each.
 """
 
+import re
 import struct
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from enum import Enum
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import (
-    Value,
-    bottle_from_text,
-    bytes_from_bottle,
-    from_octets,
-    text_from_bottle,
-    to_octets,
-)
 
 HEADER = 8  # bytes
 LINE_END = b"\r\n"
-ACK = "<ACK>"
 INDEX = 10  # bytes of an index, of which the first is the number of blocks, the second of replies
 LONGEST_NAME = 1000  # bytes, as YARP reads it
-LONGEST = 1 << 20  # bytes of a line, or that come with an acknowledgement
-WITH_BOTTLE = ("d", "D", "a")  # first letters of the port commands that a bottle follows
+LONGEST = 1 << 20  # bytes of a line
+
+WORD = re.compile(r'\[([^\]\s]*)\]|"((?:[^"\\]|\\.)*)"|([^\s"\[]+)')
+PLAIN = re.compile(r"[A-Za-z_][A-Za-z_0-9.\-]*")  # text that YARP writes without marks
+RESERVED = ("true", "false", "null", "inf", "nan")  # words that would be read as something else
+ESCAPED = {"\n": "\\n", "\r": "\\r", "\0": "\\0", "\\": "\\\\", '"': '\\"'}
+
+INT32, STRING, FLOAT64, LIST = 1, 4, 20, 256  # tags
+
+Value = int | float | str | list["Value"]
 
 
 def number(value: int) -> bytes:
@@ -51,11 +58,6 @@ class Carrier(Enum):
     TEXT = "text"
     TEXT_ACK = "text_ack"
     TCP = "tcp"
-
-    @property
-    def header(self) -> bytes:
-        """First eight bytes of a connection."""
-        return HEADERS[self]
 
     @property
     def is_text(self) -> bool:
@@ -75,21 +77,6 @@ HEADERS = {
 }
 
 
-def carrier_named(name: str) -> Carrier:
-    """Of that name.
-
-    Raises
-    ------
-    InputError
-        If it is another, or has modifiers such as ``tcp+recv.portmonitor``.
-    """
-    for each in Carrier:
-        if each.value == name:
-            return each
-    known = ", ".join(each.value for each in Carrier)
-    raise InputError(f"carrier is {name!r:.60}, expected one of {known}")
-
-
 def greeting(carrier: Carrier, own: str) -> bytes:
     """What a connection begins with.
 
@@ -101,8 +88,8 @@ def greeting(carrier: Carrier, own: str) -> bytes:
     """
     name = checked_name(own)
     if carrier.is_text:
-        return carrier.header + name + LINE_END
-    return carrier.header + struct.pack("<i", len(name) + 1) + name + b"\0"
+        return HEADERS[carrier] + name + LINE_END
+    return HEADERS[carrier] + struct.pack("<i", len(name) + 1) + name + b"\0"
 
 
 def message(carrier: Carrier, command: str, values: Sequence[Value] | None = None) -> bytes:
@@ -135,13 +122,7 @@ def line(text: str) -> bytes:
 
 
 def checked_name(name: str) -> bytes:
-    """A port's name as bytes.
-
-    Raises
-    ------
-    InputError
-        If it is empty, too long, or would end the line that it is sent on.
-    """
+    """A port's name as bytes."""
     data = to_octets(name)
     if not 0 < len(data) <= LONGEST_NAME or any(octet <= 32 or octet == 92 for octet in data):
         raise InputError(
@@ -182,13 +163,7 @@ class Lines:
         self._rest += data
 
     def take(self) -> str | None:
-        """The next line; None if none is complete.
-
-        Raises
-        ------
-        InputError
-            If it is longer than allowed.
-        """
+        """The next line; None if none is complete."""
         while True:
             end = self._rest.find(b"\n", self._searched)
             if (len(self._rest) if end < 0 else end) > self.most:
@@ -205,32 +180,6 @@ class Lines:
             self._searched = len(line) - 1
 
 
-@dataclass(frozen=True)
-class Message:
-    """A port command, such as ``D 12 1.5``, and the bottle behind it, where one is."""
-
-    command: str
-    values: list[Value]
-
-
-class Messages:
-    """Messages out of lines; iterating gives those that are complete."""
-
-    def __init__(self, lines: Lines) -> None:
-        self._lines = lines
-        self._command: str | None = None
-
-    def __iter__(self) -> Iterator[Message]:
-        while (line := self._lines.take()) is not None:
-            if self._command is not None:
-                command, self._command = self._command, None
-                yield Message(command, bottle_from_text(line))
-            elif line[:1] in WITH_BOTTLE:
-                self._command = line
-            else:
-                yield Message(line, [])
-
-
 def yarp_number(data: bytes | bytearray) -> int | None:
     """The number in eight bytes ``YA....RP``; None if they are others."""
     if len(data) != HEADER or data[:2] != b"YA" or data[6:] != b"RP":
@@ -238,35 +187,78 @@ def yarp_number(data: bytes | bytearray) -> int | None:
     return int.from_bytes(data[2:6], "little", signed=True)
 
 
-class Acknowledgements:
-    """Counts what the reader of our messages acknowledges; everything else it says is let go."""
+def text_from_bottle(values: Sequence[Value]) -> str:
+    """One line, without its end.
 
-    def __init__(self, carrier: Carrier) -> None:
-        self._carrier = carrier
-        self._lines = Lines()
-        self._rest = bytearray()
+    Parameters
+    ----------
+    values : sequence of int, float, str, or lists of these
+    """
+    return " ".join(map(_written, values))
 
-    def feed(self, data: bytes) -> int:
-        """Take in what came; how many messages it acknowledges.
 
-        Raises
-        ------
-        InputError
-            If the bytes are no acknowledgement, of the tcp carrier.
-        """
-        if not self._carrier.acknowledges:
-            return 0
-        if self._carrier.is_text:
-            self._lines.feed(data)
-            return sum(line == ACK for line in iter(self._lines.take, None))
-        self._rest += data
-        count = 0
-        while len(self._rest) >= HEADER:
-            more = yarp_number(self._rest[:HEADER])
-            if more is None or not 0 <= more <= LONGEST:
-                raise InputError(f"{bytes(self._rest[:8])!r} is no acknowledgement, expected one")
-            if len(self._rest) < HEADER + more:
-                break
-            del self._rest[: HEADER + more]
-            count += 1
-        return count
+def _written(value: Value) -> str:
+    if isinstance(value, list):
+        return f"({text_from_bottle(value)})"
+    return _quoted(value) if isinstance(value, str) else repr(value)
+
+
+def _quoted(text: str) -> str:
+    """Text as YARP writes it: in quotation marks, unless it cannot be taken for anything else."""
+    if PLAIN.fullmatch(text) and text not in RESERVED:
+        return text
+    return '"' + "".join(ESCAPED.get(letter, letter) for letter in text) + '"'
+
+
+def words_from_text(text: str) -> list[str]:
+    """Words of a command, whether they came as ``add``, as ``[add]`` or as ``"add"``."""
+    return ["".join(parts).replace("\\", "") for parts in WORD.findall(text)]
+
+
+def bytes_from_bottle(values: Sequence[Value]) -> bytes:
+    """As the tcp carrier carries it; whole numbers are of 32 bits."""
+    kind = _kind_of_all(values)
+    return struct.pack("<i", LIST + kind) + _content(values, kind)
+
+
+def _content(values: Sequence[Value], kind: int) -> bytes:
+    parts = [struct.pack("<i", len(values))]
+    for value in values:
+        if not kind:
+            parts.append(struct.pack("<i", _tag(value)))
+        parts.append(_payload(value))
+    return b"".join(parts)
+
+
+def _kind_of_all(values: Sequence[Value]) -> int:
+    """Tag that all values share; 0 if they do not, or are lists, or there are none."""
+    tags = {_tag(value) for value in values}
+    return tags.pop() if len(tags) == 1 and max(tags) < LIST else 0
+
+
+def _tag(value: Value) -> int:
+    if isinstance(value, list):
+        return LIST + _kind_of_all(value)
+    return INT32 if isinstance(value, int) else FLOAT64 if isinstance(value, float) else STRING
+
+
+def _payload(value: Value) -> bytes:
+    if isinstance(value, list):
+        return _content(value, _kind_of_all(value))
+    if isinstance(value, str):
+        data = to_octets(value)
+        return struct.pack("<i", len(data)) + data
+    return struct.pack("<i" if isinstance(value, int) else "<d", value)
+
+
+def to_octets(text: str) -> bytes:
+    """Text as bytes; what was no UTF-8 when it came goes out as it came."""
+    try:
+        return text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError as error:
+        raise InputError(f"text {text!r:.60} cannot be written as UTF-8: {error}") from None
+
+
+def from_octets(data: bytes) -> str:
+    """See `to_octets`."""
+    return data.decode("utf-8", "surrogateescape")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_count
-from skinfield.wire.yarp.bottle import Value
+from skinfield.wire.yarp.carriers import Value
 
 TORSO, LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = 1, 3, 4, 5, 6  # body parts
 NO_LINK = -1
@@ -164,11 +164,7 @@ class SkinContact:
         vectors = (self.place, self.force, self.moment, self.centre, self.normal)
         return [
             [self.number % LARGEST, part.body, part.link, part.skin],
-            *(_floats(vector) for vector in vectors),
+            *(np.asarray(vector, float).tolist() for vector in vectors),
             [int(taxel) for taxel in self.taxels],
             float(self.pressure),
         ]
-
-
-def _floats(vector: Floats) -> list[Value]:
-    return [float(number) for number in np.asarray(vector)]

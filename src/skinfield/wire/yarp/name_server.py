@@ -10,23 +10,13 @@ from dataclasses import dataclass
 from time import monotonic
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value
-from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
+from skinfield.wire.yarp.carriers import Carrier, Lines, Value, checked_name, greeting, message
 
 PORT = 10000
 END = "*** end of message"
-MOST_LINES = 100_000  # of an answer
 ANSWER_BYTES = 65536
 PATIENCE = 2.0  # s for an answer
-
-
-@dataclass(frozen=True)
-class Registration:
-    """Where a port is, by the name server's words."""
-
-    name: str
-    host: str
-    port: int
+Place = tuple[str, int]  # host and port
 
 
 def request_bytes(own: str, command: str, name: str, *more: Value) -> bytes:
@@ -48,14 +38,14 @@ def request_bytes(own: str, command: str, name: str, *more: Value) -> bytes:
     return greeting(Carrier.TEXT, own) + message(Carrier.TEXT, "d", [command, name, *more])
 
 
-def registration_from_line(line: str) -> Registration | None:
+def place_from_line(line: str) -> Place | None:
     """Where a port is, as a line of an answer says it; None if the line says something else."""
     words = line.replace('"', "").split()
     if words[:1] != ["registration"] or words[1:8:2] != ["name", "ip", "port", "type"]:
         return None
     if not (words[6].isascii() and words[6].isdecimal() and 0 < int(words[6]) < 65536):
         return None  # a port without a socket says "none"
-    return Registration(words[2], words[4], int(words[6]))
+    return words[4], int(words[6])
 
 
 class Answer:
@@ -74,28 +64,19 @@ class Answer:
         self.complete = False
 
     def feed(self, data: bytes) -> bool:
-        """Take in what came; whether it is complete.
-
-        Raises
-        ------
-        InputError
-            If it is too long.
-        """
+        """Take in what came; whether it is complete."""
         self._in.feed(data)
         while not self.complete and (line := self._in.take()) is not None:
             if line.startswith(END):
                 self.complete = True
-            elif len(self.lines) >= MOST_LINES:
-                raise InputError(f"answer has more than {MOST_LINES} lines, expected fewer")
             elif not line.startswith("Welcome "):
                 self.lines.append(line)
         return self.complete
 
     @property
-    def registration(self) -> Registration | None:
-        """The first in it."""
-        places = (registration_from_line(line) for line in self.lines)
-        return next((each for each in places if each is not None), None)
+    def place(self) -> Place | None:
+        """The first in it: where a port is."""
+        return next(filter(None, map(place_from_line, self.lines)), None)
 
 
 @dataclass(frozen=True)
@@ -137,6 +118,6 @@ class NameServer:
             ) from None
         return answer
 
-    def where(self, own: str, name: str) -> Registration | None:
+    def where(self, own: str, name: str) -> Place | None:
         """Where a port is; None if nobody knows. Raises as `ask`."""
-        return self.ask(own, "query", name).registration
+        return self.ask(own, "query", name).place

@@ -13,65 +13,35 @@ The receiver's side of a connection is as in YARP 4.0.0, `src/libYARP_os/src/yar
 import select
 import socket
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
-from time import monotonic
+from contextlib import ExitStack, suppress
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value, Vocab, text_from_bottle, word_of
 from skinfield.wire.yarp.carriers import (
-    ACK,
     HEADER,
     HEADERS,
     LONGEST,
     LONGEST_NAME,
-    Acknowledgements,
     Carrier,
     Lines,
-    Messages,
-    carrier_named,
+    Value,
     checked_name,
     greeting,
     line,
     message,
+    text_from_bottle,
+    words_from_text,
     yarp_number,
 )
 from skinfield.wire.yarp.name_server import NameServer
 
+ACK = "<ACK>"
+WITH_BOTTLE = ("d", "D", "a")  # first letters of the port commands that a bottle follows
 MOST = 64  # connections
 PIECE = 65536  # bytes read at once
 GOODBYE = 0.5  # s for the last bytes of a connection
 CONNECT = 2.0  # s for a connection to another port
-SILENT = 30.0  # s that a party may take to say who it is
 BEHIND = 1 << 22  # bytes that wait to be sent, at which a connection is given up
 UNKNOWN = b"* Error. Protocol not found.\r\n* Try CONNECT and a name.\r\n"
-VERSION: list[Value] = [Vocab("ver"), 1, 2, 3]  # of the administrative commands
-
-
-@dataclass(eq=False)
-class Output:
-    """Readings that go out over one connection: at most one message that is not acknowledged.
-
-    Attributes
-    ----------
-    carrier : Carrier
-    name : str
-        Of the reader.
-    unread : int
-        Messages that were sent and not acknowledged.
-    """
-
-    carrier: Carrier
-    name: str
-    unread: int = 0
-    _acknowledged: Acknowledgements = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._acknowledged = Acknowledgements(self.carrier)
-
-    def take(self, data: bytes) -> None:
-        """Take in what the reader says."""
-        self.unread = max(self.unread - self._acknowledged.feed(data), 0)
 
 
 class Session:
@@ -80,42 +50,62 @@ class Session:
     Parameters
     ----------
     port : Port
+    carrier : Carrier, optional
+        Of a connection that the port opened itself, to a reader of the name `peer`; otherwise the
+        party says it.
+    peer : str
 
     Attributes
     ----------
     peer : str
-        Name that the party gave; empty until then.
-    output : Output or None
-        Set once the party became a reader.
+        Name of the party; empty until it gave it.
+    reads : bool
+        Whether the party reads from the port.
+    unread : int
+        Messages that were sent to it and not acknowledged.
     ended : bool
         Whether the connection is to be closed, when what is in `answer` was sent.
     answer : bytearray
         Bytes to send; whoever sends them takes them out.
     """
 
-    def __init__(self, port: "Port") -> None:
-        self._port = port
-        self._head = b""
-        self._lines = Lines(LONGEST_NAME)
-        self._messages = Messages(self._lines)
-        self._carrier: Carrier | None = None
-        self.peer = ""
-        self.output: Output | None = None
-        self.ended = False
+    def __init__(self, port: "Port", carrier: Carrier | None = None, peer: str = "") -> None:
+        self._port, self.carrier, self.peer = port, carrier, peer
+        self.reads, self.unread, self.ended = carrier is not None, 0, False
         self.answer = bytearray()
+        self._head, self._lines = b"", Lines(LONGEST if peer else LONGEST_NAME)
+        self._command = ""  # whose bottle is still to come
 
     def take(self, data: bytes) -> None:
         """Take in what came; never raises for what a party says."""
         try:
-            if self.output is not None:
-                self.output.take(data)
-            elif self._carrier is None:
+            if self.reads:
+                self.unread = max(self.unread - self._acknowledged(data), 0)
+            elif self.carrier is None:
                 self._open(data)
             else:
                 self._listen(data)
         except InputError as error:
             self.ended = True
-            self.answer += line(str(error))
+            if self.carrier is not Carrier.TCP:
+                self.answer += line(str(error))
+
+    def _acknowledged(self, data: bytes) -> int:
+        """Messages that a reader acknowledges; everything else it says is let go."""
+        if self.carrier is not Carrier.TCP:
+            self._lines.feed(data)
+            return sum(each == ACK for each in iter(self._lines.take, None))
+        self._head += data
+        count = 0
+        while len(self._head) >= HEADER:
+            more = yarp_number(self._head[:HEADER])
+            if more is None or not 0 <= more <= LONGEST:
+                raise InputError(f"{self._head[:8]!r} is no acknowledgement, expected one")
+            if len(self._head) < HEADER + more:
+                break
+            self._head = self._head[HEADER + more :]
+            count += 1
+        return count
 
     def _open(self, data: bytes) -> None:
         """Wait for the eight bytes of a carrier."""
@@ -124,7 +114,7 @@ class Session:
             return
         for carrier in (Carrier.TEXT, Carrier.TEXT_ACK):
             if self._head.startswith(HEADERS[carrier]):
-                self._carrier = carrier
+                self.carrier = carrier
                 self._listen(self._head[HEADER:])
                 return
         self.answer += UNKNOWN
@@ -132,7 +122,6 @@ class Session:
 
     def _listen(self, data: bytes) -> None:
         """Obey the messages behind the party's name, which comes first."""
-        assert self._carrier is not None
         self._lines.feed(data)
         if not self.peer:
             name = self._lines.take()
@@ -141,70 +130,61 @@ class Session:
             self.peer, self._lines.most = name.strip(), LONGEST
             checked_name(self.peer)
             self.answer += line(f"Welcome {self.peer}")
-        for each in self._messages:
-            if each.command.startswith("q"):
-                self.ended = True
-                return
-            self._obey(each.command[:1], each.values)
-            if self._carrier.acknowledges:
-                self.answer += line(ACK)
-            if self.output is not None:
-                return
+        while not (self.reads or self.ended) and (text := self._lines.take()) is not None:
+            if self._command:
+                self._obey(self._command, words_from_text(text))
+                self._command = ""
+            elif text[:1] in WITH_BOTTLE:
+                self._command = text[:1]
+            else:
+                self._obey(text[:1], [])
 
-    def _obey(self, letter: str, values: Sequence[Value]) -> None:
+    def _obey(self, letter: str, words: Sequence[str]) -> None:
+        if letter == "q":
+            self.ended = True
+            return
         if letter == "a":
-            self.answer += line(text_from_bottle(self._administered(values)))
+            self.answer += line(self._administered(words))
         elif letter == "r":
-            assert self._carrier is not None
-            self.output = Output(self._carrier, self.peer)
-        elif letter not in ("d", "D"):  # data has no taker here
+            self.reads = True
+        elif letter not in WITH_BOTTLE:  # data has no taker here
             self.answer += line("Port command not understood.")
+        if self.carrier is Carrier.TEXT_ACK:
+            self.answer += line(ACK)
 
-    def _administered(self, values: Sequence[Value]) -> list[Value]:
-        command, first, second = ([word_of(value) for value in values] + [""] * 3)[:3]
-        if command == "ver":
-            return VERSION
-        if command == "list":
-            return self._listed(first, second)
-        if command == "add":
-            outcome = self._port.add(f"{second}:/{first}" if second else first)
-            return [0 if outcome.startswith("Added") else -1, outcome]
-        if command == "del":
-            outcome = self._port.remove(first)
-            return [0 if outcome.startswith("Removed") else -1, outcome]
-        return [Vocab("fail"), "expected [ver], [add], [del] or [list]"]
-
-    def _listed(self, direction: str, name: str) -> list[Value]:
-        there = {} if direction == "in" else self._port.outputs
-        if not name:
-            return list(there)
-        if name not in there:
-            return []
-        return [["from", self._port.name], ["to", name], ["carrier", there[name]]]
+    def _administered(self, words: Sequence[str]) -> str:
+        command, first, second = [*words, "", "", ""][:3]
+        port = self._port
+        match command:
+            case "ver":
+                return "[ver] 1 2 3"  # of the administrative commands
+            case "list":
+                there = {} if first == "in" else port.outputs
+                if not second:
+                    return text_from_bottle(list(there))
+                if second not in there:
+                    return ""
+                facts = {"from": port.name, "to": second, "carrier": there[second]}
+                return text_from_bottle([[key, value] for key, value in facts.items()])
+            case "add":
+                outcome = port.add(f"{second}:/{first}" if second else first)
+                return text_from_bottle([0 if outcome.startswith("Added") else -1, outcome])
+            case "del":
+                outcome = port.remove(first)
+                return text_from_bottle([0 if outcome.startswith("Removed") else -1, outcome])
+        return '[fail] "expected [ver], [add], [del] or [list]"'
 
 
 class Connection:
-    """One socket of a port, that another party opened (`session`), or that we did (`output`)."""
+    """One socket of a port, and what is said over it."""
 
-    def __init__(self, sock: socket.socket, session: Session | None, output: Output | None) -> None:
+    def __init__(self, sock: socket.socket, session: Session) -> None:
         sock.setblocking(False)
         with suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.socket, self._session, self._own = sock, session, output
+        self.socket, self.session = sock, session
         self._out = bytearray()
-        self._began = monotonic()
         self.gone = False
-
-    @property
-    def output(self) -> Output | None:
-        """Set where the other side reads from us."""
-        return self._own if self._session is None else self._session.output
-
-    @property
-    def silent(self) -> bool:
-        """Whether it never said who it is, and had the time to."""
-        unknown = self._session is not None and not self._session.peer
-        return unknown and monotonic() - self._began > SILENT
 
     @property
     def waits(self) -> bool:
@@ -221,15 +201,10 @@ class Connection:
             data = b""
         if not data:
             self.gone = True
-        elif self._session is not None:
-            self._session.take(data)
-            self.send(bytes(self._session.answer))
-            self._session.answer.clear()
-        elif self._own is not None:
-            try:
-                self._own.take(data)
-            except InputError:
-                self.gone = True
+        else:
+            self.session.take(data)
+            self.send(bytes(self.session.answer))
+            self.session.answer.clear()
 
     def send(self, data: bytes) -> None:
         """Send, as far as it goes now; the rest goes before the next."""
@@ -241,42 +216,16 @@ class Connection:
             self.gone = self.gone or len(self._out) > BEHIND
         except OSError:
             self.gone = True
-        if self._session is not None and self._session.ended and not self._out:
+        if self.session.ended and not self._out:
             self.gone = True
 
     def close(self) -> None:
         """Say goodbye to a reader, and close."""
-        if self.output is not None and not self.gone:
-            self.send(message(self.output.carrier, "q"))
-            end = monotonic() + GOODBYE
-            while self._out and not self.gone and monotonic() < end:
-                select.select([], [self.socket], [], 0.05)
-                self.send(b"")
+        if self.session.reads and not self.gone:
+            self.socket.settimeout(GOODBYE)
+            with suppress(OSError):
+                self.socket.sendall(self._out + message(self.session.carrier or Carrier.TEXT, "q"))
         self.socket.close()
-
-
-def connected(carrier: Carrier, own: str, name: str, place: tuple[str, int]) -> Connection:
-    """A connection to another port, welcomed by it.
-
-    Raises
-    ------
-    OSError
-        If it is not there, or does not answer in time.
-    """
-    sock = socket.create_connection(place, CONNECT)
-    try:
-        sock.sendall(greeting(carrier, own))
-        if carrier == Carrier.TEXT_ACK:
-            with sock.makefile("rb") as answers:
-                answers.readline(PIECE)
-        elif carrier == Carrier.TCP:
-            answer = sock.recv(HEADER, socket.MSG_WAITALL)
-            if yarp_number(answer) is None:
-                raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
-    except BaseException:
-        sock.close()
-        raise
-    return Connection(sock, None, Output(carrier, name))
 
 
 class Port:
@@ -313,7 +262,7 @@ class Port:
     ) -> None:
         checked_name(name)
         self.name, self.server = name, server
-        self.skipped = self.sent = 0
+        self.skipped = 0
         self._connections: list[Connection] = []
         try:
             self._listener = socket.create_server((host, socket_port), backlog=MOST)
@@ -338,7 +287,7 @@ class Port:
             return
         machine = self.host if self.host not in ("", "0.0.0.0", "::") else "..."  # as it sees us
         there = self.server.ask(self.name, "register", self.name, "tcp", machine, self.socket_port)
-        if there.registration is None:
+        if there.place is None:
             raise InputError(
                 f"name server at {self.server.host}:{self.server.port} did not take {self.name}: "
                 f"it said {there.lines!r:.200}, expected a registration"
@@ -365,10 +314,10 @@ class Port:
             with suppress(OSError):
                 sock, _ = self._listener.accept()
                 if len(self._connections) < MOST:
-                    self._connections.append(Connection(sock, Session(self), None))
+                    self._connections.append(Connection(sock, Session(self)))
                 else:
                     sock.close()
-        for each in [each for each in self._connections if each.gone or each.silent]:
+        for each in [each for each in self._connections if each.gone]:
             self._connections.remove(each)
             each.close()
 
@@ -383,32 +332,32 @@ class Port:
         """
         made: dict[bool, bytes] = {}
         command, count = f"D {stamp}" if stamp else "D", 0
-        for each in self._connections:
-            output = each.output
-            if output is None or each.gone:
-                continue
-            if each.waits or output.unread:
+        for each in self._readers():
+            session, carrier = each.session, each.session.carrier
+            assert carrier is not None  # of whoever reads
+            if each.waits or session.unread:
                 self.skipped += 1
                 continue
-            is_text = output.carrier.is_text
-            if is_text not in made:
-                made[is_text] = message(output.carrier, command, values)
-            output.unread += output.carrier.acknowledges
-            each.send(made[is_text])
+            if carrier.is_text not in made:
+                made[carrier.is_text] = message(carrier, command, values)
+            session.unread += carrier.acknowledges
+            each.send(made[carrier.is_text])
             count += 1
-        self.sent += count
         return count
+
+    def _readers(self) -> list[Connection]:
+        return [each for each in self._connections if each.session.reads and not each.gone]
 
     @property
     def readers(self) -> int:
         """How many read from it."""
-        return sum(each.output is not None for each in self._connections)
+        return len(self._readers())
 
     @property
     def outputs(self) -> Mapping[str, str]:
         """Carriers by the names of the readers."""
-        outputs = [each.output for each in self._connections]
-        return {output.name: output.carrier.value for output in outputs if output is not None}
+        sessions = [each.session for each in self._readers()]
+        return {each.peer: each.carrier.value for each in sessions if each.carrier}
 
     def add(self, wanted: str) -> str:
         """Send to another port from now on; the outcome, which begins with "Added" if that is so.
@@ -417,24 +366,44 @@ class Port:
         """
         carrier_name, _, name = wanted.rpartition(":/")
         name = name if carrier_name else wanted
+        known = [each.value for each in Carrier]
+        if carrier_name and carrier_name not in known:
+            return (
+                f"Cannot connect to {wanted}: carrier is {carrier_name!r:.60}, expected one of "
+                f"{', '.join(known)}"
+            )
+        if self.server is None:
+            return f"Do not know how to connect to {wanted}: there is no name server"
         try:
-            carrier = carrier_named(carrier_name or Carrier.TCP.value)
-            if self.server is None:
-                return f"Do not know how to connect to {wanted}: there is no name server"
             there = self.server.where(self.name, name)
             if there is None:
                 return f"Do not know how to connect to {wanted}"
             self.remove(name)
-            connection = connected(carrier, self.name, name, (there.host, there.port))
+            connection = self._connected(Carrier(carrier_name or "tcp"), name, there)
         except (InputError, OSError) as error:
             return f"Cannot connect to {wanted}: {error}"
         self._connections.append(connection)
         return f"Added connection from {self.name} to {wanted}"
 
+    def _connected(self, carrier: Carrier, name: str, place: tuple[str, int]) -> Connection:
+        """A connection to another port, welcomed by it; OSError where it is not, or not in time."""
+        with ExitStack() as undo:
+            sock = undo.enter_context(socket.create_connection(place, CONNECT))
+            sock.sendall(greeting(carrier, self.name))
+            if carrier == Carrier.TEXT_ACK:
+                with sock.makefile("rb") as answers:
+                    answers.readline(PIECE)
+            elif carrier == Carrier.TCP:
+                answer = sock.recv(HEADER, socket.MSG_WAITALL)
+                if yarp_number(answer) is None:
+                    raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
+            undo.pop_all()
+        return Connection(sock, Session(self, carrier, name))
+
     def remove(self, name: str) -> str:
         """Send to a port no more; the outcome, which begins with "Removed" if that is so."""
-        for each in self._connections:
-            if each.output is not None and each.output.name == name and not each.gone:
+        for each in self._readers():
+            if each.session.peer == name:
                 self._connections.remove(each)
                 each.close()
                 return f"Removed connection from {self.name} to {name}"

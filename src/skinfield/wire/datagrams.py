@@ -103,18 +103,7 @@ class Datagrams:
         self._drops[0] = 0
 
     def receive(self, sock: socket.socket) -> int:
-        """Take in what has arrived, as far as the batch has room; never waits.
-
-        Returns
-        -------
-        int
-            Datagrams.
-
-        Raises
-        ------
-        OSError
-            That is not transient.
-        """
+        """Take in what has arrived, as far as there is room; how many datagrams. Never waits."""
         limit = len(self.lengths)
         count = self._receive(sock.fileno(), self._pointer, limit, socket.MSG_DONTWAIT, None)
         if count > 0:
@@ -128,13 +117,7 @@ class Datagrams:
 
 @cache
 def recvmmsg() -> Call:
-    """The system's call, which takes in many datagrams at once.
-
-    Raises
-    ------
-    InputError
-        Where the system, or the layout of its structures, is another than Linux's of 64 bits.
-    """
+    """The system's call, which takes in many datagrams at once."""
     known = sys.platform == "linux" and sys.byteorder == "little"
     if not known or ctypes.sizeof(ctypes.c_void_p) != 8:
         raise InputError("UDP and SocketCAN are asked for, expected Linux of 64 bits")
@@ -201,13 +184,7 @@ class Place(NamedTuple):
 
 
 def resolved(host: str, port: int, name: str) -> Place:
-    """Address of a host.
-
-    Raises
-    ------
-    InputError
-        If it is not understood.
-    """
+    """Address of a host."""
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
@@ -219,13 +196,7 @@ def resolved(host: str, port: int, name: str) -> Place:
 
 
 def peer_from_text(text: str) -> Place:
-    """Address of a peer.
-
-    Raises
-    ------
-    InputError
-        If it is no host and port, or the host is not understood.
-    """
+    """Address of a peer."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
         raise InputError(f"peer is {text!r}, expected host:port, as in 127.0.0.1:43113")
@@ -242,6 +213,14 @@ def unicast_socket(own: Place) -> tuple[socket.socket, int]:
         sock.close()
         raise
     return sock, size
+
+
+def address_of(sock: socket.socket | None) -> tuple[str, int]:
+    """Host and port at which a socket listens; ("", 0) of none."""
+    if sock is None:
+        return "", 0
+    host, port = sock.getsockname()[:2]
+    return str(host), int(port)
 
 
 def let_go(sock: socket.socket | None) -> None:

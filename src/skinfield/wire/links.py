@@ -7,69 +7,72 @@ import socket
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import Protocol
 
 from skinfield.errors import InputError
 from skinfield.signal.block import Octets
-from skinfield.wire.can.datagrams import Place, let_go
+from skinfield.wire.datagrams import Place, let_go
 
 PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
 
 
-class Link(Protocol):
-    """A connection: a bus, a socket, a device."""
-
-    @property
-    def up(self) -> bool:
-        """Whether something can come."""
-        ...
-
-    @property
-    def fault(self) -> str:
-        """Why it is down, in words."""
-        ...
-
-    def reopen(self) -> bool:
-        """Try to get it back, without waiting; whether it is up now."""
-        ...
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when something arrives."""
-        ...
-
-    def close(self) -> None:
-        """Let go of it."""
-        ...
-
-
 class BreakingLink:
-    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
+    """Connection that breaks and is opened again: a bus, a socket, a device. Nothing waits.
+
+    Parameters
+    ----------
+    label : str
+        By which it is named in words.
+
+    Attributes
+    ----------
+    up : bool
+        Whether something can come.
+    fault : str
+        Why it is down, in words.
+    """
 
     def __init__(self, label: str) -> None:
-        self._label, self._number = label, -1
+        self.label, self._number = label, -1
         self.up, self.fault = False, ""
 
     def reopen(self) -> bool:
-        """See `Link`."""
+        """Try to get it back, without waiting; whether it is up now."""
+        try:
+            return self._open()
+        except InputError as error:
+            self.fault = str(error)
+            return False
+
+    def _open(self) -> bool:
+        """As `reopen`; InputError where it can never be opened."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """See `Link`."""
+        """Let go of it."""
         raise NotImplementedError
 
     def _opened(self, number: int) -> bool:
+        """Note that it is up, by which file descriptor; -1 where it has none."""
         self._number, self.up, self.fault = number, True, ""
         return True
 
     def broke(self, error: Exception | str) -> int:
         """Let go of a connection that is of no use any more; 0."""
         self.close()
-        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
+        self.fault = f"{self.label}: {getattr(error, 'strerror', None) or error}"
         return 0
 
     def filenos(self) -> Sequence[int]:
-        """Of the connection, while it is up."""
-        return (self._number,) if self.up else ()
+        """File descriptors that become readable when something arrives, while it is up."""
+        return (self._number,) if self.up and self._number >= 0 else ()
+
+
+class ByteLink(BreakingLink):
+    """Connection that carries bytes both ways."""
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        raise NotImplementedError
 
     def send(self, data: bytes) -> None:
         """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
@@ -82,7 +85,7 @@ class BreakingLink:
                 self.broke(error)
 
 
-class DialledLink(BreakingLink):
+class DialledLink(ByteLink):
     """Connection to a TCP server.
 
     Parameters
@@ -97,18 +100,23 @@ class DialledLink(BreakingLink):
         self._place = place
         self._socket: socket.socket | None = None
         self._talk: Iterator[None] | None = None  # what is said before it is up; None: nothing is
-        self._begun, self._awaits = 0.0, select.POLLIN
+        self._begun = 0.0
         self.reopen()
 
-    def reopen(self) -> bool:
+    def _open(self) -> bool:
         """Begin to connect, unless that goes on already."""
         late = self._talk is not None and monotonic() - self._begun >= PATIENCE
         if late:
             self.broke(f"no answer within {PATIENCE:g} s")
         if self._talk is None:
-            self.fault = self.fault or f"{self._label}: connecting"
+            self.fault = self.fault or f"{self.label}: connecting"
             self._begun, self._talk = monotonic(), self._opening()
         return self.advance()
+
+    @property
+    def connecting(self) -> bool:
+        """Whether it is on its way to be up."""
+        return self._talk is not None
 
     def advance(self) -> bool:
         """Go on connecting as far as it goes without waiting; whether it is up."""
@@ -123,15 +131,6 @@ class DialledLink(BreakingLink):
                 self.broke(error)
         return self.up
 
-    def settle(self, end: float) -> None:
-        """Wait until it is up or has failed, but not beyond `end` of the monotonic clock."""
-        while self._talk is not None and (left := end - monotonic()) > 0:
-            assert self._socket is not None
-            poll = select.poll()
-            poll.register(self._socket, self._awaits)
-            poll.poll(1e3 * left)
-            self.advance()
-
     def _opening(self) -> Iterator[None]:
         """Connect, and say what comes first; a step wherever something is to be waited for."""
         yield from self._connected(self._place, b"")
@@ -145,18 +144,17 @@ class DialledLink(BreakingLink):
         code = sock.connect_ex(place.address)
         if code not in (0, errno.EINPROGRESS):
             raise OSError(code, os.strerror(code))
-        poll, self._awaits = select.poll(), select.POLLOUT
+        poll = select.poll()
         poll.register(sock, select.POLLOUT)
         while not poll.poll(0):
             yield
         code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         if code:
             raise OSError(code, os.strerror(code))
-        self._awaits = select.POLLIN
         sock.sendall(hello)  # some bytes into an empty buffer
 
     def receive(self, into: Octets) -> int:
-        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        """See `ByteLink`."""
         if self._socket is None or not self.up:
             self.advance()  # what it brings is read once all know that it is up
             return 0
