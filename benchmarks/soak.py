@@ -156,7 +156,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
             "memory_mb": memory,
             "cyclictest_us": None
             if lateness is None
-            else Quantiles(*lateness.quantiles()).as_micros(),
+            else lateness.as_micros(),
             "granted": granted,
             "restarts": supervisor.restarts,
             "recorded": recorded(file),

@@ -22,13 +22,10 @@ NOISE, COUNT = 3.8e3, 40_000  # Pa; idle decisions
 
 
 def rates(size: str) -> None:
-    """Draw ROC curves and times, and print the tables."""
+    """Draw ROC curves, and print the tables."""
     section = light_touch(Settings(size=size_by_name(size)))
     for picture in section.pictures:
-        if picture.name in ("roc", "time"):
-            (IMAGES / f"light-touch-{picture.name}.png").write_bytes(picture.png)
-    for sentence in section.sentences:
-        click.echo(sentence)
+        (IMAGES / f"light-touch-{picture.name}.png").write_bytes(picture.png)
     for table in section.tables:
         if table.on_page:
             click.echo(f"\n{table.columns}")

@@ -20,7 +20,6 @@ from skinfield.lab.accuracy import (
     bound_rows,
     idle_rows,
     parts_of,
-    two_point_rows,
 )
 from skinfield.lab.case_sets import (
     APART,
@@ -125,7 +124,7 @@ def test_a_soft_layer_bears_no_load() -> None:
 def plan_of(**changes: object) -> AccuracyPlan:
     small = AccuracyPlan(
         entrants=known_entrants()[:2], levels=(Level("stress", 380.0),), presses=2,
-        cell=0.5e-3, idle=300, trials=8, resamples=99,
+        cell=0.5e-3, idle=300,
     )  # fmt: skip
     return replace(small, **changes)  # type: ignore[arg-type]
 
@@ -239,16 +238,6 @@ def test_exact_readings_are_told_with_the_floor() -> None:
         Level("stress", -1.0)
 
 
-def test_two_balls_far_apart_are_two_and_close_ones_are_not() -> None:
-    level = Level("stress", 100.0)
-    plan = plan_of(pairs=(level,), entrants=known_entrants()[1:2])
-    found = {
-        distance: two_point_rows(plan, distance)["pairs"][0]["found"] for distance in (4e-3, 16e-3)
-    }
-    assert found[4e-3] <= 1
-    assert found[16e-3] >= 5  # of eight
-
-
 def test_table_of_rows_made_by_hand() -> None:
     rows = [
         {
@@ -262,7 +251,7 @@ def test_table_of_rows_made_by_hand() -> None:
         for index in range(11)
     ]  # fmt: skip
     idle = [{"quantity": "stress", "noise": 380.0, "method": "m", "idle": 100, "false": 3}]
-    [row] = accuracy_rows(Findings(rows, [], idle, []), resamples=99)
+    [row] = accuracy_rows(Findings(rows, idle=idle), resamples=99)
     assert row["force_error_median"] == pytest.approx(0.5)
     assert row["place_error_mm_median"] == pytest.approx(5.0)
     assert row["place_error_mm_p90"] == pytest.approx(9.0)
@@ -277,13 +266,13 @@ def test_the_section_from_its_parts() -> None:
     plan = replace(accuracy_plan("smoke"), entrants=known_entrants()[:2])
     results = [
         part.function(Path(), *part.arguments)
-        for part in parts_of(replace(plan, presses=2, idle=50, trials=4))
+        for part in parts_of(replace(plan, presses=2, idle=50))
     ]
     found = Findings.of(results)
     assert len(found.rows) == 2 * 2
     assert {row["method"] for row in found.bound} == {KNOWN, UNKNOWN}
     section = accuracy(Settings(size=SMOKE), results)
     assert isinstance(section, Section)
-    assert [picture.name for picture in section.pictures] == ["errors-stress", "two-points"]
+    assert [picture.name for picture in section.pictures] == ["errors-stress"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
     assert isinstance(accuracy(Settings(size=SMOKE), [None]), Missing)

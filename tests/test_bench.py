@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from skinfield.errors import InputError
 from skinfield.lab.bench import contenders, machine, run, scene
-from skinfield.lab.bench.contenders import Answer, Chain, run_chain
+from skinfield.lab.bench.contenders import Answer, Chain, Contender, run_chain
 from skinfield.lab.bench.machine import laps, spread, undisturbed
 from skinfield.lab.bench.picture import FLOOR, picture, written
 from skinfield.lab.bench.run import Track, miss
@@ -28,23 +28,16 @@ def tiny() -> scene.Scene:
     return scene.make_scene(TINY)
 
 
-class Scripted:
-    """A contender that answers at once, with what it is told to."""
+def scripted(pressure: float, name: str = "scripted") -> tuple[Contender, list]:
+    """A contender that answers at once, and what it was asked for; None for a reset."""
+    asked: list = []
 
-    name = "scripted"
-
-    def __init__(self, pressure: np.ndarray) -> None:
-        self.pressure, self.asked, self.resets = pressure, [], 0
-
-    def reset(self) -> None:
-        self.resets += 1
-
-    def answer(self, readings: np.ndarray, deadline_ns: int | None) -> None:
+    def answer(readings: np.ndarray, deadline_ns: int | None) -> None:
         now = time.perf_counter_ns()
-        self.asked.append((readings[0], None if deadline_ns is None else deadline_ns - now))
+        asked.append((readings[0], None if deadline_ns is None else deadline_ns - now))
 
-    def last(self) -> Answer:
-        return Answer(self.pressure.astype(np.float32), tuple, gap=0.25, met=True, iterations=3)
+    last = Answer(np.full(4, pressure, np.float32), tuple, gap=0.25, met=True, iterations=3)
+    return Contender(name, answer, lambda: last, lambda: asked.append(None)), asked
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40))
@@ -108,14 +101,14 @@ def test_readings_are_the_truth_and_noise(tiny: scene.Scene) -> None:
 
 def test_a_chain_has_deadlines_of_its_own_and_no_lead() -> None:
     readings = np.arange(6.0)[:, None]
-    warm, cold = Scripted(np.ones(4)), Scripted(np.ones(4))
+    (warm, asked), (cold, each) = scripted(1.0), scripted(1.0)
     chain = run_chain(warm, readings, 0.5, cold=False, lead=2)
-    assert [first for first, _ in warm.asked] == list(range(6))
-    assert all(0 < left <= 500_000_000 for _, left in warm.asked)
-    assert (warm.resets, len(chain.seconds), len(chain.answers)) == (1, 4, 4)
+    assert asked.pop(0) is None
+    assert [first for first, _ in asked] == list(range(6))
+    assert all(0 < left <= 500_000_000 for _, left in asked)
+    assert (len(chain.seconds), len(chain.answers)) == (4, 4)
     run_chain(cold, readings, None, cold=True, lead=2)
-    assert cold.resets == 7
-    assert all(left is None for _, left in cold.asked)
+    assert each == [None, *(part for n in range(6) for part in (None, (n, None)))]
 
 
 def track_of(
@@ -123,8 +116,7 @@ def track_of(
     pressure: float = 1.0, reference: np.ndarray | None = None,
 ) -> Track:  # fmt: skip
     """A track whose chains took such times."""
-    made = Scripted(np.full(4, pressure))
-    made.name = name
+    made, _ = scripted(pressure, name)
     chains = [Chain(np.array(each), [made.last()] * len(each)) for each in seconds]
     return Track(made, start, deadline, np.ones((3, 4)) if reference is None else reference, chains)
 
@@ -222,12 +214,12 @@ def test_what_converged_is_no_worse_than_what_is_compared_with_it(tiny: scene.Sc
         assert made.last().met
 
 
-def test_the_papers_point_has_the_time_of_all_its_work() -> None:
-    point = track_of(None, [1.0] * 3, name=run.PAPER).times() | {"error": 0.5}
+def test_the_papers_point_has_the_time_of_all_its_work(tiny: scene.Scene) -> None:
+    point = track_of(None, [1.0] * 3, name=run.PAPER, pressure=1.5).point(tiny, TINY.patch)
     times = [{"nodes": n, "name": run.PAPER, "seconds_us": spread([n * 1e3])} for n in (10, 20)]
     (found,) = run.as_printed([point], times, 20)
     assert found["seconds_us"]["p50"] == found["usual_seconds_us"]["p50"] == pytest.approx(20e3)
-    assert (found["start"], found["error"]) == ("cold", 0.5)
+    assert (found["start"], found["error"]) == ("cold", pytest.approx(0.5))
 
 
 def test_sizes() -> None:
@@ -275,7 +267,7 @@ def test_a_system_that_tells_nothing(tmp_path, monkeypatch) -> None:
     company = machine.Watch().company()
     assert company.others is None
     assert company.stolen is None
-    assert machine.this_machine().processor
+    assert machine.this_machine()["processor"]
 
 
 def drawn_bench(tiny: scene.Scene) -> dict:
@@ -288,7 +280,7 @@ def drawn_bench(tiny: scene.Scene) -> dict:
     starts = (("NonNegative", "warm", 0.0), ("NonNegative", "cold", 0.5), (run.PAPER, "cold", 1))
     return {
         "when": "2024-01-01T00:00:00+00:00",
-        "machine": vars(machine.this_machine()),
+        "machine": machine.this_machine(),
         "warnings": [],
         "nodes": 10,
         "readings": 3,

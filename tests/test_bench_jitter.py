@@ -9,7 +9,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import invoke
 from hypothesis import given
@@ -20,7 +19,7 @@ from skinfield.cli.bench_tables import jitter_as_json, jitter_table
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
 from skinfield.lab.bench import jitter
-from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
+from skinfield.lab.bench.cyclictest import Cyclictest, quantiles_from_json
 from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
@@ -41,22 +40,16 @@ def call(*words: str):
 
 
 def test_its_histogram_is_read() -> None:
-    lateness = lateness_from_json(PRINTED)
-    quantiles = Quantiles(*lateness.quantiles())
+    quantiles = quantiles_from_json(PRINTED)
     assert (quantiles.count, quantiles.mean) == (100, pytest.approx(2.5e-6))
     assert quantiles.p50 == pytest.approx(2.5e-6)
     assert quantiles.p99 == quantiles.p999 == quantiles.max == pytest.approx(2402e-6)
-    ends, share = lateness.later()
-    assert ends == pytest.approx([2e-6, 3e-6, 5e-6, 2403e-6])
-    assert share == pytest.approx([0.93, 0.03, 0.02, 0.0])
 
 
 @given(st.lists(st.integers(0, 50), min_size=1, max_size=400))
 def test_its_quantiles_are_those_of_the_single_wakes(wakes: list[int]) -> None:
     histogram = {str(late): wakes.count(late) for late in set(wakes)}
-    quantiles = Quantiles(
-        *lateness_from_json(printed(histogram, len(wakes), max(wakes))).quantiles()
-    )
+    quantiles = quantiles_from_json(printed(histogram, len(wakes), max(wakes)))
     for value, thousandths in ((quantiles.p50, 500), (quantiles.p99, 990), (quantiles.p999, 999)):
         exact = sorted(wakes)[-(-len(wakes) * thousandths // 1000) - 1]
         assert value == pytest.approx(1e-6 * min(exact + 0.5, max(wakes)))
@@ -76,10 +69,9 @@ def test_its_quantiles_are_those_of_the_single_wakes(wakes: list[int]) -> None:
 )
 def test_what_is_no_histogram_is_refused(text: str) -> None:
     try:
-        lateness = lateness_from_json(text)
+        assert quantiles_from_json(text).count == 3
     except FileError:
         return
-    assert Quantiles(*lateness.quantiles()).count == 3
 
 
 def fake(folder: Path, script: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,7 +95,7 @@ def test_it_is_run_with_these_words(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         monkeypatch,
     )
     running = Cyclictest.start(3, 81, period_ns=500_000, seconds=2.0, offset_ns=250_000)
-    assert Quantiles(*running.finish().quantiles()).count == 100
+    assert running.finish().count == 100
     assert words.read_text() == "-q -t 1 -h 20000 -i 500 -D 2 -p 81 -a 3 -m --secaligned=250"
     assert not running.file.exists()
     Cyclictest.start(None, 0, lock_memory=False).finish()
@@ -130,7 +122,7 @@ def test_where_it_is_not_installed_the_error_names_the_package(
 @pytest.mark.skipif(shutil.which("cyclictest") is None, reason="cyclictest is not installed")
 def test_the_real_one_counts_its_wakes() -> None:
     running = Cyclictest.start(None, 0, period_ns=1_000_000, seconds=1.0, lock_memory=False)
-    quantiles = Quantiles(*running.finish().quantiles())
+    quantiles = running.finish()
     assert 1 <= quantiles.count <= 1001
     assert quantiles.p50 <= quantiles.max
 
@@ -145,9 +137,8 @@ def measured(load: str = "skin") -> Jitter:
     granted = RealTimeStatus("SCHED_FIFO", 80, 1, False, "locked", True, "Linux 6")
     paired = Quantiles(10e-6, 10e-6, 10e-6, 11e-6, 10e-6, 1000)
     company = Company(0.1, 2.0, 0.0, 0.0)
-    late = np.array([12e-6]), np.array([0.0])
     settings = JitterSettings(load=load)
-    return Jitter(settings, granted, table.timing(), paired, "", company, 0, 0, late, late)
+    return Jitter(settings, granted, table.timing(), paired, "", company, 0, 0)
 
 
 def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:

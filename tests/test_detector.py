@@ -481,7 +481,7 @@ def test_impossible_capacitance_and_missing_values_in_bulk_are_refused() -> None
 
 def test_the_section_finds_the_targets_and_keeps_the_rate() -> None:
     section = light_touch(Settings(size=SMOKE))
-    assert [picture.name for picture in section.pictures] == ["roc", "time"]
+    assert [picture.name for picture in section.pictures] == ["roc"]
     light = {row[:3]: row for row in section.tables[0].rows}
     assert float(light["stress", 0.2, "over a taxel"][-2]) >= 99.0
     assert float(light["stress", 0.1, "over a taxel"][-2]) >= 85.0  # of a hundred presses

@@ -30,10 +30,9 @@ MEANING = {
 
 
 def tables(bench: Mapping[str, Any]) -> Iterator["Table"]:
-    """What a reading costs; error against time, of the solvers; whole calls."""
+    """What a reading costs; error against time, of the solvers."""
     yield _costs(bench["grids"])
     yield _anytime(bench)
-    yield _calls(bench)
 
 
 def _costs(grids: Sequence[Row]) -> "Table":
@@ -90,29 +89,6 @@ def _anytime(bench: Mapping[str, Any]) -> "Table":
             NONE if place is None else f"{place:.2f} mm",
             f"{point['missed']:.2f}",
             end_section=point["deadline_us"] is None,
-        )
-    return made
-
-
-def _calls(bench: Mapping[str, Any]) -> "Table":
-    nodes = bench["nodes"]
-    made = table(
-        f"whole calls rec(readings, deadline=...), warm, {nodes} x {nodes} nodes",
-        ("solver",),
-        ("deadline", "p50", "p99", "late p99", "latency p50", "gap", "deadline met"),
-        **LOOK,
-    )
-    for call in bench["calls"]:
-        made.add_row(
-            call["solver"],
-            _deadline(call),
-            _of(call["seconds_us"], "p50"),
-            _of(call["seconds_us"], "p99"),
-            _of(call["late_us"], "p99"),
-            _of(call["latency_us"], "p50"),
-            _gap(call),
-            _share(call["reported"]),
-            end_section=call["deadline_us"] is None,
         )
     return made
 

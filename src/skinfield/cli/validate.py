@@ -247,7 +247,7 @@ def _score_at_noises(options: dict[str, Any]) -> bool:
                     scored = rows_of_case(case, levels, [method], seed)
                 rows += [{"case": case.name, "file": path.name} | row for row in scored]
             step()
-    return _report_noises(Findings(rows, [], [], []), options["cases"], options)
+    return _report_noises(Findings(rows), options["cases"], options)
 
 
 def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:

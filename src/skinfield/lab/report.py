@@ -8,13 +8,13 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinfield.elastic import Layer
 from skinfield.errors import FileError, InputError, SkinfieldError, check_choice
+from skinfield.lab.bench.machine import versions
 from skinfield.lab.runner import Task
 from skinfield.plot.style import METADATA, number
 
@@ -338,7 +338,7 @@ def write_report(run: Run, folder: Path) -> Path:
             replace(each, pictures=tuple(replace(p, png=b"") for p in each.pictures))
             for each in run.sections
         ]
-        results = {"versions": versions()} | vars(run) | {"sections": sections}
+        results = {"versions": versions(*PACKAGES)} | vars(run) | {"sections": sections}
         (folder / RESULTS).write_bytes(_json_of(results))
     except OSError as error:
         raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
@@ -373,7 +373,7 @@ def page_of(run: Run) -> str:
     return environment.get_template("report.html").render(
         run=run,
         settings=settings_in_words(run.settings),
-        versions=versions(),
+        versions=versions(*PACKAGES),
         machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
     )
 
@@ -427,17 +427,6 @@ def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
         ("cell of the truth", f"{size.cell * 1e3:g} mm"),
         ("laps of the timing", str(size.laps)),
     ]
-
-
-def versions() -> dict[str, str]:
-    """Of the packages whose numbers these are."""
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
 
 
 def _json_of(value: Any) -> bytes:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
+from skinfield.errors import InputError, check_choice, check_count, check_range
 from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.lab.bench.machine import Company, Watch
 from skinfield.loop.realtime import (
@@ -26,7 +26,7 @@ from skinfield.loop.realtime import (
     Timing,
     TimingTable,
 )
-from skinfield.loop.realtime.timing import FIELDS, LAST_NS
+from skinfield.loop.realtime.timing import FIELDS
 from skinfield.skin import Skin
 from skinfield.solve import NonNegative, Solver
 
@@ -92,8 +92,6 @@ class Jitter:
     faults, interruptions : int or None
         Page faults of the loop's process, and times that it had to give its CPU away; None where
         the system does not tell.
-    late, paired_late : pairs of arrays (B,)
-        Time (s) and share of wakes that were later: of the loop, and of cyclictest if there is one.
     """
 
     settings: JitterSettings
@@ -104,8 +102,6 @@ class Jitter:
     company: Company
     faults: int | None
     interruptions: int | None
-    late: tuple[Floats, Floats]
-    paired_late: tuple[Floats, Floats] | None
 
     def ratio(self, name: str) -> float | None:
         """Of the wakes' quantile to that of the cyclictest."""
@@ -169,9 +165,9 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
         before, watch, usage = loop.snapshot(), Watch(), _usage(loop.pid)
         _sleep_until(second + settings.duration)
         after, company, used = loop.snapshot(), watch.company(), _usage(loop.pid)
-        lateness = None if running is None else running.finish()
+        paired = None if running is None else running.finish()
     except InputError as error:
-        lateness, missing = None, str(error)
+        paired, missing = None, str(error)
     finally:
         if running is not None:
             running.stop()
@@ -181,21 +177,10 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
             f"the loop ended while it was measured, after {timing.cycles} cycles, expected it to "
             f"run on: {loop.failure() or 'it did not say why'}"
         )
-    wakes = (after[0][0] - before[0][0])[: len(LAST_NS)].astype(np.float64)
-    used_bins = np.flatnonzero(wakes)
-    some = slice(used_bins[0], used_bins[-1] + 1)
-    return Jitter(
-        settings,
-        loop.granted,
-        timing,
-        None if lateness is None else Quantiles(*lateness.quantiles()),
-        missing,
-        company,
-        None if usage is None or used is None else used[0] - usage[0],
-        None if usage is None or used is None else used[1] - usage[1],
-        (LAST_NS[some] / 1e9, 1.0 - np.cumsum(wakes[some]) / wakes.sum()),
-        None if lateness is None else lateness.later(),
+    faults, interruptions = (
+        None if usage is None or used is None else used[which] - usage[which] for which in (0, 1)
     )
+    return Jitter(settings, loop.granted, timing, paired, missing, company, faults, interruptions)
 
 
 def _usage(pid: int) -> tuple[int, int] | None:

