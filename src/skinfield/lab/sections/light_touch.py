@@ -76,11 +76,9 @@ class LightTouch(Campaign):
         made = {
             (q, name): detector(settings, q, name) for q in QUANTITIES for name in (OURS, MATCH)
         }
-        methods: dict[str, dict[str, Statistic]] = {
-            quantity: {TAXEL: highest_taxel}
-            | {name: made[quantity, name].statistics for name in (MATCH, OURS)}
-            for quantity in QUANTITIES
-        }
+        methods: dict[str, dict[str, Statistic]] = {q: {TAXEL: highest_taxel} for q in QUANTITIES}
+        for (quantity, name), each in made.items():
+            methods[quantity][name] = each.statistics
         prepared = PAPER.prepared(paper_patch(), settings.layer, 20, settings.stress_noise)
         methods["stress"][PAPERS] = field_peak(prepared)
         return cls(settings, methods, 42, {key: each.threshold for key, each in made.items()})
