@@ -172,13 +172,14 @@ def _finish(
     options: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], result: Any, judged: Rows
 ) -> bool:
     """Write and print what was scored; whether a limit is exceeded."""
-    from skinfield.lab.score import write_csv, write_json
+    from skinfield.files import write_summary
+    from skinfield.lab.score import write_csv
 
     for name in options["output"]:
         if name.lower().endswith(".csv"):
             write_csv(csv, name)
         else:
-            write_json(rows, name, **about)
+            write_summary(name, about | {"rows": rows})
     finish(options["as_json"], result, options["output"])
     limits = limits_from_texts(options["require"])
     exceeded = [exceeds(limits, columns) for columns in judged]  # each is named

@@ -13,7 +13,6 @@ import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.estimate import Contact, Estimate
-from skinfield.files import write_summary
 from skinfield.files.pending import write_bytes
 from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.skin import Grid, Patch
@@ -26,28 +25,26 @@ MARGIN = 3  # standard deviations around what is compared
 
 @dataclass(frozen=True)
 class Lattice:
-    """Regular points of the plane, at whole multiples of `step`.
+    """Regular points of the plane, at whole multiples of `STEP`.
 
     Parameters
     ----------
     first : (column, row)
         Of the first point, in steps from the plane's origin.
     shape : (rows, columns)
-    step : float, m
     """
 
     first: tuple[int, int]
     shape: tuple[int, int]
-    step: float = STEP
 
     @classmethod
-    def around(cls, low: Floats, high: Floats, step: float = STEP) -> "Lattice":
+    def around(cls, low: Floats, high: Floats) -> "Lattice":
         """Lattice over the rectangle from `low` to `high` (2,) m and a margin for the blur."""
-        margin = MARGIN * BLUR + 2 * step
-        start = np.floor((low - margin) / step).astype(int)
-        stop = np.ceil((high + margin) / step).astype(int)
+        margin = MARGIN * BLUR + 2 * STEP
+        start = np.floor((low - margin) / STEP).astype(int)
+        stop = np.ceil((high + margin) / STEP).astype(int)
         columns, rows = (stop - start + 1).tolist()
-        return cls((int(start[0]), int(start[1])), (rows, columns), step)
+        return cls((int(start[0]), int(start[1])), (rows, columns))
 
     def deposit(self, plane: Floats, values: Floats, cell: float) -> Floats:
         """Pressure (rows, columns) Pa of cells at (K, 2) m with `values` (K,) Pa.
@@ -55,70 +52,48 @@ class Lattice:
         Each cell is split into squares of a sixth of a step at most; the force of each is shared
         among the four points around it in bilinear proportion. Force and first moment stay.
         """
-        parts = _parts(cell, self.step)
-        offsets = (np.arange(parts) - (parts - 1) / 2) * (cell / parts)
-        force = values * (cell / self.step / parts) ** 2
-        total = np.zeros(self.shape)
-        for right in offsets:
-            for up in offsets:
-                total += self._shared(plane + np.array([right, up]), force)
-        return total
-
-    def _shared(self, points: Floats, force: Floats) -> Floats:
         rows, columns = self.shape
-        place = points / self.step - self.first
+        offsets = _offsets(cell)
+        inner = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+        place = (plane[:, None] + inner).reshape(-1, 2) / STEP - self.first
+        force = np.repeat(values * (cell / STEP) ** 2 / len(inner), len(inner))
         whole = np.floor(place).astype(np.int64)
         x, y = (place - whole).T
         corner = whole[:, 1] * columns + whole[:, 0]
-        total = np.zeros(rows * columns)
-        for shift, weight in (
-            (0, (1 - x) * (1 - y)),
-            (1, x * (1 - y)),
-            (columns, (1 - x) * y),
-            (columns + 1, x * y),
-        ):
-            total += np.bincount(corner + shift, weight * force, rows * columns)
-        return total.reshape(rows, columns)
+        shares = (
+            (0, (1 - x) * (1 - y)), (1, x * (1 - y)), (columns, (1 - x) * y), (columns + 1, x * y),
+        )  # fmt: skip
+        total = [np.bincount(corner + n, share * force, rows * columns) for n, share in shares]
+        return np.asarray(np.sum(total, axis=0).reshape(rows, columns))
 
-    def of_grid(self, grid: Grid, pressure: Floats, blur: bool = False) -> Floats:
+    def of_grid(self, grid: Grid, pressure: Floats) -> Floats:
         """Pressure (K,) Pa of a grid's cells as `deposit` has it, by two matrices."""
         x, y = (float(value) for value in grid.origin)
-        along_y = _along(y, grid.shape[0], grid.pitch, self, 1, blur)
-        along_x = _along(x, grid.shape[1], grid.pitch, self, 0, blur)
+        along_y = _along(y, grid.shape[0], grid.pitch, self.first[1], self.shape[0])
+        along_x = _along(x, grid.shape[1], grid.pitch, self.first[0], self.shape[1])
         return np.asarray(along_y @ pressure.reshape(grid.shape) @ along_x.T)
 
-    def blurred(self, values: Floats) -> Floats:
-        """Values (..., rows, columns) after a Gaussian of standard deviation `BLUR`."""
-        rows, columns = self.shape
-        return np.asarray(_gaussian(rows, self.step) @ values @ _gaussian(columns, self.step))
+
+def blurred(values: Floats) -> Floats:
+    """Values (rows, columns) of a lattice after a Gaussian of standard deviation `BLUR`."""
+    from scipy.ndimage import gaussian_filter
+
+    soft = gaussian_filter(values, BLUR / STEP, mode="constant", truncate=2 * MARGIN)
+    return np.asarray(soft, dtype=np.float64)
 
 
-def _parts(cell: float, step: float) -> int:
-    return max(int(np.ceil(FINE * cell / step - 1e-9)), 1)
+def _offsets(cell: float) -> Floats:
+    """Middles of the parts of a cell from its own, m."""
+    parts = max(int(np.ceil(FINE * cell / STEP - 1e-9)), 1)
+    return np.asarray((np.arange(parts) - (parts - 1) / 2) * (cell / parts))
 
 
 @lru_cache(maxsize=128)
-def _along(
-    origin: float, count: int, pitch: float, lattice: Lattice, axis: int, blur: bool
-) -> Floats:
+def _along(origin: float, count: int, pitch: float, first: int, points: int) -> Floats:
     """Shares (lattice points, cells) of each cell's pressure along one axis."""
-    parts = _parts(pitch, lattice.step)
-    offsets = (np.arange(parts) - (parts - 1) / 2) * (pitch / parts)
-    place = (origin + np.arange(count)[:, None] * pitch + offsets) / lattice.step
-    points = np.arange(lattice.shape[1 - axis]) + lattice.first[axis]
-    near = np.maximum(1 - np.abs(points[:, None, None] - place[None]), 0.0)
-    shares = near.sum(axis=2) * (pitch / lattice.step / parts)
-    return np.asarray(_gaussian(len(points), lattice.step) @ shares if blur else shares)
-
-
-@lru_cache(maxsize=64)
-def _gaussian(count: int, step: float) -> Floats:
-    """Matrix (count, count) of a Gaussian whose rows sum to 1 away from the ends."""
-    apart = (np.arange(count)[:, None] - np.arange(count)) * step / BLUR
-    near = np.exp(-(apart**2) / 2)
-    near[np.abs(apart) > 2 * MARGIN] = 0.0
-    whole = np.exp(-((np.arange(-50, 51) * step / BLUR) ** 2) / 2).sum()
-    return np.asarray(near / whole)
+    place = (origin + np.arange(count)[:, None] * pitch + _offsets(pitch)) / STEP
+    apart = np.abs((np.arange(points) + first)[:, None, None] - place)
+    return np.asarray(np.maximum(1 - apart, 0.0).mean(axis=2) * pitch / STEP)
 
 
 Row = dict[str, Any]  # flat, with the unit in each key's name
@@ -238,17 +213,6 @@ def write_csv(rows: Sequence[Row], path: str | Path) -> None:
     for row in rows:
         writer.writerow({key: _csv_cell(value) for key, value in row.items()})
     write_bytes(path, buffer.getvalue().encode())
-
-
-def write_json(rows: Sequence[Row], path: str | Path, **about: Any) -> None:
-    """Write rows as a list under "rows", beside what else is stated; NaN becomes null.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
-    write_summary(path, {**about, "rows": list(rows)})
 
 
 def _csv_cell(value: Any) -> Any:
@@ -447,7 +411,7 @@ class Judge:
         truth, lattice = self.case.truth, self.lattice
         loaded = truth.pressure != 0
         raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
-        return raw, lattice.blurred(raw)
+        return raw, blurred(raw)
 
     @cached_property
     def indentation(self) -> tuple[Floats, Floats, Floats]:
@@ -462,7 +426,6 @@ class Judge:
         truth = self.case.truth
         matches, missed, false = matched(self.case.patch, truth.contacts, found, self.gate)
         sharp = self.lattice.of_grid(self.grid, estimate.pressure)
-        soft = self.lattice.of_grid(self.grid, estimate.pressure, blur=True)
         exact, exact_blurred = self.pressure
         known = len(truth.plane) > 0
         return Score(
@@ -476,7 +439,7 @@ class Judge:
             false=false,
             peak_error=_relative(float(sharp.max()), float(exact.max())) if known else NAN,
             pressure_error=_distance(sharp, exact),
-            blurred_pressure_error=_distance(soft, exact_blurred),
+            blurred_pressure_error=_distance(blurred(sharp), exact_blurred),
             deformation_error=self._deformation_error(estimate.indentation),
             area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
         )
