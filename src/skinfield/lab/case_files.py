@@ -18,9 +18,10 @@ VERSION = 1
 ENDING = ".npz"
 LARGEST = 2**30  # bytes that a file may unpack to
 NEEDED = object()
+PARTS = ("", "layer", "mechanics", "patch", "truth")
 KINDS = {"numbers": "fiu", "whole numbers": "iu", "true or false": "b", "texts": "U"}  # dtypes
-# Keys with the kind, the shape of taxels L, nodes K and contacts C (None: any), the default, and what
-# of a case it is.
+# Keys with the kind, the shape of taxels L, nodes K and contacts C (None: any), the default, and
+# the attribute of a case.
 FORMAT: dict[str, tuple[str, tuple[str | int, ...] | None, Any, str]] = {
     "skinfield_case": ("whole numbers", (), NEEDED, ""),
     "name": ("texts", (), None, "name"),
@@ -182,33 +183,22 @@ def _checked(path: Path, arrays: dict[str, Any]) -> dict[str, Any]:
 
 
 def _case_from(found: dict[str, Any], stem: str) -> Case:
-    parts: dict[str, dict[str, Any]] = {
-        "": {},
-        "layer": {},
-        "mechanics": {},
-        "patch": {},
-        "truth": {},
-    }
+    parts: dict[str, dict[str, Any]] = {name: {} for name in PARTS}
     for key, (*_, attribute) in FORMAT.items():
         part, _, name = attribute.rpartition(".")
-        parts[part][name] = found[key]
-    parts[""].pop("")
+        if attribute:
+            parts[part][name] = found[key]
     whole, truth = parts[""], parts["truth"]
     whole["name"] = stem if whole["name"] is None else whole["name"]
     places = truth.pop("contact_position")
-    columns = [
-        [default] * len(places)
-        if (values := truth.pop(f"contact_{name}")) is None
-        else values.tolist()
-        for name, default in (("force", None), ("area", np.nan), ("kind", "body"))
-    ]
+    columns = []
+    for name, default in (("force", None), ("area", np.nan), ("kind", "body")):
+        values = truth.pop(f"contact_{name}")
+        columns.append([default] * len(places) if values is None else values.tolist())
     contacts = zip(map(tuple, places.tolist()), *columns, strict=True)
-    plane = np.empty((0, 2)) if truth["plane"] is None else truth["plane"]
-    usual = {
-        "plane": plane,
-        "pressure": np.empty(0),
-        "displacement": np.full((len(plane), 3), np.nan),
-    }
+    nodes = 0 if truth["plane"] is None else len(truth["plane"])
+    unknown = np.full((nodes, 3), np.nan)
+    usual = {"plane": unknown[:, :2], "pressure": np.empty(0), "displacement": unknown}
     truth |= {name: value for name, value in usual.items() if truth[name] is None}
     return Case(
         patch=Patch(**parts["patch"]),
