@@ -142,10 +142,3 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     below = call("--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below"))
     assert below.exit_code == 2
     assert "cannot be made" in below.output
-
-
-def test_recorded_data_without_a_folder_is_said(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.delenv("SKINFIELD_SHARED_DATA", raising=False)
-    result = call("--only", "real-foot", "--size", "smoke", "--workers", "1", "-o", str(tmp_path))
-    assert result.exit_code == 0, result.output
-    assert "no folder of recordings was given" in (tmp_path / "report.html").read_text()

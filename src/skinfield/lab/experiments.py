@@ -28,21 +28,17 @@ from skinfield.lab.runner import run as run_tasks
 from skinfield.lab.sections.accuracy import accuracy, accuracy_parts
 from skinfield.lab.sections.agreement import agreement
 from skinfield.lab.sections.detection import detection
-from skinfield.lab.sections.foot import foot
 from skinfield.lab.sections.imposed import imposed
-from skinfield.lab.sections.light_touch import light_touch
 from skinfield.lab.sections.resolutions import resolutions
 from skinfield.lab.sections.timing import timing
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
     Experiment("detection", ("fig6", "fig7"), detection),
-    Experiment("light-touch", ("touch",), light_touch),
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table", "contacts"), accuracy, parts=accuracy_parts),
     Experiment("agreement", ("fem", "model"), agreement),
-    Experiment("real-foot", ("real-data",), foot),
 )
 PARTS = "parts"  # folder of what sections are put together from
 Progress = Callable[[str, int, int], None]  # name of what has ended, how many have, of how many

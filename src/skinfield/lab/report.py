@@ -89,8 +89,6 @@ class Settings:
         Share of idle readings in which a contact may be seen.
     rate : float, 1/s
         Readings per second, where averages are told as times.
-    data : str
-        Folder of recordings by others; empty where there is none.
     """
 
     size: Size = field(default=SHORT)
@@ -100,7 +98,6 @@ class Settings:
     change_noise: float = 0.02
     false_alarms: float = 1e-3
     rate: float = 50.0
-    data: str = ""
 
 
 Cell = str | float | int | None
