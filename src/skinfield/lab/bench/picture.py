@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.lab.bench.run import FIELD, PAPER, PAPER_REST_MS
-from skinfield.lab.plots import DOTS, Curve, Panel, Scale, draw_panels
+from skinfield.lab.bench.run import FIELD, PAPER
+from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +22,6 @@ COSTS = (  # rows of the left panel: name, and what the legend calls it
     ("NonNegative to 1e-2, warm", "NonNegative to 1 %"),
     ("ContactFit", "ContactFit"),
 )
-REST = "the paper's own, all but the inversion"
 BY_THEN = "p90"  # nine of ten answers are there by then, and as close as that
 TIME = "time from the reading to the answer (ms)"
 HIGH = 3.0  # inches: of a panel
@@ -84,9 +83,7 @@ def _costs(bench: Bench) -> list[Curve]:
         )
         ends = (np.minimum(np.maximum(mean - std, least), middle), np.maximum(mean + std, middle))
         curves.append(Curve(method, nodes, middle, *(ends if name == PAPER else ())))
-    rest = [n for n in PAPER_REST_MS if any(row["nodes"] == n for row in bench["grids"])]
-    times = np.array([PAPER_REST_MS[n] for n in rest])
-    return [*curves, Curve(REST, np.array(rest, dtype=float), times, look=DOTS)]
+    return curves
 
 
 def _curves(bench: Bench) -> list[Curve]:
