@@ -3,7 +3,7 @@
   python docs/timing_figures.py bench [short|full] [FILE]    docs/images/bench.png
   python docs/timing_figures.py jitter [SECONDS]
 
-FILE keeps the numbers as JSON. The second takes five times as long as SECONDS, by default five
+FILE keeps the numbers as JSON. The second takes four times as long as SECONDS, by default four
 minutes; SCHED_FIFO must be permitted and cyclictest installed. Nothing else should run meanwhile.
 """
 
@@ -72,7 +72,6 @@ def draw_bench(size: str = "short", file: str = "") -> None:
 
 
 LOOPS = {
-    "wakes only": JitterSettings(load="none"),
     "engine": JitterSettings(),
     "engine, linear": JitterSettings(solver=GaussianField()),
     "engine, nothing beside it": JitterSettings(busy=0),

@@ -20,7 +20,7 @@ from skinfield.lab.paper import reconstruct_as_paper
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, NonNegative
 
-TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,)))
+TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,), cell=1e-3))
 
 
 @pytest.fixture(scope="module")

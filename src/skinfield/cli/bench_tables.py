@@ -133,17 +133,16 @@ def _share(value: float | None) -> str:
 def jitter_table(jitter: "Jitter") -> "Table":
     """Times of the live loop beside those of cyclictest."""
     settings = jitter.settings
-    loaded = settings.load != "none"
     solver = f"{type(settings.solver).__name__}, virtual skin over UDP"
     made = table(
-        f"{solver if loaded else 'waking only'}, {settings.rate_hz:g} cycles per second for "
+        f"{solver}, {settings.rate_hz:g} cycles per second for "
         f"{settings.duration:g} s beside {settings.busy} busy processes",
         ("time",),
         [NAMES[name] for name in QUANTILES],
     )
     made.add_row("cyclictest on the same CPU, wake", *_row(jitter.paired))
     for name, meaning in MEANING.items():
-        if getattr(jitter.timing, name) is not None and (name == "wake" or loaded):
+        if getattr(jitter.timing, name) is not None:
             made.add_row(f"{name}: {meaning}", *_row(getattr(jitter.timing, name)))
     ratios = [jitter.ratio(name) for name in QUANTILES]
     words = [NONE if each is None else f"{each:.2f}" for each in ratios]
@@ -201,7 +200,6 @@ def jitter_as_json(jitter: "Jitter") -> dict[str, Any]:
         "seconds": settings.duration,
         "rate_hz": settings.rate_hz,
         "busy": settings.busy,
-        "load": settings.load,
         "solver": type(settings.solver).__name__,
         "granted": jitter.granted.as_dict(),
         "loop": jitter.timing.as_dict(),

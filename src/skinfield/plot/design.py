@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
@@ -70,30 +69,6 @@ def draw_judgement(judgement: Judgement) -> "Figure":
             add_title(axes, "abcdef"[index], head, note)
             if index == 0:
                 _outline_blind(axes, judgement)
-    return figure
-
-
-def draw_place_map(
-    places: Places, values: ArrayLike, *, label: str, title: str = "", note: str = ""
-) -> "Figure":
-    """Figure of one map.
-
-    Parameters
-    ----------
-    places : Places
-    values : (P,) array
-        Infinite ones are drawn grey.
-    label : str
-        What they are, with the unit.
-    title, note : str
-        Over the picture: what it shows, and how to read it.
-    """
-    with style():
-        figure = new_figure(6.0, 5.2)
-        axes = figure.add_axes((0.12, 0.11, 0.7, 0.74))
-        values = np.asarray(values, dtype=np.float64)
-        _draw_places(axes, places, values, label, _extent(places), falling=False)
-        add_title(axes, "", title, note)
     return figure
 
 
