@@ -36,6 +36,5 @@ for name, skin in (("2 mm thick", thin), ("144 taxels", denser), ("5 mm thick", 
           f"{np.median(told.place_std) * 1e3:.2f} mm")  # fmt: skip
 
 found = judge(thick, touch, places, two_point_places=few_places(thick, 60))
-print(f"5 mm thick: {found.verdict()}")
 save(draw_judgement(found), "thick.png")
 print("wrote thick.png")
