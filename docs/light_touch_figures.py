@@ -20,7 +20,6 @@ from skinfield.lab.report import Picture, Settings, size_by_name
 from skinfield.lab.sections.detection import (
     ANYWHERE,
     Campaign,
-    Share,
     Statistic,
     Trial,
     Values,
@@ -111,11 +110,10 @@ class LightTouch(Campaign):
         seed = self.trials[trial]
         return self.pressed(trial, (40, seed), (41, seed), averaged)
 
-    def bound(self, trial: Trial) -> Share:
-        """What nobody finds more of."""
+    def bound(self, trial: Trial) -> float:
+        """Share that nobody finds more of."""
         alarms = np.array([self.settings.false_alarms])
-        best = float(limit(trial, self.settings, self.trials[trial], alarms, LOOKED)[0])
-        return Share(BOUND, trial, best, (best, best))
+        return float(limit(trial, self.settings, self.trials[trial], alarms, LOOKED)[0])
 
 
 def rates(size: str) -> None:
@@ -125,8 +123,9 @@ def rates(size: str) -> None:
     (IMAGES / "light-touch-roc.png").write_bytes(_picture_of_rocs(made).png)
     click.echo(f"share found (%) over {LOOKED} readings at {settings.false_alarms:g}")
     for trial, values in made.touches.items():
-        shares = [*made.shares(trial, values).values(), made.bound(trial)]
-        found = ", ".join(f"{each.method} {100 * each.value:.1f}" for each in shares)
+        shares = {name: each.value for (name, _), each in made.shares(trial, values).items()}
+        shares[BOUND] = made.bound(trial)
+        found = ", ".join(f"{name} {100 * value:.1f}" for name, value in shares.items())
         click.echo(f"  {trial.quantity}, {trial.force:g} N {trial.place}: {found}")
     click.echo("\nfalse alarms on idle readings that no threshold was set on")
     for quantity, method in made.levels:

@@ -9,7 +9,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.errors import InputError
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.lab.accuracy import (
     KNOWN,
     UNKNOWN,
@@ -35,7 +35,7 @@ from skinfield.lab.case_sets import (
     random_press,
 )
 from skinfield.lab.cases import Case
-from skinfield.lab.report import SMOKE, Missing, Section, Settings
+from skinfield.lab.report import SMOKE, Section, Settings
 from skinfield.lab.score import quantiles, summarise
 from skinfield.lab.sections.accuracy import accuracy
 from skinfield.lab.validation import (
@@ -275,4 +275,5 @@ def test_the_section_from_its_parts() -> None:
     assert isinstance(section, Section)
     assert [picture.name for picture in section.pictures] == ["errors-stress"]
     assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    assert isinstance(accuracy(Settings(size=SMOKE), [None]), Missing)
+    with pytest.raises(SkinfieldError, match="none of the parts"):
+        accuracy(Settings(size=SMOKE), [None])

@@ -3,17 +3,15 @@
 One experiment more is one file in `sections`, and one line in `EXPERIMENTS`.
 """
 
-import shutil
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import InputError
 from skinfield.lab.report import (
     Experiment,
-    Missing,
     Run,
     Section,
     Settings,
@@ -23,7 +21,7 @@ from skinfield.lab.report import (
     write_report,
     write_section,
 )
-from skinfield.lab.runner import Outcome, Task, stored
+from skinfield.lab.runner import Outcome, Task
 from skinfield.lab.runner import run as run_tasks
 from skinfield.lab.sections.accuracy import accuracy, accuracy_parts
 from skinfield.lab.sections.agreement import agreement
@@ -119,8 +117,6 @@ def run(
         name: ([computed[task.name].result for task in tasks],) for name, tasks in parts.items()
     }
     tasks = {each.name: task_of(each, settings, results.get(each.name, ())) for each in experiments}
-    for task in tasks.values():
-        _forget_missing(task, folder)
     made = ran([tasks[each.name] for each in experiments if not each.alone], folder, workers)
     made |= ran([tasks[each.name] for each in experiments if each.alone], folder, 1)
     result = _gathered([made[name] for name in tasks], settings)
@@ -135,11 +131,8 @@ def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
     sections: list[Section] = []
     missing: list[str] = []
     for outcome in outcomes:
-        reason = (outcome.result or {}).get("missing")
         if outcome.failure:
             missing.append(f"{outcome.name} failed: {outcome.failure.strip().splitlines()[-1]}")
-        elif reason is not None:
-            missing.append(reason)
         else:
             sections.append(replace(read_section(outcome.folder), seconds=outcome.seconds))
     return Run(settings, tuple(sections), tuple(missing), 0.0)
@@ -159,22 +152,7 @@ def task_of(experiment: Experiment, settings: Settings, results: tuple[Any, ...]
 
 def make_section(
     folder: Path, experiment: Experiment, settings: Settings, results: tuple[Any, ...]
-) -> dict[str, str]:
-    """Run one experiment and write its section into `folder`, or return why there is none."""
+) -> None:
+    """Run one experiment and write its section into `folder`."""
     made = experiment.make(settings, *results)
-    if isinstance(made, Missing):
-        return {"missing": made.reason}
     write_section(replace(made, name=experiment.name), folder)
-    return {}
-
-
-def _forget_missing(task: Task, folder: Path) -> None:
-    """What was not at hand may be by now: look again."""
-    before = stored(task, folder)
-    if before is None:
-        return
-    try:
-        if "missing" in (before.result or {}) or not read_section(before.folder):
-            shutil.rmtree(before.folder)
-    except FileError:  # somebody removed or changed a file
-        shutil.rmtree(before.folder)

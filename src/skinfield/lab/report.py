@@ -192,13 +192,6 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Missing:
-    """Why there is no section: what it needs is not at hand."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -209,7 +202,7 @@ class Experiment:
     figures : tuple of str
         Of the paper, such as "fig3": it is chosen by these, too.
     make : function of Settings
-        The section, or why there is none. Of the module level: it is sent to other processes.
+        The section. Of the module level: it is sent to other processes.
     parts : function of Settings, optional
         Tasks to be run before; their results, in this order, are the last argument of `make`, with
         None for one that failed.
@@ -219,7 +212,7 @@ class Experiment:
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[..., Section | Missing]
+    make: Callable[..., Section]
     parts: Callable[[Settings], Sequence[Task]] | None = None
     alone: bool = False
 

@@ -14,7 +14,7 @@ import numpy as np
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.estimate import Contact, Estimate
 from skinfield.files.pending import write_bytes
-from skinfield.lab.cases import Case, TrueContact, Truth
+from skinfield.lab.cases import Case, TrueContact
 from skinfield.skin import Grid, Patch
 
 STEP = 0.5e-3  # m: side of the lattice's cells
@@ -234,19 +234,14 @@ class Match:
     true, estimated : int
         Their places in the two lists.
     distance : float, m
-    true_force, estimated_force : float, N
+    force_error : float
+        Signed, part of the true force.
     """
 
     true: int
     estimated: int
     distance: float
-    true_force: float
-    estimated_force: float
-
-    @property
-    def force_error(self) -> float:
-        """Signed, part of the true force."""
-        return self.estimated_force / self.true_force - 1
+    force_error: float
 
 
 def matched(
@@ -281,7 +276,7 @@ def matched(
     beyond = gate * (min(apart.shape) + 1)
     rows, columns = linear_sum_assignment(np.where(apart <= gate, apart, beyond))
     matches = tuple(
-        Match(i, j, float(apart[i, j]), true[i].force, float(found[j].normal_force))
+        Match(i, j, float(apart[i, j]), float(found[j].normal_force) / true[i].force - 1)
         for i, j in zip(rows.tolist(), columns.tolist(), strict=True)
         if apart[i, j] <= gate
     )
@@ -341,31 +336,24 @@ class Score:
     @property
     def place_error(self) -> float:
         """Mean distance of matched contacts, m; NaN where none is matched."""
-        return _mean([match.distance for match in self.matches])
+        return float(np.mean([m.distance for m in self.matches])) if self.matches else NAN
 
     @property
     def contact_force_error(self) -> float:
         """Mean of the absolute relative errors of matched contacts; NaN where none is matched."""
-        return _mean([abs(match.force_error) for match in self.matches])
+        return float(np.mean([abs(m.force_error) for m in self.matches])) if self.matches else NAN
 
     def row(self) -> Row:
         """The numbers by their names; lengths in mm."""
-        return {
+        head = {
             "true_force_N": self.true_force,
             "contacts": self.true_contacts,
             "matched": len(self.matches),
             "missed": self.missed,
             "false": self.false,
-            "force_error": self.force_error,
-            "field_force_error": self.field_force_error,
             "place_error_mm": 1e3 * self.place_error,
-            "contact_force_error": self.contact_force_error,
-            "peak_error": self.peak_error,
-            "pressure_error": self.pressure_error,
-            "blurred_pressure_error": self.blurred_pressure_error,
-            "deformation_error": self.deformation_error,
-            "area_error": self.area_error,
         }
+        return head | {n: getattr(self, n) for n in MEASURES if n.endswith("_error")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -413,11 +401,6 @@ class Judge:
         raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
         return raw, blurred(raw)
 
-    @cached_property
-    def indentation(self) -> tuple[Floats, Floats, Floats]:
-        """Nodes (N, 4) of the grid around each of N true nodes, their weights, the true value m."""
-        return around_truth(self.case.truth, self.grid)
-
     def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Score:
         """Score one estimate; `contacts` stand in for those of the estimate."""
         if estimate.is_batch:
@@ -444,9 +427,22 @@ class Judge:
             area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
         )
 
+    @cached_property
+    def _sunk(self) -> tuple[Floats, Floats]:
+        """Rows and columns (2, N) of the grid where the true indentation (N,) m is known."""
+        truth, grid = self.case.truth, self.grid
+        place = (truth.plane - grid.origin) / grid.pitch
+        known = np.isfinite(truth.displacement[:, 2])
+        known &= ((place >= 0) & (place <= np.array(grid.shape[::-1]) - 1)).all(axis=1)
+        return place[known].T[::-1], -truth.displacement[known, 2]
+
     def _deformation_error(self, indentation: Floats) -> float:
-        nodes, weights, exact = self.indentation
-        return _distance(np.einsum("nk,nk->n", indentation[nodes.astype(np.int64)], weights), exact)
+        from scipy.ndimage import map_coordinates
+
+        where, exact = self._sunk
+        return _distance(
+            map_coordinates(indentation.reshape(self.grid.shape), where, order=1), exact
+        )
 
 
 def score(
@@ -479,23 +475,6 @@ def score(
     return Judge(case, estimate.grid, gate)(estimate, contacts)
 
 
-def around_truth(truth: Truth, grid: Grid) -> tuple[Floats, Floats, Floats]:
-    """Where the true indentation is known on the grid: nodes (N, 4), weights (N, 4), values m."""
-    place = (truth.plane - grid.origin) / grid.pitch
-    rows, columns = grid.shape
-    last = np.array([columns - 1, rows - 1])
-    known = np.isfinite(truth.displacement[:, 2])
-    known &= ((place >= 0) & (place <= last)).all(axis=1)
-    place = place[known]
-    corner = np.minimum(np.floor(place), np.maximum(last - 1, 0)).astype(np.int64)
-    x, y = (place - corner).T
-    right, up = (min(1, columns - 1), columns * min(1, rows - 1))
-    first = corner[:, 1] * columns + corner[:, 0]
-    nodes = np.stack([first, first + right, first + up, first + right + up], axis=1)
-    weights = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=1)
-    return nodes, weights, -truth.displacement[known, 2]
-
-
 def _relative(found: float, true: float) -> float:
     return found / true - 1 if true > 0 else NAN
 
@@ -503,7 +482,3 @@ def _relative(found: float, true: float) -> float:
 def _distance(found: Floats, true: Floats) -> float:
     norm = float(np.linalg.norm(true))
     return float(np.linalg.norm(found - true)) / norm if norm > 0 else NAN
-
-
-def _mean(values: Sequence[float]) -> float:
-    return float(np.mean(values)) if values else NAN

@@ -195,7 +195,8 @@ def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> No
     room = max(room - truths, 2)
     listed = contacts if len(contacts) <= room else contacts[: room - 1]
     rest = contacts[len(listed) :]
-    quiet, true, rule = {"color": QUIET}, {"color": BLUE}, ([], {})
+    quiet, true = {"color": QUIET}, {"color": BLUE}
+    rule: tuple[list[str], dict[str, Any]] = ([], {})
     rows: list[tuple[list[str], dict[str, Any]]] = [(list(COLUMNS), quiet), rule]
     rows += [(row_of(index, contact, grid), {}) for index, contact in enumerate(listed)]
     rows += [] if contacts else [(["no contact above the noise"], quiet)]

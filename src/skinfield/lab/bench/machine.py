@@ -3,6 +3,7 @@
 import gc
 import os
 import platform
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -70,14 +71,14 @@ class Company:
     def warnings(self, cores: int) -> tuple[str, ...]:
         """What makes the times doubtful, in words."""
         found = []
-        if self.others is not None and self.others > TOO_MUCH:
+        if (self.others or 0.0) > TOO_MUCH:
             found.append(
                 f"other processes used {self.others:.1f} of {cores} cores meanwhile: times are "
                 "longer than on a quiet machine, the highest percentiles most of all"
             )
-        elif self.others is None and self.load is not None and self.load > CROWDED * cores:
+        elif self.others is None and (self.load or 0.0) > CROWDED * cores:
             found.append(f"the load was {self.load:.1f} on {cores} cores: the machine was busy")
-        if self.stolen is not None and self.stolen > TOO_MUCH:
+        if (self.stolen or 0.0) > TOO_MUCH:
             found.append(f"the host of this virtual machine kept {self.stolen:.1f} cores away")
         return tuple(found)
 
@@ -115,13 +116,10 @@ class Watch:
 
 def _processor() -> str:
     try:
-        for line in CPU_INFO.read_text(errors="replace").splitlines():
-            name, _, value = line.partition(":")
-            if name.strip() == "model name":
-                return value.strip()
+        found = re.search(r"^model name\s*: (.*)$", CPU_INFO.read_text(errors="replace"), re.M)
     except OSError:
-        pass
-    return platform.processor() or platform.machine()
+        found = None
+    return found[1] if found else platform.processor() or platform.machine()
 
 
 PERCENTILES = (10, 50, 90, 99)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.errors import SkinfieldError
 from skinfield.lab.accuracy import (
     PRIORS,
     AccuracyPlan,
@@ -18,7 +19,6 @@ from skinfield.lab.case_sets import SILICONE
 from skinfield.lab.plots import LIMIT, STEPS, Panel, Scale, distribution, draw_panels
 from skinfield.lab.report import (
     Cell,
-    Missing,
     Picture,
     Section,
     Settings,
@@ -59,12 +59,12 @@ def accuracy_parts(settings: Settings) -> list[Task]:
     return parts_of(accuracy_plan(settings.size.name, settings.seed))
 
 
-def accuracy(settings: Settings, results: Sequence[dict[str, Any] | None]) -> Section | Missing:
+def accuracy(settings: Settings, results: Sequence[dict[str, Any] | None]) -> Section:
     """The section from the results of its parts."""
     plan = accuracy_plan(settings.size.name, settings.seed)
     findings = Findings.of(results)
     if not findings.rows:
-        return Missing("accuracy: none of its parts could be computed")
+        raise SkinfieldError("none of the parts of accuracy could be computed, expected some")
     table = accuracy_rows(findings, seed=plan.seed)
     groups = sorted(
         group_rows(findings.rows, seed=plan.seed), key=lambda row: (row["quantity"], row["noise"])

@@ -7,7 +7,6 @@ that what is off is the model alone.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from skinfield.lab.fem.small_strain import indent
 from skinfield.lab.paper import LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
-    Missing,
     Picture,
     Section,
     Settings,
@@ -163,13 +161,8 @@ def agreements(settings: Settings) -> list[Row]:
     return rows
 
 
-def agreement(settings: Settings) -> Section | Missing:
+def agreement(settings: Settings) -> Section:
     """How far the truth of all other sections is from finite elements, per indenter and load."""
-    if find_spec("skfem") is None:
-        return Missing(
-            "agreement with finite elements: scikit-fem is not installed "
-            "(pip install 'skinfield[lab]')"
-        )
     rows = agreements(settings)
     linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * settings.layer.thickness]
     stress, moved = (_percent(column(linear, name)) for name in ("stress", "displacement"))

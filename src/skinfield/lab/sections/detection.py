@@ -17,7 +17,6 @@ from skinfield.lab.plots import (
     draw_panels,
 )
 from skinfield.lab.report import (
-    Cell,
     Picture,
     Section,
     Settings,
@@ -163,22 +162,8 @@ def noisy(
 class Share:
     """Part of the presses that a method detects, with its 95 % interval."""
 
-    method: str
-    trial: Trial
     value: float
     interval: tuple[float, float]
-
-    def row(self) -> dict[str, Cell]:
-        """For a table."""
-        return {
-            "method": self.method,
-            "reads": self.trial.quantity,
-            "place": self.trial.place,
-            "force (N)": self.trial.force,
-            "share": self.value,
-            "from": self.interval[0],
-            "to": self.interval[1],
-        }
 
     def __str__(self) -> str:
         low, high = (100 * end for end in self.interval)
@@ -237,8 +222,7 @@ class Campaign:
         shares = {}
         for name, each in values.items():
             hits = int((each > self.level(trial.quantity, name)).sum())
-            interval = wilson(hits, len(each))
-            shares[name, trial] = Share(name, trial, hits / len(each), interval)
+            shares[name, trial] = Share(hits / len(each), wilson(hits, len(each)))
         return shares
 
     def roc_panel(self, trial: Trial, note: str, values: Values, limit: Curve | None) -> Panel:
@@ -333,6 +317,11 @@ def detection(settings: Settings) -> Section:
         f"{settings.false_alarms:g} false alarms per idle reading, with 95 % intervals "
         "(Wilson). Pads read their mean stress."
     )
+    every = [
+        {"method": name, "place": trial.place, "force (N)": trial.force, "share": share.value}
+        | dict(zip(("from", "to"), share.interval, strict=True))
+        for (name, trial), share in made.every.items()
+    ]
     rows = [
         {"method": name}
         | {f"{t.place}, {t.force:g} N": str(made.every[name, t]) for t in made.trials}
@@ -361,7 +350,7 @@ def detection(settings: Settings) -> Section:
         ),
         tables=(
             Table.of("half-sphere", caption, rows),
-            Table.of("all", "Every share.", [e.row() for e in made.every.values()], on_page=False),
+            Table.of("all", "Every share.", every, on_page=False),
         ),
         verdicts=tuple(_verdicts(made)),
     )
