@@ -2,24 +2,22 @@
 
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import InputError
 from skinfield.lab.accuracy import (
     KNOWN,
     UNKNOWN,
     AccuracyPlan,
     Findings,
-    accuracy_plan,
     accuracy_rows,
     bound_rows,
+    computed,
     idle_rows,
-    parts_of,
 )
 from skinfield.lab.case_sets import (
     APART,
@@ -35,9 +33,7 @@ from skinfield.lab.case_sets import (
     random_press,
 )
 from skinfield.lab.cases import Case
-from skinfield.lab.report import SMOKE, Section, Settings
 from skinfield.lab.score import quantiles, summarise
-from skinfield.lab.sections.accuracy import accuracy
 from skinfield.lab.validation import (
     FLOORS,
     GAUSSIAN,
@@ -262,18 +258,11 @@ def test_table_of_rows_made_by_hand() -> None:
     assert (row["cold_ms_median"], row["warm_ms_median"]) == (10.0, 1.0)
 
 
-def test_the_section_from_its_parts() -> None:
-    plan = replace(accuracy_plan("smoke"), entrants=known_entrants()[:2])
-    results = [
-        part.function(Path(), *part.arguments)
-        for part in parts_of(replace(plan, presses=2, idle=50))
-    ]
-    found = Findings.of(results)
+def test_a_campaign_from_its_parts() -> None:
+    plan = plan_of(entrants=known_entrants(nodes=20)[:2], idle=50)
+    steps: list[tuple[int, int]] = []
+    found = computed(plan, progress=lambda *step: steps.append(step))
     assert len(found.rows) == 2 * 2
     assert {row["method"] for row in found.bound} == {KNOWN, UNKNOWN}
-    section = accuracy(Settings(size=SMOKE), results)
-    assert isinstance(section, Section)
-    assert [picture.name for picture in section.pictures] == ["errors-stress"]
-    assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
-    with pytest.raises(SkinfieldError, match="none of the parts"):
-        accuracy(Settings(size=SMOKE), [None])
+    assert {row["idle"] for row in found.idle} == {50}
+    assert steps == [(0, 2), (1, 2), (2, 2)]

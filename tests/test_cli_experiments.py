@@ -8,7 +8,6 @@ from command_line import invoke
 
 from skinfield.lab import experiments as running
 from skinfield.lab.report import SMOKE, Experiment, Section, Settings
-from skinfield.lab.runner import Task
 
 SETTINGS = Settings(size=SMOKE)
 
@@ -19,18 +18,6 @@ def call(*words: str):
 
 def quick(settings: Settings) -> Section:
     return Section("x", "Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
-
-
-def share(folder: Path, number: float) -> float:
-    return number if number < 3 else float("nan")
-
-
-def shares(settings: Settings) -> list[Task]:
-    return [Task(f"share-{number:g}", share, (number,)) for number in (1.0, 2.0, 3.0)]
-
-
-def gather(settings: Settings, results: list[float | None]) -> Section:
-    return Section("x", "Whole", "", (str(results),))
 
 
 def failing(settings: Settings) -> Section:
@@ -59,19 +46,6 @@ def test_other_settings_are_made_anew() -> None:
     each = Experiment("part", (), quick)
     tasks = [running.task_of(each, Settings(size=SMOKE, seed=seed)) for seed in (0, 0, 1)]
     assert len({task.fingerprint for task in tasks}) == 2
-
-
-def test_parts_are_kept_and_handed_on_in_order(tmp_path: Path) -> None:
-    whole = Experiment("whole", (), gather, parts=shares)
-    for _ in range(2):
-        running.run((whole,), SETTINGS, tmp_path)
-        section = json.loads((tmp_path / "whole" / "section.json").read_text())
-        assert section["sentences"] == ["[1.0, 2.0, None]"]
-        assert {file.name for file in (tmp_path / "parts").iterdir()} == {
-            "share-1",
-            "share-2",
-            "share-3",
-        }
 
 
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:

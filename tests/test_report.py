@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.lab.plots import STEPS, Curve, Panel, Scale, distribution, draw_panels
+from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     SMOKE,
     Picture,
@@ -199,7 +199,7 @@ def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
     table = Table.of("t", "", [{"a": 1, "b": "x"}, {"a": 2, "c": 0.5}])
     assert table.columns == ("a", "b", "c")
     assert table.rows == ((1, "x", None), (2, None, 0.5))
-    curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]), look=STEPS)
+    curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]))
     panel = Panel("title", "note", (curve,), Scale(x="x (mm)", y="y", log_x=True))
     figure = draw_panels([[panel, panel]])
     assert [axes.get_xlabel() for axes in figure.axes] == ["x (mm)", "x (mm)"]
@@ -207,9 +207,3 @@ def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one"]
     with pytest.raises(InputError, match=r"lengths \[1, 2\], expected equal ones"):
         draw_panels([[panel], [panel, panel]])
-
-
-def test_a_distribution_counts_what_is_missing() -> None:
-    curve = distribution("e", np.array([3.0, np.nan, 1.0, np.nan]), (0.1, 10.0))
-    assert curve.x.tolist() == pytest.approx([0.01, 1.0, 3.0, 100.0])
-    assert curve.y.tolist() == [0.0, 0.25, 0.5, 0.5]

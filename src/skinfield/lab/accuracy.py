@@ -5,7 +5,7 @@ false contacts.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -23,10 +23,9 @@ from skinfield.lab.cases import (
     Truth,
     quantity_by_name,
 )
-from skinfield.lab.report import program
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
-from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, rows_of_case
+from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
 from skinfield.simulate import Sphere
 from skinfield.skin import Patch
 from skinfield.skin.generators import by_name
@@ -86,18 +85,6 @@ class AccuracyPlan:
     def quantities(self) -> tuple[str, ...]:
         """What taxels read, each once."""
         return tuple(dict.fromkeys(level.quantity for level in self.levels))
-
-
-def accuracy_plan(size: str, seed: int = 0) -> AccuracyPlan:
-    """The campaign of a size: "smoke", "short" or "full"."""
-    if size == "smoke":
-        few = known_entrants(nodes=20), (Level("stress", 380.0),)
-        return AccuracyPlan(
-            entrants=few[0], levels=few[1], presses=3, idle=200, cell=0.5e-3, seed=seed
-        )
-    levels = tuple(Level(quantity, noise) for quantity, each in NOISES.items() for noise in each)
-    plan = AccuracyPlan(entrants=known_entrants(), levels=levels, seed=seed)
-    return plan if size == "full" else replace(plan, presses=40, idle=2000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +227,7 @@ def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
 
 
 def parts_of(plan: AccuracyPlan) -> list[Task]:
-    """Independent shares of the work; void once the program is another."""
+    """Independent shares of the work."""
     shares: list[tuple[str, Callable[..., Any], tuple[Any, ...]]] = [
         (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
         for k in range(0, plan.presses, SHARE)
@@ -251,8 +238,7 @@ def parts_of(plan: AccuracyPlan) -> list[Task]:
         if level.noise > 0
     ]
     return [
-        Task(f"accuracy.{name}", share_of, (rows, *arguments), program())
-        for name, rows, arguments in shares
+        Task(f"accuracy.{name}", share_of, (rows, *arguments)) for name, rows, arguments in shares
     ]
 
 

@@ -224,15 +224,6 @@ def _plain_decades(axis: Any, low: float, high: float) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def distribution(name: str, values: Floats, ends: tuple[float, float], look: str = STEPS) -> Curve:
-    """Share of values (N,) below each error, from one end to the other; NaN counts as above all."""
-    known = np.sort(values[np.isfinite(values)])
-    share = np.arange(1, len(known) + 1) / max(len(values), 1)
-    x = np.concatenate([[ends[0] / 10], known, [ends[1] * 10]])
-    y = np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]])
-    return Curve(name, x, y, look=look)
-
-
 def draw_fields(
     panels: Sequence[Sequence[FieldPanel]], label: str, *, window: Floats | None = None
 ) -> "Figure":

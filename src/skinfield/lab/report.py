@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 from skinfield.elastic import Layer
 from skinfield.errors import FileError, SkinfieldError, check_choice
 from skinfield.lab.bench.machine import versions
-from skinfield.lab.runner import Task
 from skinfield.plot.style import METADATA, number
 
 if TYPE_CHECKING:
@@ -203,17 +202,13 @@ class Experiment:
         Of the paper, such as "fig3": it is chosen by these, too.
     make : function of Settings
         The section. Of the module level: it is sent to other processes.
-    parts : function of Settings, optional
-        Tasks to be run before; their results, in this order, are the last argument of `make`, with
-        None for one that failed.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[..., Section]
-    parts: Callable[[Settings], Sequence[Task]] | None = None
+    make: Callable[[Settings], Section]
     alone: bool = False
 
 
