@@ -9,15 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.errors import InputError
 from skinfield.lab.bench import contenders, machine, run, scene
 from skinfield.lab.bench.contenders import Answer, Chain, Contender, run_chain
 from skinfield.lab.bench.machine import laps, spread, undisturbed
 from skinfield.lab.bench.picture import FLOOR, picture, written
 from skinfield.lab.bench.run import Track, miss
-from skinfield.lab.bench.scene import LADDER, SMOKE, BenchSettings, bench_size
-from skinfield.lab.paper import reconstruct_as_paper
-from skinfield.skin import Grid
+from skinfield.lab.bench.scene import SMOKE, BenchSettings
 from skinfield.solve import GaussianField, NonNegative
 
 TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,), cell=1e-3))
@@ -52,10 +49,6 @@ def test_spread_is_of_the_sorted_values(values: list[float]) -> None:
         between = low + (high - low) * (place - np.floor(place))
         assert found[f"p{percent}"] == pytest.approx(between, rel=1e-9, abs=1e-6)
     assert found["mean"] == pytest.approx(sum(ordered) / len(ordered), rel=1e-9, abs=1e-6)
-
-
-def test_no_number_has_no_spread() -> None:
-    assert spread([]) is None
     assert spread([float("nan"), float("inf")]) is None
 
 
@@ -191,46 +184,12 @@ def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
         )
 
 
-def test_the_papers_inverse_prepared_is_its_algorithm(tiny: scene.Scene) -> None:
-    grid = Grid.square(TINY.patch, nodes=10)
-    made = contenders.paper_prepared("paper", TINY, 10)
-    made.answer(tiny.readings[-1], None)
-    printed = reconstruct_as_paper(
-        tiny.readings[-1], TINY.patch.plane, grid.plane, TINY.layer, grid.cell_area
-    )
-    pressure = printed.force / grid.cell_area
-    off = np.abs(made.last().pressure - pressure) / np.abs(pressure).max()
-    # Where four taxels lie on a circle, a Delaunay triangulation may have either diagonal.
-    assert np.median(off) < 1e-5
-    assert off.max() < 0.03
-
-
-def test_what_converged_is_no_worse_than_what_is_compared_with_it(tiny: scene.Scene) -> None:
-    model = contenders.model_of(TINY, 10)
-    for solver, gap in ((run.CONVERGED, 1e-9), (run.LONG, 1e-5)):
-        made = contenders.non_negative("n", model, solver)
-        made.answer(tiny.readings[-1], None)
-        assert 0.0 <= made.last().gap <= gap
-        assert made.last().met
-
-
 def test_the_papers_point_has_the_time_of_all_its_work(tiny: scene.Scene) -> None:
     point = track_of(None, [1.0] * 3, name=run.PAPER, pressure=1.5).point(tiny, TINY.patch)
     times = [{"nodes": n, "name": run.PAPER, "seconds_us": spread([n * 1e3])} for n in (10, 20)]
     (found,) = run.as_printed([point], times, 20)
     assert found["seconds_us"]["p50"] == found["usual_seconds_us"]["p50"] == pytest.approx(20e3)
     assert (found["start"], found["error"]) == ("cold", pytest.approx(0.5))
-
-
-def test_sizes() -> None:
-    assert [bench_size(name).name for name in ("smoke", "short", "full")] == [
-        "smoke", "short", "full",
-    ]  # fmt: skip
-    assert bench_size("short").readings >= 100
-    assert list(LADDER) == sorted(LADDER)
-    assert (LADDER[0], LADDER[-1]) == pytest.approx((10e-6, 50e-3))
-    with pytest.raises(InputError, match="size is 'long', expected one of full, short, smoke"):
-        bench_size("long")
 
 
 def test_company_is_worth_a_warning_when_it_costs() -> None:
