@@ -54,8 +54,8 @@ class Press:
 def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Grid) -> list[Press]:
     """Presses from (position, force, radius).
 
-    A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal,
-    or a vector (3,) N in the patch's frame; a radius is in m.
+    A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal;
+    a radius is in m.
 
     Raises
     ------
@@ -65,27 +65,18 @@ def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Gri
     presses = []
     for row, entry in enumerate(truth or ()):
         try:
-            place, load, reach = entry
+            place, force, radius = entry
+            position = as_floats(f"truth[{row}] position", place)
+            check_finite(f"truth[{row}]", np.array([*position, force, radius], float), "a press")
+            check_shape("position", position, (3 if len(position) == 3 else 2,), "in metres")
         except (TypeError, ValueError) as error:
             raise InputError(
-                f"truth[{row}] is {entry!r}, expected (position, force, radius): "
-                "in metres, newtons and metres"
+                f"truth[{row}] is {entry!r} ({error}), expected (position, force, radius): (2,) or "
+                "(3,) m, N and m"
             ) from error
-        name = f"truth[{row}]"
-        position, force = as_floats(f"{name} position", place), as_floats(f"{name} force", load)
-        if position.shape not in ((2,), (3,)) or force.shape not in ((), (3,)):
-            raise InputError(
-                f"{name} has position of shape {position.shape} and force of shape {force.shape}, "
-                "expected (2,) or (3,) m, and a number or (3,) N"
-            )
-        numbers = np.array([*position, *force.ravel(), float(reach)])
-        check_finite(name, numbers, "a press has a place, a force and a radius")
-        if position.shape == (2,):
+        if len(position) == 2:
             position = grid.patch.surface.position_from_plane(position[None])[0]
-        if force.shape == (3,):
-            nearest = np.linalg.norm(grid.positions - position, axis=1).argmin()
-            force = -force @ grid.normals[nearest]
-        presses.append(Press(position, float(force), float(reach)))
+        presses.append(Press(position, float(force), float(radius)))
     return presses
 
 
@@ -312,8 +303,8 @@ def draw_estimate(
         What the taxels read, in the quantity's SI unit; NaN is drawn as an invalid taxel. Without
         it the first panel shows the residual of the estimate.
     truth : sequence of (position, force, radius), optional
-        What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N, or as
-        a vector (3,) N; radius in m.
+        What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N; radius
+        in m.
     quantity_name, quantity_unit : str
         What the taxels read, and the unit it is shown in: "%" shows fractions times 100, "kPa"
         shows pascals over 1000, and any other unit is the readings' own ("1" is left unsaid).

@@ -28,16 +28,11 @@ class Answer:
         Of no argument: finds the contacts.
     gap : float
         Certified, relative; NaN where none is known.
-    met : bool or None
-        Whether the solver says that it kept the deadline; None if it does not say.
-    iterations : int or None
     """
 
     pressure: Any
     contacts: Callable[[], Sequence[Contact]]
     gap: float = 0.0
-    met: bool | None = None
-    iterations: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +85,6 @@ def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Con
             pressure.astype(np.float32),
             lambda: finder(model.grid, pressure, *noise),
             float(made.gap),
-            getattr(made, "deadline_met", None),
-            int(made.iterations),
         )
 
     return Contender(name, lambda y, by: made.apply(y, found, by), last, made.reset)
@@ -107,8 +100,7 @@ def contact_fit(model: ObservationModel) -> Contender:
 
     def last() -> Answer:
         fit = found[0]
-        late = any("deadline" in note for note in fit.notes)
-        return Answer(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan, not late)
+        return Answer(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan)
 
     return Contender("ContactFit", answer, last, made.reset)
 

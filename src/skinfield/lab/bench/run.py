@@ -171,7 +171,7 @@ class Track:
             miss(patch, scene.places[index], scene.forces[index], answer.contacts())
             for index, answer in enumerate(self.chains[0].answers, start=LEAD)
         ]
-        force, places, missed, extra = zip(*misses, strict=True)
+        force, places, missed = zip(*misses, strict=True)
         distances = [distance for each in places for distance in each]
         return {
             "solver": self.contender.name,
@@ -181,31 +181,19 @@ class Track:
             "usual_seconds_us": spread(np.median(seconds, axis=0), US),
             "late_us": None if late is None else spread(late, US),
             "met": None if late is None else float(np.mean(late == 0.0)),
-            "gap": spread(self._each("gap")),
-            "reported": _mean(self._each("met")),
+            "gap": spread([answer.gap for chain in self.chains for answer in chain.answers]),
             "error": float(np.sqrt(np.square(off).sum() / (len(off) * np.square(norm).sum()))),
             "errors": spread(off / norm),
             "usual_errors": spread(np.median(off / norm, axis=0)),
-            "iterations": spread(self._each("iterations")),
             "force": spread(force),
-            "place_mm": spread(distances, MM),
             "place_median_mm": median_of_all(distances, sum(missed), MM),
             "missed": float(np.mean(missed)),
-            "extra": float(np.mean(extra)),
         }
-
-    def _each(self, name: str) -> list[float]:
-        values = [getattr(answer, name) for chain in self.chains for answer in chain.answers]
-        return [float(value) for value in values if value is not None]
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return float(np.mean(values)) if values else None
 
 
 def miss(
     patch: Patch, places: Floats, forces: Floats, contacts: Sequence[Any]
-) -> tuple[float, tuple[float, ...], int, int]:
+) -> tuple[float, tuple[float, ...], int]:
     """Errors of contacts of fingers at places (F, 2) m with forces (F,) N.
 
     Returns
@@ -214,16 +202,16 @@ def miss(
         Of the sum over all contacts, without sign, part of the true one.
     place : tuple of float, m
         Distance of each finger that was found.
-    missed, extra : int
-        Fingers that were not found, contacts that are none.
+    missed : int
+        Fingers that were not found.
     """
     true = [
         TrueContact((float(x), float(y)), float(force))
         for (x, y), force in zip(places, forces, strict=True)
     ]
-    matches, missed, extra = matched(patch, true, contacts)
+    matches, missed, _ = matched(patch, true, contacts)
     total, found = float(forces.sum()), sum(contact.normal_force for contact in contacts)
-    return abs(found / total - 1), tuple(m.distance for m in matches), missed, extra
+    return abs(found / total - 1), tuple(m.distance for m in matches), missed
 
 
 def median_of_all(found: Sequence[float], missed: int, scale: float = 1.0) -> float | None:
