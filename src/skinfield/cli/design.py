@@ -116,7 +116,7 @@ def design(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
-        File of the maps: .csv, one row per place, or .json with all numbers; again for both.
+        File of the maps, one row per place: .csv.
     as_json : bool
         Numbers and verdict as one JSON object.
     """
@@ -128,7 +128,7 @@ def design(
     picture = free_name(PICTURE) if output is None else output
     check_picture("--output", picture, force)
     for name in maps:
-        check_output("--maps", name, force, ".csv", ".json")
+        check_output("--maps", name, force, ".csv")
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
@@ -169,7 +169,6 @@ def _judge(
     as_json: bool,
 ) -> dict[str, object]:
     """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files import write_summary
     from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
@@ -183,10 +182,7 @@ def _judge(
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
-        if name.lower().endswith(".json"):
-            write_summary(name, judgement.as_mapping())
-        else:
-            write_bytes(name, judgement.as_csv().encode())
+        write_bytes(name, judgement.as_csv().encode())
     return _plain(judgement)
 
 

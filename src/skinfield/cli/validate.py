@@ -253,7 +253,7 @@ def _score_at_noises(options: dict[str, Any]) -> bool:
 
 def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
     """Print a table for each quantity, and write; whether a limit is exceeded."""
-    from skinfield.lab.accuracy import accuracy_rows, group_rows
+    from skinfield.lab.accuracy import accuracy_rows
 
     summary = accuracy_rows(findings, seed=options["seed"])
     count = plural(len({row["case"] for row in findings.rows}), "case")
@@ -263,6 +263,5 @@ def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
             made = table_of_noises(mine, f"{quantity}: {count} on {where}")
             Console(width=max(console().width, WIDE)).print(made)
     about = {"options": {"on": where}, "summary": summary}
-    about["groups"] = group_rows(findings.rows, seed=options["seed"])
     judged = [row for row in summary if "missed" in row]  # not the bound
     return _finish(options, findings.rows, summary, about, summary, judged)

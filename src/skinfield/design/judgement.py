@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -127,38 +126,6 @@ class Judgement:
         rows = zip(*columns.values(), strict=True)
         lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
         return "\n".join([",".join(columns), *lines]) + "\n"
-
-    def as_mapping(self) -> dict[str, Any]:
-        """Every map at its own places, with terms, numbers and verdict."""
-        design, blind = self.design, self.blind
-        return {
-            "patch": design.patch.name,
-            "taxels": len(design.patch),
-            "thickness_mm": design.layer.thickness * 1e3,
-            "modulus_kpa": design.layer.young_modulus / 1e3,
-            "poisson": design.layer.poisson_ratio,
-            "quantity": design.quantity.symbol,
-            "noise": design.noise,
-            "force_n": self.touch.force,
-            "radius_mm": self.touch.radius * 1e3,
-            "false_alarm_rate": self.detectable.false_alarm_rate,
-            "verdict": self.verdict(),
-            "blind_share": blind.blind_share,
-            "missed_share": self.missed_share,
-            "independent_places": self.detectable.independent,
-            "numbers": [vars(row) for row in self.rows()],
-            "response_share": blind.response,
-            "holes": [
-                {"area_mm2": hole.area * 1e6, "middle_mm": hole.middle * 1e3,
-                 "response": hole.deepest}
-                for hole in blind.holes
-            ],
-            "maps": [
-                {"name": name, "unit": unit, "x_mm": at.plane[:, 0] * 1e3,
-                 "y_mm": at.plane[:, 1] * 1e3, "values": values}
-                for name, unit, at, values in self.maps()
-            ],
-        }  # fmt: skip
 
     @property
     def _guess(self) -> float:

@@ -301,13 +301,3 @@ def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> li
                 numbers |= {"idle_readings": readings, "idle_false_per_reading": alarms / readings}
             out.append(numbers)
     return out
-
-
-def group_rows(rows: Sequence[Row], resamples: int = 199, seed: int = 0) -> list[Row]:
-    """The same, without bounds, for each group of presses: single, several, extended."""
-    out = []
-    for group in dict.fromkeys(row.get("group", "all") for row in rows):
-        mine = [row for row in rows if row.get("group", "all") == group]
-        each = accuracy_rows(Findings(mine), resamples, seed)
-        out += [{"group": group} | row for row in each]
-    return out

@@ -280,10 +280,6 @@ class Case:
         """Readings with a leading axis, (R, L); R is 1 where there is one reading."""
         return np.atleast_2d(self.readings)
 
-    def stating(self, noise_std: ArrayLike) -> "Case":
-        """Case of the same readings that states another noise, in the quantity's unit."""
-        return replace(self, noise_std=as_floats("noise_std", noise_std))
-
     def with_noise(self, seed: int, draws: int = 1, noise_std: ArrayLike | None = None) -> "Case":
         """Case of readings (draws, L) with Gaussian noise; the truth stays.
 
