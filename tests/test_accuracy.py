@@ -110,7 +110,8 @@ def test_a_small_patch_has_no_room_for_several() -> None:
         random_press(icub_triangle(), 1, 0)
 
 
-def test_a_soft_layer_bears_no_load() -> None:
+def test_a_soft_layer_bears_no_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("skinfield.lab.case_sets.LOADINGS", 4)
     with pytest.raises(InputError, match="expected one that bears"):
         random_press(PATCH, 0, 0, layer=sf.Layer(0.3e-3, 3e3, 0.5), cell=0.5e-3)
 

@@ -38,7 +38,6 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "tomli_w": {"settings"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
-    "mpl_toolkits": {"plot"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},
     "xarray": {"estimate", "files"},  # the types that to_xarray and open_results return

@@ -55,7 +55,7 @@ def test_thicknesses_are_compared() -> None:
 
 def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
     code, said = run(
-        "cylinder:radius_mm=30", *STRESS, "--thickness-mm", 4, "--pitch-mm", 4,
+        "cylinder:radius_mm=30,length_mm=25", *STRESS, "--thickness-mm", 4, "--pitch-mm", 4,
         "-o", tmp_path / "c.png",
     )  # fmt: skip
     assert code == 0, said
