@@ -216,6 +216,7 @@ def test_the_page_s_snippet_and_command_are_right() -> None:
     app_for(["bench"]).parse_args(command.split()[1:], exit_on_error=False)  # raises
 
 
+@pytest.mark.slow
 def test_an_engine_is_measured_and_leaves_nothing() -> None:
     words = "bench --jitter --duration 1 --rate-hz 100 --busy 1 --solver gaussian --json"
     before = left()
