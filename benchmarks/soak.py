@@ -31,7 +31,6 @@ from skinfield.errors import InputError
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.loop.client import Live
-from skinfield.loop.realtime import Quantiles
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status import Observer, Status
 from skinfield.loop.supervisor import Supervisor
@@ -154,9 +153,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
             "since_start": found.since.as_dict(),
             "recorder": found.sidecars.get("recorder"),
             "memory_mb": memory,
-            "cyclictest_us": None
-            if lateness is None
-            else Quantiles(*lateness.quantiles()).as_micros(),
+            "cyclictest_us": None if lateness is None else lateness.as_micros(),
             "granted": granted,
             "restarts": supervisor.restarts,
             "recorded": recorded(file),

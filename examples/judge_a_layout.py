@@ -8,9 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 import skinfield as sf
-from skinfield.design import Places, SkinDesign, Touch, blind_spots, place_accuracy
+from skinfield.design import (
+    Places,
+    SkinDesign,
+    Touch,
+    blind_spots,
+    few_places,
+    judge,
+    place_accuracy,
+)
 from skinfield.plot import save
-from skinfield.plot.design import draw_place_map
+from skinfield.plot.design import draw_judgement
 
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 thin = SkinDesign(
@@ -27,7 +35,6 @@ for name, skin in (("2 mm thick", thin), ("144 taxels", denser), ("5 mm thick", 
     print(f"{name}: {blind:.0%} blind; half of the patch places {touch.force} N to within "
           f"{np.median(told.place_std) * 1e3:.2f} mm")  # fmt: skip
 
-label = "standard deviation of the place (mm)"
-figure = draw_place_map(told.places, told.place_std * 1e3, label=label, title="5 mm thick")
-save(figure, "place.png")
-print("wrote place.png")
+found = judge(thick, touch, places, two_point_places=few_places(thick, 60))
+save(draw_judgement(found), "thick.png")
+print("wrote thick.png")

@@ -5,7 +5,7 @@ import pytest
 from skinfield.elastic import Layer
 from skinfield.errors import InputError
 from skinfield.lab.paper import TIPS
-from skinfield.lab.sections.agreement import BODIES, agree, agreement_table, half_space_error
+from skinfield.lab.sections.agreement import agree, agreement_table, half_space_error
 from skinfield.simulate import Cylinder, Sphere
 
 SOFT = Layer(2e-3, 100e3, 0.5)
@@ -50,7 +50,7 @@ def test_a_thick_layer_is_a_half_space() -> None:
 
 
 def test_rows_become_a_table() -> None:
-    row = agree(SOFT, *BODIES[0], 0.2, 0.5e-3, finest=0.05)
+    row = agree(SOFT, TIPS[0].name, TIPS[0].body, 0.2, 0.5e-3, finest=0.05)
     table = agreement_table([row])
     assert len(table.rows[0]) == len(table.columns)
     assert table.rows[0][2] == pytest.approx(0.427, abs=2e-3)

@@ -39,7 +39,6 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
     "contourpy": {"simulate"},
-    "mpl_toolkits": {"plot"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},
     "xarray": {"estimate", "files"},  # the types that to_xarray and open_results return

@@ -1,6 +1,5 @@
 """`skinfield design`: table, verdict, maps as picture, CSV and JSON; words for what is wrong."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +20,10 @@ def run(*words: object) -> tuple[int, str]:
 
 
 def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
-    picture, table, maps = (tmp_path / name for name in ("d.png", "d.csv", "d.json"))
+    picture, table = (tmp_path / name for name in ("d.png", "d.csv"))
     code, said = run(
         "icub_triangle", "--thickness-mm", 4, "--modulus-kpa", 100, "--poisson", 0.49, *STRESS,
         "--force-n", 0.4, "--radius-mm", 1.5, "--pitch-mm", 1.5, "-o", picture, "--maps", table,
-        "--maps", maps,
     )  # fmt: skip
     assert code == 0, said
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -39,19 +37,10 @@ def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
     want = detectable_force(design, Touch(0.4, 1.5e-3), places).unknown_place
     rows = np.genfromtxt(table, delimiter=",", names=True)
     np.testing.assert_allclose(rows["x_mm"], places.plane[:, 0] * 1e3, atol=1e-3)
-    np.testing.assert_allclose(rows["smallest_force_found_place_unknown_N"], want, rtol=1e-4)
-    assert "smallest force found, place unknown" in said
+    np.testing.assert_allclose(rows["smallest_force_found_N"], want, rtol=1e-4)
+    assert "smallest force found" in said
     assert f"{np.sort(want)[-1]:.3g}" in said
     assert "A touch of 0.4 N is found" in said
-    found = json.loads(maps.read_text())
-    assert found["modulus_kpa"] == pytest.approx(100)
-    assert found["radius_mm"] == pytest.approx(1.5)
-    assert found["verdict"] in said.replace("\n", " ")
-    assert {entry["name"] for entry in found["maps"]} == {
-        row["name"] for row in found["numbers"][1:]
-    }
-    for entry in found["maps"]:
-        assert len(entry["values"]) == len(entry["x_mm"]) == len(entry["y_mm"])
 
 
 def test_thicknesses_are_compared() -> None:
@@ -66,7 +55,7 @@ def test_thicknesses_are_compared() -> None:
 
 def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
     code, said = run(
-        "cylinder:radius_mm=30", *STRESS, "--thickness-mm", 4, "--pitch-mm", 4,
+        "cylinder:radius_mm=30,length_mm=25", *STRESS, "--thickness-mm", 4, "--pitch-mm", 4,
         "-o", tmp_path / "c.png",
     )  # fmt: skip
     assert code == 0, said
@@ -79,7 +68,7 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
         (["nothing"], "no such file, and no generator"),
         (["hexagon72", "-o", "a.txt"], "expected one of .png"),
         (["hexagon72", "-o", "nowhere/d.png"], "nowhere is no folder, expected one that is there"),
-        (["hexagon72", "--maps", "a.txt"], "ends in .csv or .json"),
+        (["hexagon72", "--maps", "a.txt"], "ends in .csv"),
         (["hexagon72", "--maps", "nowhere/a.csv"], "nowhere is no folder"),
         (["hexagon72", "--maps", "a.csv", "--compare-thickness-mm", "1,2"], "expected one of them"),
         (["hexagon72", "--thickness-mm", "-1"], "--thickness-mm is -1.0, expected"),

@@ -7,8 +7,7 @@ from pathlib import Path
 from command_line import invoke
 
 from skinfield.lab import experiments as running
-from skinfield.lab.report import SMOKE, Experiment, Missing, Section, Settings
-from skinfield.lab.runner import Task
+from skinfield.lab.report import SMOKE, Experiment, Section, Settings
 
 SETTINGS = Settings(size=SMOKE)
 
@@ -21,31 +20,8 @@ def quick(settings: Settings) -> Section:
     return Section("x", "Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
 
 
-SEEN: list[int] = []
-
-
-def sometimes(settings: Settings) -> Section | Missing:
-    return quick(settings) if SEEN else Missing("not yet")
-
-
-def share(folder: Path, number: float) -> float:
-    return number if number < 3 else float("nan")
-
-
-def shares(settings: Settings) -> list[Task]:
-    return [Task(f"share-{number:g}", share, (number,)) for number in (1.0, 2.0, 3.0)]
-
-
-def gather(settings: Settings, results: list[float | None]) -> Section:
-    return Section("x", "Whole", "", (str(results),))
-
-
 def failing(settings: Settings) -> Section:
     raise ZeroDivisionError("on purpose")
-
-
-def absent(settings: Settings) -> Missing:
-    return Missing("nothing there")
 
 
 def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
@@ -72,28 +48,6 @@ def test_other_settings_are_made_anew() -> None:
     assert len({task.fingerprint for task in tasks}) == 2
 
 
-def test_what_was_missing_is_looked_for_again(tmp_path: Path) -> None:
-    part = Experiment("part", (), sometimes)
-    running.run((part,), SETTINGS, tmp_path)
-    assert json.loads((tmp_path / "results.json").read_text())["sections"] == []
-    SEEN.append(1)
-    running.run((part,), SETTINGS, tmp_path)
-    assert len(json.loads((tmp_path / "results.json").read_text())["sections"]) == 1
-
-
-def test_parts_are_kept_and_handed_on_in_order(tmp_path: Path) -> None:
-    whole = Experiment("whole", (), gather, parts=shares)
-    for _ in range(2):
-        running.run((whole,), SETTINGS, tmp_path)
-        section = json.loads((tmp_path / "whole" / "section.json").read_text())
-        assert section["sentences"] == ["[1.0, 2.0, None]"]
-        assert {file.name for file in (tmp_path / "parts").iterdir()} == {
-            "share-1",
-            "share-2",
-            "share-3",
-        }
-
-
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     parts = (Experiment("bad", (), failing), Experiment("good", (), quick))
     monkeypatch.setattr(running, "chosen", lambda names: parts)
@@ -105,13 +59,12 @@ def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     assert "Quick" in page
 
 
-def test_parts_run_side_by_side_on_one_thread_each_and_missing_ones_are_named(
+def test_parts_run_side_by_side_on_one_thread_each(
     tmp_path: Path,
 ) -> None:
     parts = (
         Experiment("first", (), quick),
         Experiment("second", (), quick),
-        Experiment("absent", (), absent),
         Experiment("last", (), quick, alone=True),
     )
     seen: list[tuple[str, int, int]] = []
@@ -121,9 +74,9 @@ def test_parts_run_side_by_side_on_one_thread_each_and_missing_ones_are_named(
     results = json.loads((tmp_path / "results.json").read_text())
     assert [section["name"] for section in results["sections"]] == ["first", "second", "last"]
     assert results["sections"][0]["sentences"] == ["threads 1"]
-    assert results["missing"] == ["nothing there"]
-    assert seen[0] == ("", 0, 4)
-    assert [done for _, done, _ in seen] == [0, 1, 2, 3, 4]
+    assert results["missing"] == []
+    assert seen[0] == ("", 0, 3)
+    assert [done for _, done, _ in seen] == [0, 1, 2, 3]
     assert seen[-1][0] == "last"  # what measures time waits for all others
 
 
@@ -142,10 +95,3 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     below = call("--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below"))
     assert below.exit_code == 2
     assert "cannot be made" in below.output
-
-
-def test_recorded_data_without_a_folder_is_said(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.delenv("SKINFIELD_SHARED_DATA", raising=False)
-    result = call("--only", "real-foot", "--size", "smoke", "--workers", "1", "-o", str(tmp_path))
-    assert result.exit_code == 0, result.output
-    assert "no folder of recordings was given" in (tmp_path / "report.html").read_text()

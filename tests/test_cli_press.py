@@ -8,7 +8,7 @@ from command_line import invoke
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.lab.scenarios.indenter_words import indenter_from_text, mapping_from_text
+from skinfield.lab.scenarios.indenters import indenter_from_text, mapping_from_text
 from skinfield.simulate import Cylinder, Sphere, press
 
 
@@ -114,7 +114,7 @@ def test_units_may_be_left_out() -> None:
         ("sphere 'radius=6", "No closing quotation"),
         ("mesh file=a.stl down=0,0", "down is .*, expected three numbers"),
         ("mesh file=a.stl down=up", "down is 'up', expected three numbers"),
-        ("heightmap file=a.png pixel=1 invert=perhaps", "expected yes or no"),
+        ("heightmap file=a.png pixel=1 invert=perhaps", "expected true or false"),
         ("sphere radius=6 force=1 depth=0.2", "one of the two"),
     ],
 )

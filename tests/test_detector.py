@@ -13,8 +13,6 @@ from scipy.stats import poisson
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.lab.report import SMOKE, Settings
-from skinfield.lab.sections.light_touch import light_touch
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
 from skinfield.solve.detection.detection import FORCE_ERROR
 from skinfield.solve.detection.detector import halved
@@ -458,19 +456,6 @@ def test_impossible_capacitance_and_missing_values_in_bulk_are_refused() -> None
         detector.statistics([[np.nan]])
     with pytest.raises(InputError, match="expected one reading per update"):
         detector.stream().update(np.zeros((2, 1)), 0)
-
-
-# The section of the report
-
-
-def test_the_section_finds_the_targets_and_keeps_the_rate() -> None:
-    section = light_touch(Settings(size=SMOKE))
-    assert [picture.name for picture in section.pictures] == ["roc", "time"]
-    light = {row[:3]: row for row in section.tables[0].rows}
-    assert float(light["stress", 0.2, "over a taxel"][-2]) >= 99.0
-    assert float(light["stress", 0.1, "over a taxel"][-2]) >= 85.0  # of a hundred presses
-    for _, _, stated, alarms, of, *_ in section.tables[1].rows:
-        assert alarms <= 2.5 * stated * of + 6
 
 
 def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:

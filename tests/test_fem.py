@@ -14,7 +14,7 @@ from skinfield.elastic import Layer
 from skinfield.errors import InputError
 from skinfield.lab.fem import Profile, apply_pressure, indent, pad_capacitance
 from skinfield.lab.fem.elasticity import Section, moduli
-from skinfield.lab.fem.mesh import Trace, graded, towards
+from skinfield.lab.fem.mesh import Trace
 from skinfield.simulate import Cone, Cylinder, Indenter, Ring, Sphere, press
 
 SOFT = Layer(2e-3, 100e3, 0.5)
@@ -132,15 +132,6 @@ def test_a_ring_touches_between_its_edges_and_a_cone_at_its_tip() -> None:
     assert ring.pressure([0.0, 1e-3]).tolist() == [0.0, 0.0]
     cone = indent(SOFT, profile(Cone(radius=6e-3, half_angle=np.arctan(1 / 0.3))), force=0.5)
     assert cone.pressure([0.05e-3])[0] > 2 * cone.pressure([0.5 * cone.contact_radius])[0]
-
-
-def test_vertices_meet_every_stop_and_the_sizes_asked_for() -> None:
-    line = graded([0.0, 0.5, 3.0], towards([0.5], 0.02, 0.3, 0.2))
-    assert {0.0, 0.5, 3.0} <= set(line)
-    steps = np.diff(line)
-    assert steps.min() > 0.01
-    assert steps.min() < 0.03
-    assert steps.max() <= 0.2 + 1e-12
 
 
 def test_a_quadratic_is_its_own_trace() -> None:

@@ -8,11 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.lab.plots import STEPS, Curve, Panel, Scale, distribution, draw_panels
+from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     SMOKE,
     Picture,
@@ -26,7 +24,6 @@ from skinfield.lab.report import (
     listed,
     page_of,
     read_section,
-    share_in_words,
     spread_in_words,
     tied,
     time_in_words,
@@ -135,23 +132,11 @@ def test_files_are_read_back_equal(tmp_path: Path) -> None:
         ]
 
 
-GARBAGE = st.recursive(
-    st.none() | st.integers() | st.text(max_size=4),
-    lambda inner: (
-        st.lists(inner, max_size=3)
-        | st.dictionaries(st.sampled_from(["name", "tables", "pictures", "verdicts"]), inner)
-    ),
-    max_leaves=6,
-)
-
-
-@settings(max_examples=80, deadline=None)
-@given(content=st.binary(max_size=200) | GARBAGE.map(lambda value: json.dumps(value).encode()))
-def test_garbage_in_a_section_is_no_section(tmp_path_factory, content: bytes) -> None:
-    folder = tmp_path_factory.mktemp("part")
-    (folder / "section.json").write_bytes(content)
+@pytest.mark.parametrize("content", [b"", b"\x00{", b"[]", b'{"name": 3}', b"[" * 9999])
+def test_garbage_in_a_section_is_no_section(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "section.json").write_bytes(content)
     with pytest.raises(FileError, match="is no section of a report"):
-        read_section(folder)
+        read_section(tmp_path)
 
 
 def test_results_are_json_without_nan(tmp_path: Path) -> None:
@@ -168,11 +153,6 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(FileError, match="cannot be written"):
         write_report(RUN, tmp_path / "file")
-
-
-def test_a_table_with_a_short_row_is_refused() -> None:
-    with pytest.raises(InputError, match="row 1 of table 't' has 1 cells, expected 2"):
-        Table("t", "", ("a", "b"), ((1, 2), (1,)))
 
 
 @pytest.mark.parametrize(
@@ -193,7 +173,6 @@ def test_cells(cell, words) -> None:
 def test_words() -> None:
     assert listed(["a"]) == "a"
     assert listed(["a", "b", "c"]) == "a, b and c"
-    assert share_in_words(0.1, (0.055, 0.174)) == "10 % [6–17 %]"
     assert spread_in_words([0.1e-3, 0.2e-3], "mm", 1e3) == "0.10 to 0.20 mm"
     assert spread_in_words([2.0, 2.0], "%") == "2.0 %"
     assert [time_in_words(s) for s in (0.512, 12.3, 185)] == ["0.51 s", "12 s", "3 min 5 s"]
@@ -206,7 +185,7 @@ def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
     table = Table.of("t", "", [{"a": 1, "b": "x"}, {"a": 2, "c": 0.5}])
     assert table.columns == ("a", "b", "c")
     assert table.rows == ((1, "x", None), (2, None, 0.5))
-    curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]), look=STEPS)
+    curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]))
     panel = Panel("title", "note", (curve,), Scale(x="x (mm)", y="y", log_x=True))
     figure = draw_panels([[panel, panel]])
     assert [axes.get_xlabel() for axes in figure.axes] == ["x (mm)", "x (mm)"]
@@ -214,9 +193,3 @@ def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one"]
     with pytest.raises(InputError, match=r"lengths \[1, 2\], expected equal ones"):
         draw_panels([[panel], [panel, panel]])
-
-
-def test_a_distribution_counts_what_is_missing() -> None:
-    curve = distribution("e", np.array([3.0, np.nan, 1.0, np.nan]), (0.1, 10.0))
-    assert curve.x.tolist() == pytest.approx([0.01, 1.0, 3.0, 100.0])
-    assert curve.y.tolist() == [0.0, 0.25, 0.5, 0.5]

@@ -75,33 +75,6 @@ class Fits:
         best = min(found, key=lambda f: f.cost)
         return 2 * float(best.cost), np.asarray(best.x)
 
-    def double(self, readings: Floats, pairs: list[Floats]) -> float:
-        """Misfit of two contacts (2, 4) of one force and one radius."""
-        from scipy.optimize import least_squares
-
-        def split(v: Floats) -> Floats:
-            return np.stack([v[[0, 1, 4, 5]], v[[2, 3, 4, 5]]])
-
-        def slopes(v: Floats) -> Floats:
-            each = self.read(split(v))[1]
-            return np.concatenate([each[:, 0, :2], each[:, 1, :2], each[:, :, 2:].sum(1)], axis=1)
-
-        def misfit(v: Floats) -> Floats:
-            return self.read(split(v))[0] - readings
-
-        low, high = LOW[:2] + LOW, HIGH[:2] + HIGH
-        costs = [
-            least_squares(
-                misfit,
-                np.concatenate([pair[0, :2], pair[1, :2], pair[0, 2:]]),
-                jac=slopes,
-                bounds=(low, high),
-                x_scale="jac",
-            ).cost
-            for pair in pairs
-        ]
-        return 2 * float(min(costs))
-
 
 def pair_at(place: Floats, distance: float, angle: float, force: float) -> Floats:
     one = np.array([*place / THICKNESS, np.log(force), np.log(RADIUS / THICKNESS)])
@@ -131,33 +104,6 @@ def test_at_the_distance_the_best_single_touch_misses_by_what_is_needed() -> Non
             )
             assert 0.7 * needed < at < 1.4 * needed
             assert closer < needed
-
-
-def test_both_errors_are_as_rare_as_stated() -> None:
-    from scipy.stats import chi2
-
-    skin, force, rate = design(), 1.0, 0.05
-    found = two_point_distance(skin, Touch(force, RADIUS), places_near((8, 8)), ways=4)
-    way = int(np.nanargmin(found.distance[0]))
-    pair = pair_at(found.places.plane[0], found.distance[0, way], found.ways[way], force)
-    fits = Fits(skin)
-    two = fits.read(pair)[0]
-    _, alike = fits.single(two, starts_of(pair))
-    one = fits.read(alike)[0]
-    turned = pair.copy()
-    turned[:, :2] = pair[:, :2].mean(axis=0) + (pair[:, :2] - pair[:, :2].mean(axis=0)) @ [
-        [0, 1],
-        [-1, 0],
-    ]
-    level, rng, wrong = chi2.isf(rate, 2), np.random.default_rng(0), np.zeros(2)
-    runs = 80
-    for _ in range(runs):
-        noise = rng.standard_normal(len(one))
-        for truth, readings in enumerate((one + noise, two + noise)):
-            gain = fits.single(readings, [alike])[0] - fits.double(readings, [pair, turned])
-            wrong[truth] += (gain > level) if truth == 0 else (gain < level)
-    assert (wrong / runs < rate + 3 * np.sqrt(rate / runs)).all()  # never much more often
-    assert wrong.sum() / runs > rate / 5  # nor is the statement idle
 
 
 def test_more_force_and_less_noise_bring_two_closer() -> None:

@@ -1,7 +1,6 @@
 """Scores of estimates whose errors are known, and the intervals of their summaries."""
 
 import csv
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,16 +16,17 @@ from skinfield.estimate import Contact, Estimate
 from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.lab.score import (
     BLUR,
+    STEP,
     Judge,
     Lattice,
     Row,
     Score,
+    blurred,
     matched,
     median_interval,
     score,
     summarise,
     write_csv,
-    write_json,
 )
 from skinfield.skin import Grid, Patch
 from skinfield.skin.generators import hexagon72
@@ -186,12 +186,12 @@ def test_a_deposit_keeps_force_and_place(x: float, y: float, cell: float, angle:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     plane, pressure = cross @ turn.T * 0.9 + [x, y], np.array([5.0, 1.0, 2.0, 3.0, -1.0])
     image = lattice.deposit(plane, pressure, cell)
-    area, rows, columns = lattice.step**2, *np.indices(lattice.shape)
+    area, rows, columns = STEP**2, *np.indices(lattice.shape)
     assert image.sum() * area == pytest.approx(10.0 * cell**2, rel=1e-9)
     for axis, places in ((0, columns), (1, rows)):
-        centre = (image * (places + lattice.first[axis])).sum() / image.sum() * lattice.step
+        centre = (image * (places + lattice.first[axis])).sum() / image.sum() * STEP
         assert centre == pytest.approx(pressure @ plane[:, axis] / 10.0, abs=1e-9)
-    assert lattice.blurred(image).sum() == pytest.approx(image.sum(), rel=0.02)
+    assert blurred(image).sum() == pytest.approx(image.sum(), rel=0.02)
 
 
 def test_matrices_deposit_as_single_cells_do(patch: Patch) -> None:
@@ -200,8 +200,6 @@ def test_matrices_deposit_as_single_cells_do(patch: Patch) -> None:
     pressure = np.random.default_rng(0).normal(size=len(grid))
     one_by_one = lattice.deposit(grid.plane, pressure, grid.pitch)
     np.testing.assert_allclose(lattice.of_grid(grid, pressure), one_by_one, atol=1e-12)
-    soft = lattice.of_grid(grid, pressure, blur=True)
-    np.testing.assert_allclose(soft, lattice.blurred(one_by_one), atol=1e-12)
 
 
 def test_contacts_are_assigned_to_the_nearest_as_a_whole(patch: Patch) -> None:
@@ -296,10 +294,7 @@ def test_one_score_has_no_interval() -> None:
 def test_rows_in_files(tmp_path: Path) -> None:
     mixed = [*rows(np.array([0.25])), {"note": "sinks", "force_error": NAN}]
     write_csv(mixed, tmp_path / "a.csv")
-    write_json(mixed, tmp_path / "a.json", seed=3)
     with (tmp_path / "a.csv").open() as file:
         table = list(csv.DictReader(file))
     assert (float(table[0]["force_error"]), table[0]["note"]) == (0.25, "")
     assert table[1]["force_error"] == table[1]["contacts"] == ""
-    read = json.loads((tmp_path / "a.json").read_text())
-    assert (read["seed"], read["rows"][1]["force_error"]) == (3, None)

@@ -31,7 +31,6 @@ def bench(
     duration: float | None = None,
     rate_hz: float | None = None,
     busy: int | None = None,
-    load: Literal["skin", "none"] | None = None,
     solver: Literal["nonnegative", "gaussian"] | None = None,
     priority: int | None = None,
 ) -> None:
@@ -77,15 +76,13 @@ def bench(
         For jitter: cycles per second. Default 1000.
     busy : int, optional
         For jitter: busy processes beside it. Default 2.
-    load : str, optional
-        For jitter: a virtual skin over UDP, or none: the loop wakes only. Default skin.
     solver : str, optional
         For jitter: of the engine. Default nonnegative.
     priority : int, optional
         For jitter: of SCHED_FIFO; 0 for ordinary scheduling. Default 80.
     """
     check_count("--seed", seed, 0, 1 << 63, "of noise and order")
-    of_jitter = {"duration": duration, "rate_hz": rate_hz, "busy": busy, "load": load,
+    of_jitter = {"duration": duration, "rate_hz": rate_hz, "busy": busy,
                  "solver": solver, "priority": priority}  # fmt: skip
     options = {name: value for name, value in of_jitter.items() if value is not None}
     if jitter:

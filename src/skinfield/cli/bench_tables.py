@@ -30,10 +30,9 @@ MEANING = {
 
 
 def tables(bench: Mapping[str, Any]) -> Iterator["Table"]:
-    """What a reading costs; error against time, of the solvers; whole calls."""
+    """What a reading costs; error against time, of the solvers."""
     yield _costs(bench["grids"])
     yield _anytime(bench)
-    yield _calls(bench)
 
 
 def _costs(grids: Sequence[Row]) -> "Table":
@@ -94,29 +93,6 @@ def _anytime(bench: Mapping[str, Any]) -> "Table":
     return made
 
 
-def _calls(bench: Mapping[str, Any]) -> "Table":
-    nodes = bench["nodes"]
-    made = table(
-        f"whole calls rec(readings, deadline=...), warm, {nodes} x {nodes} nodes",
-        ("solver",),
-        ("deadline", "p50", "p99", "late p99", "latency p50", "gap", "deadline met"),
-        **LOOK,
-    )
-    for call in bench["calls"]:
-        made.add_row(
-            call["solver"],
-            _deadline(call),
-            _of(call["seconds_us"], "p50"),
-            _of(call["seconds_us"], "p99"),
-            _of(call["late_us"], "p99"),
-            _of(call["latency_us"], "p50"),
-            _gap(call),
-            _share(call["reported"]),
-            end_section=call["deadline_us"] is None,
-        )
-    return made
-
-
 def _deadline(row: Row) -> str:
     return NONE if row["deadline_us"] is None else in_words(1e-6 * row["deadline_us"])
 
@@ -157,17 +133,16 @@ def _share(value: float | None) -> str:
 def jitter_table(jitter: "Jitter") -> "Table":
     """Times of the live loop beside those of cyclictest."""
     settings = jitter.settings
-    loaded = settings.load != "none"
     solver = f"{type(settings.solver).__name__}, virtual skin over UDP"
     made = table(
-        f"{solver if loaded else 'waking only'}, {settings.rate_hz:g} cycles per second for "
+        f"{solver}, {settings.rate_hz:g} cycles per second for "
         f"{settings.duration:g} s beside {settings.busy} busy processes",
         ("time",),
         [NAMES[name] for name in QUANTILES],
     )
     made.add_row("cyclictest on the same CPU, wake", *_row(jitter.paired))
     for name, meaning in MEANING.items():
-        if getattr(jitter.timing, name) is not None and (name == "wake" or loaded):
+        if getattr(jitter.timing, name) is not None:
             made.add_row(f"{name}: {meaning}", *_row(getattr(jitter.timing, name)))
     ratios = [jitter.ratio(name) for name in QUANTILES]
     words = [NONE if each is None else f"{each:.2f}" for each in ratios]
@@ -225,7 +200,6 @@ def jitter_as_json(jitter: "Jitter") -> dict[str, Any]:
         "seconds": settings.duration,
         "rate_hz": settings.rate_hz,
         "busy": settings.busy,
-        "load": settings.load,
         "solver": type(settings.solver).__name__,
         "granted": jitter.granted.as_dict(),
         "loop": jitter.timing.as_dict(),

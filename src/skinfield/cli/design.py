@@ -32,7 +32,6 @@ from skinfield.design import (
     Judgement,
     Places,
     SkinDesign,
-    Terms,
     Touch,
     compare_thickness,
     judge,
@@ -44,9 +43,9 @@ from skinfield.settings.tree import QuantityName
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
 COMPARED = (
-    "smallest force found, place unknown",
-    "place deviation, size unknown",
-    "force deviation, size unknown",
+    "smallest force found",
+    "place deviation",
+    "force deviation",
     "two touches told, typical direction",
 )
 
@@ -117,7 +116,7 @@ def design(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
-        File of the maps: .csv, one row per place, or .json with all numbers; again for both.
+        File of the maps, one row per place: .csv.
     as_json : bool
         Numbers and verdict as one JSON object.
     """
@@ -129,7 +128,7 @@ def design(
     picture = free_name(PICTURE) if output is None else output
     check_picture("--output", picture, force)
     for name in maps:
-        check_output("--maps", name, force, ".csv", ".json")
+        check_output("--maps", name, force, ".csv")
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
@@ -144,12 +143,11 @@ def design(
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
-    terms = Terms(false_alarm_rate=false_alarms)
     if compare_thickness_mm is not None:
-        finish(as_json, _compare(candidate, touch, terms, compare_thickness_mm, as_json))
+        finish(as_json, _compare(candidate, touch, false_alarms, compare_thickness_mm, as_json))
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    plain = _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    plain = _judge(candidate, touch, false_alarms, places, [picture, *maps], as_json)
     finish(as_json, plain, (picture, *maps))
 
 
@@ -165,36 +163,33 @@ def _thicknesses(text: str) -> list[float]:
 def _judge(
     candidate: SkinDesign,
     touch: Touch,
-    terms: Terms,
+    false_alarms: float,
     places: Places | None,
     files: list[str],
     as_json: bool,
 ) -> dict[str, object]:
     """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files import write_summary
     from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
     with progress("tables", MAPS + 1) as step:
         judgement = judge(
-            candidate, touch, places, terms=terms, on_map=lambda name: step(what=name)
-        )
+            candidate, touch, places, false_alarm_rate=false_alarms,
+            on_map=lambda name: step(what=name),
+        )  # fmt: skip
     if not as_json:
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
-        if name.lower().endswith(".json"):
-            write_summary(name, judgement.as_mapping())
-        else:
-            write_bytes(name, judgement.as_csv().encode())
+        write_bytes(name, judgement.as_csv().encode())
     return _plain(judgement)
 
 
 def _compare(
     candidate: SkinDesign,
     touch: Touch,
-    terms: Terms,
+    false_alarms: float,
     text: str,
     as_json: bool,
 ) -> list[dict[str, object]]:
@@ -205,7 +200,7 @@ def _compare(
             candidate,
             touch,
             thicknesses,
-            terms=terms,
+            false_alarm_rate=false_alarms,
             on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
         )
     if not as_json:

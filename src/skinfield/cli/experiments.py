@@ -4,8 +4,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import Parameter
-
 from skinfield.cli.options import OUTPUT, Json, processes
 from skinfield.cli.report import console, finish, progress, table
 from skinfield.errors import SkinfieldError, check_count
@@ -18,7 +16,6 @@ def experiments(
     only: str = "",
     workers: int | None = None,
     seed: int = 0,
-    data: Annotated[str | None, Parameter(env_var="SKINFIELD_SHARED_DATA")] = None,
     as_json: Json = False,
 ) -> None:
     """Make every figure of the paper anew, with its method and with ours, against simulated truth.
@@ -44,8 +41,6 @@ def experiments(
         Processes at once. Default one for each core.
     seed : int
         Of the noise.
-    data : str, optional
-        DIR of recordings by others, for the sections on real data.
     as_json : bool
         Verdicts and page as one JSON object.
     """
@@ -55,7 +50,7 @@ def experiments(
     from skinfield.lab.report import Settings, size_by_name
 
     wanted = chosen(only.split(","))
-    settings = Settings(size=size_by_name(size), seed=seed, data=data or "")
+    settings = Settings(size=size_by_name(size), seed=seed)
     with progress("experiments", len(wanted)) as step:
         finished = run(
             wanted,

@@ -112,7 +112,7 @@ def press(
         Forces, depths and readings as one JSON object, in SI units.
     """
     from skinfield.files.presses import check_press_name, save_press
-    from skinfield.lab.scenarios.indenter_words import indenter_from_text
+    from skinfield.lab.scenarios.indenters import indenter_from_text
     from skinfield.plot import save
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed

@@ -172,13 +172,14 @@ def _finish(
     options: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], result: Any, judged: Rows
 ) -> bool:
     """Write and print what was scored; whether a limit is exceeded."""
-    from skinfield.lab.score import write_csv, write_json
+    from skinfield.files import write_summary
+    from skinfield.lab.score import write_csv
 
     for name in options["output"]:
         if name.lower().endswith(".csv"):
             write_csv(csv, name)
         else:
-            write_json(rows, name, **about)
+            write_summary(name, about | {"rows": rows})
     finish(options["as_json"], result, options["output"])
     limits = limits_from_texts(options["require"])
     exceeded = [exceeds(limits, columns) for columns in judged]  # each is named
@@ -247,12 +248,12 @@ def _score_at_noises(options: dict[str, Any]) -> bool:
                     scored = rows_of_case(case, levels, [method], seed)
                 rows += [{"case": case.name, "file": path.name} | row for row in scored]
             step()
-    return _report_noises(Findings(rows, [], [], []), options["cases"], options)
+    return _report_noises(Findings(rows), options["cases"], options)
 
 
 def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
     """Print a table for each quantity, and write; whether a limit is exceeded."""
-    from skinfield.lab.accuracy import accuracy_rows, group_rows
+    from skinfield.lab.accuracy import accuracy_rows
 
     summary = accuracy_rows(findings, seed=options["seed"])
     count = plural(len({row["case"] for row in findings.rows}), "case")
@@ -262,6 +263,5 @@ def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
             made = table_of_noises(mine, f"{quantity}: {count} on {where}")
             Console(width=max(console().width, WIDE)).print(made)
     about = {"options": {"on": where}, "summary": summary}
-    about["groups"] = group_rows(findings.rows, seed=options["seed"])
     judged = [row for row in summary if "missed" in row]  # not the bound
     return _finish(options, findings.rows, summary, about, summary, judged)

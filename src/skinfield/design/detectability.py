@@ -33,7 +33,7 @@ from skinfield.design.design import (
     respond,
     snr_per_newton,
 )
-from skinfield.errors import Floats, InputError, Ints, check_range
+from skinfield.errors import Floats, InputError, check_range
 
 THRESHOLD = 0.1  # of the best place's response
 
@@ -95,12 +95,11 @@ class BlindSpots:
     @property
     def holes(self) -> tuple[Hole, ...]:
         """Connected blind regions, largest first."""
-        return tuple(self._hole(rows) for rows in self.places.parts(self.blind))
-
-    def _hole(self, rows: Ints) -> Hole:
-        area = len(rows) * self.places.grid.cell_area
-        middle = self.places.plane[rows].mean(axis=0)
-        return Hole(area, middle, float(self.response[rows].min()))
+        cell, plane, response = self.places.grid.cell_area, self.places.plane, self.response
+        return tuple(
+            Hole(len(rows) * cell, plane[rows].mean(axis=0), float(response[rows].min()))
+            for rows in self.places.parts(self.blind)
+        )
 
 
 def blind_spots(
@@ -182,9 +181,9 @@ class DetectableForce:
     places : Places
     touch : Touch
         Whose radius counts.
-    known_place, unknown_place : (P,) arrays, N
-        Found at `detection_rate` by one who knows where to look, and by one who searches all
-        places. Infinite where no taxel hears the touch.
+    unknown_place : (P,) array, N
+        Found at `detection_rate` by one who searches all places. Infinite where no taxel hears
+        the touch.
     false_alarm_rate, detection_rate : float
         Per reading of all taxels.
     searched : SearchedPlaces
@@ -192,7 +191,6 @@ class DetectableForce:
 
     places: Places
     touch: Touch
-    known_place: Floats
     unknown_place: Floats
     false_alarm_rate: float
     detection_rate: float
@@ -239,18 +237,9 @@ def detectable_force(
     places = Places.over(design.patch) if places is None else places
     light = respond(design, Touch(TRIAL, touch.radius), places.plane)
     searched = searched_places(places, light)
-    surplus = float(norm.ppf(detection_rate))
-    known = float(norm.isf(false_alarm_rate)) + surplus
-    unknown = searched.level(false_alarm_rate) + surplus
-    return DetectableForce(
-        places,
-        touch,
-        force_for_snr(design, touch, places.plane, light.snr / TRIAL, known),
-        force_for_snr(design, touch, places.plane, light.snr / TRIAL, unknown),
-        false_alarm_rate,
-        detection_rate,
-        searched,
-    )
+    needed = searched.level(false_alarm_rate) + float(norm.ppf(detection_rate))
+    forces = force_for_snr(design, touch, places.plane, light.snr / TRIAL, needed)
+    return DetectableForce(places, touch, forces, false_alarm_rate, detection_rate, searched)
 
 
 def searched_places(places: Places, responses: Responses) -> SearchedPlaces:

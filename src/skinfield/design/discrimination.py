@@ -45,22 +45,15 @@ class PlaceAccuracy:
     Attributes
     ----------
     places : Places
-    touch : Touch
-    place_std, place_std_known_size : (P,) arrays, m
-        Root of the sum of the variances along the plane's axes, with the radius unknown and known.
-        Infinite where the readings cannot tell.
-    force_std, force_std_known_size : (P,) arrays, N
-    size_prior : float
-        Standard deviation of ln radius before any reading, where it is unknown.
+    place_std : (P,) array, m
+        Root of the sum of the variances along the plane's axes. Infinite where the readings
+        cannot tell.
+    force_std : (P,) array, N
     """
 
     places: Places
-    touch: Touch
     place_std: Floats
-    place_std_known_size: Floats
     force_std: Floats
-    force_std_known_size: Floats
-    size_prior: float
 
 
 def place_accuracy(
@@ -79,24 +72,14 @@ def place_accuracy(
     places : Places, optional
         Default `Places.over` the patch.
     size_prior : float
-        Standard deviation of ln radius before any reading.
+        Standard deviation of ln radius before any reading; next to 0 where the size is known.
     """
     check_positive("size_prior", size_prior, "standard deviation of ln radius")
     places = Places.over(design.patch) if places is None else places
     information = respond(design, touch, places.plane).gram[:, 1:, 1:].copy()
-    place_known, force_known = bounds(information[:, :3, :3])
     information[:, 3, 3] += size_prior**-2
-    place, force = bounds(information)
-    touch_force = touch.force
-    return PlaceAccuracy(
-        places,
-        touch,
-        place,
-        place_known,
-        touch_force * force,
-        touch_force * force_known,
-        size_prior,
-    )
+    place, log_force = bounds(information)
+    return PlaceAccuracy(places, place, touch.force * log_force)
 
 
 def bounds(information: Floats) -> tuple[Floats, Floats]:
@@ -129,23 +112,18 @@ class TwoPointDistance:
     ----------
     places : Places
         Of the first touch.
-    touch : Touch
-        Each of the two.
     ways : (D,) array, rad
         Directions from the first touch to the second.
     distance : (P, D) array, m
-        Infinite where none up to `farthest` is told, NaN where the patch ends before that.
+        Infinite where none that was sought is told, NaN where the patch ends before that.
     error_rate : float
         Of taking two for one, and of taking one for two, in one reading.
-    farthest : float, m
     """
 
     places: Places
-    touch: Touch
     ways: Floats
     distance: Floats
     error_rate: float
-    farthest: float
 
     @property
     def typical(self) -> Floats:
@@ -219,7 +197,7 @@ def two_point_distance(
     for first in range(0, len(places), BLOCK):
         part = slice(first, first + BLOCK)
         _search(design, touch, places, part, angles, needed, farthest, distance[part])
-    return TwoPointDistance(places, touch, angles, distance, error_rate, farthest)
+    return TwoPointDistance(places, angles, distance, error_rate)
 
 
 def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:

@@ -2,50 +2,24 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from skinfield.design.design import Places, SkinDesign, Touch
 from skinfield.design.detectability import (
-    THRESHOLD,
     BlindSpots,
     DetectableForce,
     blind_spots,
     detectable_force,
 )
 from skinfield.design.discrimination import (
-    SIZE_PRIOR,
     PlaceAccuracy,
     TwoPointDistance,
     few_places,
     place_accuracy,
     two_point_distance,
 )
-from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
-
-
-@dataclass(frozen=True, kw_only=True)
-class Terms:
-    """What a layout is judged by.
-
-    Attributes
-    ----------
-    false_alarm_rate, detection_rate : float
-        See `detectable_force`.
-    error_rate : float
-        See `two_point_distance`.
-    size_prior : float
-        See `place_accuracy`.
-    blind_threshold : float
-        See `BlindSpots`.
-    """
-
-    false_alarm_rate: float = 1e-3
-    detection_rate: float = 0.9
-    error_rate: float = 0.05
-    size_prior: float = SIZE_PRIOR
-    blind_threshold: float = THRESHOLD
+from skinfield.errors import Floats, InputError
 
 
 @dataclass(frozen=True)
@@ -76,7 +50,6 @@ class Judgement:
     ----------
     design : SkinDesign
     touch : Touch
-    terms : Terms
     blind : BlindSpots
     detectable : DetectableForce
     accuracy : PlaceAccuracy
@@ -86,7 +59,6 @@ class Judgement:
 
     design: SkinDesign
     touch: Touch
-    terms: Terms
     blind: BlindSpots
     detectable: DetectableForce
     accuracy: PlaceAccuracy
@@ -95,12 +67,9 @@ class Judgement:
     def maps(self) -> Iterator[tuple[str, str, Places, Floats]]:
         """Name, unit, places and values in that unit of every map where less is better."""
         places, force, accuracy = self.blind.places, self.detectable, self.accuracy
-        yield "smallest force found, place known", "N", places, force.known_place
-        yield "smallest force found, place unknown", "N", places, force.unknown_place
-        yield "place deviation, size known", "mm", places, accuracy.place_std_known_size * 1e3
-        yield "place deviation, size unknown", "mm", places, accuracy.place_std * 1e3
-        yield "force deviation, size known", "N", places, accuracy.force_std_known_size
-        yield "force deviation, size unknown", "N", places, accuracy.force_std
+        yield "smallest force found", "N", places, force.unknown_place
+        yield "place deviation", "mm", places, accuracy.place_std * 1e3
+        yield "force deviation", "N", places, accuracy.force_std
         few = self.two_points.places
         yield "two touches told, typical direction", "mm", few, self.two_points.typical * 1e3
         yield "two touches told, worst direction", "mm", few, self.two_points.worst * 1e3
@@ -158,38 +127,6 @@ class Judgement:
         lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
         return "\n".join([",".join(columns), *lines]) + "\n"
 
-    def as_mapping(self) -> dict[str, Any]:
-        """Every map at its own places, with terms, numbers and verdict."""
-        design, blind = self.design, self.blind
-        return {
-            "patch": design.patch.name,
-            "taxels": len(design.patch),
-            "thickness_mm": design.layer.thickness * 1e3,
-            "modulus_kpa": design.layer.young_modulus / 1e3,
-            "poisson": design.layer.poisson_ratio,
-            "quantity": design.quantity.symbol,
-            "noise": design.noise,
-            "force_n": self.touch.force,
-            "radius_mm": self.touch.radius * 1e3,
-            "terms": vars(self.terms),
-            "verdict": self.verdict(),
-            "blind_share": blind.blind_share,
-            "missed_share": self.missed_share,
-            "independent_places": self.detectable.independent,
-            "numbers": [vars(row) for row in self.rows()],
-            "response_share": blind.response,
-            "holes": [
-                {"area_mm2": hole.area * 1e6, "middle_mm": hole.middle * 1e3,
-                 "response": hole.deepest}
-                for hole in blind.holes
-            ],
-            "maps": [
-                {"name": name, "unit": unit, "x_mm": at.plane[:, 0] * 1e3,
-                 "y_mm": at.plane[:, 1] * 1e3, "values": values}
-                for name, unit, at, values in self.maps()
-            ],
-        }  # fmt: skip
-
     @property
     def _guess(self) -> float:
         """Deviation m of a place that is anywhere on the patch, from its middle."""
@@ -217,18 +154,15 @@ def part_of(values: Floats, share: float, *, falling: bool = False) -> float:
     return float(ordered[max(int(np.ceil(share * len(ordered))) - 1, 0)])
 
 
-OnMap = Callable[[str], None]
-
-
 def judge(
     design: SkinDesign,
     touch: Touch,
     places: Places | None = None,
     *,
     two_point_places: Places | None = None,
-    terms: Terms | None = None,
+    false_alarm_rate: float = 1e-3,
     ways: int = 12,
-    on_map: OnMap | None = None,
+    on_map: Callable[[str], object] = lambda _: None,
 ) -> Judgement:
     """Every map of a layout for one touch.
 
@@ -240,31 +174,23 @@ def judge(
         Default `Places.over` the patch.
     two_point_places : Places, optional
         Default at most some hundred.
-    terms : Terms, optional
+    false_alarm_rate : float
+        Of noise alone, per reading of all taxels.
     ways : int
         Directions of a second touch.
-    on_map : function of str, optional
+    on_map : function of str
         Called with the name of each map before it is made.
     """
-    terms = Terms() if terms is None else terms
-    tell: OnMap = (lambda _: None) if on_map is None else on_map
     places = Places.over(design.patch) if places is None else places
-    tell("blind spots")
-    blind = blind_spots(design, touch, places, threshold=terms.blind_threshold)
-    tell("smallest force")
-    detectable = detectable_force(
-        design,
-        touch,
-        places,
-        false_alarm_rate=terms.false_alarm_rate,
-        detection_rate=terms.detection_rate,
-    )
-    tell("place and force")
-    accuracy = place_accuracy(design, touch, places, size_prior=terms.size_prior)
-    tell("two touches")
-    few = few_places(design) if two_point_places is None else two_point_places
-    pairs = two_point_distance(design, touch, few, error_rate=terms.error_rate, ways=ways)
-    return Judgement(design, touch, terms, blind, detectable, accuracy, pairs)
+    on_map("blind spots")
+    blind = blind_spots(design, touch, places)
+    on_map("smallest force")
+    detectable = detectable_force(design, touch, places, false_alarm_rate=false_alarm_rate)
+    on_map("place and force")
+    accuracy = place_accuracy(design, touch, places)
+    on_map("two touches")
+    pairs = two_point_distance(design, touch, two_point_places, ways=ways)
+    return Judgement(design, touch, blind, detectable, accuracy, pairs)
 
 
 FEW = 120  # places of the two touches, per thickness
@@ -275,8 +201,8 @@ def compare_thickness(
     touch: Touch,
     thicknesses: Sequence[float],
     *,
-    terms: Terms | None = None,
-    on_thickness: Callable[[float], None] | None = None,
+    false_alarm_rate: float = 1e-3,
+    on_thickness: Callable[[float], object] = lambda _: None,
 ) -> tuple[Judgement, ...]:
     """Judge a layout under several thicknesses, the thinnest first; the touch stays as it is.
 
@@ -286,22 +212,24 @@ def compare_thickness(
         Whose thickness does not count.
     touch : Touch
     thicknesses : sequence of float, m
-    terms : Terms, optional
-    on_thickness : function of float, optional
+    false_alarm_rate : float
+    on_thickness : function of float
         Called with each thickness in m before it is judged.
     """
-    values = np.sort(as_floats("thicknesses", thicknesses))
-    check_shape("thicknesses", values, (None,), "in metres")
+    values = sorted(thicknesses)
     if len(values) < 2:
-        raise InputError(f"thicknesses is {values.tolist()}, expected two or more to compare")
-    for value in values:
-        check_positive("thicknesses", float(value), "in metres")
-        touch.check_on(replace(design.layer, thickness=float(value)))
+        raise InputError(f"thicknesses is {values}, expected two or more to compare")
+    layers = [replace(design.layer, thickness=value) for value in values]
+    for layer in layers:
+        touch.check_on(layer)
     few = few_places(design, FEW)
     judgements = []
-    for value in values:
-        if on_thickness is not None:
-            on_thickness(float(value))
-        thick = replace(design, layer=replace(design.layer, thickness=float(value)))
-        judgements.append(judge(thick, touch, two_point_places=few, terms=terms))
+    for layer in layers:
+        on_thickness(layer.thickness)
+        judgements.append(
+            judge(
+                replace(design, layer=layer), touch, two_point_places=few,
+                false_alarm_rate=false_alarm_rate,
+            )
+        )  # fmt: skip
     return tuple(judgements)

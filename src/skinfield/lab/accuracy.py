@@ -1,11 +1,11 @@
 """Accuracy benchmark: solvers on random presses at several noises, beside the Cramér-Rao bound.
 
-Presses that no solver was tuned on are read, scored and timed; balls are told apart at several
-distances; readings of noise alone count false contacts.
+Presses that no solver was tuned on are read, scored and timed; readings of noise alone count
+false contacts.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -14,24 +14,19 @@ import numpy as np
 
 from skinfield.design import SkinDesign, Touch
 from skinfield.design.design import respond
-from skinfield.elastic import Layer
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
-from skinfield.errors import Floats, InputError, SkinfieldError, check_choice, check_positive
-from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
+from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.lab.case_sets import CELL, SILICONE, random_press
 from skinfield.lab.cases import (
     Case,
-    Pose,
     TrueContact,
     Truth,
-    posed,
     quantity_by_name,
-    truth_of_press,
 )
-from skinfield.lab.report import SIZES, program
 from skinfield.lab.runner import Task, run
-from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
-from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, once, rows_of_case
-from skinfield.simulate import Sphere, press
+from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
+from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
+from skinfield.simulate import Sphere
 from skinfield.skin import Patch
 from skinfield.skin.generators import by_name
 
@@ -42,7 +37,7 @@ NOISES = {  # standard deviations of one reading, Pa and ΔC/C₀; 0 is exact
 KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
 PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius, if it is not known
 DRAWS = 64  # of errors at the bound, per press
-RADIUS, FORCE = 3e-3, 1.0  # m, N: of each of two balls that are told apart
+SHARE = 10  # presses in one part of the work
 
 
 NOTHING = Truth(
@@ -61,42 +56,23 @@ class AccuracyPlan:
     levels : tuple of Level
     layout : str
         Of a generator, see `skinfield.skin.generators`.
-    layer : Layer
     presses : int
-    share : int
-        Presses in one part of the work.
     idle : int
         Readings of the skin at rest per level.
-    distances : tuple of float, m
-        Between two balls of 6 mm with 1 N each.
-    pairs : tuple of Level
-        At which the two are to be told apart.
-    trials : int
-        Per distance.
     cell : float, m
         Of the truth's grid.
     seed : int
-    resamples : int
-        Of the bootstrap.
     """
 
     entrants: tuple[Entrant, ...]
     levels: tuple[Level, ...]
     layout: str = "icub_hexagon"
-    layer: Layer = SILICONE
     presses: int = 200
-    share: int = 10
     idle: int = 5000
-    distances: tuple[float, ...] = ()
-    pairs: tuple[Level, ...] = ()
-    trials: int = 60
     cell: float = CELL
     seed: int = 0
-    resamples: int = 999
 
     def __post_init__(self) -> None:
-        for name in ("presses", "share", "trials", "idle"):
-            check_positive(name, getattr(self, name), "how many")
         if not self.entrants or not self.levels:
             raise InputError("entrants or levels are empty, expected at least one of each")
 
@@ -111,41 +87,6 @@ class AccuracyPlan:
         return tuple(dict.fromkeys(level.quantity for level in self.levels))
 
 
-LEVELS = tuple(Level(quantity, noise) for quantity, each in NOISES.items() for noise in each)
-PAIRS = (Level("stress", 400.0), Level("stress", 40.0), Level("capacitance", 0.002))
-DISTANCES = tuple(1e-3 * distance for distance in range(5, 17))
-
-
-def accuracy_plan(size: str, seed: int = 0) -> AccuracyPlan:
-    """The campaign of a size: "smoke", "short" or "full".
-
-    Raises
-    ------
-    InputError
-        For another size.
-    """
-    check_choice("size", size, SIZES, "how much is computed")
-    if size == "smoke":
-        return AccuracyPlan(
-            entrants=known_entrants(nodes=20),
-            levels=(Level("stress", 380.0),),
-            presses=3,
-            idle=200,
-            distances=(7e-3, 14e-3),
-            pairs=(Level("stress", 380.0),),
-            trials=10,
-            cell=0.5e-3,
-            seed=seed,
-            resamples=199,
-        )
-    plan = AccuracyPlan(
-        entrants=known_entrants(), levels=LEVELS, distances=DISTANCES, pairs=PAIRS, seed=seed
-    )
-    if size == "full":
-        return replace(plan, trials=200)
-    return replace(plan, presses=40, idle=2000, distances=DISTANCES[1::2])
-
-
 @dataclass(frozen=True, eq=False)
 class Findings:
     """What came out.
@@ -158,23 +99,18 @@ class Findings:
         Errors of estimates at the Cramér-Rao bound, for presses by balls.
     idle : list of dict
         Contacts in noise alone, one row per level and entrant.
-    pairs : list of dict
-        Two balls told apart, one row per distance, level and entrant.
     """
 
-    rows: list[Row]
-    bound: list[Row]
-    idle: list[Row]
-    pairs: list[Row]
+    rows: Sequence[Row]
+    bound: Sequence[Row] = ()
+    idle: Sequence[Row] = ()
 
     @classmethod
     def of(cls, results: Sequence[dict[str, Any] | None]) -> "Findings":
         """Put the parts' results together; what failed is left out."""
-
-        def rows(key: str) -> list[Row]:
-            return [row for result in results if result for row in result.get(key, ())]
-
-        return cls(rows("rows"), rows("bound"), rows("idle"), rows("pairs"))
+        made = [result for result in results if result]
+        names = ("rows", "bound", "idle")
+        return cls(*([row for part in made for row in part.get(name, ())] for name in names))
 
 
 def rows_of_presses(plan: AccuracyPlan, first: int, last: int) -> dict[str, list[Row]]:
@@ -183,7 +119,7 @@ def rows_of_presses(plan: AccuracyPlan, first: int, last: int) -> dict[str, list
     rows: list[Row] = []
     bound: list[Row] = []
     for index in range(first, last):
-        pressed = random_press(patch, index, plan.seed, plan.layer, plan.cell)
+        pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell)
         about = {"case": pressed.name, "group": pressed.group}
         for quantity in plan.quantities:
             levels = [level for level in plan.levels if level.quantity == quantity]
@@ -217,7 +153,7 @@ def bound_rows(
     for level in (level for level in plan.levels if level.noise > 0):
         quantity = quantity_by_name(level.quantity)
         design = SkinDesign(
-            patch=plan.patch, layer=plan.layer, quantity=quantity, noise_std=level.noise
+            patch=plan.patch, layer=SILICONE, quantity=quantity, noise_std=level.noise
         )
         try:
             grams = [
@@ -274,7 +210,7 @@ def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
     quiet = Case(
         name="idle",
         patch=patch,
-        layer=plan.layer,
+        layer=SILICONE,
         quantity=level.quantity,
         readings=np.zeros(len(patch)),
         noise_std=np.full(len(patch), level.stated),
@@ -290,78 +226,19 @@ def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
     return {"idle": rows}
 
 
-def two_point_rows(plan: AccuracyPlan, distance: float) -> dict[str, list[Row]]:
-    """How many of two balls at a distance in m are found as two, one row per level and entrant.
-
-    Found as two: exactly two contacts, each nearer than half the distance to its own ball. All
-    see the same presses, at random places and angles of the middle, with the same noise.
-    """
-    balls = [
-        Sphere(radius=RADIUS, force=FORCE, position=(side * distance / 2, 0.0)) for side in (-1, 1)
-    ]
-    solved, patch = press(plan.layer, balls, distance + 2 * AROUND, plan.cell), plan.patch
-    truth, poses = truth_of_press(solved), _poses(plan, distance)
-    pads = np.concatenate([pose.back(patch.plane) for pose in poses])
-    rows = []
-    for level in plan.pairs:
-        exact = solved.readings(pads, patch.pad_diameter, level.quantity).reshape(len(poses), -1)
-        rng = np.random.default_rng([plan.seed, int(distance * 1e6), 1])
-        noisy = exact + level.noise * rng.standard_normal(exact.shape)
-        cases = [
-            Case(
-                name="two balls",
-                patch=patch,
-                layer=plan.layer,
-                quantity=level.quantity,
-                readings=reading,
-                noise_std=np.full(len(patch), level.stated),
-                truth=posed(truth, pose),
-            )
-            for reading, pose in zip(noisy, poses, strict=True)
-        ]
-        rows += [
-            {"distance_mm": 1e3 * distance, "quantity": level.quantity, "noise": level.noise}
-            | {"method": entrant.name, "trials": len(cases)}
-            | {"found": sum(_as_two(entrant, case, distance / 2) for case in cases)}
-            for entrant in plan.entrants
-        ]
-    return {"pairs": rows}
-
-
-def _poses(plan: AccuracyPlan, distance: float) -> list[Pose]:
-    rng = np.random.default_rng([plan.seed, int(distance * 1e6)])
-    plane = plan.patch.plane
-    middle, half = (plane.max(axis=0) + plane.min(axis=0)) / 2, np.ptp(plane, axis=0) / 4 * INSET
-    places = middle + rng.uniform(-half, half, (plan.trials, 2))
-    angles = rng.uniform(0.0, np.pi, plan.trials)
-    return [
-        Pose(float(x), float(y), float(angle)) for (x, y), angle in zip(places, angles, strict=True)
-    ]
-
-
-def _as_two(entrant: Entrant, case: Case, gate: float) -> bool:
-    reconstruct = once(entrant).reconstructor(case)
-    reconstruct.reset()
-    contacts = reconstruct(case.readings).contacts
-    matches, missed, false = matched(case.patch, case.truth.contacts, contacts, gate)
-    return len(matches) == 2 and not missed and not false
-
-
 def parts_of(plan: AccuracyPlan) -> list[Task]:
-    """Independent shares of the work; void once the program is another."""
+    """Independent shares of the work."""
     shares: list[tuple[str, Callable[..., Any], tuple[Any, ...]]] = [
-        (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
-        for k in range(0, plan.presses, plan.share)
+        (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
+        for k in range(0, plan.presses, SHARE)
     ]
     shares += [
         (f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
         for level in plan.levels
         if level.noise > 0
     ]
-    shares += [(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances]
     return [
-        Task(f"accuracy.{name}", share_of, (rows, *arguments), program())
-        for name, rows, arguments in shares
+        Task(f"accuracy.{name}", share_of, (rows, *arguments)) for name, rows, arguments in shares
     ]
 
 
@@ -423,14 +300,4 @@ def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> li
                 alarms = sum(row["false"] for row in idle)
                 numbers |= {"idle_readings": readings, "idle_false_per_reading": alarms / readings}
             out.append(numbers)
-    return out
-
-
-def group_rows(rows: Sequence[Row], resamples: int = 199, seed: int = 0) -> list[Row]:
-    """The same, without bounds, for each group of presses: single, several, extended."""
-    out = []
-    for group in dict.fromkeys(row.get("group", "all") for row in rows):
-        mine = [row for row in rows if row.get("group", "all") == group]
-        each = accuracy_rows(Findings(mine, [], [], []), resamples, seed)
-        out += [{"group": group} | row for row in each]
     return out

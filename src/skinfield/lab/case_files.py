@@ -2,12 +2,11 @@
 
 import io
 import zipfile
-from dataclasses import dataclass, field
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import FileError, InputError, check_shape
@@ -17,48 +16,44 @@ from skinfield.skin import Patch
 
 VERSION = 1
 ENDING = ".npz"
-Shape = tuple[int | None, ...]
-REQUIRED = object()
-KINDS = {"numbers": "fiu", "whole numbers": "iu", "true or false": "b", "texts": "U"}  # dtypes
 LARGEST = 2**30  # bytes that a file may unpack to
-
-
-@dataclass(frozen=True, eq=False)
-class _Arrays:
-    """Arrays of a file by key; every error names file, key, what is there and what was expected."""
-
-    path: Path
-    arrays: dict[str, NDArray[Any]]
-    used: set[str] = field(default_factory=set)
-
-    def check_all_used(self) -> None:
-        """Raise FileError if there is a key that nobody asked for: it may be a mistyped one."""
-        left = sorted(set(self.arrays) - self.used)
-        if left:
-            raise FileError(
-                f"{self.path}: the key {left[0]!r} is not known ({len(left)} are not), expected "
-                "only those of the format: see docs/cases.md"
-            )
-
-    def get(self, key: str, kind: str, shape: Shape | None = (), default: Any = REQUIRED) -> Any:
-        """Array of a kind of `KINDS` and a shape (any where it is None), or the default."""
-        if key not in self.arrays:
-            if default is REQUIRED:
-                raise FileError(f"{self.path}: no array {key!r}, expected it: see docs/cases.md")
-            return default
-        self.used.add(key)
-        values = self.arrays[key]
-        if values.dtype.kind not in KINDS[kind]:
-            raise FileError(
-                f"{self.path}: {key} is of type {values.dtype}, expected {kind}: see docs/cases.md"
-            )
-        if shape is not None:
-            try:
-                check_shape(key, values, shape, "see docs/cases.md")
-            except ValueError as error:
-                raise FileError(f"{self.path}: {error}") from error
-        values = values.astype(np.float64) if kind == "numbers" else values
-        return values.item() if shape == () else values
+NEEDED = object()
+PARTS = ("", "layer", "mechanics", "patch", "truth")
+KINDS = {"numbers": "fiu", "whole numbers": "iu", "true or false": "b", "texts": "U"}  # dtypes
+# Keys with the kind, the shape of taxels L, nodes K and contacts C (None: any), the default, and
+# the attribute of a case.
+FORMAT: dict[str, tuple[str, tuple[str | int, ...] | None, Any, str]] = {
+    "skinfield_case": ("whole numbers", (), NEEDED, ""),
+    "name": ("texts", (), None, "name"),
+    "quantity": ("texts", (), NEEDED, "quantity"),
+    "readings": ("numbers", None, NEEDED, "readings"),
+    "noise_std": ("numbers", None, NEEDED, "noise_std"),
+    "noisy": ("true or false", (), NEEDED, "noisy"),
+    "layer/thickness_m": ("numbers", (), NEEDED, "layer.thickness"),
+    "layer/young_modulus_Pa": ("numbers", (), NEEDED, "layer.young_modulus"),
+    "layer/poisson_ratio": ("numbers", (), NEEDED, "layer.poisson_ratio"),
+    "layer/relative_permittivity": ("numbers", (), 3.0, "layer.relative_permittivity"),
+    "layer/inextensible_cover": ("true or false", (), False, "mechanics.inextensible_cover"),
+    "patch/positions_m": ("numbers", ("L", "D"), NEEDED, "patch.positions"),
+    "patch/pad_diameter_m": ("numbers", (), NEEDED, "patch.pad_diameter"),
+    "patch/normals": ("numbers", ("L", 3), None, "patch.normals"),
+    "patch/module": ("whole numbers", ("L",), None, "patch.module"),
+    "patch/uid": ("whole numbers", ("L",), None, "patch.uid"),
+    "patch/channel": ("whole numbers", ("L",), None, "patch.channel"),
+    "patch/n_channels": ("whole numbers", (), 0, "patch.n_channels"),
+    "patch/name": ("texts", (), "patch", "patch.name"),
+    "patch/link": ("texts", (), "", "patch.link"),
+    "patch/link_from_patch": ("numbers", (4, 4), None, "patch.link_from_patch"),
+    "truth/plane_m": ("numbers", ("K", 2), None, "truth.plane"),
+    "truth/cell_m": ("numbers", (), 1e-3, "truth.cell"),
+    "truth/pressure_Pa": ("numbers", ("K",), None, "truth.pressure"),
+    "truth/displacement_m": ("numbers", ("K", 3), None, "truth.displacement"),
+    "truth/contact_position_m": ("numbers", ("C", 2), NEEDED, "truth.contact_position"),
+    "truth/contact_force_N": ("numbers", ("C",), NEEDED, "truth.contact_force"),
+    "truth/contact_area_m2": ("numbers", ("C",), None, "truth.contact_area"),
+    "truth/contact_kind": ("texts", ("C",), None, "truth.contact_kind"),
+    "truth/source": ("texts", (), "", "truth.source"),
+}
 
 
 def save_case(case: Case, path: str | Path) -> Path:
@@ -80,57 +75,23 @@ def save_case(case: Case, path: str | Path) -> Path:
     if path.suffix != ENDING:
         raise FileError(f"{path}: a case is an NPZ file, expected a name that ends in {ENDING}")
     buffer = io.BytesIO()
-    arrays: dict[str, Any] = {**_head(case), **_patch(case.patch), **_truth(case.truth)}
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    np.savez_compressed(buffer, allow_pickle=False, **_plain(case))
     write_bytes(path, buffer.getvalue())
     return path
 
 
-def _head(case: Case) -> dict[str, Any]:
-    layer = case.layer
-    return {
-        "skinfield_case": VERSION,
-        "name": case.name,
-        "quantity": case.quantity,
-        "readings": case.readings,
-        "noise_std": case.noise_std,
-        "noisy": case.noisy,
-        "layer/thickness_m": layer.thickness,
-        "layer/young_modulus_Pa": layer.young_modulus,
-        "layer/poisson_ratio": layer.poisson_ratio,
-        "layer/relative_permittivity": layer.relative_permittivity,
-        "layer/inextensible_cover": case.mechanics.inextensible_cover,
-    }
-
-
-def _patch(patch: Patch) -> dict[str, Any]:
-    return {
-        "patch/positions_m": patch.positions,
-        "patch/pad_diameter_m": patch.pad_diameter,
-        "patch/normals": patch.normals,
-        "patch/module": patch.module,
-        "patch/uid": patch.uid,
-        "patch/channel": patch.channel,
-        "patch/n_channels": patch.n_channels,
-        "patch/name": patch.name,
-        "patch/link": patch.link,
-        "patch/link_from_patch": patch.link_from_patch,
-    }
-
-
-def _truth(truth: Truth) -> dict[str, Any]:
-    contacts = truth.contacts
-    return {
-        "truth/cell_m": truth.cell,
-        "truth/plane_m": truth.plane,
-        "truth/pressure_Pa": truth.pressure,
-        "truth/displacement_m": truth.displacement,
-        "truth/contact_position_m": np.array([c.position for c in contacts]).reshape(-1, 2),
-        "truth/contact_force_N": np.array([c.force for c in contacts], dtype=np.float64),
-        "truth/contact_area_m2": np.array([c.area for c in contacts], dtype=np.float64),
-        "truth/contact_kind": np.array([c.kind for c in contacts], dtype=np.str_),
-        "truth/source": truth.source,
-    }
+def _plain(case: Case) -> dict[str, Any]:
+    """Values of a case by key; those of the contacts are arrays with one row for each."""
+    plain: dict[str, Any] = {"skinfield_case": VERSION}
+    for key, (kind, shape, _, attribute) in FORMAT.items():
+        name = attribute.partition("truth.contact_")[2]
+        if name and shape:
+            rows = [getattr(contact, name) for contact in case.truth.contacts]
+            plain[key] = np.array(rows, str if kind == "texts" else float)
+            plain[key] = plain[key].reshape(-1, *shape[1:])
+        elif attribute:
+            plain[key] = attrgetter(attribute)(case)
+    return plain
 
 
 def load_case(path: str | Path) -> Case:
@@ -142,19 +103,13 @@ def load_case(path: str | Path) -> Case:
         When it is no such file: the message names the key, what it holds and what was expected.
     """
     path = Path(path)
-    stored = _Arrays(path, _arrays(path))
-    version = stored.get("skinfield_case", "whole numbers")
-    if version != VERSION:
-        raise FileError(f"{path}: skinfield_case is {version}, expected {VERSION}")
+    found = _checked(path, _arrays(path))
+    if found["skinfield_case"] != VERSION:
+        raise FileError(f"{path}: skinfield_case is {found['skinfield_case']}, expected {VERSION}")
     try:
-        patch = _patch_from(stored)
-        case = _case_from(stored, patch, _truth_from(stored))
-    except FileError:
-        raise
+        return _case_from(found, path.stem)
     except InputError as error:
         raise FileError(f"{path}: {error}") from error
-    stored.check_all_used()
-    return case
 
 
 def case_paths(folder: str | Path) -> list[Path]:
@@ -193,68 +148,62 @@ def _arrays(path: Path) -> dict[str, Any]:
         raise FileError(f"{path}: no case: {reason}, expected an NPZ file of arrays") from error
 
 
-def _patch_from(stored: _Arrays) -> Patch:
-    positions = stored.get("patch/positions_m", "numbers", (None, None))
-    count = len(positions)
-    whole = {
-        name: stored.get(f"patch/{name}", "whole numbers", (count,), None)
-        for name in ("module", "uid", "channel")
-    }
-    return Patch(
-        positions,
-        stored.get("patch/pad_diameter_m", "numbers"),
-        normals=stored.get("patch/normals", "numbers", (count, 3), None),
-        **whole,
-        n_channels=stored.get("patch/n_channels", "whole numbers", default=0),
-        name=stored.get("patch/name", "texts", default="patch"),
-        link=stored.get("patch/link", "texts", default=""),
-        link_from_patch=stored.get("patch/link_from_patch", "numbers", (4, 4), None),
-    )
+def _checked(path: Path, arrays: dict[str, Any]) -> dict[str, Any]:
+    """Values of all keys; every error names file, key, what is there and what was expected."""
+    left = sorted(set(arrays) - set(FORMAT))
+    if left:
+        raise FileError(
+            f"{path}: the key {left[0]!r} is not known ({len(left)} are not), expected "
+            "only those of the format: see docs/cases.md"
+        )
+    sizes: dict[str, int] = {}
+    values = {}
+    for key, (kind, shape, default, _) in FORMAT.items():
+        if key not in arrays:
+            if default is NEEDED or (key == "truth/pressure_Pa" and "K" in sizes):
+                raise FileError(f"{path}: no array {key!r}, expected it: see docs/cases.md")
+            values[key] = default
+            continue
+        found = arrays[key]
+        if found.dtype.kind not in KINDS[kind]:
+            raise FileError(
+                f"{path}: {key} is of type {found.dtype}, expected {kind}: see docs/cases.md"
+            )
+        if shape is not None:
+            wanted = tuple(sizes.get(n) if isinstance(n, str) else n for n in shape)
+            try:
+                check_shape(key, found, wanted, "see docs/cases.md")
+            except ValueError as error:
+                raise FileError(f"{path}: {error}") from error
+            named = zip(shape, found.shape, strict=True)
+            sizes |= {name: size for name, size in named if isinstance(name, str)}
+        found = found.astype(np.float64) if kind == "numbers" else found
+        values[key] = found.item() if shape == () else found
+    return values
 
 
-def _case_from(stored: _Arrays, patch: Patch, truth: Truth) -> Case:
-    layer = Layer(
-        stored.get("layer/thickness_m", "numbers"),
-        stored.get("layer/young_modulus_Pa", "numbers"),
-        stored.get("layer/poisson_ratio", "numbers"),
-        stored.get("layer/relative_permittivity", "numbers", default=3.0),
-    )
-    cover = stored.get("layer/inextensible_cover", "true or false", default=False)
+def _case_from(found: dict[str, Any], stem: str) -> Case:
+    parts: dict[str, dict[str, Any]] = {name: {} for name in PARTS}
+    for key, (*_, attribute) in FORMAT.items():
+        part, _, name = attribute.rpartition(".")
+        if attribute:
+            parts[part][name] = found[key]
+    whole, truth = parts[""], parts["truth"]
+    whole["name"] = stem if whole["name"] is None else whole["name"]
+    places = truth.pop("contact_position")
+    columns = []
+    for name, default in (("force", None), ("area", np.nan), ("kind", "body")):
+        values = truth.pop(f"contact_{name}")
+        columns.append([default] * len(places) if values is None else values.tolist())
+    contacts = zip(map(tuple, places.tolist()), *columns, strict=True)
+    nodes = 0 if truth["plane"] is None else len(truth["plane"])
+    unknown = np.full((nodes, 3), np.nan)
+    usual = {"plane": unknown[:, :2], "pressure": np.empty(0), "displacement": unknown}
+    truth |= {name: value for name, value in usual.items() if truth[name] is None}
     return Case(
-        name=stored.get("name", "texts", default=stored.path.stem),
-        patch=patch,
-        layer=layer,
-        quantity=stored.get("quantity", "texts"),
-        readings=stored.get("readings", "numbers", None),
-        noise_std=stored.get("noise_std", "numbers", None),
-        truth=truth,
-        noisy=stored.get("noisy", "true or false"),
-        mechanics=BondedLayer(inextensible_cover=cover),
-    )
-
-
-def _truth_from(stored: _Arrays) -> Truth:
-    places = stored.get("truth/contact_position_m", "numbers", (None, 2))
-    count = (len(places),)
-    forces = stored.get("truth/contact_force_N", "numbers", count)
-    areas = stored.get("truth/contact_area_m2", "numbers", count, np.full(count, np.nan))
-    kinds = stored.get("truth/contact_kind", "texts", count, np.full(count, "body"))
-    contacts = tuple(
-        TrueContact((float(x), float(y)), float(force), float(area), str(kind))
-        for (x, y), force, area, kind in zip(places, forces, areas, kinds, strict=True)
-    )
-    plane = stored.get("truth/plane_m", "numbers", (None, 2), None)
-    if plane is None:
-        plane, cell, pressure = np.empty((0, 2)), 1e-3, np.empty(0)
-    else:
-        cell = stored.get("truth/cell_m", "numbers")
-        pressure = stored.get("truth/pressure_Pa", "numbers", (len(plane),))
-    unknown = np.full((len(plane), 3), np.nan)
-    return Truth(
-        cell=cell,
-        plane=plane,
-        pressure=pressure,
-        displacement=stored.get("truth/displacement_m", "numbers", unknown.shape, unknown),
-        contacts=contacts,
-        source=stored.get("truth/source", "texts", default=""),
+        patch=Patch(**parts["patch"]),
+        layer=Layer(**parts["layer"]),
+        mechanics=BondedLayer(**parts["mechanics"]),
+        truth=Truth(contacts=tuple(TrueContact(*each) for each in contacts), **truth),
+        **whole,
     )

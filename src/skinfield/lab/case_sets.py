@@ -50,9 +50,9 @@ def ball(diameter_mm: float, force: float, x_mm: float = 0.0, y_mm: float = 0.0)
     return Sphere(radius=diameter_mm / 2e3, force=force, position=(x_mm / 1e3, y_mm / 1e3))
 
 
-def flat(diameter_mm: float, force: float, x_mm: float = 0.0, y_mm: float = 0.0) -> Cylinder:
+def flat(diameter_mm: float, force: float, x_mm: float = 0.0) -> Cylinder:
     """A flat cylinder at a place."""
-    return Cylinder(radius=diameter_mm / 2e3, force=force, position=(x_mm / 1e3, y_mm / 1e3))
+    return Cylinder(radius=diameter_mm / 2e3, force=force, position=(x_mm / 1e3, 0.0))
 
 
 ONE = (ball(12, 1.0),)

@@ -88,30 +88,25 @@ class Truth:
     def __post_init__(self) -> None:
         check_positive("cell", self.cell, "side of a cell of the truth, in metres")
         object.__setattr__(self, "contacts", tuple(self.contacts))
-        plane = np.array(as_floats("plane", self.plane))
-        check_shape("plane", plane, (None, 2), "x and y of the nodes, in metres")
-        check_finite("plane", plane, "x and y of the nodes, in metres")
-        pressure = np.array(as_floats("pressure", self.pressure))
-        check_shape("pressure", pressure, (len(plane),), "one per node, in Pa")
-        check_finite("pressure", pressure, "one per node, in Pa")
-        displacement = np.array(as_floats("displacement", self.displacement))
-        check_shape("displacement", displacement, (len(plane), 3), "three per node, in metres")
-        if np.isinf(displacement).any():
-            raise InputError("displacement holds an infinity, expected metres, or NaN if unknown")
-        named = (("plane", plane), ("pressure", pressure), ("displacement", displacement))
-        for key, value in named:
+        nodes: int | None = None
+        for name, shape, why in (
+            ("plane", (2,), "x and y of the nodes, in metres"),
+            ("pressure", (), "one per node, in Pa"),
+            ("displacement", (3,), "three per node, in metres, or NaN if unknown"),
+        ):
+            value = np.array(as_floats(name, getattr(self, name)))
+            check_shape(name, value, (nodes, *shape), why)
+            check_finite(
+                name, np.where(np.isnan(value), 0.0, value) if shape == (3,) else value, why
+            )
+            nodes = len(value)
             value.setflags(write=False)
-            object.__setattr__(self, key, value)
+            object.__setattr__(self, name, value)
 
     @property
     def force(self) -> float:
         """Of all contacts, N."""
         return float(sum(contact.force for contact in self.contacts))
-
-    @property
-    def field_force(self) -> float:
-        """Sum of the pressure, N; 0 where the fields are not known."""
-        return float(self.pressure.sum() * self.cell**2)
 
     @property
     def contact_area(self) -> float:
@@ -285,10 +280,6 @@ class Case:
         """Readings with a leading axis, (R, L); R is 1 where there is one reading."""
         return np.atleast_2d(self.readings)
 
-    def stating(self, noise_std: ArrayLike) -> "Case":
-        """Case of the same readings that states another noise, in the quantity's unit."""
-        return replace(self, noise_std=as_floats("noise_std", noise_std))
-
     def with_noise(self, seed: int, draws: int = 1, noise_std: ArrayLike | None = None) -> "Case":
         """Case of readings (draws, L) with Gaussian noise; the truth stays.
 
@@ -315,19 +306,7 @@ class Case:
 
 
 def truth_of_press(press: Press) -> Truth:
-    """All that is known of a simulated press, where it was solved."""
-    return Truth(
-        cell=press.grid.pitch,
-        plane=press.grid.plane,
-        pressure=press.pressure,
-        displacement=press.displacement,
-        contacts=_contacts_of_press(press),
-        source="skinfield.simulate.pressing.press",
-    )
-
-
-def _contacts_of_press(press: Press) -> tuple[TrueContact, ...]:
-    """One contact per indenter that touches, at its centre of pressure."""
+    """All that is known of a simulated press: one contact per indenter that touches."""
     contacts = []
     for index, body in enumerate(press.indenters):
         force = float(press.forces[index])
@@ -341,4 +320,11 @@ def _contacts_of_press(press: Press) -> tuple[TrueContact, ...]:
         )
         place = (float(about_y / force), float(-about_x / force))
         contacts.append(TrueContact(place, force, area, body.kind))
-    return tuple(contacts)
+    return Truth(
+        cell=press.grid.pitch,
+        plane=press.grid.plane,
+        pressure=press.pressure,
+        displacement=press.displacement,
+        contacts=tuple(contacts),
+        source="skinfield.simulate.pressing.press",
+    )

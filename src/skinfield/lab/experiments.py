@@ -3,17 +3,14 @@
 One experiment more is one file in `sections`, and one line in `EXPERIMENTS`.
 """
 
-import shutil
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import InputError
 from skinfield.lab.report import (
     Experiment,
-    Missing,
     Run,
     Section,
     Settings,
@@ -23,28 +20,21 @@ from skinfield.lab.report import (
     write_report,
     write_section,
 )
-from skinfield.lab.runner import Outcome, Task, stored
+from skinfield.lab.runner import Outcome, Task
 from skinfield.lab.runner import run as run_tasks
-from skinfield.lab.sections.accuracy import accuracy, accuracy_parts
 from skinfield.lab.sections.agreement import agreement
 from skinfield.lab.sections.detection import detection
-from skinfield.lab.sections.foot import foot
 from skinfield.lab.sections.imposed import imposed
-from skinfield.lab.sections.light_touch import light_touch
 from skinfield.lab.sections.resolutions import resolutions
 from skinfield.lab.sections.timing import timing
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
     Experiment("detection", ("fig6", "fig7"), detection),
-    Experiment("light-touch", ("touch",), light_touch),
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
-    Experiment("accuracy", ("table", "contacts"), accuracy, parts=accuracy_parts),
     Experiment("agreement", ("fem", "model"), agreement),
-    Experiment("real-foot", ("real-data",), foot),
 )
-PARTS = "parts"  # folder of what sections are put together from
 Progress = Callable[[str, int, int], None]  # name of what has ended, how many have, of how many
 
 
@@ -104,33 +94,16 @@ def run(
         If the folder cannot be written.
     """
     start = time.perf_counter()
-    parts = {each.name: each.parts(settings) for each in experiments if each.parts}
-    shares = [task for tasks in parts.values() for task in tasks]
-    total, ended = len(shares) + len(experiments), 0
-    progress("", ended, total)
-
-    def ran(tasks: Sequence[Task], where: Path, processes: int) -> dict[str, Outcome]:
-        nonlocal ended
-        outcomes = {}
-        for outcome in run_tasks(tasks, where, workers=processes):
-            outcomes[outcome.name] = outcome
-            ended += 1
-            progress(outcome.name, ended, total)
-        return outcomes
-
-    computed = ran(shares, folder / PARTS, workers) if shares else {}
-    results = {
-        name: ([computed[task.name].result for task in tasks],) for name, tasks in parts.items()
-    }
-    tasks = {each.name: task_of(each, settings, results.get(each.name, ())) for each in experiments}
-    for task in tasks.values():
-        _forget_missing(task, folder)
-    made = ran([tasks[each.name] for each in experiments if not each.alone], folder, workers)
-    made |= ran([tasks[each.name] for each in experiments if each.alone], folder, 1)
-    result = _gathered([made[name] for name in tasks], settings)
+    made: dict[str, Outcome] = {}
+    progress("", 0, len(experiments))
+    for alone in (False, True):
+        tasks = [task_of(each, settings) for each in experiments if each.alone == alone]
+        for outcome in run_tasks(tasks, folder, workers=1 if alone else workers):
+            made[outcome.name] = outcome
+            progress(outcome.name, len(made), len(experiments))
+    result = _gathered([made[each.name] for each in experiments], settings)
     page = write_report(replace(result, seconds=time.perf_counter() - start), folder)
-    failures = [(name, folder / f"{name}.failed.txt") for name in tasks if made[name].failure]
-    failures += [(n, folder / PARTS / f"{n}.failed.txt") for n, o in computed.items() if o.failure]
+    failures = [(n, folder / f"{n}.failed.txt") for n, one in made.items() if one.failure]
     verdicts = tuple(verdict for section in result.sections for verdict in section.verdicts)
     return Finished(page, tuple(failures), verdicts)
 
@@ -139,46 +112,18 @@ def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
     sections: list[Section] = []
     missing: list[str] = []
     for outcome in outcomes:
-        reason = (outcome.result or {}).get("missing")
         if outcome.failure:
             missing.append(f"{outcome.name} failed: {outcome.failure.strip().splitlines()[-1]}")
-        elif reason is not None:
-            missing.append(reason)
         else:
             sections.append(replace(read_section(outcome.folder), seconds=outcome.seconds))
     return Run(settings, tuple(sections), tuple(missing), 0.0)
 
 
-def task_of(experiment: Experiment, settings: Settings, results: tuple[Any, ...] = ()) -> Task:
-    """The experiment as a task; other settings and another program make another one.
-
-    Parameters
-    ----------
-    results : tuple
-        Of its parts, as one list; empty if it has none.
-    """
-    arguments = (experiment, settings, results)
-    return Task(experiment.name, make_section, arguments, version=program())
+def task_of(experiment: Experiment, settings: Settings) -> Task:
+    """The experiment as a task; other settings and another program make another one."""
+    return Task(experiment.name, make_section, (experiment, settings), version=program())
 
 
-def make_section(
-    folder: Path, experiment: Experiment, settings: Settings, results: tuple[Any, ...]
-) -> dict[str, str]:
-    """Run one experiment and write its section into `folder`, or return why there is none."""
-    made = experiment.make(settings, *results)
-    if isinstance(made, Missing):
-        return {"missing": made.reason}
-    write_section(replace(made, name=experiment.name), folder)
-    return {}
-
-
-def _forget_missing(task: Task, folder: Path) -> None:
-    """What was not at hand may be by now: look again."""
-    before = stored(task, folder)
-    if before is None:
-        return
-    try:
-        if "missing" in (before.result or {}) or not read_section(before.folder):
-            shutil.rmtree(before.folder)
-    except FileError:  # somebody removed or changed a file
-        shutil.rmtree(before.folder)
+def make_section(folder: Path, experiment: Experiment, settings: Settings) -> None:
+    """Run one experiment and write its section into `folder`."""
+    write_section(replace(experiment.make(settings), name=experiment.name), folder)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's palette without its yellow, which is faint on white.
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1b1b1f")
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
-LINE, LIMIT, STEPS, DOTS = "line", "limit", "steps", "dots"
+LINE, LIMIT, STEPS = "line", "limit", "steps"
 LIMIT_DASHES = ((0, (6, 2)), ":")
 WIDTH, PANEL, HEAD = 9.6, 2.4, 0.72  # inches
 LEFT, ROOM, FOOT = 0.7, 0.45, 0.55  # inches: of the first axis' numbers, of the others', below
@@ -39,7 +39,7 @@ class Curve:
     low, high : (N,) arrays, optional
         Ends of the interval of y.
     look : str
-        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS; DOTS.
+        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS.
     """
 
     name: str
@@ -105,11 +105,6 @@ def _columns(rows: Sequence[Sequence[object]]) -> int:
     return columns
 
 
-def in_rows(panels: Sequence[Panel], columns: int = 3) -> list[Sequence[Panel]]:
-    """Panels in rows of so many, one row where they are fewer."""
-    return [panels[first : first + columns] for first in range(0, len(panels), columns)]
-
-
 def draw_panels(
     rows: Sequence[Sequence[Panel]], panel_height: float = PANEL, foot: str = ""
 ) -> "Figure":
@@ -169,7 +164,7 @@ def draw_panels(
 def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
     """Colour, dashes and mark of each name."""
     limits = list(dict.fromkeys(each.name for each in curves if each.look == LIMIT))
-    others = dict.fromkeys(each.name for each in curves if each.look not in (LIMIT, DOTS))
+    others = dict.fromkeys(each.name for each in curves if each.look != LIMIT)
     looks: dict[str, dict[str, Any]] = {
         name: {"color": INK, "ls": LIMIT_DASHES[turn % 2], "lw": 1.2}
         for turn, name in enumerate(limits)
@@ -178,9 +173,6 @@ def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
         dash = ("-", "--")[turn // len(COLOURS) % 2]
         colour, mark = COLOURS[turn % len(COLOURS)], MARKS[turn % len(MARKS)]
         looks[name] = {"color": colour, "ls": dash, "lw": 1.5, "marker": mark}
-    for each in curves:
-        if each.look == DOTS:
-            looks[each.name] = {"color": QUIET, "ls": "", "marker": ".", "ms": 3.5, "mew": 0}
     return looks
 
 
@@ -230,15 +222,6 @@ def _plain_decades(axis: Any, low: float, high: float) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < FEW * low else (1,)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
-
-
-def distribution(name: str, values: Floats, ends: tuple[float, float], look: str = STEPS) -> Curve:
-    """Share of values (N,) below each error, from one end to the other; NaN counts as above all."""
-    known = np.sort(values[np.isfinite(values)])
-    share = np.arange(1, len(known) + 1) / max(len(values), 1)
-    x = np.concatenate([[ends[0] / 10], known, [ends[1] * 10]])
-    y = np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]])
-    return Curve(name, x, y, look=look)
 
 
 def draw_fields(

@@ -8,20 +8,18 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinfield.elastic import Layer
-from skinfield.errors import FileError, InputError, SkinfieldError, check_choice
-from skinfield.lab.runner import Task
+from skinfield.errors import FileError, SkinfieldError, check_choice
+from skinfield.lab.bench.machine import versions
 from skinfield.plot.style import METADATA, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZES = ("smoke", "short", "full")
 PAPER_LAYER = Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
 
 
@@ -55,6 +53,7 @@ class Size:
 SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
 SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
 FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
+SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}
 
 
 def size_by_name(name: str) -> Size:
@@ -66,7 +65,7 @@ def size_by_name(name: str) -> Size:
         For another name.
     """
     check_choice("size", name, SIZES, "how much is computed")
-    return {size.name: size for size in (SMOKE, SHORT, FULL)}[name]
+    return SIZES[name]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,8 +88,6 @@ class Settings:
         Share of idle readings in which a contact may be seen.
     rate : float, 1/s
         Readings per second, where averages are told as times.
-    data : str
-        Folder of recordings by others; empty where there is none.
     """
 
     size: Size = field(default=SHORT)
@@ -100,7 +97,6 @@ class Settings:
     change_noise: float = 0.02
     false_alarms: float = 1e-3
     rate: float = 50.0
-    data: str = ""
 
 
 Cell = str | float | int | None
@@ -129,14 +125,6 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     on_page: bool = True
-
-    def __post_init__(self) -> None:
-        for index, row in enumerate(self.rows):
-            if len(row) != len(self.columns):
-                raise InputError(
-                    f"row {index} of table {self.name!r} has {len(row)} cells, expected "
-                    f"{len(self.columns)}: one per column {self.columns}"
-                )
 
     @classmethod
     def of(
@@ -203,13 +191,6 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Missing:
-    """Why there is no section: what it needs is not at hand."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -220,18 +201,14 @@ class Experiment:
     figures : tuple of str
         Of the paper, such as "fig3": it is chosen by these, too.
     make : function of Settings
-        The section, or why there is none. Of the module level: it is sent to other processes.
-    parts : function of Settings, optional
-        Tasks to be run before; their results, in this order, are the last argument of `make`, with
-        None for one that failed.
+        The section. Of the module level: it is sent to other processes.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[..., Section | Missing]
-    parts: Callable[[Settings], Sequence[Task]] | None = None
+    make: Callable[[Settings], Section]
     alone: bool = False
 
 
@@ -243,12 +220,6 @@ def program() -> str:
     for file in sorted([*root.rglob("*.py"), *root.rglob("*.html")]):
         digest.update(str(file.relative_to(root)).encode() + file.read_bytes())
     return digest.hexdigest()
-
-
-def share_in_words(share: float, interval: tuple[float, float]) -> str:
-    """Such as "10 % [6–17 %]": a rate and its 95 % interval."""
-    low, high = interval
-    return f"{100 * share:.0f} % [{100 * low:.0f}–{100 * high:.0f} %]"
 
 
 def spread_in_words(values: Sequence[float], unit: str, scale: float = 1.0) -> str:
@@ -338,7 +309,7 @@ def write_report(run: Run, folder: Path) -> Path:
             replace(each, pictures=tuple(replace(p, png=b"") for p in each.pictures))
             for each in run.sections
         ]
-        results = {"versions": versions()} | vars(run) | {"sections": sections}
+        results = {"versions": versions(*PACKAGES)} | vars(run) | {"sections": sections}
         (folder / RESULTS).write_bytes(_json_of(results))
     except OSError as error:
         raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
@@ -373,7 +344,7 @@ def page_of(run: Run) -> str:
     return environment.get_template("report.html").render(
         run=run,
         settings=settings_in_words(run.settings),
-        versions=versions(),
+        versions=versions(*PACKAGES),
         machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
     )
 
@@ -403,41 +374,22 @@ def kind_of_verdict(verdict: str) -> str:
 
 def time_in_words(seconds: float) -> str:
     """Such as "8.2 s" and "3 min 20 s"."""
-    if seconds < 60:
-        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest} s"
+    return f"{minutes} min {rest} s" if minutes else f"{number(seconds, 2)} s"
 
 
 def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
     """Names and values for the foot of the page."""
     layer, size = settings.layer, settings.size
     return [
-        ("size", size.name),
+        ("size", f"{size.name}: {size.quiet} idle readings, {size.presses} presses per case, cells "
+         f"of {size.cell * 1e3:g} mm, {size.laps} laps"),
         ("seed", str(settings.seed)),
-        (
-            "layer",
-            f"{layer.thickness * 1e3:g} mm, {layer.young_modulus / 1e3:g} kPa, Poisson's ratio "
-            f"{layer.poisson_ratio:g}",
-        ),
+        ("layer", f"{layer.thickness * 1e3:g} mm, {layer.young_modulus / 1e3:g} kPa, Poisson's "
+         f"ratio {layer.poisson_ratio:g}"),
         ("noise of a reading", f"{settings.stress_noise / 1e3:g} kPa; {settings.change_noise:g}"),
         ("false alarms", f"{settings.false_alarms:g} per idle reading"),
-        ("idle readings", str(size.quiet)),
-        ("presses per case", str(size.presses)),
-        ("cell of the truth", f"{size.cell * 1e3:g} mm"),
-        ("laps of the timing", str(size.laps)),
-    ]
-
-
-def versions() -> dict[str, str]:
-    """Of the packages whose numbers these are."""
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+    ]  # fmt: skip
 
 
 def _json_of(value: Any) -> bytes:

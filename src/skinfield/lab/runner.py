@@ -3,24 +3,19 @@
 A task is a function of the module level with its arguments. It gets a folder of its own, writes
 files there, and may return a summary that JSON can hold::
 
-    def measure(folder: Path, load: float, seed: int) -> dict[str, float]:
-        np.savez(folder / "result.npz", ...)
-        return {"peak_N": load}
-
     tasks = [Task(f"load-{load:g}N", measure, (load, 0)) for load in (0.2, 0.5, 1.8)]
     for outcome in run(tasks, "out", workers=2):
         print(outcome.name, outcome.failure or outcome.result)
 
-Afterwards ``out/load-0.2N`` holds ``result.npz`` and ``task.json``: the fingerprint of the task,
-the seconds that it took and its summary. The folder appears whole or not at all, as it is written
+Afterwards ``out/load-0.2N`` holds its files and ``task.json``: the fingerprint of the task, the
+seconds that it took and its summary. The folder appears whole or not at all, as it is written
 under another name. A task whose folder has the same fingerprint, a hash of the function's name,
 the arguments and the task's `version`, is not run again. A task that fails leaves its traceback
 in ``out/load-0.2N.failed.txt`` and stops no other.
 
-`run` is a generator of `Outcome`; whoever stops asking stops the runs, and Ctrl-C does. With
-more than one worker tasks run in processes of their own, with one thread each for BLAS and
-Numba; a script that calls `run` then needs ``if __name__ == "__main__":``. `stored` reads what
-there is without running anything. One call of `run` at a time may write to a folder.
+With more than one worker tasks run in processes of their own, with one thread each for BLAS and
+Numba; a script that calls `run` then needs ``if __name__ == "__main__":``. One call of `run` at a
+time may write to a folder.
 """
 
 import hashlib
@@ -29,15 +24,14 @@ import os
 import re
 import shutil
 import signal
-import threading
 import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
 from multiprocessing import get_context
 from pathlib import Path, PurePath
@@ -45,7 +39,7 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError, InputError, check_count
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,119}", re.ASCII)
 RECORD = "task.json"
@@ -183,19 +177,22 @@ def stored(task: Task, folder: str | Path) -> Outcome | None:
     place = Path(folder) / task.name
     try:
         record = json.loads((place / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        if record["fingerprint"] != task.fingerprint:
+            return None
+        seconds, result = float(record["seconds"]), record["result"]
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return None  # as good as not there: it is run again
-    if not isinstance(record, dict) or record.get("fingerprint") != task.fingerprint:
-        return None
-    seconds = record.get("seconds")
-    if isinstance(seconds, bool) or not isinstance(seconds, int | float):
-        return None
-    return Outcome(task.name, place, float(seconds), record.get("result"), reused=True)
+    return Outcome(task.name, place, seconds, result, reused=True)
 
 
 def _part_of(task: Task, folder: Path) -> Path:
     """Folder that a task writes to until it is whole."""
     return folder / f".{task.name}.part"
+
+
+def _failure_file(task: Task, folder: Path) -> Path:
+    """Where the traceback of a failed task is."""
+    return folder / f"{task.name}.failed.txt"
 
 
 def _clear(path: Path) -> None:
@@ -206,50 +203,10 @@ def _clear(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _seal(task: Task, folder: Path, seconds: float, result: Any) -> None:
-    """Write the record and give the task's folder its name; an older one is replaced."""
-    import msgspec
-
-    part, place = _part_of(task, folder), folder / task.name
-    record = {
-        "name": task.name,
-        "function": f"{task.function.__module__}.{task.function.__qualname__}",
-        "version": task.version,
-        "fingerprint": task.fingerprint,
-        "seconds": seconds,
-        "result": result,
-    }
-    try:
-        text = msgspec.json.format(msgspec.json.encode(record, enc_hook=float), indent=1)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"{task.name} returned {result!r}, expected None or what JSON can hold ({error}): "
-            "write arrays to files in the folder"
-        ) from error
-    (part / RECORD).write_bytes(text + b"\n")
-    _clear(place)
-    part.replace(place)
-
-
-def _check_folder(folder: Path) -> None:
-    """Make the folder of a campaign, or say why not."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(
-            f"{folder} cannot be made: {error.strerror or error}; expected a name for a folder"
-        ) from error
-
-
-def _failure_file(task: Task, folder: Path) -> Path:
-    """Where the traceback of a failed task is."""
-    return folder / f"{task.name}.failed.txt"
-
-
-def run(
-    tasks: Sequence[Task], folder: str | Path, *, workers: int = 1, fresh: bool = False
-) -> Iterator[Outcome]:
+def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Iterator[Outcome]:
     """Run tasks and yield the outcome of each as it ends, well or not.
+
+    Whoever stops asking stops the runs, and Ctrl-C does.
 
     Parameters
     ----------
@@ -259,8 +216,6 @@ def run(
         Made if it is not there; each task gets the folder of its name in it.
     workers : int
         Processes at once; with 1 tasks run in this one.
-    fresh : bool
-        Run all anew, whatever there is.
 
     Raises
     ------
@@ -270,26 +225,26 @@ def run(
         If the folder cannot be made.
     """
     folder = Path(folder)
-    _check(tasks, workers)
-    _check_folder(folder)
-    return _outcomes(list(tasks), folder, workers, fresh)
-
-
-def _check(tasks: Sequence[Task], workers: int) -> None:
     twice = [name for name, count in Counter(task.name for task in tasks).items() if count > 1]
     if twice:
         raise InputError(
             f"{len(twice)} names of tasks come twice, the first is {twice[0]!r}, expected "
             "different ones: each is a folder"
         )
-    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
-        raise InputError(f"workers is {workers!r}, expected a whole number of processes above 0")
+    check_count("workers", workers, 1, 4096, "processes at once")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(
+            f"{folder} cannot be made: {error.strerror or error}; expected a name for a folder"
+        ) from error
+    return _outcomes(list(tasks), folder, workers)
 
 
-def _outcomes(tasks: list[Task], folder: Path, workers: int, fresh: bool) -> Iterator[Outcome]:
+def _outcomes(tasks: list[Task], folder: Path, workers: int) -> Iterator[Outcome]:
     todo = []
     for task in tasks:
-        before = None if fresh else stored(task, folder)
+        before = stored(task, folder)
         if before is None:
             todo.append(task)
         else:
@@ -305,35 +260,28 @@ def _outcomes(tasks: list[Task], folder: Path, workers: int, fresh: bool) -> Ite
 def _in_processes(todo: list[Task], folder: Path, workers: int) -> Iterator[Outcome]:
     """All at once; if a process dies, the rest one by one, as then it is clear who killed it."""
     left = {task.name: task for task in todo}
-    with _pool(workers) as pool:
-        for task, outcome in _completed(pool, todo, folder):
-            if outcome is not None:
-                del left[task.name]
-                yield outcome
-    for task in left.values():
-        with _pool(1) as pool:
-            for _, outcome in _completed(pool, [task], folder):
-                yield outcome or _died(task, folder)
-
-
-def _completed(
-    pool: ProcessPoolExecutor, tasks: list[Task], folder: Path
-) -> Iterator[tuple[Task, Outcome | None]]:
-    """Tasks as they end, with None for those whose process died."""
-    with _one_thread_each():
-        pending: dict[Future[Outcome], Task] = {}
-        for task in tasks:
-            try:
-                pending[pool.submit(_execute, task, folder)] = task
-            except BrokenProcessPool:
-                break
-    while pending:
-        for future in wait(pending, return_when=FIRST_COMPLETED).done:
-            task = pending.pop(future)
-            try:
-                yield task, future.result()
-            except BrokenProcessPool:
-                yield task, None
+    alone = False
+    try:
+        while left:
+            with _pool(1 if alone else workers) as pool:
+                with _one_thread_each():
+                    batch = list(left.values())[: 1 if alone else None]
+                    futures = {pool.submit(_execute, task, folder): task for task in batch}
+                for future in as_completed(futures):
+                    task = futures[future]
+                    try:
+                        outcome = future.result()
+                    except BrokenProcessPool:
+                        if not alone:
+                            continue
+                        _failure_file(task, folder).write_text(DIED, encoding="utf-8")
+                        outcome = Outcome(task.name, folder / task.name, 0.0, failure=DIED)
+                    del left[task.name]
+                    yield outcome
+            alone = True
+    finally:
+        for task in left.values():
+            _clear(_part_of(task, folder))
 
 
 @contextmanager
@@ -342,21 +290,22 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin)
     try:
         yield pool
-    finally:  # after Ctrl-C too: what is running gets the same signal, what waits never begins
+    finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _begin() -> None:
+    """Let Ctrl-C end a process at once; the parent clears up."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes that are started meanwhile have one thread for each of the numerical libraries.
-
-    Nor does Ctrl-C reach them before they are ready for it; here it waits until they are started.
-    """
+    """Processes that are started meanwhile have one thread for each of the numerical libraries."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
-        with _held_back():
-            yield
+        yield
     finally:
         for name, value in before.items():
             if value is None:
@@ -365,64 +314,39 @@ def _one_thread_each() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _died(task: Task, folder: Path) -> Outcome:
-    _failure_file(task, folder).write_text(DIED, encoding="utf-8")
-    return Outcome(task.name, folder / task.name, 0.0, failure=DIED)
-
-
-def _begin() -> None:
-    """Let a process that waits for tasks sleep through Ctrl-C: only tasks are interrupted."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # see `_held_back`
-
-
-@contextmanager
-def _held_back() -> Iterator[None]:
-    """Ctrl-C comes at the end; processes that are started meanwhile hear it after `_begin` only.
-
-    While one imports what it needs it could but print a traceback.
-    """
-    if not hasattr(signal, "pthread_sigmask"):  # not on every system
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    """Ctrl-C stops the task that is running."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
-
-
 def _execute(task: Task, folder: Path) -> Outcome:
     """Run a task; its folder gets its name when it is whole, and a failure becomes a text."""
-    part, begun = _part_of(task, folder), time.perf_counter()
+    part, place, begun = _part_of(task, folder), folder / task.name, time.perf_counter()
     _clear(part)  # of a run that was killed
     try:
-        with _interruptible():
-            part.mkdir()
-            result = task.function(part, *task.arguments)
-            _seal(task, folder, time.perf_counter() - begun, result)
+        part.mkdir()
+        result = task.function(part, *task.arguments)
+        seconds = time.perf_counter() - begun
+        (part / RECORD).write_bytes(_record(task, seconds, result))
+        _clear(place)
+        part.replace(place)
         _failure_file(task, folder).unlink(missing_ok=True)
     except Exception:
         text = traceback.format_exc()
         _failure_file(task, folder).write_text(text, encoding="utf-8")
-        seconds = time.perf_counter() - begun
-        return Outcome(task.name, folder / task.name, seconds, failure=text)
+        return Outcome(task.name, place, time.perf_counter() - begun, failure=text)
     finally:
         _clear(part)
-    written = stored(task, folder)
-    assert written is not None, f"{folder / task.name} vanished while it was written"
-    return Outcome(task.name, written.folder, written.seconds, written.result)
+    found = stored(task, folder)
+    assert found is not None, f"{place} vanished while it was written"
+    return replace(found, reused=False)
+
+
+def _record(task: Task, seconds: float, result: Any) -> bytes:
+    import msgspec
+
+    record = {
+        "name": task.name, "fingerprint": task.fingerprint, "seconds": seconds, "result": result,
+    }  # fmt: skip
+    try:
+        return msgspec.json.format(msgspec.json.encode(record, enc_hook=float), indent=1) + b"\n"
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{task.name} returned {result!r}, expected None or what JSON can hold ({error}): "
+            "write arrays to files in the folder"
+        ) from error

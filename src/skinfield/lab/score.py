@@ -13,9 +13,8 @@ import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.estimate import Contact, Estimate
-from skinfield.files import write_summary
 from skinfield.files.pending import write_bytes
-from skinfield.lab.cases import Case, TrueContact, Truth
+from skinfield.lab.cases import Case, TrueContact
 from skinfield.skin import Grid, Patch
 
 STEP = 0.5e-3  # m: side of the lattice's cells
@@ -26,28 +25,26 @@ MARGIN = 3  # standard deviations around what is compared
 
 @dataclass(frozen=True)
 class Lattice:
-    """Regular points of the plane, at whole multiples of `step`.
+    """Regular points of the plane, at whole multiples of `STEP`.
 
     Parameters
     ----------
     first : (column, row)
         Of the first point, in steps from the plane's origin.
     shape : (rows, columns)
-    step : float, m
     """
 
     first: tuple[int, int]
     shape: tuple[int, int]
-    step: float = STEP
 
     @classmethod
-    def around(cls, low: Floats, high: Floats, step: float = STEP) -> "Lattice":
+    def around(cls, low: Floats, high: Floats) -> "Lattice":
         """Lattice over the rectangle from `low` to `high` (2,) m and a margin for the blur."""
-        margin = MARGIN * BLUR + 2 * step
-        start = np.floor((low - margin) / step).astype(int)
-        stop = np.ceil((high + margin) / step).astype(int)
+        margin = MARGIN * BLUR + 2 * STEP
+        start = np.floor((low - margin) / STEP).astype(int)
+        stop = np.ceil((high + margin) / STEP).astype(int)
         columns, rows = (stop - start + 1).tolist()
-        return cls((int(start[0]), int(start[1])), (rows, columns), step)
+        return cls((int(start[0]), int(start[1])), (rows, columns))
 
     def deposit(self, plane: Floats, values: Floats, cell: float) -> Floats:
         """Pressure (rows, columns) Pa of cells at (K, 2) m with `values` (K,) Pa.
@@ -55,70 +52,48 @@ class Lattice:
         Each cell is split into squares of a sixth of a step at most; the force of each is shared
         among the four points around it in bilinear proportion. Force and first moment stay.
         """
-        parts = _parts(cell, self.step)
-        offsets = (np.arange(parts) - (parts - 1) / 2) * (cell / parts)
-        force = values * (cell / self.step / parts) ** 2
-        total = np.zeros(self.shape)
-        for right in offsets:
-            for up in offsets:
-                total += self._shared(plane + np.array([right, up]), force)
-        return total
-
-    def _shared(self, points: Floats, force: Floats) -> Floats:
         rows, columns = self.shape
-        place = points / self.step - self.first
+        offsets = _offsets(cell)
+        inner = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+        place = (plane[:, None] + inner).reshape(-1, 2) / STEP - self.first
+        force = np.repeat(values * (cell / STEP) ** 2 / len(inner), len(inner))
         whole = np.floor(place).astype(np.int64)
         x, y = (place - whole).T
         corner = whole[:, 1] * columns + whole[:, 0]
-        total = np.zeros(rows * columns)
-        for shift, weight in (
-            (0, (1 - x) * (1 - y)),
-            (1, x * (1 - y)),
-            (columns, (1 - x) * y),
-            (columns + 1, x * y),
-        ):
-            total += np.bincount(corner + shift, weight * force, rows * columns)
-        return total.reshape(rows, columns)
+        shares = (
+            (0, (1 - x) * (1 - y)), (1, x * (1 - y)), (columns, (1 - x) * y), (columns + 1, x * y),
+        )  # fmt: skip
+        total = [np.bincount(corner + n, share * force, rows * columns) for n, share in shares]
+        return np.asarray(np.sum(total, axis=0).reshape(rows, columns))
 
-    def of_grid(self, grid: Grid, pressure: Floats, blur: bool = False) -> Floats:
+    def of_grid(self, grid: Grid, pressure: Floats) -> Floats:
         """Pressure (K,) Pa of a grid's cells as `deposit` has it, by two matrices."""
         x, y = (float(value) for value in grid.origin)
-        along_y = _along(y, grid.shape[0], grid.pitch, self, 1, blur)
-        along_x = _along(x, grid.shape[1], grid.pitch, self, 0, blur)
+        along_y = _along(y, grid.shape[0], grid.pitch, self.first[1], self.shape[0])
+        along_x = _along(x, grid.shape[1], grid.pitch, self.first[0], self.shape[1])
         return np.asarray(along_y @ pressure.reshape(grid.shape) @ along_x.T)
 
-    def blurred(self, values: Floats) -> Floats:
-        """Values (..., rows, columns) after a Gaussian of standard deviation `BLUR`."""
-        rows, columns = self.shape
-        return np.asarray(_gaussian(rows, self.step) @ values @ _gaussian(columns, self.step))
+
+def blurred(values: Floats) -> Floats:
+    """Values (rows, columns) of a lattice after a Gaussian of standard deviation `BLUR`."""
+    from scipy.ndimage import gaussian_filter
+
+    soft = gaussian_filter(values, BLUR / STEP, mode="constant", truncate=2 * MARGIN)
+    return np.asarray(soft, dtype=np.float64)
 
 
-def _parts(cell: float, step: float) -> int:
-    return max(int(np.ceil(FINE * cell / step - 1e-9)), 1)
+def _offsets(cell: float) -> Floats:
+    """Middles of the parts of a cell from its own, m."""
+    parts = max(int(np.ceil(FINE * cell / STEP - 1e-9)), 1)
+    return np.asarray((np.arange(parts) - (parts - 1) / 2) * (cell / parts))
 
 
 @lru_cache(maxsize=128)
-def _along(
-    origin: float, count: int, pitch: float, lattice: Lattice, axis: int, blur: bool
-) -> Floats:
+def _along(origin: float, count: int, pitch: float, first: int, points: int) -> Floats:
     """Shares (lattice points, cells) of each cell's pressure along one axis."""
-    parts = _parts(pitch, lattice.step)
-    offsets = (np.arange(parts) - (parts - 1) / 2) * (pitch / parts)
-    place = (origin + np.arange(count)[:, None] * pitch + offsets) / lattice.step
-    points = np.arange(lattice.shape[1 - axis]) + lattice.first[axis]
-    near = np.maximum(1 - np.abs(points[:, None, None] - place[None]), 0.0)
-    shares = near.sum(axis=2) * (pitch / lattice.step / parts)
-    return np.asarray(_gaussian(len(points), lattice.step) @ shares if blur else shares)
-
-
-@lru_cache(maxsize=64)
-def _gaussian(count: int, step: float) -> Floats:
-    """Matrix (count, count) of a Gaussian whose rows sum to 1 away from the ends."""
-    apart = (np.arange(count)[:, None] - np.arange(count)) * step / BLUR
-    near = np.exp(-(apart**2) / 2)
-    near[np.abs(apart) > 2 * MARGIN] = 0.0
-    whole = np.exp(-((np.arange(-50, 51) * step / BLUR) ** 2) / 2).sum()
-    return np.asarray(near / whole)
+    place = (origin + np.arange(count)[:, None] * pitch + _offsets(pitch)) / STEP
+    apart = np.abs((np.arange(points) + first)[:, None, None] - place)
+    return np.asarray(np.maximum(1 - apart, 0.0).mean(axis=2) * pitch / STEP)
 
 
 Row = dict[str, Any]  # flat, with the unit in each key's name
@@ -240,17 +215,6 @@ def write_csv(rows: Sequence[Row], path: str | Path) -> None:
     write_bytes(path, buffer.getvalue().encode())
 
 
-def write_json(rows: Sequence[Row], path: str | Path, **about: Any) -> None:
-    """Write rows as a list under "rows", beside what else is stated; NaN becomes null.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
-    write_summary(path, {**about, "rows": list(rows)})
-
-
 def _csv_cell(value: Any) -> Any:
     if isinstance(value, float):
         return f"{value:.6g}" if math.isfinite(value) else ""
@@ -270,19 +234,14 @@ class Match:
     true, estimated : int
         Their places in the two lists.
     distance : float, m
-    true_force, estimated_force : float, N
+    force_error : float
+        Signed, part of the true force.
     """
 
     true: int
     estimated: int
     distance: float
-    true_force: float
-    estimated_force: float
-
-    @property
-    def force_error(self) -> float:
-        """Signed, part of the true force."""
-        return self.estimated_force / self.true_force - 1
+    force_error: float
 
 
 def matched(
@@ -317,7 +276,7 @@ def matched(
     beyond = gate * (min(apart.shape) + 1)
     rows, columns = linear_sum_assignment(np.where(apart <= gate, apart, beyond))
     matches = tuple(
-        Match(i, j, float(apart[i, j]), true[i].force, float(found[j].normal_force))
+        Match(i, j, float(apart[i, j]), float(found[j].normal_force) / true[i].force - 1)
         for i, j in zip(rows.tolist(), columns.tolist(), strict=True)
         if apart[i, j] <= gate
     )
@@ -377,31 +336,24 @@ class Score:
     @property
     def place_error(self) -> float:
         """Mean distance of matched contacts, m; NaN where none is matched."""
-        return _mean([match.distance for match in self.matches])
+        return float(np.mean([m.distance for m in self.matches])) if self.matches else NAN
 
     @property
     def contact_force_error(self) -> float:
         """Mean of the absolute relative errors of matched contacts; NaN where none is matched."""
-        return _mean([abs(match.force_error) for match in self.matches])
+        return float(np.mean([abs(m.force_error) for m in self.matches])) if self.matches else NAN
 
     def row(self) -> Row:
         """The numbers by their names; lengths in mm."""
-        return {
+        head = {
             "true_force_N": self.true_force,
             "contacts": self.true_contacts,
             "matched": len(self.matches),
             "missed": self.missed,
             "false": self.false,
-            "force_error": self.force_error,
-            "field_force_error": self.field_force_error,
             "place_error_mm": 1e3 * self.place_error,
-            "contact_force_error": self.contact_force_error,
-            "peak_error": self.peak_error,
-            "pressure_error": self.pressure_error,
-            "blurred_pressure_error": self.blurred_pressure_error,
-            "deformation_error": self.deformation_error,
-            "area_error": self.area_error,
         }
+        return head | {n: getattr(self, n) for n in MEASURES if n.endswith("_error")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -447,12 +399,7 @@ class Judge:
         truth, lattice = self.case.truth, self.lattice
         loaded = truth.pressure != 0
         raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
-        return raw, lattice.blurred(raw)
-
-    @cached_property
-    def indentation(self) -> tuple[Floats, Floats, Floats]:
-        """Nodes (N, 4) of the grid around each of N true nodes, their weights, the true value m."""
-        return around_truth(self.case.truth, self.grid)
+        return raw, blurred(raw)
 
     def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Score:
         """Score one estimate; `contacts` stand in for those of the estimate."""
@@ -462,7 +409,6 @@ class Judge:
         truth = self.case.truth
         matches, missed, false = matched(self.case.patch, truth.contacts, found, self.gate)
         sharp = self.lattice.of_grid(self.grid, estimate.pressure)
-        soft = self.lattice.of_grid(self.grid, estimate.pressure, blur=True)
         exact, exact_blurred = self.pressure
         known = len(truth.plane) > 0
         return Score(
@@ -476,14 +422,27 @@ class Judge:
             false=false,
             peak_error=_relative(float(sharp.max()), float(exact.max())) if known else NAN,
             pressure_error=_distance(sharp, exact),
-            blurred_pressure_error=_distance(soft, exact_blurred),
+            blurred_pressure_error=_distance(blurred(sharp), exact_blurred),
             deformation_error=self._deformation_error(estimate.indentation),
             area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
         )
 
+    @cached_property
+    def _sunk(self) -> tuple[Floats, Floats]:
+        """Rows and columns (2, N) of the grid where the true indentation (N,) m is known."""
+        truth, grid = self.case.truth, self.grid
+        place = (truth.plane - grid.origin) / grid.pitch
+        known = np.isfinite(truth.displacement[:, 2])
+        known &= ((place >= 0) & (place <= np.array(grid.shape[::-1]) - 1)).all(axis=1)
+        return place[known].T[::-1], -truth.displacement[known, 2]
+
     def _deformation_error(self, indentation: Floats) -> float:
-        nodes, weights, exact = self.indentation
-        return _distance(np.einsum("nk,nk->n", indentation[nodes.astype(np.int64)], weights), exact)
+        from scipy.ndimage import map_coordinates
+
+        where, exact = self._sunk
+        return _distance(
+            map_coordinates(indentation.reshape(self.grid.shape), where, order=1), exact
+        )
 
 
 def score(
@@ -516,23 +475,6 @@ def score(
     return Judge(case, estimate.grid, gate)(estimate, contacts)
 
 
-def around_truth(truth: Truth, grid: Grid) -> tuple[Floats, Floats, Floats]:
-    """Where the true indentation is known on the grid: nodes (N, 4), weights (N, 4), values m."""
-    place = (truth.plane - grid.origin) / grid.pitch
-    rows, columns = grid.shape
-    last = np.array([columns - 1, rows - 1])
-    known = np.isfinite(truth.displacement[:, 2])
-    known &= ((place >= 0) & (place <= last)).all(axis=1)
-    place = place[known]
-    corner = np.minimum(np.floor(place), np.maximum(last - 1, 0)).astype(np.int64)
-    x, y = (place - corner).T
-    right, up = (min(1, columns - 1), columns * min(1, rows - 1))
-    first = corner[:, 1] * columns + corner[:, 0]
-    nodes = np.stack([first, first + right, first + up, first + right + up], axis=1)
-    weights = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=1)
-    return nodes, weights, -truth.displacement[known, 2]
-
-
 def _relative(found: float, true: float) -> float:
     return found / true - 1 if true > 0 else NAN
 
@@ -540,7 +482,3 @@ def _relative(found: float, true: float) -> float:
 def _distance(found: Floats, true: Floats) -> float:
     norm = float(np.linalg.norm(true))
     return float(np.linalg.norm(found - true)) / norm if norm > 0 else NAN
-
-
-def _mean(values: Sequence[float]) -> float:
-    return float(np.mean(values)) if values else NAN

@@ -188,9 +188,8 @@ def at_level(case: Case, level: Level, seed: int) -> Case:
     """Two readings of an exact case at a level; of exact ones the solver is told the floor."""
     if level.noise > 0:
         return case.with_noise(seed, RUNS, level.noise)
-    return replace(
-        case.stating(level.stated), readings=np.repeat(case.draws, RUNS, axis=0), noisy=True
-    )
+    noise = np.full(len(case.patch), level.stated)
+    return replace(case, noise_std=noise, readings=np.repeat(case.draws, RUNS, axis=0), noisy=True)
 
 
 def rows_of_case(

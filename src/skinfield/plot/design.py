@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
@@ -27,7 +26,6 @@ GAP, LEFT, HEAD, FOOT, OVER = 1.15, 0.6, 0.9, 0.5, 0.55
 MOST_PADS = 1500  # outlines beyond this are a grey mass
 NOTHING = "#d8d8de"  # no finite value
 LOWEST, HIGHEST = 0.02, 0.98  # shares of the places between which colours differ
-TICKS = np.array([1.0, 2.0, 5.0])
 
 
 def draw_judgement(judgement: Judgement) -> "Figure":
@@ -74,30 +72,6 @@ def draw_judgement(judgement: Judgement) -> "Figure":
     return figure
 
 
-def draw_place_map(
-    places: Places, values: ArrayLike, *, label: str, title: str = "", note: str = ""
-) -> "Figure":
-    """Figure of one map.
-
-    Parameters
-    ----------
-    places : Places
-    values : (P,) array
-        Infinite ones are drawn grey.
-    label : str
-        What they are, with the unit.
-    title, note : str
-        Over the picture: what it shows, and how to read it.
-    """
-    with style():
-        figure = new_figure(6.0, 5.2)
-        axes = figure.add_axes((0.12, 0.11, 0.7, 0.74))
-        values = np.asarray(values, dtype=np.float64)
-        _draw_places(axes, places, values, label, _extent(places), falling=False)
-        add_title(axes, "", title, note)
-    return figure
-
-
 def _page(extent: Floats) -> tuple["Figure", list[tuple[float, float, float, float]]]:
     """Empty figure, and boxes of two rows of three panels in the patch's proportions."""
     sides = extent[1] - extent[0]
@@ -119,17 +93,13 @@ def _extent(places: Places) -> Floats:
 
 
 def _title(judgement: Judgement) -> str:
-    patch = judgement.design.patch
-    thickness = judgement.design.layer.thickness * MM
-    return f"{patch.name}, {len(patch)} taxels: h = {thickness:g} mm, {_reads(judgement)}"
-
-
-def _reads(judgement: Judgement) -> str:
-    """Quantity and noise."""
     design = judgement.design
     noise, unit = float(np.median(design.noise)), design.quantity.unit
     of = "" if unit == "1" else f" {unit}"
-    return f"{design.quantity.symbol} with noise {noise:.3g}{of}"
+    return (
+        f"{design.patch.name}, {len(design.patch)} taxels: h = {design.layer.thickness * MM:g} mm, "
+        f"{design.quantity.symbol} with noise {noise:.3g}{of}"
+    )
 
 
 def _draw_places(
@@ -168,30 +138,18 @@ def _add_log_bar(axes: "Axes", image: Any, label: str, values: Floats) -> None:
     """Colour bar with round numbers; its arrows say that some places are beyond its ends."""
     low, high = image.get_clim()
     finite = values[np.isfinite(values)]
-    beyond = ((finite < low * 0.999).any(), (finite > high * 1.001).any())
-    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
+    extend = ("neither", "min", "max", "both")
+    beyond = (finite < low * 0.999).any() + 2 * (finite > high * 1.001).any()
     figure: Any = axes.figure
     bar = figure.colorbar(
         image, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)),
-        extend=extend[(int(beyond[0]), int(beyond[1]))], extendfrac=0.03,
+        extend=extend[beyond], extendfrac=0.03,
     )  # fmt: skip
-    ticks = _round_numbers(low, high)
-    bar.set_ticks(list(ticks), labels=[f"{tick:g}" for tick in ticks])
+    ticks = np.geomspace(low, high, 5)
+    bar.set_ticks(list(ticks), labels=[f"{tick:.2g}" for tick in ticks])
     bar.ax.minorticks_off()
     bar.set_label(label)
     bar.outline.set_linewidth(0.5)
-
-
-def _round_numbers(low: float, high: float) -> Floats:
-    """Numbers to write on a logarithmic scale: 1, 2, 5, and more of them where it is short."""
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    many = np.array([1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9])
-    for steps in (TICKS, np.array([1.0, 1.5, 2, 3, 4, 5, 7]), many):
-        ticks = (decades[:, None] * steps).ravel()
-        ticks = ticks[(ticks >= low * 0.999) & (ticks <= high * 1.001)]
-        if len(ticks) >= 4:
-            break
-    return np.asarray(ticks)
 
 
 def _outline_blind(axes: "Axes", judgement: Judgement) -> None:

@@ -54,8 +54,8 @@ class Press:
 def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Grid) -> list[Press]:
     """Presses from (position, force, radius).
 
-    A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal,
-    or a vector (3,) N in the patch's frame; a radius is in m.
+    A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal;
+    a radius is in m.
 
     Raises
     ------
@@ -65,34 +65,19 @@ def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Gri
     presses = []
     for row, entry in enumerate(truth or ()):
         try:
-            place, load, reach = entry
+            place, force, radius = entry
+            position = as_floats(f"truth[{row}] position", place)
+            check_finite(f"truth[{row}]", np.array([*position, force, radius], float), "a press")
+            check_shape("position", position, (3 if len(position) == 3 else 2,), "in metres")
         except (TypeError, ValueError) as error:
             raise InputError(
-                f"truth[{row}] is {entry!r}, expected (position, force, radius): "
-                "in metres, newtons and metres"
+                f"truth[{row}] is {entry!r} ({error}), expected (position, force, radius): (2,) or "
+                "(3,) m, N and m"
             ) from error
-        name = f"truth[{row}]"
-        position, force = as_floats(f"{name} position", place), as_floats(f"{name} force", load)
-        if position.shape not in ((2,), (3,)) or force.shape not in ((), (3,)):
-            raise InputError(
-                f"{name} has position of shape {position.shape} and force of shape {force.shape}, "
-                "expected (2,) or (3,) m, and a number or (3,) N"
-            )
-        numbers = np.array([*position, *force.ravel(), float(reach)])
-        check_finite(name, numbers, "a press has a place, a force and a radius")
-        if position.shape == (2,):
+        if len(position) == 2:
             position = grid.patch.surface.position_from_plane(position[None])[0]
-        if force.shape == (3,):
-            nearest = np.linalg.norm(grid.positions - position, axis=1).argmin()
-            force = -force @ grid.normals[nearest]
-        presses.append(Press(position, float(force), float(reach)))
+        presses.append(Press(position, float(force), float(radius)))
     return presses
-
-
-def nearest_contact(press: Press, contacts: Iterable[Contact]) -> tuple[Contact, float] | None:
-    """Find the contact nearest to a press, and its distance in m; None where there is none."""
-    pairs = [(c, float(np.linalg.norm(c.position - press.position))) for c in contacts]
-    return min(pairs, key=lambda pair: pair[1], default=None)
 
 
 DIRECTIONS = [(0, 1), (0, -1), (1, 0), (-1, 0), (0.7, 0.8), (-0.7, 0.8), (0.7, -0.8), (-0.7, -0.8)]
@@ -165,127 +150,63 @@ def _fits(box: "Bbox", inside: "Bbox", taken: "list[Bbox]") -> bool:
     return within and not any(box.overlaps(other) for other in taken)
 
 
-Box = tuple[float, float, float, float]  # left, bottom, width, height
-SLENDER = 1.45  # height over width of a patch whose maps stand side by side
 WIDTH, HEAD = 9.6, 0.83  # inches: of the page, and from its top to the upper maps
 
 
-@dataclass(frozen=True)
-class Page:
-    """Size in inches, and the boxes of the panels in parts of it."""
-
-    size: tuple[float, float]
-    readings: Box
-    pressure: Box
-    deformation: Box
-    contacts: Box
-    heading: Box  # over the deformation, whose own box has no fixed edge to stand on
-
-
-def page_of(grid: Grid) -> Page:
-    """Page that suits the shape of what is shown: two rows of two, or the maps side by side."""
+def page_of(grid: Grid) -> tuple[tuple[float, float], dict[str, tuple[float, float, float, float]]]:
+    """Size in inches of a page that suits the shape of what is shown, and boxes in parts of it."""
     width, height = np.ptp(extent_of(grid, measured=True), axis=0)
-    ratio = float(height / width)
-    return _side_by_side() if ratio > SLENDER else _two_rows(ratio)
-
-
-def _two_rows(ratio: float) -> Page:
-    high = float(np.clip(3.2 * ratio, 1.05, 2.46))
+    high = float(np.clip(3.2 * height / width, 1.05, 2.46))
     size = (WIDTH, 3.1 + high + HEAD)
-    return Page(
-        size,
-        readings=_parts(size, 0.67, 3.1, 3.2, high),
-        pressure=_parts(size, 5.47, 3.1, 3.2, high),
-        deformation=_parts(size, 0.3, 0.3, 3.8, 1.85),
-        contacts=_parts(size, 5.47, 0.0, 4.05, 2.14),
-        heading=_parts(size, 0.67, 0.0, 3.4, 2.14),
-    )
-
-
-def _side_by_side() -> Page:
-    size = (WIDTH, 6.4)
-    return Page(
-        size,
-        readings=_parts(size, 0.67, 0.61, 1.68, 4.96),
-        pressure=_parts(size, 3.5, 0.61, 1.68, 4.96),
-        deformation=_parts(size, 5.86, 3.27, 2.9, 2.3),
-        contacts=_parts(size, 6.14, 0.0, 3.38, 2.14),
-        heading=_parts(size, 6.14, 3.2, 3.38, 2.37),
-    )
-
-
-def _parts(
-    size: tuple[float, float], left: float, bottom: float, width: float, height: float
-) -> Box:
-    return left / size[0], bottom / size[1], width / size[0], height / size[1]
+    boxes = {
+        "readings": (0.67, 3.1, 3.2, high),
+        "pressure": (5.47, 3.1, 3.2, high),
+        "deformation": (0.3, 0.42, 3.8, 1.7),
+        "contacts": (5.47, 0.0, 4.05, 2.14),
+        "heading": (0.67, 0.0, 3.4, 2.14),  # the deformation's own box has no fixed edge
+    }
+    page = np.array([*size, *size])
+    return size, {name: tuple(np.array(box) / page) for name, box in boxes.items()}
 
 
 COLUMNS = {"": 0.0, "place (mm)": 0.07, "force (N)": 0.45, "area (mm²)": 0.66, "peak (kPa)": 0.85}
-
-
-class Writer:
-    """Lines of text down a panel, of a height in points."""
-
-    def __init__(self, axes: "Axes", line: float) -> None:
-        box = axes.get_position()
-        width, height = np.array([box.width, box.height]) * axes.figure.bbox.size / axes.figure.dpi
-        self.axes, self.y, self.step = axes, 1.0, line / (height * 72.0)
-        self.lines = int(height * 72.0 // line)
-        self.size = float(np.clip(2.1 * width, 6.5, 8.5))
-
-    def cells(self, words: Sequence[str], **look: Any) -> None:
-        """Write one line across the columns."""
-        for x, word in zip(COLUMNS.values(), words, strict=True):
-            self.axes.text(x, self.y - self.step / 2, word, va="center", fontsize=self.size, **look)
-        self.y -= self.step
-
-    def words(self, words: str, **look: Any) -> None:
-        """Write one line of running text."""
-        self.axes.text(
-            0.0, self.y - self.step / 2, words, va="center", fontsize=self.size - 0.5, **look
-        )
-        self.y -= self.step
-
-    def rule(self, gap: float = 0.0) -> None:
-        """Draw a thin line across the panel and leave `gap` lines of space."""
-        self.axes.plot([0, 1], [self.y, self.y], color=FAINT, lw=0.8, clip_on=False)
-        self.y -= gap * self.step
+LINE = 13.5 / 72  # inches
 
 
 def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> None:
     """Write contacts, their sum, the truth where it is known, and how the estimate was made."""
     axes.set(xlim=(0, 1), ylim=(0, 1))
     axes.axis("off")
-    contacts = list(estimate.contacts)
-    writer = Writer(axes, line=13.5)
-    notes = facts(estimate)
-    room = writer.lines - len(notes) - 3 - bool(presses)
+    figure: Any = axes.figure
+    width, height = axes.get_position().size * figure.get_size_inches()
+    size, step = float(np.clip(2.1 * width, 6.5, 8.5)), LINE / height
+    grid, contacts, notes = estimate.grid, list(estimate.contacts), facts(estimate)
+    room = int(height / LINE) - len(notes) - 3 - bool(presses)
     truths = len(presses) if len(presses) + min(len(contacts), 2) <= room else 0
-    writer.cells(list(COLUMNS), color=QUIET)
-    writer.rule()
-    _write_contacts(writer, contacts, estimate.grid, max(room - truths, 2))
-    for press in presses[:truths]:
-        writer.cells(row_of_press(press, estimate.grid), color=BLUE)
-    if presses:
-        writer.words(truth_note(presses, contacts), color=BLUE)
-    writer.y -= 0.4 * writer.step
-    for note in notes:
-        writer.words(note, color=QUIET)
-
-
-def _write_contacts(writer: Writer, contacts: list[Contact], grid: Grid, room: int) -> None:
-    """Write one row a contact, as many as there is room for, the others as one, and the sum."""
+    room = max(room - truths, 2)
     listed = contacts if len(contacts) <= room else contacts[: room - 1]
-    for index, contact in enumerate(listed):
-        writer.cells(row_of(index, contact, grid))
-    if not contacts:
-        writer.words("no contact above the noise", color=QUIET)
-    if len(listed) < len(contacts):
-        rest = contacts[len(listed) :]
-        writer.cells(["", plural(len(rest), "other"), *_sums(rest), ""], color=QUIET)
-    writer.rule()
-    if contacts:
-        writer.cells(["", "all contacts", *_sums(contacts), ""], fontweight="bold")
+    rest = contacts[len(listed) :]
+    quiet, true = {"color": QUIET}, {"color": BLUE}
+    rule: tuple[list[str], dict[str, Any]] = ([], {})
+    rows: list[tuple[list[str], dict[str, Any]]] = [(list(COLUMNS), quiet), rule]
+    rows += [(row_of(index, contact, grid), {}) for index, contact in enumerate(listed)]
+    rows += [] if contacts else [(["no contact above the noise"], quiet)]
+    rows += [(["", plural(len(rest), "other"), *_sums(rest), ""], quiet)] if rest else []
+    rows.append(rule)
+    bold = {"fontweight": "bold"}
+    rows += [(["", "all contacts", *_sums(contacts), ""], bold)] if contacts else []
+    rows += [(row_of_press(press, grid), true) for press in presses[:truths]]
+    rows += [([truth_note(presses, contacts)], true)] if presses else []
+    rows += [([note], quiet) for note in notes]
+    y = 1.0
+    for words, look in rows:
+        if not words:
+            axes.plot([0, 1], [y, y], color=FAINT, lw=0.8, clip_on=False)
+            continue
+        font = size if len(words) > 1 else size - 0.5  # running text
+        for x, word in zip(COLUMNS.values(), words, strict=False):
+            axes.text(x, y - step / 2, word, va="center", fontsize=font, **look)
+        y -= step
 
 
 def _sums(contacts: list[Contact]) -> tuple[str, str]:
@@ -318,10 +239,12 @@ def place_of(position: Floats, grid: Grid) -> str:
 
 def truth_note(presses: Sequence[Press], contacts: Sequence[Contact]) -> str:
     """Say how far the contacts nearest to the true presses are from them, at worst."""
-    found = [(press, nearest_contact(press, contacts)) for press in presses]
-    pairs = [(press, *match) for press, match in found if match is not None]
-    if not pairs:
+    if not contacts:
         return "truth: no contact found"
+    pairs = []
+    for press in presses:
+        apart = [float(np.linalg.norm(c.position - press.position)) for c in contacts]
+        pairs.append((press, contacts[int(np.argmin(apart))], min(apart)))
     changes = [(c.normal_force / p.force - 1) * 100 for p, c, _ in pairs if p.force]
     change = max(changes, key=abs, default=float("nan"))
     distance = max(apart for _, _, apart in pairs) * MM
@@ -380,8 +303,8 @@ def draw_estimate(
         What the taxels read, in the quantity's SI unit; NaN is drawn as an invalid taxel. Without
         it the first panel shows the residual of the estimate.
     truth : sequence of (position, force, radius), optional
-        What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N, or as
-        a vector (3,) N; radius in m.
+        What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N; radius
+        in m.
     quantity_name, quantity_unit : str
         What the taxels read, and the unit it is shown in: "%" shows fractions times 100, "kPa"
         shows pascals over 1000, and any other unit is the readings' own ("1" is left unsaid).
@@ -402,21 +325,26 @@ def draw_estimate(
     values, name = _readings_of_panel(estimate, readings)
     presses = presses_from_truth(truth, estimate.grid)
     with style():
-        page = page_of(estimate.grid)
-        figure = new_figure(*page.size)
+        size, boxes = page_of(estimate.grid)
+        figure = new_figure(*size)
         words = title or headline(estimate)
-        figure.text(0.02, 1 - 0.22 / page.size[1], words, va="center", **TITLE)
+        figure.text(0.02, 1 - 0.22 / size[1], words, va="center", **TITLE)
         unit = "" if quantity_unit == "1" else f" ({quantity_unit})"
         _draw_readings(
-            figure.add_axes(page.readings),
+            figure.add_axes(boxes["readings"]),
             estimate,
             values * FACTOR.get(quantity_unit, 1.0),
             f"{quantity_name}{unit}",
             name,
         )
-        _draw_pressure(figure.add_axes(page.pressure), estimate, presses)
-        _draw_surface(figure, page, estimate)
-        panel = figure.add_axes(page.contacts)
+        _draw_pressure(figure.add_axes(boxes["pressure"]), estimate, presses)
+        axes: Any = figure.add_axes(boxes["deformation"], projection="3d")
+        factor = draw_deformation(figure, axes, estimate)
+        note = "true to scale" if factor == 1 else f"indentation drawn {factor:g} times larger"
+        heading = figure.add_axes(boxes["heading"])
+        heading.axis("off")
+        add_title(heading, "c", "Deformation", note)
+        panel = figure.add_axes(boxes["contacts"])
         add_title(
             panel, "d", "Contacts", "in the frame of the patch; force ± one standard deviation"
         )
@@ -473,12 +401,3 @@ def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> No
     notes += ["dashed: truth"] if presses else []
     notes += [] if grid.covered.all() else ["hatched: outside the taxels"]
     add_title(axes, "b", "Pressure", "; ".join(notes))
-
-
-def _draw_surface(figure: "Figure", page: Page, estimate: Estimate) -> None:
-    axes: Any = figure.add_axes(page.deformation, projection="3d")
-    factor = draw_deformation(figure, axes, estimate)
-    note = "true to scale" if factor == 1 else f"indentation drawn {factor:g} times larger"
-    heading = figure.add_axes(page.heading)
-    heading.axis("off")
-    add_title(heading, "c", "Deformation", note)

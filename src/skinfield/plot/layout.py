@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, lightened: told apart by every kind of colour vision.
 HUES = ["#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7"]
 WIDTH, LEFT, RIGHT, ABOVE, BELOW, HEAD = 6.4, 0.75, 0.25, 0.6, 0.55, 0.35  # of a panel, inches
-CORNERS = 18  # of a pad drawn in 3D
 MOST_NUMBERED = 40  # modules; more of them cannot be read
 
 
@@ -35,7 +34,7 @@ def draw_layout(skin: Skin) -> "Figure":
     """Figure of the patches of a skin, one panel each.
 
     A flat patch is drawn in its plane, pads to scale in the colours of their modules, over the
-    triangulation; a curved one in 3D from outside, its normals as short arrows.
+    triangulation; a curved one in 3D, its normals as short arrows.
 
     Parameters
     ----------
@@ -123,37 +122,20 @@ def _number_modules(axes: "Axes", patch: Patch) -> None:
 
 
 def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -> None:
-    from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
-        Line3DCollection,
-        Poly3DCollection,
-    )
-
     box = (*corner, size[0], size[1] * 0.93)
-    axes: Any = figure.add_axes(box, projection="3d", computed_zorder=False)
+    axes: Any = figure.add_axes(box, projection="3d")
     axes.set_proj_type("ortho")
-    towards = _view(patch)
+    towards = patch.normals.mean(axis=0)
     axes.view_init(
-        elev=np.degrees(np.arcsin(np.clip(towards[2], -1, 1))),
-        azim=np.degrees(np.arctan2(towards[1], towards[0])),
+        elev=np.degrees(np.arctan2(towards[2], np.hypot(*towards[:2]))) * 0.6 + 15.0,
+        azim=np.degrees(np.arctan2(towards[1], towards[0])) + 25.0,
     )
-    front = (patch.normals @ towards)[:, None]
-    fill = np.where(front > 0, _fill(patch), 0.35 * _fill(patch) + 0.65)  # the far side is pale
-    order = np.argsort(patch.positions @ towards)
-    axes.add_collection3d(
-        Poly3DCollection(
-            list(_discs(patch)[order] * MM),
-            facecolors=fill[order],
-            edgecolors=np.where(front > 0, 0.45, 0.8)[order].repeat(3, axis=1),
-            linewidths=0.4,
-            zsort="average",
-        )
-    )
-    reach = float(np.median(nearest_distance(patch.positions)))
-    seen = front[:, 0] > 0
-    arrows = np.stack([patch.positions, patch.positions + reach * patch.normals], axis=1) * MM
-    colours = np.where(seen, INK, FAINT).tolist()
-    axes.add_collection3d(Line3DCollection(list(arrows), colors=colours, linewidths=0.6))
-    low, high = arrows.min(axis=(0, 1)), arrows.max(axis=(0, 1))
+    places, normals = patch.positions * MM, patch.normals
+    reach = float(np.median(nearest_distance(places)))
+    axes.scatter(*places.T, c=_fill(patch), s=24, edgecolors=QUIET, linewidths=0.4)
+    axes.quiver(*places.T, *normals.T, length=reach, colors=INK, linewidths=0.6)
+    tips = np.concatenate([places, places + reach * normals])
+    low, high = tips.min(axis=0), tips.max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(high - low, zoom=0.86)
     axes.set(xlabel="x (mm)", ylabel="y (mm)", zlabel="z (mm)")
@@ -161,31 +143,5 @@ def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -
         axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))  # short sides overlap
     x, y = corner + size * [0.2 / WIDTH, 0.98]
     figure.text(x, y, patch.name, fontsize=10, fontweight="bold", va="top")
-    note = f"{_note(patch)}, curved; lines are normals, pale faces away"
+    note = f"{_note(patch)}, curved; lines are normals"
     figure.text(x, y - 0.042 * size[1], note, fontsize=7.5, color=QUIET, va="top")
-
-
-def _view(patch: Patch) -> Floats:
-    """Direction from the skin to the eye: against its mean normal, or across its long side."""
-    mean = patch.normals.mean(axis=0)
-    length = np.linalg.norm(mean)
-    if length > 0.3:
-        towards = mean / length
-    else:
-        towards = np.linalg.svd(patch.positions - patch.positions.mean(axis=0))[2][2]
-    up = np.array([0.0, 0.0, 1.0]) if abs(towards[2]) < 0.8 else np.array([0.3, -1.0, 0.0])
-    up -= towards * (up @ towards)
-    up /= np.linalg.norm(up)
-    towards = 0.8 * towards + 0.5 * up + 0.33 * np.cross(up, towards)  # from above and aside
-    return np.asarray(towards / np.linalg.norm(towards))
-
-
-def _discs(patch: Patch) -> Floats:
-    """Rims of the pads, (L, corners, 3) m, each across its normal."""
-    helper = np.where(np.abs(patch.normals[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    first = np.cross(patch.normals, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(patch.normals, first)
-    turn = np.linspace(0.0, 2 * np.pi, CORNERS, endpoint=False)[None, :, None]
-    rim = np.cos(turn) * first[:, None] + np.sin(turn) * second[:, None]
-    return np.asarray(patch.positions[:, None] + patch.pad_diameter / 2 * rim)

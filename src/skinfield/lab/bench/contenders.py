@@ -2,25 +2,18 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Mechanics, ObservationModel
 from skinfield.errors import Floats
-from skinfield.estimate import Contact, ContactFinder, Estimate
+from skinfield.estimate import Contact, ContactFinder
 from skinfield.lab.bench.scene import LEAD, BenchSettings
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import (
-    ContactFit,
-    ContactOperator,
-    GaussianField,
-    Inverse,
-    NonNegative,
-    Solver,
-)
+from skinfield.solve import ContactFit, GaussianField, Inverse, NonNegative, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,147 +28,81 @@ class Answer:
         Of no argument: finds the contacts.
     gap : float
         Certified, relative; NaN where none is known.
-    met : bool or None
-        Whether the solver says that it kept the deadline; None if it does not say.
-    iterations : int or None
     """
 
     pressure: Any
     contacts: Callable[[], Sequence[Contact]]
     gap: float = 0.0
-    met: bool | None = None
-    iterations: int | None = None
 
 
-class Contender(Protocol):
-    """A prepared solver that answers reading by reading."""
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A prepared solver that answers reading by reading.
 
-    @property
-    def name(self) -> str:
-        """As it stands in tables and figures."""
-        ...
+    Parameters
+    ----------
+    name : str
+        As it stands in tables and figures.
+    answer : function of readings (L,) and a time of `time.perf_counter_ns`, or None
+        Finds pressure or contacts by then.
+    last : function
+        Returns what was found last.
+    reset : function
+        Forgets the reading before.
+    """
 
-    def reset(self) -> None:
-        """Forget the reading before."""
-        ...
-
-    def answer(self, readings: Floats, deadline_ns: int | None) -> None:
-        """Find pressure or contacts of `readings` (L,) by a time of `time.perf_counter_ns`."""
-        ...
-
-    def last(self) -> Answer:
-        """What was found last."""
-        ...
+    name: str
+    answer: Callable[[Floats, int | None], object]
+    last: Callable[[], Answer]
+    reset: Callable[[], object] = lambda: None
 
 
-@dataclass(eq=False)
-class Prepared:
+def linear(name: str, rec: Reconstructor) -> Contender:
     """A linear solver as one matrix in single precision: pressure and displacement."""
+    single, out = np.empty(len(rec.patch), np.float32), np.empty(4 * len(rec.grid), np.float32)
+    noise = (rec.plan.noise, rec.plan.posterior, rec.plan.model_error)
 
-    name: str
-    rec: Reconstructor
+    def answer(readings: Floats, deadline_ns: int | None) -> None:
+        single[:] = readings
+        rec.apply(single, out)
 
-    def __post_init__(self) -> None:
-        self._single = np.empty(len(self.rec.patch), np.float32)
-        self._out = np.empty(4 * len(self.rec.grid), np.float32)
+    def last() -> Answer:
+        pressure = out[: len(rec.grid)].copy()
+        return Answer(pressure, lambda: rec.finder(rec.grid, pressure.astype(np.float64), *noise))
 
-    def reset(self) -> None:
-        """Nothing is kept."""
-
-    def answer(self, readings: Floats, deadline_ns: int | None) -> None:
-        """One product of a matrix and a vector, whatever the deadline."""
-        self._single[:] = readings
-        self.rec.apply(self._single, self._out)
-
-    def last(self) -> Answer:
-        """See `Contender.last`: a closed form has no gap."""
-        rec, pressure = self.rec, self._out[: len(self.rec.grid)].copy()
-        found = (rec.plan.noise, rec.plan.posterior, rec.plan.model_error)
-        return Answer(pressure, lambda: rec.finder(rec.grid, pressure.astype(np.float64), *found))
+    return Contender(name, answer, last)
 
 
-@dataclass(eq=False)
-class Iterative:
-    """A field that is found step by step."""
+def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Contender:
+    """A non-negative field, which is found step by step."""
+    made: Any = solver.prepare(model)
+    found, finder = np.zeros(len(model.grid)), ContactFinder()
 
-    name: str
-    operator: Any  # a FieldOperator with a gap and iterations
-    grid: Grid
-    finder: ContactFinder = field(default_factory=ContactFinder)
-
-    def __post_init__(self) -> None:
-        self._pressure = np.zeros(len(self.grid))
-
-    def reset(self) -> None:
-        """See `Contender.reset`."""
-        self.operator.reset()
-
-    def answer(self, readings: Floats, deadline_ns: int | None) -> None:
-        """See `Contender.answer`."""
-        self.operator.apply(readings, self._pressure, deadline_ns)
-
-    def last(self) -> Answer:
-        """See `Contender.last`."""
-        made, pressure = self.operator, self._pressure.copy()
-        found = (made.noise, made.posterior, made.model_error)
+    def last() -> Answer:
+        pressure = found.copy()
+        noise = (made.noise, made.posterior, made.model_error)
         return Answer(
             pressure.astype(np.float32),
-            lambda: self.finder(self.grid, pressure, *found),
+            lambda: finder(model.grid, pressure, *noise),
             float(made.gap),
-            getattr(made, "deadline_met", None),
-            int(made.iterations),
         )
 
-
-@dataclass(eq=False)
-class Fitted:
-    """Contacts that are found without a field."""
-
-    name: str
-    operator: ContactOperator
-    _fit: Any = None
-
-    def reset(self) -> None:
-        """See `Contender.reset`."""
-        self.operator.reset()
-
-    def answer(self, readings: Floats, deadline_ns: int | None) -> None:
-        """See `Contender.answer`."""
-        self._fit = self.operator.fit(readings, deadline_ns)
-
-    def last(self) -> Answer:
-        """See `Contender.last`: no bound of its error is known."""
-        fit = self._fit
-        late = any("deadline" in note for note in fit.notes)
-        return Answer(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan, not late)
+    return Contender(name, lambda y, by: made.apply(y, found, by), last, made.reset)
 
 
-@dataclass(eq=False)
-class Called:
-    """A whole call `rec(readings, deadline=...)`."""
+def contact_fit(model: ObservationModel) -> Contender:
+    """The contact fit alone: no field stands in for readings that it does not explain."""
+    made = ContactFit(extended=None).prepare(model)
+    found: list[Any] = [None]
 
-    name: str
-    rec: Reconstructor
-    latency: list[float] = field(default_factory=list)
-    _estimate: Estimate | Any = None
+    def answer(readings: Floats, deadline_ns: int | None) -> None:
+        found[0] = made.fit(readings, deadline_ns)
 
-    def reset(self) -> None:
-        """See `Contender.reset`."""
-        self.rec.reset()
+    def last() -> Answer:
+        fit = found[0]
+        return Answer(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan)
 
-    def answer(self, readings: Floats, deadline_ns: int | None) -> None:
-        """See `Contender.answer`."""
-        room = None
-        if deadline_ns is not None:
-            room = max((deadline_ns - time.perf_counter_ns()) * 1e-9, 1e-9)
-        self._estimate = self.rec(readings, deadline=room)
-
-    def last(self) -> Answer:
-        """See `Contender.last`."""
-        made = self._estimate
-        self.latency.append(made.latency)
-        met = bool(made.deadline_met)
-        return Answer(made.pressure, lambda: made.contacts, float(made.gap), met)
+    return Contender("ContactFit", answer, last, made.reset)
 
 
 def model_of(settings: BenchSettings, nodes: int) -> ObservationModel:
@@ -186,26 +113,15 @@ def model_of(settings: BenchSettings, nodes: int) -> ObservationModel:
     )
 
 
-def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Iterative:
-    """A non-negative field."""
-    return Iterative(name, solver.prepare(model), model.grid)
-
-
-def contact_fit(model: ObservationModel) -> Fitted:
-    """The contact fit alone: no field stands in for readings that it does not explain."""
-    return Fitted("ContactFit", ContactFit(extended=None).prepare(model))
-
-
-def gaussian(name: str, settings: BenchSettings, nodes: int) -> Prepared:
+def gaussian(name: str, settings: BenchSettings, nodes: int) -> Contender:
     """The linear field, prepared once."""
-    return Prepared(name, reconstructor(settings, nodes, GaussianField(), precision=np.float32))
+    return linear(name, reconstructor(settings, nodes, GaussianField(), precision=np.float32))
 
 
-def paper_prepared(name: str, settings: BenchSettings, nodes: int) -> Prepared:
+def paper_prepared(name: str, settings: BenchSettings, nodes: int) -> Contender:
     """The paper's inverse, half-space and points, prepared once."""
     point, half_space = BaseStress(pad_averaged=False), HalfSpace(psi=0.25)
-    made = reconstructor(settings, nodes, Inverse(), half_space, point, np.float32)
-    return Prepared(name, made)
+    return linear(name, reconstructor(settings, nodes, Inverse(), half_space, point, np.float32))
 
 
 def reconstructor(

@@ -13,45 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.errors import FileError, InputError
+from skinfield.loop.realtime import Quantiles
 
 HIGHEST = 20_000  # µs: what is later is only counted
 PATIENCE = 15.0  # s that it may take beyond its time
-
-
-@dataclass(frozen=True, eq=False)
-class Lateness:
-    """Wakes by how late they were.
-
-    Attributes
-    ----------
-    late : (B,) array, µs
-        Whole, ascending; the last is the latest of all if any was beyond the histogram.
-    counts : (B,) array
-        Wakes that were so late, or up to 1 µs later.
-    max, mean : float, s
-    """
-
-    late: Ints
-    counts: Ints
-    max: float
-    mean: float
-
-    def quantiles(self) -> tuple[float, float, float, float, float, int]:
-        """Median, 99 and 99.9 % in the middle of their bins of 1 µs, max and mean, s, and count."""
-        below = np.cumsum(self.counts)
-        count = int(below[-1])
-
-        def middle(thousandths: int) -> float:
-            place = int(np.searchsorted(below, -(-count * thousandths // 1000)))
-            return min((float(self.late[place]) + 0.5) * 1e-6, self.max)
-
-        return middle(500), middle(990), middle(999), self.max, self.mean, count
-
-    def later(self) -> tuple[Floats, Floats]:
-        """Ends of the bins (s), and the share of all wakes that were later than each."""
-        shares = 1.0 - np.cumsum(self.counts) / self.counts.sum()
-        return np.asarray((self.late + 1) * 1e-6), np.asarray(shares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +91,7 @@ class Cyclictest:
         )
         return cls(child, seconds, file)
 
-    def finish(self) -> Lateness:
+    def finish(self) -> Quantiles:
         """Wait for its end and read what it measured.
 
         Raises
@@ -148,7 +114,7 @@ class Cyclictest:
         if self.child.returncode:
             lines = [line for line in complaint.splitlines() if line.strip()]
             raise InputError(f"cyclictest failed: {' '.join(lines[-2:]) or 'it gave no reason'}")
-        return lateness_from_json(text)
+        return quantiles_from_json(text)
 
     def stop(self) -> None:
         """End it now, and take its file away."""
@@ -159,8 +125,8 @@ class Cyclictest:
         self.file.unlink(missing_ok=True)
 
 
-def lateness_from_json(text: str) -> Lateness:
-    """Read what `cyclictest --json` printed of one thread.
+def quantiles_from_json(text: str) -> Quantiles:
+    """Read what `cyclictest --json` printed of one thread, in the middle of its bins of 1 µs.
 
     Raises
     ------
@@ -180,4 +146,6 @@ def lateness_from_json(text: str) -> Lateness:
             "with a histogram of one thread, as version 2.0 and later print"
         ) from error
     late, counts = np.array([*bins, *([(longest, beyond)] if beyond else [])], np.int64).T
-    return Lateness(late, counts, 1e-6 * longest, 1e-6 * mean)
+    places = np.searchsorted(np.cumsum(counts), [-(-cycles * m // 1000) for m in (500, 990, 999)])
+    p50, p99, p999 = np.minimum((late[places] + 0.5) * 1e-6, 1e-6 * longest).tolist()
+    return Quantiles(p50, p99, p999, 1e-6 * longest, 1e-6 * mean, cycles)

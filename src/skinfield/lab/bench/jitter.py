@@ -7,37 +7,26 @@ import uuid
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
+from skinfield.errors import InputError, check_count, check_range
 from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.lab.bench.machine import Company, Watch
-from skinfield.loop.realtime import (
-    PeriodicClock,
-    Quantiles,
-    RealTime,
-    RealTimeStatus,
-    Timing,
-    TimingTable,
-)
-from skinfield.loop.realtime.timing import FIELDS, LAST_NS
+from skinfield.loop.realtime import Quantiles, RealTime, RealTimeStatus, Timing
 from skinfield.skin import Skin
 from skinfield.solve import NonNegative, Solver
 
 if TYPE_CHECKING:
-    from skinfield.loop.supervisor import Supervisor
+    pass
 
 Words = NDArray[np.uint64]
 Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
-LOADS = ("skin", "none")
 SETTLE = 1.0  # s of company before times count
 BEFORE = 0.25  # s before a whole second at which cyclictest is started: it begins at the second
 SPIN = "import time\nend = time.monotonic() + {seconds}\nwhile time.monotonic() < end: pass"
@@ -53,8 +42,6 @@ class JitterSettings:
     rate_hz : float, 1/s
     busy : int
         Processes that compute all the time beside it.
-    load : str
-        "skin": the engine reads a virtual skin over UDP; "none": it only wakes.
     solver : Solver
         Of the engine.
     real_time : RealTime
@@ -63,7 +50,6 @@ class JitterSettings:
     duration: float = 20.0
     rate_hz: float = 1000.0
     busy: int = 2
-    load: str = "skin"
     solver: Solver = field(default_factory=NonNegative)
     real_time: RealTime = field(default_factory=RealTime)
 
@@ -71,7 +57,6 @@ class JitterSettings:
         check_range("duration", self.duration, 1.0, 86_400.0, "of measuring")
         check_range("rate_hz", self.rate_hz, 1.0, 20_000.0, "cycles per second")
         check_count("busy", self.busy, 0, 1024, "processes that compute all the time")
-        check_choice("load", self.load, LOADS, "what a cycle does")
 
 
 @dataclass(frozen=True)
@@ -92,8 +77,6 @@ class Jitter:
     faults, interruptions : int or None
         Page faults of the loop's process, and times that it had to give its CPU away; None where
         the system does not tell.
-    late, paired_late : pairs of arrays (B,)
-        Time (s) and share of wakes that were later: of the loop, and of cyclictest if there is one.
     """
 
     settings: JitterSettings
@@ -104,8 +87,6 @@ class Jitter:
     company: Company
     faults: int | None
     interruptions: int | None
-    late: tuple[Floats, Floats]
-    paired_late: tuple[Floats, Floats] | None
 
     def ratio(self, name: str) -> float | None:
         """Of the wakes' quantile to that of the cyclictest."""
@@ -151,9 +132,7 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Bo
         If the loop does not start, or ends while it is measured.
     """
     tell("starting the loop")
-    alone = settings.load == "none"
-    started = bare_loop(settings) if alone else skin_loop(settings, boards)
-    with started as loop, _busy(settings):
+    with skin_loop(settings, boards) as loop, _busy(settings):
         time.sleep(SETTLE)
         tell(f"measuring for {settings.duration:g} s")
         return measure(settings, loop)
@@ -169,9 +148,9 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
         before, watch, usage = loop.snapshot(), Watch(), _usage(loop.pid)
         _sleep_until(second + settings.duration)
         after, company, used = loop.snapshot(), watch.company(), _usage(loop.pid)
-        lateness = None if running is None else running.finish()
+        paired = None if running is None else running.finish()
     except InputError as error:
-        lateness, missing = None, str(error)
+        paired, missing = None, str(error)
     finally:
         if running is not None:
             running.stop()
@@ -181,21 +160,10 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
             f"the loop ended while it was measured, after {timing.cycles} cycles, expected it to "
             f"run on: {loop.failure() or 'it did not say why'}"
         )
-    wakes = (after[0][0] - before[0][0])[: len(LAST_NS)].astype(np.float64)
-    used_bins = np.flatnonzero(wakes)
-    some = slice(used_bins[0], used_bins[-1] + 1)
-    return Jitter(
-        settings,
-        loop.granted,
-        timing,
-        None if lateness is None else Quantiles(*lateness.quantiles()),
-        missing,
-        company,
-        None if usage is None or used is None else used[0] - usage[0],
-        None if usage is None or used is None else used[1] - usage[1],
-        (LAST_NS[some] / 1e9, 1.0 - np.cumsum(wakes[some]) / wakes.sum()),
-        None if lateness is None else lateness.later(),
+    faults, interruptions = (
+        None if usage is None or used is None else used[which] - usage[which] for which in (0, 1)
     )
+    return Jitter(settings, loop.granted, timing, paired, missing, company, faults, interruptions)
 
 
 def _usage(pid: int) -> tuple[int, int] | None:
@@ -250,56 +218,6 @@ def _busy(settings: JitterSettings) -> Iterator[None]:
 
 
 @contextmanager
-def bare_loop(settings: JitterSettings) -> Iterator[Loop]:
-    """A loop that does nothing but wake: what Python costs."""
-    sizes = [int(np.prod(shape)) for _, _, shape in FIELDS]
-    context = get_context("spawn")
-    memory = context.RawArray("Q", sum(sizes))
-    ours, theirs = context.Pipe()
-    arguments = memory, int(1e9 / settings.rate_hz), settings.real_time, theirs
-    child = context.Process(target=_run_bare, args=arguments, daemon=True)
-    child.start()
-    theirs.close()
-    times, totals = _arrays_in(memory)
-    try:
-        if not ours.poll(PATIENCE):
-            raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
-        granted = RealTimeStatus.from_dict(ours.recv())
-        yield Loop(int(child.pid or 0), granted, lambda: (times.copy(), totals.copy()))
-    finally:
-        ours.close()  # which ends it
-        child.join(10)
-        if child.is_alive():
-            child.kill()
-            child.join()
-
-
-def _arrays_in(memory: Any) -> tuple[Words, Words]:
-    """Times and totals of a `TimingTable` in shared memory."""
-    (_, _, times), (_, _, totals) = FIELDS
-    words: Words = np.frombuffer(memory, np.uint64)
-    length = int(np.prod(times))
-    return words[:length].reshape(times), words[length:].reshape(totals)
-
-
-def _run_bare(memory: Any, period_ns: int, real_time: RealTime, parent: Connection) -> None:
-    """In the child: until the parent hangs up."""
-    times, totals = _arrays_in(memory)
-    table = TimingTable(period_ns, times=times, totals=totals)
-    clock = PeriodicClock(period_ns)
-    parent.send(real_time.apply().as_dict())
-    looks = max(200_000_000 // period_ns, 1)  # cycles from one look at the parent to the next
-    while True:
-        for _ in range(looks):
-            due, wake = clock.wait()
-            now = time.monotonic_ns()
-            table.add(due, wake, now, now, now)
-            table.set_skipped(clock.skipped)
-        if parent.poll(0):  # hung up
-            return
-
-
-@contextmanager
 def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
     """The engine of the paper's hexagon on 40 x 40 nodes, which reads a virtual skin.
 
@@ -330,15 +248,12 @@ def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
         reader = supervisor.wait(PATIENCE)
         stack.callback(reader.close)
         play("slide")  # once it has its baseline
-        yield _engine(reader, supervisor)
 
+        def snapshot() -> tuple[Words, Words]:
+            status = reader.status
+            return status["times"].copy(), status["totals"].copy()
 
-def _engine(reader: Any, supervisor: "Supervisor") -> Loop:
-    def snapshot() -> tuple[Words, Words]:
-        status = reader.status
-        return status["times"].copy(), status["totals"].copy()
-
-    return Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
+        yield Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
 
 
 def _granted(reader: Any) -> RealTimeStatus:

@@ -3,58 +3,48 @@
 import gc
 import os
 import platform
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats
 
-PACKAGES = ("skinfield", "numpy", "scipy", "numba")
 CPU_INFO, CPU_TIMES = Path("/proc/cpuinfo"), Path("/proc/stat")
 TOO_MUCH = 0.15  # cores that others may use before it is worth a warning
 CROWDED = 0.5  # load per core when it begins, from which it is
 
 
-@dataclass(frozen=True)
-class Machine:
-    """What timed, by name and version.
-
-    Attributes
-    ----------
-    processor : str
-    cores : int
-        That the system has.
-    system, python : str
-    packages : dict
-        Version by name.
-    blas : str
-        Which NumPy multiplies matrices by.
-    """
-
-    processor: str
-    cores: int
-    system: str
-    python: str
-    packages: dict[str, str]
-    blas: str
+def this_machine() -> dict[str, Any]:
+    """Processor, cores, system, Python, versions of packages, and NumPy's BLAS."""
+    found = np.show_config(mode="dicts")
+    blas = found.get("Build Dependencies", {}).get("blas", {}) if isinstance(found, dict) else {}
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count() or 1,
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": f"{platform.python_implementation()} {platform.python_version()}",
+        "packages": versions("skinfield", "numpy", "scipy", "numba"),
+        "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
+    }
 
 
-def this_machine() -> Machine:
-    """Describe the machine and the programs."""
-    return Machine(
-        processor=_processor(),
-        cores=os.cpu_count() or 1,
-        system=f"{platform.system()} {platform.release()} {platform.machine()}",
-        python=f"{platform.python_implementation()} {platform.python_version()}",
-        packages={name: _version(name) for name in PACKAGES},
-        blas=_blas(),
-    )
+def versions(*packages: str) -> dict[str, str]:
+    """Of packages, by name."""
+    found = {}
+    for name in packages:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
 
 
 @dataclass(frozen=True)
@@ -81,14 +71,14 @@ class Company:
     def warnings(self, cores: int) -> tuple[str, ...]:
         """What makes the times doubtful, in words."""
         found = []
-        if self.others is not None and self.others > TOO_MUCH:
+        if (self.others or 0.0) > TOO_MUCH:
             found.append(
                 f"other processes used {self.others:.1f} of {cores} cores meanwhile: times are "
                 "longer than on a quiet machine, the highest percentiles most of all"
             )
-        elif self.others is None and self.load is not None and self.load > CROWDED * cores:
+        elif self.others is None and (self.load or 0.0) > CROWDED * cores:
             found.append(f"the load was {self.load:.1f} on {cores} cores: the machine was busy")
-        if self.stolen is not None and self.stolen > TOO_MUCH:
+        if (self.stolen or 0.0) > TOO_MUCH:
             found.append(f"the host of this virtual machine kept {self.stolen:.1f} cores away")
         return tuple(found)
 
@@ -97,7 +87,7 @@ class Watch:
     """Sees who uses the processor, from when it is made until `company` is asked for."""
 
     def __init__(self) -> None:
-        self._load = _load()
+        self._load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
         self._start = self._usage()
 
     def company(self) -> Company:
@@ -124,35 +114,12 @@ class Watch:
         return clock, own, (user + nice + system + irq + soft) / tick, steal / tick
 
 
-def _load() -> float | None:
-    try:
-        return os.getloadavg()[0]
-    except (AttributeError, OSError):  # not on Windows
-        return None
-
-
 def _processor() -> str:
     try:
-        for line in CPU_INFO.read_text(errors="replace").splitlines():
-            name, _, value = line.partition(":")
-            if name.strip() == "model name":
-                return value.strip()
+        found = re.search(r"^model name\s*: (.*)$", CPU_INFO.read_text(errors="replace"), re.M)
     except OSError:
-        pass
-    return platform.processor() or platform.machine()
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _blas() -> str:
-    found = np.show_config(mode="dicts")
-    blas = found.get("Build Dependencies", {}).get("blas", {}) if isinstance(found, dict) else {}
-    return f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip()
+        found = None
+    return found[1] if found else platform.processor() or platform.machine()
 
 
 PERCENTILES = (10, 50, 90, 99)

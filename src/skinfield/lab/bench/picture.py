@@ -1,12 +1,11 @@
-"""Figures of a benchmark: cost of a reading, and error against time, in two panels each."""
+"""Figure of a benchmark: cost of a reading, and error against time."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.lab.bench.run import FIELD, PAPER, PAPER_REST_MS, Row
-from skinfield.lab.plots import DOTS, Curve, Panel, Scale, draw_panels
+from skinfield.lab.bench.run import FIELD, PAPER
+from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,11 +22,9 @@ COSTS = (  # rows of the left panel: name, and what the legend calls it
     ("NonNegative to 1e-2, warm", "NonNegative to 1 %"),
     ("ContactFit", "ContactFit"),
 )
-REST = "the paper's own, all but the inversion"
 BY_THEN = "p90"  # nine of ten answers are there by then, and as close as that
 TIME = "time from the reading to the answer (ms)"
 HIGH = 3.0  # inches: of a panel
-Value = Callable[[Row], float | None]
 Bench = dict[str, Any]  # of `run_bench`
 
 
@@ -46,30 +43,13 @@ def picture(bench: Bench) -> "Figure":
     right = Panel(
         "How close, by when",
         f"{bench['nodes']} × {bench['nodes']} nodes, two fingers move; nine of ten by then",
-        tuple(_curves(bench, _error)),
+        tuple(_curves(bench)),
         Scale(
             x=TIME, y=f"error to the converged one (%; {FLOOR:g}: none)", log_x=True,
             log_y=True, y_limits=(FLOOR / 1.5, None), marks=True,
         ),
     )  # fmt: skip
     return draw_panels([[left, right]], HIGH, machine_line(bench))
-
-
-def picture_of_truth(bench: Bench) -> "Figure":
-    """Draw error of place and of force to the truth against time."""
-    panels = [
-        Panel(
-            title,
-            f"two fingers move, {bench['nodes']} × {bench['nodes']} nodes; medians",
-            tuple(_curves(bench, value)),
-            Scale(x=TIME, y=label, log_x=True, log_y=True, marks=True),
-        )
-        for title, label, value in (
-            ("Place", "distance of a contact to its finger (mm)", _place),
-            ("Force", "error of the sum of all contacts (%)", _force),
-        )
-    ]
-    return draw_panels([panels], HIGH, machine_line(bench))
 
 
 def written(value: float, what: str) -> str:
@@ -103,36 +83,21 @@ def _costs(bench: Bench) -> list[Curve]:
         )
         ends = (np.minimum(np.maximum(mean - std, least), middle), np.maximum(mean + std, middle))
         curves.append(Curve(method, nodes, middle, *(ends if name == PAPER else ())))
-    rest = [n for n in PAPER_REST_MS if any(row["nodes"] == n for row in bench["grids"])]
-    times = np.array([PAPER_REST_MS[n] for n in rest])
-    return [*curves, Curve(REST, np.array(rest, dtype=float), times, look=DOTS)]
+    return curves
 
 
-def _curves(bench: Bench, value: Value) -> list[Curve]:
-    """A curve per solver and start; a deadline at which there is no value has no mark."""
+def _curves(bench: Bench) -> list[Curve]:
+    """Error to the converged answer, a curve per solver and start."""
     curves = []
     for name, start in dict.fromkeys((row["solver"], row["start"]) for row in bench["points"]):
         pairs = [
-            (1e-3 * point["usual_seconds_us"][BY_THEN], y)
+            (1e-3 * point["usual_seconds_us"][BY_THEN],
+             max(100 * point["usual_errors"][BY_THEN], FLOOR))
             for point in bench["points"]
-            if (point["solver"], point["start"]) == (name, start)
-            and (y := value(point)) is not None
-        ]
+            if (point["solver"], point["start"]) == (name, start) and point["usual_errors"]
+        ]  # fmt: skip
         if pairs:
             x, y = np.array(pairs).T
             words = ", cold" if start == "cold" and name != PAPER else ""
             curves.append(Curve(METHODS.get(name, name) + words, x, y))
     return curves
-
-
-def _error(point: Row) -> float | None:
-    return max(100 * point["usual_errors"][BY_THEN], FLOOR) if point["usual_errors"] else None
-
-
-def _place(point: Row) -> float | None:
-    place: float | None = point["place_median_mm"]
-    return place
-
-
-def _force(point: Row) -> float | None:
-    return 100 * point["force"]["p50"] if point["force"] else None

@@ -1,4 +1,4 @@
-"""Benchmark run: cost of a reading on several grids, error against time, and whole calls."""
+"""Benchmark run: cost of a reading on several grids, and error against time."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
@@ -10,7 +10,6 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.lab.bench.contenders import (
-    Called,
     Chain,
     Contender,
     contact_fit,
@@ -18,7 +17,6 @@ from skinfield.lab.bench.contenders import (
     model_of,
     non_negative,
     paper_prepared,
-    reconstructor,
     run_chain,
 )
 from skinfield.lab.bench.machine import Watch, laps, settled, spread, this_machine, undisturbed
@@ -35,7 +33,7 @@ from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
 from skinfield.skin import Grid, Patch
-from skinfield.solve import ContactFit, GaussianField, NonNegative, Solver
+from skinfield.solve import NonNegative
 
 CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with
 LONG = NonNegative(tolerance=1e-5)  # goes on while there is time
@@ -43,11 +41,6 @@ PAPER, INVERSION = "paper", "paper, inversion alone"
 PREPARED, FIELD = "paper's inverse, prepared", "GaussianField, prepared"
 PAPER_REST_MS = {20: 0.4, 40: 1.4}  # as the paper states: all of it but the inversion
 STARTS = ("warm", "cold")
-SOLVERS: dict[str, Solver] = {
-    "GaussianField": GaussianField(),
-    "NonNegative": NonNegative(),
-    "ContactFit": ContactFit(),
-}
 US, MM = 1e6, 1e3  # per s, per m
 FORMAT = 1
 Row = dict[str, Any]  # with the unit in each key's name, as JSON has it
@@ -154,7 +147,7 @@ class Track:
     contender: Contender
     start: str
     deadline: float | None
-    reference: Floats | None = None
+    reference: Floats
     chains: list[Chain] = field(default_factory=list)
 
     def run(self, readings: Floats) -> None:
@@ -164,10 +157,22 @@ class Track:
             chain = run_chain(self.contender, readings, self.deadline, cold=cold)
         self.chains.append(chain)
 
-    def times(self) -> Row:
-        """Of the calls; `late` is by how much they ended after the deadline, 0 where before."""
+    def point(self, scene: Scene, patch: Patch) -> Row:
+        """Times, and errors to the converged pressure and to the truth, of the first chain.
+
+        `late` is by how much calls ended after the deadline, 0 where before.
+        """
         seconds = np.array([chain.seconds for chain in self.chains])  # (rounds, T)
         late = None if self.deadline is None else np.maximum(seconds - self.deadline, 0.0)
+        found = np.array([[a.pressure for a in chain.answers] for chain in self.chains])
+        off = np.linalg.norm(found - self.reference, axis=2)  # (rounds, T)
+        norm = np.linalg.norm(self.reference, axis=1)
+        misses = [
+            miss(patch, scene.places[index], scene.forces[index], answer.contacts())
+            for index, answer in enumerate(self.chains[0].answers, start=LEAD)
+        ]
+        force, places, missed = zip(*misses, strict=True)
+        distances = [distance for each in places for distance in each]
         return {
             "solver": self.contender.name,
             "start": self.start,
@@ -176,46 +181,19 @@ class Track:
             "usual_seconds_us": spread(np.median(seconds, axis=0), US),
             "late_us": None if late is None else spread(late, US),
             "met": None if late is None else float(np.mean(late == 0.0)),
-            "gap": spread(self._each("gap")),
-            "reported": _mean(self._each("met")),
-        }
-
-    def point(self, scene: Scene, patch: Patch) -> Row:
-        """Times, and errors to the converged pressure and to the truth, of the first chain."""
-        assert self.reference is not None, "errors need what the solver converges to"
-        found = np.array([[a.pressure for a in chain.answers] for chain in self.chains])
-        off = np.linalg.norm(found - self.reference, axis=2)  # (rounds, T)
-        norm = np.linalg.norm(self.reference, axis=1)
-        misses = [
-            miss(patch, scene.places[index], scene.forces[index], answer.contacts())
-            for index, answer in enumerate(self.chains[0].answers, start=LEAD)
-        ]
-        force, places, missed, extra = zip(*misses, strict=True)
-        distances = [distance for each in places for distance in each]
-        return self.times() | {
+            "gap": spread([answer.gap for chain in self.chains for answer in chain.answers]),
             "error": float(np.sqrt(np.square(off).sum() / (len(off) * np.square(norm).sum()))),
             "errors": spread(off / norm),
             "usual_errors": spread(np.median(off / norm, axis=0)),
-            "iterations": spread(self._each("iterations")),
             "force": spread(force),
-            "place_mm": spread(distances, MM),
             "place_median_mm": median_of_all(distances, sum(missed), MM),
             "missed": float(np.mean(missed)),
-            "extra": float(np.mean(extra)),
         }
-
-    def _each(self, name: str) -> list[float]:
-        values = [getattr(answer, name) for chain in self.chains for answer in chain.answers]
-        return [float(value) for value in values if value is not None]
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return float(np.mean(values)) if values else None
 
 
 def miss(
     patch: Patch, places: Floats, forces: Floats, contacts: Sequence[Any]
-) -> tuple[float, tuple[float, ...], int, int]:
+) -> tuple[float, tuple[float, ...], int]:
     """Errors of contacts of fingers at places (F, 2) m with forces (F,) N.
 
     Returns
@@ -224,34 +202,22 @@ def miss(
         Of the sum over all contacts, without sign, part of the true one.
     place : tuple of float, m
         Distance of each finger that was found.
-    missed, extra : int
-        Fingers that were not found, contacts that are none.
+    missed : int
+        Fingers that were not found.
     """
     true = [
         TrueContact((float(x), float(y)), float(force))
         for (x, y), force in zip(places, forces, strict=True)
     ]
-    matches, missed, extra = matched(patch, true, contacts)
+    matches, missed, _ = matched(patch, true, contacts)
     total, found = float(forces.sum()), sum(contact.normal_force for contact in contacts)
-    return abs(found / total - 1), tuple(m.distance for m in matches), missed, extra
+    return abs(found / total - 1), tuple(m.distance for m in matches), missed
 
 
 def median_of_all(found: Sequence[float], missed: int, scale: float = 1.0) -> float | None:
     """Median of numbers and of so many that are infinite; None if it is infinite."""
     middle = float(np.median([*found, *[np.inf] * missed]))
     return scale * middle if np.isfinite(middle) else None
-
-
-def in_turns(
-    tracks: Sequence[Track], settings: BenchSettings, what: str, part: Callable[[int], Floats],
-    show: Show,
-) -> None:  # fmt: skip
-    """Run all in turns, in another order each round, on the readings of `part(round)`."""
-    rng, rounds = np.random.default_rng(settings.seed), settings.size.rounds
-    for turn in range(rounds):
-        for ended, which in enumerate(rng.permutation(len(tracks))):
-            show(f"{what}, round {turn + 1} of {rounds}", ended, len(tracks))
-            tracks[which].run(part(turn))
 
 
 def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
@@ -274,25 +240,12 @@ def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
     fit = contact_fit(model)
     own = {start: converged(fit, start) for start in STARTS}
     tracks += [Track(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
-    in_turns(tracks, settings, "any-time", lambda turn: scene.readings, show)
+    rng, rounds = np.random.default_rng(settings.seed), settings.size.rounds
+    for turn in range(rounds):  # in another order each
+        for ended, which in enumerate(rng.permutation(len(tracks))):
+            show(f"any-time, round {turn + 1} of {rounds}", ended, len(tracks))
+            tracks[which].run(scene.readings)
     return [track.point(scene, settings.patch) for track in tracks]
-
-
-def whole_calls(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
-    """Whole calls of every solver at every deadline, warm."""
-    tracks = []
-    for ended, (name, solver) in enumerate(SOLVERS.items()):
-        show("preparing reconstructors", ended, len(SOLVERS))
-        rec = reconstructor(settings, settings.size.nodes, solver)
-        ladder = () if isinstance(solver, GaussianField) else settings.size.deadlines
-        tracks += [Track(Called(name, rec), "warm", deadline) for deadline in (*ladder, None)]
-    steps = settings.size.steps
-    in_turns(tracks, settings, "calls", lambda turn: scene.part(turn, steps), show)
-    return [
-        track.times() | {"latency_us": spread(track.contender.latency, US)}
-        for track in tracks
-        if isinstance(track.contender, Called)
-    ]
 
 
 def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
@@ -316,21 +269,19 @@ def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
         watch = Watch()
         grids = grid_rows(settings.size, lambda nodes: _methods(settings, scene, nodes), show)
         points = anytime(settings, scene, show)
-        calls = whole_calls(settings, scene, show)
         company = watch.company()
     return {
         "format": FORMAT,
         "size": settings.size.name,
         "seed": settings.seed,
         "when": when,
-        "machine": asdict(machine),
+        "machine": machine,
         "company": asdict(company),
-        "warnings": list(company.warnings(machine.cores)),
+        "warnings": list(company.warnings(machine["cores"])),
         "nodes": settings.size.nodes,
         "readings": len(scene),
         "grids": grids,
         "points": as_printed(points, grids, settings.size.nodes),
-        "calls": calls,
     }
 
 

@@ -17,7 +17,6 @@ MILLISECONDS = (1, 2, 5, 10, 20, 50)
 LADDER = tuple(us * 1e-6 for us in MICROSECONDS) + tuple(ms * 1e-3 for ms in MILLISECONDS)  # s
 GAPS = (1e-2, 1e-4)  # certified: how far above the minimum an objective may be
 FIT_DEADLINES = (0.5e-3, 2e-3)  # s: beside none
-SIZES = ("smoke", "short", "full")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,19 +59,12 @@ class BenchSize:
 
 
 SMOKE = BenchSize(
-    name="smoke",
-    grids=(10, 20),
-    nodes=20,
-    deadlines=(30e-6, 1e-3),
-    readings=6,
-    rounds=1,
-    paper_laps=2,
-    laps=200,
-    steps=6,
-    cell=0.5e-3,
-)
+    name="smoke", grids=(10, 20), nodes=20, deadlines=(30e-6, 1e-3), readings=6, rounds=1,
+    paper_laps=2, laps=200, steps=6, cell=0.5e-3,
+)  # fmt: skip
 SHORT = BenchSize(name="short", readings=100, rounds=5, paper_laps=10, laps=600, steps=40)
 FULL = BenchSize(name="full", readings=300, rounds=15, paper_laps=60, laps=1000, steps=100)
+SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}
 
 
 def bench_size(name: str) -> BenchSize:
@@ -84,7 +76,7 @@ def bench_size(name: str) -> BenchSize:
         For another name.
     """
     check_choice("size", name, SIZES, "how much is measured")
-    return {size.name: size for size in (SMOKE, SHORT, FULL)}[name]
+    return SIZES[name]
 
 
 @dataclass(frozen=True, kw_only=True)

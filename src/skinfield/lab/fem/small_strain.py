@@ -68,12 +68,6 @@ class AxisymmetricSolution:
         pressure = self.surface.at(self.surface.density(self.nodal_force), at)
         return np.where(touched[element], pressure, 0.0)
 
-    def displacement(self, radius: ArrayLike) -> Floats:
-        """Displacement (N, 2) m, outwards and upwards, of points first at radii (N,) m."""
-        at = as_floats("radius", radius)
-        parts = [self.surface.at(column, at) for column in self.nodal_displacement.T]
-        return np.stack(parts, axis=-1)
-
     def indentation(self, radius: ArrayLike) -> Floats:
         """Depth (N,) m of the surface at radii (N,) m."""
         return -self.surface.at(self.nodal_displacement[:, 1], as_floats("radius", radius))
@@ -119,20 +113,16 @@ class Shape:
         return float(radius[min(below[-1] + 1, SAMPLES - 1)])
 
     def edges(self) -> list[float]:
-        """Radii within the body at which it ends."""
+        """Radii within the body at which it ends, by bisection."""
         radius = np.linspace(0.0, REACH, SAMPLES)
         there = np.isfinite(self.heights(radius))
-        found = []
-        for index in np.flatnonzero(there[1:] != there[:-1]):
-            inside, outside = radius[index : index + 2][:: 1 if there[index] else -1]
-            for _ in range(60):
-                middle = (inside + outside) / 2
-                if np.isfinite(self.heights(np.array([middle])))[0]:
-                    inside = middle
-                else:
-                    outside = middle
-            found.append(float(inside))
-        return found
+        rims = np.flatnonzero(there[1:] != there[:-1])
+        inside, outside = (radius[np.where(there[rims] == way, rims, rims + 1)] for way in (1, 0))
+        for _ in range(60):
+            middle = (inside + outside) / 2
+            within = np.isfinite(self.heights(middle))
+            inside, outside = np.where(within, middle, inside), np.where(within, outside, middle)
+        return [float(edge) for edge in inside]
 
 
 def push_to_depth(flexibility: Floats, heights: Floats, depth: float) -> Floats:
@@ -219,7 +209,16 @@ def indent(
     InputError
         If not exactly one load is given, the body reaches the base, or scikit-fem is missing.
     """
-    _check_load(layer, force, depth)
+    if (force is None) == (depth is None):
+        raise InputError(f"force is {force!r} and depth is {depth!r}, expected exactly one of them")
+    if force is not None:
+        check_positive("force", force, "into the layer, in newtons")
+    if depth is not None:
+        check_positive("depth", depth, "of the lowest point below the surface, in metres")
+        if depth >= layer.thickness:
+            raise InputError(
+                f"depth is {depth!r} m, expected less than the layer's {layer.thickness!r} m"
+            )
     check_positive("finest", finest, "length of the smallest elements, in thicknesses")
     shape = Shape(profile, layer.thickness)
     edges, reach = shape.edges(), shape.outermost()
@@ -278,20 +277,6 @@ def _contact_edges(found: AxisymmetricSolution) -> list[float]:
     touching, nodes = found.contact, found.surface.nodes / found.layer.thickness
     change = np.flatnonzero(touching[1:] != touching[:-1])
     return [float((nodes[i] + nodes[i + 1]) / 2) for i in change]
-
-
-def _check_load(layer: Layer, force: float | None, depth: float | None) -> None:
-    """Raise InputError unless exactly one is given and can be."""
-    if (force is None) == (depth is None):
-        raise InputError(f"force is {force!r} and depth is {depth!r}, expected exactly one of them")
-    if force is not None:
-        check_positive("force", force, "into the layer, in newtons")
-    if depth is not None:
-        check_positive("depth", depth, "of the lowest point below the surface, in metres")
-        if depth >= layer.thickness:
-            raise InputError(
-                f"depth is {depth!r} m, expected less than the layer's {layer.thickness!r} m"
-            )
 
 
 def _solve(

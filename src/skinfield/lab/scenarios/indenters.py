@@ -1,5 +1,6 @@
 """Indenters as settings: the same words in a scenario's file and on the command line."""
 
+import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +16,11 @@ COMMON = (
     "x_mm", "y_mm", "rotation_deg", "tilt_x_deg", "tilt_y_deg",
     "force_n", "depth_mm", "shear_x_n", "shear_y_n",
 )  # fmt: skip
+PLAIN: dict[str, tuple[Any, str]] = {  # keys without a unit
+    "file": (str, "the path of a file"),
+    "invert": (bool, "true or false"),
+    "down": (list | tuple, "three numbers, the direction in the file's axes into the skin"),
+}
 FACTORS = {"_mm": 1e-3, "_deg": np.pi / 180.0, "_n": 1.0}
 
 
@@ -80,6 +86,7 @@ SHAPES = {
         "heightmap file=logo.png pixel_mm=0.1 relief_mm=1", _height_map,
     ),
 }  # fmt: skip
+EXAMPLE = SHAPES["sphere"].example
 
 
 def indenter_from_mapping(
@@ -109,7 +116,7 @@ def indenter_from_mapping(
     if not isinstance(name, str) or name not in SHAPES:
         raise InputError(
             f"{where} has shape {name!r}, expected one of {', '.join(SHAPES)}"
-            f"{nearest(name, SHAPES)}: for example '{SHAPES['sphere'].example}'"
+            f"{nearest(name, SHAPES)}: for example '{EXAMPLE}'"
         )
     shape = SHAPES[name]
     given = [key for key in mapping if key != "shape"]
@@ -150,21 +157,11 @@ def _field(key: str) -> str:
 
 def _value(key: str, value: Any, where: str) -> Any:
     """Number in SI units, or the word, switch or direction that a key without a unit holds."""
-    if key == "file":
-        if not isinstance(value, str) or not value:
-            raise InputError(f"{where}: file is {value!r}, expected the path of a file")
-        return value
-    if key == "invert":
-        if not isinstance(value, bool):
-            raise InputError(f"{where}: invert is {value!r}, expected true or false")
-        return value
-    if key == "down":
-        if not isinstance(value, list | tuple) or len(value) != 3:
-            raise InputError(
-                f"{where}: down is {value!r}, expected three numbers such as [0, 0, -1]: the "
-                "direction in the file's axes that points into the skin"
-            )
-        return tuple(_number(key, part, where) for part in value)
+    if key in PLAIN:
+        kind, expected = PLAIN[key]
+        if not isinstance(value, kind) or (key == "down" and len(value) != 3):
+            raise InputError(f"{where}: {key} is {value!r}, expected {expected}")
+        return tuple(_number(key, part, where) for part in value) if key == "down" else value
     factor = next(factor for end, factor in FACTORS.items() if key.endswith(end))
     return _number(key, value, where) * factor
 
@@ -175,3 +172,57 @@ def _number(key: str, value: Any, where: str) -> float:
     if not np.isfinite(value):
         raise InputError(f"{where}: {key} is {value!r}, expected a finite number")
     return float(value)
+
+
+WORDS = {"yes": True, "true": True, "no": False, "false": False}
+
+
+def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
+    """Indenter from its shape and `key=value` words, in mm, N and degrees.
+
+    Keys are those of `SHAPES`; their units may be left out, so that `radius` stands for
+    `radius_mm`.
+
+    Raises
+    ------
+    InputError
+        For words that mean nothing, with those that would.
+    FileError
+        If the file of a mesh or height map cannot be used.
+    """
+    return indenter_from_mapping(mapping_from_text(text, where), where)
+
+
+def mapping_from_text(text: str, where: str = "--indenter") -> dict[str, Any]:
+    """Settings that the words stand for."""
+    try:
+        first, *words = shlex.split(text) or [""]
+    except ValueError as error:
+        raise InputError(f"{where} is {text!r}: {error}; expected '{EXAMPLE}'") from error
+    if not first or "=" in first:
+        raise InputError(
+            f"{where} is {text!r}, expected a shape first, one of {', '.join(SHAPES)}: "
+            f"for example '{EXAMPLE}'"
+        )
+    known = SHAPES[first].keys if first in SHAPES else ()
+    mapping: dict[str, Any] = {"shape": first}
+    for word in words:
+        key, _, value = word.partition("=")
+        if not value:
+            raise InputError(f"{where} holds {word!r}, expected key=value, as in '{EXAMPLE}'")
+        key = next((key + unit for unit in FACTORS if key + unit in known), key)
+        if key in mapping:
+            raise InputError(f"{where} gives {key} twice, expected it once")
+        mapping[key] = value if key == "file" else _of_word(value)
+    return mapping
+
+
+def _of_word(text: str) -> Any:
+    """Switch, number or list of numbers that a word stands for; else the word."""
+    if text.lower() in WORDS:
+        return WORDS[text.lower()]
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        return text
+    return numbers if len(numbers) > 1 else numbers[0]

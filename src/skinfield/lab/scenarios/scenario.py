@@ -1,15 +1,14 @@
 """Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
 import tomllib
-from collections.abc import Callable, Mapping
-from decimal import Decimal
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import Layer, PronySeries, StandardLinearSolid, Viscoelastic
+from skinfield.elastic import PronySeries, StandardLinearSolid, Viscoelastic
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.load import load_layout
 from skinfield.files.rig import save_rig_run
@@ -19,7 +18,7 @@ from skinfield.lab.scenarios.table import Table, ending_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
-from skinfield.signal import CySkinCount, ICubByte
+from skinfield.signal import ICubByte
 from skinfield.simulate.electronics import (
     Board,
     CySkinBoard,
@@ -34,16 +33,12 @@ from skinfield.simulate.rig import (
     At,
     BetweenThree,
     BetweenTwo,
-    LoadCell,
     Loads,
     OverTaxels,
     Places,
-    Profile,
     Random,
     Raster,
     Scenario,
-    Solving,
-    Temperature,
     Tool,
     run_rig,
 )
@@ -53,9 +48,11 @@ from skinfield.skin.generators import GENERATORS, by_name
 VERSION = 1
 PRESETS = {"icub": icub_electronics, "cyskin": cyskin_electronics, "ideal": ideal_electronics}
 BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
-LOADS = "no load here: those of all indenters are in [loads]"
-SHEAR = "no shear here: the rig's actuator only goes up and down"
-NOT_HERE = {"force_n": LOADS, "depth_mm": LOADS, "shear_x_n": SHEAR, "shear_y_n": SHEAR}
+NO_LOAD = "no load here: those of all indenters are in [loads]"
+NO_SHEAR = "no shear here: the rig's actuator only goes up and down"
+NOT_HERE = {
+    "force_n": NO_LOAD, "depth_mm": NO_LOAD, "shear_x_n": NO_SHEAR, "shear_y_n": NO_SHEAR,
+}  # fmt: skip
 PICTURE = "run.png"
 TASK_VERSION = "2"  # raise it when the same scenario makes other files
 
@@ -69,10 +66,13 @@ def _keys(words: str, **others: str) -> Keys:
 
 LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
 SOLID = _keys("relaxed_fraction time_constant_s")
-PROFILE = _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm")
-LOAD_CELL = _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms")
-TEMPERATURE = _keys("start_c end_c")
-SOLVING = _keys("extent_mm cell_mm rungs")
+LOADS = _keys("forces_n depths_mm")
+SIMPLE = {
+    "profile": _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm"),
+    "load_cell": _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms"),
+    "temperature": _keys("start_c end_c"),
+    "solving": _keys("extent_mm cell_mm rungs"),
+}
 ELECTRONICS = _keys("quantised gain_spread converter_gain_spread baseline_spread_counts")
 PARTS: Mapping[str, Keys] = {  # of the electronics
     "cross_talk": _keys("neighbours"),
@@ -89,19 +89,17 @@ PARTS: Mapping[str, Keys] = {  # of the electronics
         "holds logged_at_hz"
     ),
 }
-CYSKIN = _keys("gain_counts")
 ICUB = _keys("rest_capacitance_pf", step_ff="farads_per_count")
-ICUB_BYTE = _keys("no_load shift")
-PLACES: Mapping[str, tuple[Callable[..., Places], Keys]] = {
-    "over_taxel": (OverTaxels, _keys("taxels angle_deg")),
-    "between_two": (BetweenTwo, _keys("pairs angle_deg")),
-    "between_three": (BetweenThree, _keys("triples angle_deg")),
-    "at": (At, _keys("positions_mm angle_deg")),
-    "random": (Random, _keys("count within_mm turned")),
-    "raster": (Raster, _keys("rows columns step_mm angle_deg")),
+BYTE = _keys("no_load shift")
+PLACES: Mapping[str, tuple[Places, Keys]] = {
+    "over_taxel": (OverTaxels(), _keys("taxels angle_deg")),
+    "between_two": (BetweenTwo(), _keys("pairs angle_deg")),
+    "between_three": (BetweenThree(), _keys("triples angle_deg")),
+    "at": (At(positions=((0.0, 0.0),)), _keys("positions_mm angle_deg")),
+    "random": (Random(), _keys("count within_mm turned")),
+    "raster": (Raster(), _keys("rows columns step_mm angle_deg")),
 }
-HEAD = ("name", "seed", "repeats", "first_repeat")
-ROWS = {"pairs": 2, "triples": 3, "positions_mm": 2}
+HEAD = {key: key for key in ("name", "seed", "repeats", "first_repeat")}
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -133,39 +131,35 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
         For a key or word that there is not, a value of another kind or out of range.
     """
     try:
-        content = tomllib.loads(text, parse_float=Decimal)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError, ArithmeticError) as error:
+        content = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise FileError(f"{path} is not TOML: {error}") from error
-    table = Table(content, "", path, text)
-    version = table.value("skinfield_rig", 0)
-    if version != VERSION:
+    table, usual = Table(content, "", path, text), Scenario()
+    if table.value("skinfield_rig", int) != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
-    usual = Scenario()
-    values = {key: table.value(key, getattr(usual, key)) for key in HEAD}
-    values |= _patch(table.table("patch"), folder)
-    values["layer"], values["cover"] = _layer(table.table("layer"))
-    values["elastomer"] = _elastomer(table.table("elastomer"))
+    layer = table.table("layer")
     tools = table.tables("indenter")
-    values["tools"] = tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools
-    values["places"] = tuple(map(_places, table.tables("places"))) or usual.places
-    values["loads"] = _loads(table.table("loads")) if "loads" in content else usual.loads
-    values["profile"] = _simple(table.table("profile"), PROFILE, Profile)
-    values["load_cell"] = _simple(table.table("load_cell"), LOAD_CELL, LoadCell)
-    values["electronics"] = _electronics(table.table("electronics"))
-    values["temperature"] = _simple(table.table("temperature"), TEMPERATURE, Temperature)
-    values["solving"] = _simple(table.table("solving"), SOLVING, Solving)
-    table.taken.add("loads")
-    table.known.append("loads")
-    return table.made(Scenario, **values)
-
-
-def _simple(table: Table, keys: Keys, make: Any) -> Any:
-    return table.made(make, **_values_of(table, keys, make()))
+    return table.read(
+        usual,
+        HEAD,
+        **_patch(table.table("patch"), folder),
+        cover=layer.value("inextensible_cover", bool, False),
+        layer=layer.read(usual.layer, LAYER),
+        elastomer=_elastomer(table.table("elastomer")),
+        tools=tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools,
+        places=tuple(map(_places, table.tables("places"))) or usual.places,
+        loads=_loads(table.table("loads"), usual.loads),
+        electronics=_electronics(table.table("electronics")),
+        **{
+            name: table.table(name).read(getattr(usual, name), keys)
+            for name, keys in SIMPLE.items()
+        },
+    )
 
 
 def _patch(table: Table, folder: Path) -> dict[str, Any]:
-    layout, name = table.value("layout", Scenario().layout), table.value("name", "")
-    table.finish()
+    layout, name = table.value("layout", str, Scenario().layout), table.value("name", str, "")
+    table.read(Scenario(), {})  # nothing else is known
     try:
         patch, found = _patch_from(layout, name, folder)
     except InputError as error:
@@ -179,87 +173,65 @@ def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
     if layout.partition(":")[0].strip() in GENERATORS and not file.is_file():
         return by_name(layout), layout
     skin = load_layout(file)
-    if name:
-        return skin[name], str(file.resolve())
-    if len(skin) > 1:
+    if not name and len(skin) > 1:
         names = ", ".join(patch.name for patch in skin)
         raise InputError(f"it has {len(skin)} patches, expected a name of one: {names}")
-    return skin[0], str(file.resolve())
-
-
-def _layer(table: Table) -> tuple[Layer, bool]:
-    cover = table.value("inextensible_cover", False)
-    return _simple(table, LAYER, Layer), cover
+    return skin[name or 0], str(file.resolve())
 
 
 def _elastomer(table: Table) -> Viscoelastic:
-    terms = table.items("prony_terms", 0.0, 2)
-    if terms:
-        return table.made(PronySeries, terms=terms)
-    solid: Viscoelastic = _simple(table, SOLID, StandardLinearSolid)
-    return solid
+    if table.content.get("prony_terms"):
+        return table.read(PronySeries(terms=((0.5, 1.0),)), {"prony_terms": "terms"})
+    table.taken.add("prony_terms")
+    return table.read(StandardLinearSolid(), SOLID)
 
 
 def _tool(table: Table, row: int, folder: Path) -> Tool:
-    settings = table.plain()
+    settings = dict(table.content)
     name = settings.pop("name", None) or f"{settings.get('shape', 'indenter')}-{row + 1}"
     for key, expected in NOT_HERE.items():
         if key in settings:
             raise table.wrong(key, expected)
     try:
-        indenter = indenter_from_mapping(settings, table.where, folder)
+        return Tool(name=name, indenter=indenter_from_mapping(settings, table.where, folder))
     except FileError:
         raise
     except (InputError, ArithmeticError, OSError, ValueError) as error:
         raise FileError(f"{table.place(None)}: {error}") from error
-    return table.made(Tool, name=name, indenter=indenter)
 
 
 def _places(table: Table) -> Places:
-    make, keys = table.choice("kind", PLACES)
-    usual: Any = make(positions=((0.0, 0.0),)) if "positions_mm" in keys else make()
-    return table.made(make, **_values_of(table, keys, usual))
+    usual, keys = table.choice("kind", PLACES)
+    if isinstance(usual, At) and "positions_mm" not in table.content:
+        raise table.wrong("positions_mm", "rows of x and y, such as [[0, 2.5]]")
+    return table.read(usual, keys)
 
 
-def _loads(table: Table) -> Loads:
-    forces, depths = table.items("forces_n", 0.0), table.items("depths_mm", 0.0)
-    return table.made(Loads, forces=forces, depths=depths)
+def _loads(table: Table, usual: Loads) -> Loads:
+    if "forces_n" not in table.content and "depths_mm" in table.content:
+        return table.read(Loads(depths=(1e-4,)), LOADS)
+    return table.read(usual, LOADS)
 
 
 def _electronics(table: Table) -> Electronics:
     usual = table.choice("preset", PRESETS, "icub")()
-    values = _values_of(table, ELECTRONICS, usual)
-    for name, keys in PARTS.items():
-        part = table.table(name)
-        values[name] = part.made(
-            type(getattr(usual, name)), **_values_of(part, keys, getattr(usual, name))
-        )
-    values["board"] = _board(table.table("board"), usual.board)
-    return table.made(Electronics, **values)
+    parts = {
+        name: table.table(name).read(getattr(usual, name), keys) for name, keys in PARTS.items()
+    }
+    board = _board(table.table("board"), usual.board)
+    return table.read(usual, ELECTRONICS, board=board, **parts)
 
 
 def _board(table: Table, usual: Board) -> Board:
     kinds = {made: kind for kind, made in BOARDS.items()}
     kind = table.choice("kind", BOARDS, kinds[type(usual)])
-    if kind is ICubBoard:
-        values = _values_of(table, ICUB, ICubBoard())
-        byte = _values_of(table, ICUB_BYTE, ICubByte())
-        return table.made(ICubBoard, convention=table.made(ICubByte, **byte), **values)
+    if kind is LinearBoard:
+        return table.read(LinearBoard(), {})
     if kind is CySkinBoard:
-        values = _values_of(table, CYSKIN, CySkinBoard())
-        return table.made(CySkinBoard, convention=CySkinCount(), **values)
-    return table.made(LinearBoard)
-
-
-def _values_of(table: Table, keys: Keys, default: object) -> dict[str, Any]:
-    """Fields by name, of a table or else of a default object."""
-    return {name: _value(table, key, getattr(default, name)) for key, name in keys.items()}
-
-
-def _value(table: Table, key: str, default: Any) -> Any:
-    if isinstance(default, tuple):
-        return table.items(key, 0.0 if ending_of(key) else 0, ROWS.get(key, 0))
-    return table.value(key, default)
+        return table.read(CySkinBoard(), {"gain_counts": "gain"})
+    table.taken |= {*ICUB, *BYTE}
+    byte = table.read(ICubByte(), BYTE)
+    return table.read(ICubBoard(), ICUB, convention=byte)
 
 
 def template() -> str:

@@ -7,7 +7,6 @@ that what is off is the model alone.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -20,8 +19,6 @@ from skinfield.lab.fem.small_strain import indent
 from skinfield.lab.paper import LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
-    PAPER_LAYER,
-    Missing,
     Picture,
     Section,
     Settings,
@@ -33,7 +30,6 @@ from skinfield.lab.score import Row, column, where
 from skinfield.simulate import Cylinder, Press, Sphere, press
 
 Round = Sphere | Cylinder
-BODIES: tuple[tuple[str, Round], ...] = tuple((tip.name, tip.body) for tip in TIPS)
 FINEST = 0.01  # length of the smallest elements, in thicknesses
 SMOKE_LOADS, SMOKE_FINEST = (0.5,), 0.03
 PAD = 4e-3  # m; the pads' diameter
@@ -150,44 +146,27 @@ def half_space_error(cells: Press) -> Row:
     }
 
 
-def agreements(
-    layer: Layer = PAPER_LAYER,
-    bodies: Sequence[tuple[str, Round]] = BODIES,
-    loads: Sequence[float] = LOADS,
-    finest: float = FINEST,
-) -> list[Row]:
+def agreements(settings: Settings) -> list[Row]:
     """The paper's indenters and loads, as far as Hooke's law keeps them off the base."""
+    smoke = settings.size.name == "smoke"  # without the wide cylinder, which takes longest
     rows = []
-    for name, body in bodies:
-        for force in loads:
+    for tip in TIPS[:3] if smoke else TIPS:
+        for force in SMOKE_LOADS if smoke else LOADS:
             try:
-                rows.append(agree(layer, name, body, force, finest=finest))
+                finest = SMOKE_FINEST if smoke else FINEST
+                rows.append(agree(settings.layer, tip.name, tip.body, force, finest=finest))
             except InputError as error:
                 if "sinks" not in str(error):
                     raise
     return rows
 
 
-def agreement(settings: Settings) -> Section | Missing:
+def agreement(settings: Settings) -> Section:
     """How far the truth of all other sections is from finite elements, per indenter and load."""
-    if find_spec("skfem") is None:
-        return Missing(
-            "agreement with finite elements: scikit-fem is not installed "
-            "(pip install 'skinfield[lab]')"
-        )
-    if settings.size.name == "smoke":  # the wide cylinder takes longest
-        rows = agreements(settings.layer, BODIES[:3], SMOKE_LOADS, SMOKE_FINEST)
-    else:
-        rows = agreements(settings.layer)
+    rows = agreements(settings)
     linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * settings.layer.thickness]
-    stress, point, moved = (
-        _percent(column(linear, name)) for name in ("stress", "point_stress", "displacement")
-    )
+    stress, moved = (_percent(column(linear, name)) for name in ("stress", "displacement"))
     base, surface = (_percent(column(rows, f"lattice_{name}")) for name in ("base", "surface"))
-    off = {
-        key: _percent(np.abs(column(rows, key) / column(rows, judge) - 1))
-        for key, judge in (("lattice_depth", "depth"), ("field", "reading"), ("series", "reading"))
-    }
     return Section(
         name="agreement",
         title="The truth and its judge, and what the half-space costs",
@@ -197,16 +176,10 @@ def agreement(settings: Settings) -> Section | Missing:
         sentences=(
             f"{len(rows)} presses, solved three ways: on cells with the layer's Green's function, "
             "as everywhere in this report; by an integral equation for bodies of revolution; and "
-            "by mixed finite elements that share no code with either. Against the elements the "
-            f"cells are off by {base} of base stress, {surface} of the surface and "
-            f"{off['lattice_depth']} of depth; the integral equation by "
-            f"{_percent(column(rows, 'exact_base'))} and "
-            f"{_percent(column(rows, 'exact_surface'))}. A centred pad's capacitance is "
-            f"{off['field']} off what elements find for Laplace's equation in the deformed gap, "
-            f"and to third order of its series {off['series']}.",
-            "Given the true pressure, and up to half the thickness deep, where linear elasticity "
-            f"can be trusted, the half-space's mean stress below a pad is off by {stress} (at a "
-            f"point by {point}), its displacement, corrected as in (17), by {moved}.",
+            "by mixed finite elements that share no code with either. A centred pad's capacitance "
+            "is compared with what elements find for Laplace's equation in the deformed gap.",
+            "The half-space is given the true pressure, up to half the thickness deep, where "
+            "linear elasticity can be trusted; its displacement is corrected as in (17).",
         ),
         pictures=(
             _picture(
@@ -221,15 +194,13 @@ def agreement(settings: Settings) -> Section | Missing:
         tables=(agreement_table(rows),),
         verdicts=(
             Verdict(
-                "truth",
-                "a finite-element program is the reference",
+                "truth", "a finite-element program is the reference",
                 f"contact solver off by {base} of base stress, {surface} of the surface "
                 "(relative L2)",
                 "holds without it, up to linear elasticity",
             ),
             Verdict(
-                "model",
-                "the layer behaves as a half-space",
+                "model", "the layer behaves as a half-space",
                 f"base stress off by {stress}, displacement by {moved} (relative L2, true pressure "
                 "given)",
                 "does not hold",
@@ -260,7 +231,7 @@ def _picture(name: str, rows: list[Row], who: str, measures: Sequence[tuple[str,
     )  # fmt: skip
     panels = []
     for title, key in measures:
-        each = [(body, where(rows, indenter=body)) for body, _ in BODIES]
+        each = [(tip.name, where(rows, indenter=tip.name)) for tip in TIPS]
         curves = [Curve(n, column(mine, "force"), 100 * column(mine, key)) for n, mine in each]
         panels.append(Panel(title, "", tuple(curves), scale))
     return Picture.of(name, f"Error of the {who}, by indenter and load.", draw_panels([panels]))

@@ -1,7 +1,7 @@
 """Detection in noise, Figures 6 and 7: trials, statistics with a threshold, shares detected."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -9,29 +9,23 @@ import numpy as np
 from skinfield.errors import Floats
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, paper_patch, readings, sites
 from skinfield.lab.plots import (
-    LIMIT,
-    LINE,
     Curve,
     FieldPanel,
     Panel,
     Scale,
     draw_fields,
     draw_panels,
-    in_rows,
 )
 from skinfield.lab.report import (
-    Cell,
     Picture,
     Section,
     Settings,
     Table,
     Verdict,
-    share_in_words,
     verdict_of,
 )
 from skinfield.lab.score import wilson
 from skinfield.reconstruct import Reconstructor
-from skinfield.signal.filters import Exponential
 from skinfield.skin import Grid
 from skinfield.skin.geometry import inside_hull
 
@@ -168,66 +162,91 @@ def noisy(
 class Share:
     """Part of the presses that a method detects, with its 95 % interval."""
 
-    method: str
-    trial: Trial
     value: float
     interval: tuple[float, float]
 
-    @classmethod
-    def of(cls, method: str, trial: Trial, hits: int, count: int) -> "Share":
-        """Counted; by Wilson's interval."""
-        return cls(method, trial, hits / count, wilson(hits, count))
+    def __str__(self) -> str:
+        low, high = (100 * end for end in self.interval)
+        return f"{100 * self.value:.0f} % [{low:.0f}–{high:.0f} %]"
 
-    def row(self) -> dict[str, Cell]:
-        """For a table."""
+
+Values = Mapping[str, Floats]  # of a statistic, by method
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """Several methods on the same idle and pressed readings.
+
+    Parameters
+    ----------
+    settings : Settings
+    methods : mapping
+        Statistics by quantity and name, each proportional to the scale of its readings.
+    stream : int
+        Of the random numbers of the idle readings.
+    levels : mapping
+        Thresholds by quantity and name, of methods that state their own.
+    """
+
+    settings: Settings
+    methods: Mapping[str, Mapping[str, Statistic]]
+    stream: int
+    levels: Mapping[tuple[str, str], float] = field(default_factory=dict)
+
+    @cached_property
+    def quiet(self) -> dict[str, Values]:
+        """Statistics (T,) of idle readings by quantity and method."""
         return {
-            "method": self.method,
-            "reads": self.trial.quantity,
-            "place": self.trial.place,
-            "force (N)": self.trial.force,
-            "share": self.value,
-            "from": self.interval[0],
-            "to": self.interval[1],
+            quantity: self._values(quantity, idle_readings(self.settings, quantity, self.stream))
+            for quantity in self.methods
         }
 
-    def __str__(self) -> str:
-        return share_in_words(self.value, self.interval)
+    def _values(self, quantity: str, readings: Floats) -> Values:
+        return {name: each(readings) for name, each in self.methods[quantity].items()}
 
+    def pressed(
+        self, trial: Trial, places: tuple[int, ...], noise: tuple[int, ...], averaged: int = 1
+    ) -> Values:
+        """Statistics (P,) of `noisy` presses, scaled to the noise of one reading."""
+        drawn = noisy(trial, self.settings, places, noise, averaged)
+        return self._values(trial.quantity, drawn * np.sqrt(averaged))
 
-def interval_curve(name: str, x: Floats, shares: Floats, trials: int) -> Curve:
-    """Shares of some trials at x (N,), with Wilson's intervals."""
-    low, high = np.array([wilson(round(share * trials), trials) for share in shares]).T
-    return Curve(name, x, shares, low, high)
+    def level(self, quantity: str, method: str) -> float:
+        """Threshold at the settings' rate of false alarms."""
+        if (quantity, method) in self.levels:
+            return self.levels[quantity, method]
+        return threshold(self.quiet[quantity][method], self.settings.false_alarms)
 
+    def shares(self, trial: Trial, values: Values) -> dict[tuple[str, Trial], Share]:
+        """Of every method, by method and trial."""
+        shares = {}
+        for name, each in values.items():
+            hits = int((each > self.level(trial.quantity, name)).sum())
+            shares[name, trial] = Share(hits / len(each), wilson(hits, len(each)))
+        return shares
 
-def roc_panel(
-    trial: Trial,
-    note: str,
-    alarms: Floats,
-    shares: Mapping[str, Floats],
-    *,
-    limit: str,
-    rate: float,
-) -> Panel:
-    """Share detected by method against false alarms (A,); `rate` is marked, `limit` dashed."""
-    scale = Scale(
-        x="false alarms per decision", y="share of presses detected", log_x=True,
-        x_limits=(float(alarms[0]), 1.0), y_limits=(-0.03, 1.03),
-        x_ticks=tuple(tick for tick in (1e-4, 1e-3, 1e-2, 0.1) if tick >= alarms[0]),
-    )  # fmt: skip
-    curves = [
-        Curve(name, alarms, share, look=LIMIT if name == limit else LINE)
-        for name, share in shares.items()
-    ]
-    return Panel(f"{trial.force:g} N {trial.place}", note, tuple(curves), scale, rate)
+    def roc_panel(self, trial: Trial, note: str, values: Values, limit: Curve | None) -> Panel:
+        """Share detected by method against false alarms; those of the settings are marked."""
+        alarms = alarm_rates(self.settings)
+        curves = [
+            Curve(name, alarms, roc(self.quiet[trial.quantity][name], each, alarms))
+            for name, each in values.items()
+        ]
+        scale = Scale(
+            x="false alarms per decision", y="share of presses detected", log_x=True,
+            x_limits=(float(alarms[0]), 1.0), y_limits=(-0.03, 1.03),
+            x_ticks=tuple(tick for tick in (1e-4, 1e-3, 1e-2, 0.1) if tick >= alarms[0]),
+        )  # fmt: skip
+        curves += [] if limit is None else [limit]
+        title = f"{trial.force:g} N {trial.place}"
+        return Panel(title, note, tuple(curves), scale, self.settings.false_alarms)
 
 
 RAW, KNOWN = "highest taxel", "matched filter (shape known)"
 COARSE, FINE = f"{PAPER.name}, 20 × 20", f"{PAPER.name}, 40 × 40"
 OURS = f"{FIELD.name}, 40 × 40"
-FOUR = (COARSE, FINE, OURS, RAW)
+DRAWN = (COARSE, FINE, OURS, RAW, KNOWN)
 COUNTS = (1, 2, 4, 6, 8, 11, 15, 22, 30, 43, 60, 85, 120)  # readings averaged
-QUICK, SHARED = COUNTS.index(15), COUNTS.index(30)  # quoted in words
 RELIABLE = 0.99
 FORCES = (0.2, 0.5)  # N
 CLAIM = (
@@ -238,15 +257,13 @@ CLAIM = (
 
 
 @dataclass(frozen=True, eq=False)
-class Detection:
-    """Statistics of one run by their methods, and what they find."""
+class Detection(Campaign):
+    """The paper's method on every grid, ours on the same, and two without."""
 
-    settings: Settings
-
-    @cached_property
-    def statistics(self) -> dict[str, Statistic]:
-        """The paper's on every grid, ours on the same, and two without."""
-        patch, settings = paper_patch(), self.settings
+    @classmethod
+    def of(cls, settings: Settings) -> "Detection":
+        """With all of its methods."""
+        patch = paper_patch()
         statistics: dict[str, Statistic] = {
             f"{method.name}, {nodes} × {nodes}": field_peak(
                 method.prepared(patch, settings.layer, nodes, settings.stress_noise),
@@ -255,74 +272,61 @@ class Detection:
             for method in (PAPER, FIELD)
             for nodes in settings.size.grids
         }
-        return statistics | {RAW: highest_taxel, KNOWN: matched_filter(known_shape(settings))}
+        statistics |= {RAW: highest_taxel, KNOWN: matched_filter(known_shape(settings))}
+        return cls(settings, {"stress": statistics}, 1)
 
     @cached_property
-    def quiet(self) -> dict[str, Floats]:
-        """What each says of an idle patch, (T,)."""
-        quiet = idle_readings(self.settings, "stress", 1)
-        return {name: statistic(quiet) for name, statistic in self.statistics.items()}
-
-    def level(self, method: str) -> float:
-        """Threshold at the settings' rate of false alarms."""
-        return threshold(self.quiet[method], self.settings.false_alarms)
-
-    @cached_property
-    def pressed(self) -> dict[Trial, dict[str, Floats]]:
-        """Statistics (P,) of pressed readings by trial and method."""
+    def trials(self) -> dict[Trial, Values]:
+        """Statistics (P,) of single readings."""
         trials = [Trial(place, force) for force in FORCES for place in PLACES]
-        drawn = {
-            trial: noisy(trial, self.settings, (seed,), (seed, 1), 1)
+        return {
+            trial: self.pressed(trial, (seed,), (seed, 1))
             for seed, trial in enumerate(trials, start=100)
         }
-        return {
-            trial: {name: statistic(each) for name, statistic in self.statistics.items()}
-            for trial, each in drawn.items()
-        }
 
     @cached_property
-    def shares(self) -> dict[tuple[str, Trial], Share]:
-        """Of every method in every trial."""
+    def every(self) -> dict[tuple[str, Trial], Share]:
+        """Share of every method in every trial."""
         return {
-            (name, trial): Share.of(name, trial, int((v > self.level(name)).sum()), len(v))
-            for trial, each in self.pressed.items()
-            for name, v in each.items()
+            k: v for trial, each in self.trials.items() for k, v in self.shares(trial, each).items()
         }
-
-    def share(self, method: str, place: str, force: float) -> Share:
-        """Of one method in one trial."""
-        return self.shares[method, Trial(place, force)]
 
     @cached_property
     def averages(self) -> dict[str, dict[str, Floats]]:
-        """Share found at 0.2 N by place and method, over `COUNTS`.
-
-        Every statistic is proportional to its readings' scale, so the threshold falls as the
-        noise does, with the square root of the count.
-        """
-        shares: dict[str, dict[str, Floats]] = {}
+        """Share found at 0.2 N by place and method, over `COUNTS`."""
+        averages = {}
         for place in PLACES:
             trial = Trial(place, 0.2)
-            drawn = {n: noisy(trial, self.settings, (7,), (7, n), n) for n in COUNTS}
-            shares[place] = {
-                name: np.array(
-                    [
-                        (self.statistics[name](each) > self.level(name) / np.sqrt(n)).mean()
-                        for n, each in drawn.items()
-                    ]
-                )
+            found = [self.shares(trial, self.pressed(trial, (7,), (7, n), n)) for n in COUNTS]
+            averages[place] = {
+                name: np.array([each[name, trial].value for each in found])
                 for name in (COARSE, OURS, RAW, KNOWN)
             }
-        return shares
+        return averages
 
 
 def detection(settings: Settings) -> Section:
     """Rates of detection by method, grid, indenter, place and load."""
-    made, over, between = Detection(settings), PLACES[0], PLACES[1]
-    grids = [f"{nodes} × {nodes}" for nodes in settings.size.grids]
-    paper = [made.share(f"{PAPER.name}, {grid}", over, 0.5).value for grid in grids]
-    shared = {name: f"{100 * each[SHARED]:.0f} %" for name, each in made.averages[between].items()}
-    every = [share.row() for share in made.shares.values()]
+    made = Detection.of(settings)
+    needed = [
+        f"{place} {', '.join(_needed(shares[name]) for name in (COARSE, OURS, KNOWN))}"
+        for place, shares in made.averages.items()
+    ]
+    caption = (
+        "Share of presses found with the 1.2 cm half-sphere, one reading each, at "
+        f"{settings.false_alarms:g} false alarms per idle reading, with 95 % intervals "
+        "(Wilson). Pads read their mean stress."
+    )
+    every = [
+        {"method": name, "place": trial.place, "force (N)": trial.force, "share": share.value}
+        | dict(zip(("from", "to"), share.interval, strict=True))
+        for (name, trial), share in made.every.items()
+    ]
+    rows = [
+        {"method": name}
+        | {f"{t.place}, {t.force:g} N": str(made.every[name, t]) for t in made.trials}
+        for name in made.methods["stress"]
+    ]
     return Section(
         name="detection",
         title="Figures 6 and 7: contact or noise",
@@ -334,23 +338,20 @@ def detection(settings: Settings) -> Section:
             f"{settings.stress_noise / 1e3:g} kPa: chosen because there the paper's own method "
             "misses 0.2 N and finds 0.5 N over a taxel, so that agreement in these two is no "
             "evidence; all other rates are.",
-            "A finer grid does not help the paper's inverse: at 0.5 N over a taxel it finds "
-            f"{', '.join(f'{100 * share:.0f} %' for share in paper)} on {', '.join(grids)} nodes, "
-            "as it amplifies the kinks of the interpolation between taxels. Ours, on 40 × 40, "
-            f"finds {made.share(OURS, over, 0.5)}.",
-            f"Over a taxel the highest reading alone, {100 * made.share(RAW, over, 0.5).value:.0f} "
-            "%, detects as well as any field. Between taxels, where several share the press, a "
-            f"method that adds them up gains: with {COUNTS[SHARED]} readings of 0.2 N averaged "
-            f"between two, the paper's finds {shared[COARSE]}, the highest taxel {shared[RAW]}, "
-            f"ours {shared[OURS]}, and a matched filter that knows the shape {shared[KNOWN]}.",
-            _average_sentence(made),
+            "Averaging works as long as the noise is independent from reading to reading: for "
+            f"{100 * RELIABLE:.0f} % at 0.2 N it takes so many readings ({settings.rate:g} per "
+            "second) with the paper's method, ours, and a matched filter that knows the shape: "
+            f"{'; '.join(needed)}.",
         ),
         pictures=(
             _picture_of_examples(settings),
             _picture_of_rocs(made),
             _picture_of_averages(made),
         ),
-        tables=(_headline(made), Table.of("all", "Every share.", every, on_page=False)),
+        tables=(
+            Table.of("half-sphere", caption, rows),
+            Table.of("all", "Every share.", every, on_page=False),
+        ),
         verdicts=tuple(_verdicts(made)),
     )
 
@@ -361,41 +362,9 @@ def _needed(shares: Floats) -> str:
     return str(COUNTS[enough[0]]) if len(enough) else f"more than {COUNTS[-1]}"
 
 
-def _average_sentence(made: Detection) -> str:
-    rate, parts = made.settings.rate, []
-    for place, shares in made.averages.items():
-        paper, ours, known = (_needed(shares[name]) for name in (COARSE, OURS, KNOWN))
-        parts.append(f"{place} {paper} (paper), {ours} (ours), {known} (matched filter)")
-    factor = Exponential(time_constant=0.1).noise_factor(rate)
-    return (
-        f"Averaging works as long as the noise is independent from reading to reading: for "
-        f"{100 * RELIABLE:.0f} % at 0.2 N it takes, in readings, {'; '.join(parts)}. At "
-        f"{rate:g} readings per second, {COUNTS[QUICK]} take {COUNTS[QUICK] / rate:.1f} s; an "
-        f"exponential filter of 0.1 s does as much as averaging {1 / factor**2:.0f}."
-    )
-
-
-def _headline(made: Detection) -> Table:
-    rows = [
-        {"method": name}
-        | {
-            f"{place}, {force:g} N": str(made.share(name, place, force))
-            for place in PLACES
-            for force in FORCES
-        }
-        for name in made.statistics
-    ]
-    caption = (
-        "Share of presses found with the 1.2 cm half-sphere, one reading each, at "
-        f"{made.settings.false_alarms:g} false alarms per idle reading, with 95 % intervals "
-        "(Wilson). Pads read their mean stress."
-    )
-    return Table.of("half-sphere", caption, rows)
-
-
 def _verdicts(made: Detection) -> list[Verdict]:
     light, firm, between = (
-        made.share(COARSE, place, force)
+        made.every[COARSE, Trial(place, force)]
         for place, force in ((PLACES[0], 0.2), (PLACES[0], 0.5), (PLACES[2], 0.5))
     )
     words = [_needed(made.averages[place][COARSE]) for place in PLACES[:2]]
@@ -458,51 +427,36 @@ def _picture_of_examples(settings: Settings) -> Picture:
 
 def _picture_of_rocs(made: Detection) -> Picture:
     """Share detected against share of false alarms."""
-    settings, alarms = made.settings, alarm_rates(made.settings)
     panels = [
-        roc_panel(
-            trial,
-            "one reading",
-            alarms,
-            {name: roc(made.quiet[name], each[name], alarms) for name in (*FOUR, KNOWN)},
-            limit=KNOWN,
-            rate=settings.false_alarms,
-        )
-        for trial, each in made.pressed.items()
+        made.roc_panel(trial, "one reading", {name: each[name] for name in DRAWN}, None)
+        for trial, each in made.trials.items()
     ]
+    size = made.settings.size
     caption = (
-        f"Receiver operating characteristics over {settings.size.presses} presses of the 1.2 cm "
-        f"half-sphere and {settings.size.quiet} idle readings, one reading each. Where a curve is "
+        f"Receiver operating characteristics over {size.presses} presses of the 1.2 cm "
+        f"half-sphere and {size.quiet} idle readings, one reading each. Where a curve is "
         "not to be seen, another lies on it."
     )
-    return Picture.of("roc", caption, draw_panels(in_rows(panels)))
+    return Picture.of("roc", caption, draw_panels([panels[:3], panels[3:]]))
 
 
 def _picture_of_averages(made: Detection) -> Picture:
     """Share found at 0.2 N against the number of readings averaged."""
-    settings, x = made.settings, np.array(COUNTS, dtype=float)
+    x, presses = np.array(COUNTS, dtype=float), made.settings.size.presses
     scale = Scale(
-        x="readings averaged",
-        y="share of presses found",
-        log_x=True,
-        y_limits=(-0.02, 1.02),
-        x_ticks=tuple(x[::3]),
-        marks=True,
-    )
-    panels = [
-        Panel(
-            "0.2 N",
-            place,
-            tuple(
-                interval_curve(name, x, share, settings.size.presses)
-                for name, share in shares.items()
-            ),
-            scale,
-        )
-        for place, shares in made.averages.items()
-    ]
+        x="readings averaged", y="share of presses found", log_x=True, y_limits=(-0.02, 1.02),
+        x_ticks=tuple(x[::3]), marks=True,
+    )  # fmt: skip
+    panels = []
+    for place, shares in made.averages.items():
+        ends = {
+            name: np.array([wilson(round(one * presses), presses) for one in share]).T
+            for name, share in shares.items()
+        }
+        curves = tuple(Curve(name, x, share, *ends[name]) for name, share in shares.items())
+        panels.append(Panel("0.2 N", place, curves, scale))
     caption = (
         "Presses of 0.2 N found when readings with independent noise are averaged, at "
-        f"{settings.false_alarms:g} false alarms; bands are 95 % intervals."
+        f"{made.settings.false_alarms:g} false alarms; bands are 95 % intervals."
     )
     return Picture.of("averaging", caption, draw_panels([panels]))

@@ -6,6 +6,7 @@ then reconstructed.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from skinfield.estimate import Estimate
 from skinfield.lab.paper import FIELD, PAIR, PAPER, PAPER_EXACT, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
-    Cell,
     Picture,
     Section,
     Settings,
@@ -25,6 +25,7 @@ from skinfield.lab.report import (
     spread_in_words,
     verdict_of,
 )
+from skinfield.lab.score import Row
 from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, press
 from skinfield.skin import Grid, Patch
@@ -39,7 +40,6 @@ PARTS = 5  # to a side of a cell, when its force is shared among others
 LAYER, OWN_GRID = "layer", "own grid"
 GRIDS = (20, 30, 40)
 NOISE = 10.0  # Pa: nothing is added; below it the contact finder sees no contact
-METHODS = {LAYER: (PAPER, PAPER_EXACT, FIELD), OWN_GRID: (PAPER,)}
 REACH = {ADJACENT: 11e-3, SEPARATE: 7e-3}  # m: around the middle, or around each disc
 CLOSE = 2.75e-3  # m: half a pitch; a contact this near is the disc's
 WINDOW = {ADJACENT: 15e-3, SEPARATE: 25e-3}  # m, to each side of the middle
@@ -158,40 +158,18 @@ def truth_on_own_grid(reconstruct: Reconstructor, case: str, layer: Layer) -> Tr
     return Truth(OWN_GRID, case, places, grid, pressure, inwards, readings)
 
 
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """One reconstruction beside its truth.
-
-    Attributes
-    ----------
-    peaks : (3,) array, m
-        Highest indentation within half a pitch of each disc.
-    widths, true_widths : (2,) array, m
-        Full width at half maximum of pressure and of indentation, on this grid.
-    force : float
-        Sum of the pressure over the true force.
-    deformation_error : float
-        Relative L2, at the nodes among the taxels.
-    contacts, matched : int
-        Found, and how many discs have one of their own.
-    """
+class Finding(NamedTuple):
+    """One reconstruction beside its truth."""
 
     truth: Truth
-    method: Method
-    nodes: int
     estimate: Estimate
-    peaks: Floats
-    widths: Floats
-    true_widths: Floats
-    force: float
-    deformation_error: float
-    contacts: int
-    matched: int
+    peaks: Floats  # (3,) m, the highest indentation within half a pitch of each disc
+    row: Row  # of the table
 
     @property
-    def separated(self) -> bool:
-        """Whether there are three contacts, one on each disc."""
-        return self.contacts == self.matched == 3
+    def claimed(self) -> list[float]:
+        """The peaks in m that the paper speaks of: of the whole, or of each separate disc."""
+        return [self.peaks.max()] if self.truth.case == ADJACENT else self.peaks.tolist()
 
 
 def all_findings(settings: Settings) -> list[Finding]:
@@ -199,47 +177,50 @@ def all_findings(settings: Settings) -> list[Finding]:
     patch, layer = paper_patch(), settings.layer
     truths = [truth_of(case, settings) for case in (ADJACENT, SEPARATE)]
     findings = []
-    for method in METHODS[LAYER]:
+    for method in (PAPER, PAPER_EXACT, FIELD):
         for nodes in GRIDS:
             reconstruct = method.prepared(patch, layer, nodes, NOISE)
             mine = list(truths)
-            if method in METHODS[OWN_GRID]:
+            if method is PAPER:
                 mine += [truth_on_own_grid(reconstruct, t.case, layer) for t in truths]
             findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in mine]
     return findings
 
 
 def judged(truth: Truth, method: Method, nodes: int, estimate: Estimate) -> Finding:
-    """Compare an estimate with its truth."""
-    grid = estimate.grid
+    """Compare an estimate with its truth: in mm, %, and relative L2 at nodes among the taxels."""
+    grid, sunk = estimate.grid, estimate.indentation
     pressure, indentation = truth.on(grid)
-    middle = truth.places.mean(axis=0, keepdims=True)
-    around = middle if truth.case == ADJACENT else truth.places
-    reach = REACH[truth.case]
+    around = truth.places
+    if truth.case == ADJACENT:
+        around = around.mean(axis=0, keepdims=True)
 
-    def widths(*fields: Floats) -> Floats:
-        each = [[half_width(grid, field, place, reach) for place in around] for field in fields]
-        return np.asarray(np.mean(each, axis=1))
+    def width(field: Floats) -> float:
+        each = [half_width(grid, field, place, REACH[truth.case]) for place in around]
+        return 1e3 * float(np.mean(each))
 
     covered = grid.covered
-    away = np.linalg.norm(grid.plane[:, None] - truth.places[None], axis=2)
-    sunk = estimate.indentation
+    near = np.linalg.norm(grid.plane - truth.places[:, None], axis=2) < CLOSE
+    peaks = np.array([sunk[some].max() for some in near])
     missed = np.linalg.norm((sunk - indentation)[covered]) / np.linalg.norm(indentation[covered])
     centres = np.array([c.position[:2] for c in estimate.contacts]).reshape(-1, 2)
-    apart = np.linalg.norm(centres[:, None] - truth.places[None], axis=2)
-    return Finding(
-        truth,
-        method,
-        nodes,
-        estimate,
-        np.array([sunk[near].max() for near in (away < CLOSE).T]),
-        widths(estimate.pressure, sunk),
-        widths(pressure, indentation),
-        float(estimate.normal_force) / truth.force,
-        float(missed),
-        len(estimate.contacts),
-        int((apart < CLOSE).any(axis=0).sum()) if len(centres) else 0,
-    )
+    apart = np.linalg.norm(centres - truth.places[:, None], axis=2)
+    row = {
+        "readings made on": truth.world,
+        "imposed on": truth.case,
+        "method": method.name,
+        "nodes on a side": nodes,
+        "peaks (mm)": f"{1e3 * peaks.min():.2f} to {1e3 * peaks.max():.2f}",
+        "width of pressure (mm)": width(estimate.pressure),
+        "true": width(pressure),
+        "width of deformation (mm)": width(sunk),
+        "true width": width(indentation),
+        "force found (%)": 100 * float(estimate.normal_force) / truth.force,
+        "deformation, relative L2 (%)": 100 * float(missed),
+        "contacts": len(estimate.contacts),
+        "discs with a contact": int((apart < CLOSE).any(axis=1).sum()),
+    }
+    return Finding(truth, estimate, peaks, row)
 
 
 def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float:
@@ -266,25 +247,32 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
 def imposed(settings: Settings) -> Section:
     """Peaks, widths and number of contacts for each way of making the readings."""
     findings = all_findings(settings)
-    real, ours, own, exact = (
-        {case: _of(findings, world, case, method) for case in (ADJACENT, SEPARATE)}
-        for world, method in (
-            (LAYER, PAPER), (LAYER, FIELD), (OWN_GRID, PAPER), (LAYER, PAPER_EXACT)
-        )
-    )  # fmt: skip
-    wide, apart = real[ADJACENT], real[SEPARATE]
-    grids, sides = listed([f"{n} × {n}" for n in GRIDS]), listed([str(n) for n in GRIDS])
-    widths = {
-        (which, name): listed([f"{1e3 * getattr(each, name)[which]:.1f}" for each in wide])
-        for which in (0, 1)
-        for name in ("widths", "true_widths")
-    }
-    blur = [float(each.widths[0] / each.true_widths[0]) for each in wide]
-    distinct = [each.separated for each in apart]
+
+    def of(case: str, world: str = LAYER, method: Method = PAPER) -> list[Finding]:
+        wanted = {"readings made on": world, "imposed on": case, "method": method.name}
+        return [each for each in findings if wanted.items() <= each.row.items()]
+
+    wide, apart = of(ADJACENT), of(SEPARATE)
+    widths, true = (
+        [each.row[name] for each in wide] for name in ("width of pressure (mm)", "true")
+    )
+    blur = [width / least for width, least in zip(widths, true, strict=True)]
+    contacts = [(each.row["contacts"], each.row["discs with a contact"]) for each in apart]
+    distinct = [pair == (3, 3) for pair in contacts]
     measured = {
-        case: f"{_peaks(real[case])} on the layer, {_peaks(own[case])} from its own nodes"
-        for case in real
+        case: f"{_peaks(of(case))} on the layer, {_peaks(of(case, OWN_GRID))} from its own nodes"
+        for case in (ADJACENT, SEPARATE)
     }
+    caption = (
+        "On the layer. Widths are full widths at half maximum; the true ones are of the truth "
+        "brought onto the same nodes. all.csv has every method and way of making the readings."
+    )
+    page = [
+        each.row
+        for method in (PAPER, FIELD)
+        for case in measured
+        for each in of(case, LAYER, method)
+    ]
     return Section(
         name="imposed",
         title="Figures 3 to 5: a deformation imposed on three taxels",
@@ -293,135 +281,76 @@ def imposed(settings: Settings) -> Section:
             f"Three flat discs as wide as a pad are pushed {DEPTH * 1e3:g} mm deep; nothing is "
             "added to the readings. They are made in two ways: on the bonded layer, by the contact "
             "solver, with pads that read their mean stress; and from forces on the very nodes that "
-            "are then reconstructed, with the paper's mechanics in both directions.",
+            "are then reconstructed, with the paper's mechanics in both directions. There the "
+            "mechanics cancel, so what is wrong is lost between the taxels, where readings are "
+            "interpolated.",
             "Peak deformation found by the paper's method on three separate taxels: "
-            f"{measured[SEPARATE]}; ours {_peaks(ours[SEPARATE])} on the layer. From its own nodes "
-            "the mechanics cancel, so what is wrong there is lost between the taxels, where "
-            "readings are interpolated. With the exact Ψ in place of 0.25 the paper's method finds "
-            f"{_peaks(exact[SEPARATE])}.",
-            f"Full width at half maximum around the three adjacent taxels, on {grids} nodes "
-            f"(paper, layer): pressure {widths[0, 'widths']} mm where the truth on the same nodes "
-            f"has {widths[0, 'true_widths']} mm, deformation {widths[1, 'widths']} mm for "
-            f"{widths[1, 'true_widths']} mm.",
-            "Of the force on three separate taxels the paper's method finds "
-            f"{_percent(apart, 'force')}, ours {_percent(ours[SEPARATE], 'force')}, on {sides} "
-            f"nodes a side. The deformation is off by {_percent(apart, 'deformation_error')} "
-            f"(paper) and {_percent(ours[SEPARATE], 'deformation_error')} (ours), relative L2 "
-            "among the taxels.",
+            f"{measured[SEPARATE]}; with the exact Ψ in place of 0.25 "
+            f"{_peaks(of(SEPARATE, LAYER, PAPER_EXACT))}, ours "
+            f"{_peaks(of(SEPARATE, LAYER, FIELD))} on the layer.",
         ),
         pictures=tuple(
             picture_of_fields(findings, case, name)
             for case in (ADJACENT, SEPARATE)
             for name in ("deformation", "pressure")
         ),
-        tables=_tables(findings),
+        tables=(
+            Table.of("layer", caption, page),
+            Table.of("all", "All methods and grids.", [f.row for f in findings], on_page=False),
+        ),
         verdicts=(
             Verdict(
-                "4",
-                "the peak of the deformation is around 0.2 mm",
-                measured[ADJACENT],
+                "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT],
                 _holds(wide),
             ),
             Verdict(
                 "4",
                 "the force is smoothed, the more the denser the grid",
-                f"width {widths[0, 'widths']} mm where the same nodes can show "
-                f"{widths[0, 'true_widths']} mm: {listed([f'{b:.1f}' for b in blur])} times",
+                f"width {_tenths(widths)} mm where the same nodes can show {_tenths(true)} mm: "
+                f"{_tenths(blur)} times",
                 verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
             ),
             Verdict("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
             Verdict(
                 "5",
                 "three contacts stay distinct",
-                f"{listed([str(each.contacts) for each in apart])} contacts found on {sides} nodes "
-                "a side",
+                f"{listed([str(count) for count, _ in contacts])} contacts found on "
+                f"{listed([str(n) for n in GRIDS])} nodes a side",
                 verdict_of(all(distinct), any(distinct)),
             ),
         ),
-    )
-
-
-def _of(findings: list[Finding], world: str, case: str, method: Method) -> list[Finding]:
-    return [
-        each
-        for each in findings
-        if (each.truth.world, each.truth.case) == (world, case) and each.method is method
-    ]
-
-
-def _claimed(each: Finding) -> list[float]:
-    """The peaks in m that the paper speaks of: of the whole, or of each separate disc."""
-    peaks = [float(peak) for peak in each.peaks]
-    return [max(peaks)] if each.truth.case == ADJACENT else peaks
+    )  # fmt: skip
 
 
 def _peaks(findings: list[Finding]) -> str:
-    return spread_in_words([peak for each in findings for peak in _claimed(each)], "mm", 1e3)
+    return spread_in_words([peak for each in findings for peak in each.claimed], "mm", 1e3)
 
 
-def _percent(findings: list[Finding], name: str) -> str:
-    return listed([f"{100 * getattr(each, name):.0f} %" for each in findings])
+def _tenths(values: list[float]) -> str:
+    return listed([f"{value:.1f}" for value in values])
 
 
 def _holds(findings: list[Finding]) -> str:
     """Verdict on the peaks, within the tolerance."""
     right = [
-        each.nodes
+        f"{each.row['nodes on a side']} × {each.row['nodes on a side']}"
         for each in findings
-        if all(abs(peak / DEPTH - 1) < RIGHT for peak in _claimed(each))
+        if all(abs(peak / DEPTH - 1) < RIGHT for peak in each.claimed)
     ]
     if len(right) == len(GRIDS):
         return "holds"
-    if right:
-        return f"holds only on {listed([f'{n} × {n}' for n in right])} (to {100 * RIGHT:.0f} %)"
-    return f"does not hold (to {100 * RIGHT:.0f} %)"
-
-
-def _row(each: Finding) -> dict[str, Cell]:
-    widths, true_widths = 1e3 * each.widths, 1e3 * each.true_widths
-    return {
-        "readings made on": each.truth.world,
-        "imposed on": each.truth.case,
-        "method": each.method.name,
-        "nodes on a side": each.nodes,
-        "peaks (mm)": f"{1e3 * each.peaks.min():.2f} to {1e3 * each.peaks.max():.2f}",
-        "width of pressure (mm)": float(widths[0]),
-        "true": float(true_widths[0]),
-        "width of deformation (mm)": float(widths[1]),
-        "true width": float(true_widths[1]),
-        "force found (%)": 100 * each.force,
-        "deformation, relative L2 (%)": 100 * each.deformation_error,
-        "contacts": each.contacts,
-        "discs with a contact": each.matched,
-    }
-
-
-def _tables(findings: list[Finding]) -> tuple[Table, Table]:
-    """Paper and ours on the layer, and everything for its file."""
-    rows = [_row(each) for each in findings]
-    page = [
-        row
-        for row, each in zip(rows, findings, strict=True)
-        if each.truth.world == LAYER and each.method in (PAPER, FIELD)
-    ]
-    caption = (
-        "On the layer. Widths are full widths at half maximum; the true ones are of the truth "
-        "brought onto the same nodes. all.csv has every method and way of making the readings."
-    )
-    return (
-        Table.of("layer", caption, page),
-        Table.of("all", "All methods and grids.", rows, on_page=False),
-    )
+    within = f"(to {100 * RIGHT:.0f} %)"
+    return f"holds only on {listed(right)} {within}" if right else f"does not hold {within}"
 
 
 def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Picture:
     """Deformation or pressure of a case on the layer: truth and three grids, paper and ours."""
-    shown = {
-        (each.method.name, each.nodes): each
+    drawn = {
+        (each.row["method"], each.row["nodes on a side"]): each.estimate
         for each in findings
         if (each.truth.world, each.truth.case) == (LAYER, case)
     }
-    truth = next(iter(shown.values())).truth
+    truth = next(each.truth for each in findings if each.truth.case == case)
     circles = [(x, y, truth.grid.patch.pad_diameter / 2) for x, y in truth.places.tolist()]
     middle = truth.places.mean(axis=0)
     window = np.array([middle - WINDOW[case], middle + WINDOW[case]])
@@ -435,7 +364,7 @@ def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Pict
     for method, who in ((PAPER, "paper"), (FIELD, "ours")):
         panels = [FieldPanel("truth", truth.grid, scale * exact, circles)]
         for nodes in GRIDS:
-            estimate = shown[method.name, nodes].estimate
+            estimate = drawn[method.name, nodes]
             values = estimate.pressure if pressed else estimate.indentation
             title = f"{who}, {nodes} × {nodes}"
             panels.append(FieldPanel(title, estimate.grid, scale * values, circles))

@@ -1,7 +1,7 @@
 """Grid resolution, Figure 8: one press on coarse and fine grids, and whether smoother is truer."""
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,38 +9,33 @@ from skinfield.errors import Floats
 from skinfield.estimate import Estimate
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, verdict_of
+from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.skin import Grid
 
 FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
 AROUND = 8e-3  # m: of the press, in which a field is looked at
-METHODS = (PAPER, FIELD)
+MEASURES = (  # of `Score.values`: title, note, factor
+    ("Roughness", "second differences over peak", 1.0),
+    ("Force found (%)", "within 8 mm of the press", 100.0),
+    ("Error of place (mm)", "of the strongest contact", 1e3),
+)
 CLAIM = (
     "Between three taxels, 1.8 N: the surface is smoother the finer the grid; on 40 × 40 nodes "
     "with 72 taxels it is oversampled, yet mimics the elastomer."
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Score:
-    """Of one method on one grid, over many noisy presses, (T,) each.
-
-    Attributes
-    ----------
-    roughness : array
-        Root mean square of the second differences from cell to cell around the press, over the
-        highest pressure there: 0 for a plane, about 1 for single cells that stick out.
-    force : array
-        Within 8 mm of the press, over the true force.
-    place : array, m
-        From the strongest contact to the true place; NaN where none is found.
-    """
+class Score(NamedTuple):
+    """Of one method on one grid, over many noisy presses."""
 
     method: Method
     nodes: int
-    roughness: Floats
-    force: Floats
-    place: Floats
+    values: Floats  # (T, 3), see `_of_one`
+
+    @property
+    def medians(self) -> Floats:
+        """Of roughness, force in % and place in mm."""
+        return np.nanmedian(self.values, axis=0) * [factor for *_, factor in MEASURES]
 
 
 def resolutions(settings: Settings) -> Section:
@@ -48,12 +43,11 @@ def resolutions(settings: Settings) -> Section:
     places, noisy = _pressed(settings)
     paper, ours = (
         [_scored(method, nodes, settings, places, noisy) for nodes in settings.size.grids]
-        for method in METHODS
+        for method in (PAPER, FIELD)
     )
-    rough = [float(np.median(score.roughness)) for score in paper]
+    rough = [float(score.medians[0]) for score in paper]
     falls = all(after < before for before, after in pairwise(rough))
-    near = f"within {AROUND * 1e3:g} mm"
-    grids = ", ".join(f"{score.nodes} × {score.nodes}" for score in paper)
+    caption = f"{FORCE:g} N {PLACE} taxels, over {len(places)} presses."
     return Section(
         name="resolutions",
         title="Figure 8: one press on four grids",
@@ -62,20 +56,17 @@ def resolutions(settings: Settings) -> Section:
             f"{len(places)} presses of {FORCE:g} N with the 1.2 cm half-sphere, each between three "
             f"taxels, one reading each with {settings.stress_noise / 1e3:g} kPa of noise. "
             "Roughness is the root mean square of the second differences from cell to cell "
-            f"{near} of the press, over the highest pressure there.",
-            f"The paper's method: roughness {_row(paper, 'roughness')} on {grids} nodes; ours "
-            f"{_row(ours, 'roughness')}.",
-            f"Smoother need not be truer: {near} the paper's method finds {_row(paper, 'force')} % "
-            f"of the force (medians), ours {_row(ours, 'force')} %; its strongest contact is off "
-            f"by {_row(paper, 'place')} mm, ours by {_row(ours, 'place')} mm.",
+            f"within {AROUND * 1e3:g} mm of the press, over the highest pressure there. Smoother "
+            "need not be truer: force and place say how true.",
         ),
         pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores([paper, ours])),
-        tables=(_table([*paper, *ours]),),
+        tables=(Table.of("scores", caption, [_row(score) for score in (*paper, *ours)]),),
         verdicts=(
             Verdict(
                 "8",
                 "the finer the grid, the smoother the surface",
-                f"roughness {_row(paper, 'roughness')} on grids from coarse to fine",
+                f"roughness {', '.join(f'{one:.2f}' for one in rough)} on grids from coarse to "
+                "fine",
                 verdict_of(falls, rough[-1] < rough[0]),
             ),
         ),
@@ -98,11 +89,11 @@ def _scored(method: Method, nodes: int, settings: Settings, places: Floats, nois
     reconstruct = method.prepared(paper_patch(), settings.layer, nodes, settings.stress_noise)
     estimate = reconstruct(noisy)
     each = [_of_one(estimate, row, place) for row, place in enumerate(places)]
-    roughness, force, place = np.array(each).T
-    return Score(method, nodes, roughness, force, place)
+    return Score(method, nodes, np.array(each))
 
 
 def _of_one(estimate: Estimate, row: int, place: Floats) -> tuple[float, float, float]:
+    """Roughness, part of the force found around the place, and distance of the contact in m."""
     grid, pressure = estimate.grid, estimate.pressure[row]
     near = np.linalg.norm(grid.plane - place, axis=1) < AROUND
     force = float(pressure[near].sum()) * grid.cell_area / FORCE
@@ -118,11 +109,6 @@ def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
     across = np.diff(picture, 2, axis=0)[inside[1:-1]]
     bends = np.concatenate([along, across])
     return float(np.sqrt(np.mean(bends**2)) / np.abs(pressure[near]).max())
-
-
-def _row(scores: list[Score], name: str) -> str:
-    digits, scale = {"roughness": (".2f", 1.0), "force": (".0f", 100), "place": (".1f", 1e3)}[name]
-    return ", ".join(f"{scale * float(np.nanmedian(getattr(s, name))):{digits}}" for s in scores)
 
 
 def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
@@ -148,14 +134,10 @@ def _picture_of_scores(scores: list[list[Score]]) -> Picture:
     ticks = tuple(float(score.nodes) for score in scores[0])
     scale = Scale(x="nodes on a side", y="", y_limits=(0.0, None), x_ticks=ticks, marks=True)
     panels = []
-    for title, note, name, factor in (
-        ("Roughness", "second differences over peak", "roughness", 1.0),
-        ("Force found (%)", "within 8 mm of the press", "force", 100.0),
-        ("Error of place (mm)", "of the strongest contact", "place", 1e3),
-    ):
+    for index, (title, note, factor) in enumerate(MEASURES):
         curves = []
         for mine in scores:
-            each = [np.nanpercentile(getattr(score, name), (25, 50, 75)) for score in mine]
+            each = [np.nanpercentile(score.values[:, index], (25, 50, 75)) for score in mine]
             low, middle, high = factor * np.array(each).T
             curves.append(Curve(mine[0].method.name, np.array(ticks), middle, low, high))
         panels.append(Panel(title, note, tuple(curves), scale))
@@ -163,20 +145,15 @@ def _picture_of_scores(scores: list[list[Score]]) -> Picture:
     return Picture.of("scores", caption, draw_panels([panels]))
 
 
-def _table(scores: list[Score]) -> Table:
-    rows = [
-        {
-            "method": score.method.name,
-            "nodes on a side": score.nodes,
-            "roughness, median": float(np.median(score.roughness)),
-            "force found, median (%)": 100 * float(np.median(score.force)),
-            "force found, quartiles (%)": "{:.0f} to {:.0f}".format(
-                *(100 * np.percentile(score.force, (25, 75)))
-            ),
-            "place, median (mm)": 1e3 * float(np.nanmedian(score.place)),
-            "place, 90th percentile (mm)": 1e3 * float(np.nanpercentile(score.place, 90)),
-        }
-        for score in scores
-    ]
-    caption = f"{FORCE:g} N {PLACE} taxels, over {len(scores[0].force)} presses."
-    return Table.of("scores", caption, rows)
+def _row(score: Score) -> dict[str, Cell]:
+    rough, force, place = score.medians.tolist()
+    low, high = 100 * np.percentile(score.values[:, 1], (25, 75))
+    return {
+        "method": score.method.name,
+        "nodes on a side": score.nodes,
+        "roughness, median": rough,
+        "force found, median (%)": force,
+        "force found, quartiles (%)": f"{low:.0f} to {high:.0f}",
+        "place, median (mm)": place,
+        "place, 90th percentile (mm)": 1e3 * float(np.nanpercentile(score.values[:, 2], 90)),
+    }

@@ -16,7 +16,7 @@ from skinfield.lab.report import (
     verdict_of,
 )
 from skinfield.lab.score import Row
-from skinfield.plot.style import number, plus_minus
+from skinfield.plot.style import number
 
 PREPARED_LAPS = 100  # per lap of the paper's algorithm
 NAMES = {
@@ -49,7 +49,6 @@ def timing(settings: Settings) -> Section:
     shares, rest = fastest[1] / fastest[0], np.maximum(fastest[0] - fastest[1], 0.0)
     deviation = max(one["std"] / one["mean"] for one in paper)
     gains = [one["p50"] / other["p50"] for one, other in zip(paper, ours, strict=True)]
-    first, last = (f"{nodes} × {nodes}" for nodes in (grids[0], grids[-1]))
     return Section(
         name="timing",
         title="Figure 9: time per reading",
@@ -58,17 +57,13 @@ def timing(settings: Settings) -> Section:
             f"One process, one core, {count} laps per grid after one that does not "
             "count. The paper's algorithm triangulates, interpolates, inverts and computes "
             "displacements for each reading; ours does all of it once, and a reading costs one "
-            "product with a matrix.",
-            f"On {last} nodes the paper's way takes {_ms(paper[-1])} (mean and standard "
-            f"deviation), ours {_ms(ours[-1])}: by medians {number(gains[-1], 2)} times less "
-            f"({number(gains[0], 2)} times on {first}).",
-            f"The fastest laps grow as the number of nodes to the power {power:.1f}: a power law "
-            f"is off by {100 * about_power:.0f} % of the time, an exponential in the number of "
-            f"nodes by {100 * about_exponential:.0f} %.",
-            f"The inversion alone is {', '.join(f'{100 * share:.0f} %' for share in shares)} of "
-            "the fastest lap, from the coarsest grid to the finest; the rest takes "
-            f"{', '.join(number(1e-3 * each, 2) for each in rest)} ms. The times are of this "
-            "machine and of NumPy; the paper's are of its own in C++.",
+            "product with a matrix. The times are of this machine and of NumPy; the paper's are of "
+            "its own in C++.",
+            f"Of the fastest laps, a power law of the number of nodes is off by "
+            f"{100 * about_power:.0f} % of the time, an exponential by "
+            f"{100 * about_exponential:.0f} %; all but the inversion takes "
+            f"{', '.join(number(1e-3 * each, 2) for each in rest)} ms, from the coarsest grid to "
+            "the finest.",
         ),
         pictures=(_picture(grids, times),),
         tables=(_table(grids, times, gains),),
@@ -117,10 +112,6 @@ def exponents(grids: tuple[int, ...], times: Floats) -> tuple[float, float, floa
     return float(power[0]), scatter[0], scatter[1]
 
 
-def _ms(times: Row) -> str:
-    return f"{plus_minus(1e-3 * times['mean'], 1e-3 * times['std'])} ms"
-
-
 def _picture(grids: tuple[int, ...], times: dict[str, list[Row]]) -> Picture:
     x = np.array(grids, dtype=float)
     curves = []
@@ -135,21 +126,17 @@ def _picture(grids: tuple[int, ...], times: dict[str, list[Row]]) -> Picture:
     )  # fmt: skip
     note = "median, bands hold eight of ten laps"
     panel = Panel("Time per reading", note, tuple(curves), scale)
-    caption = (
-        "Time per reading against the grid, on a logarithmic axis; the table has means and "
-        "standard deviations, as the paper."
-    )
+    caption = "Time per reading against the grid; the table has means and deviations."
     return Picture.of("times", caption, draw_panels([[panel]]))
 
 
 def _table(grids: tuple[int, ...], times: dict[str, list[Row]], gains: list[float]) -> Table:
-    keys = {"mean": "mean", "std": "std", "median": "p50"}
     rows = [
         {"nodes on a side": nodes}
         | {
             f"{short}, {what} (ms)": 1e-3 * times[name][index][key]
             for name, short in ((PAPER, "paper"), (INVERSION, "inversion"), (PREPARED, "ours"))
-            for what, key in keys.items()
+            for what, key in (("mean", "mean"), ("std", "std"), ("median", "p50"))
         }
         | {"median over median": gains[index]}
         for index, nodes in enumerate(grids)
