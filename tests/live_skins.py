@@ -10,8 +10,7 @@ from uuid import uuid4
 import numpy as np
 
 import skinfield as sf
-from skinfield.loop.binding import bind
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import Configuration, ModelConfig, bind, write_configuration
 from skinfield.loop.realtime import RealTime
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.runtime_parameters import Tuning
@@ -159,8 +158,8 @@ def skin_ring(made: LiveSettings | None = None) -> Iterator[Ring]:
 
 def begin(ring: Ring, made: LiveSettings) -> None:
     """What an engine says when it starts to answer."""
-    tuning = Tuning(deadline=made.time_to_answer)
-    ring.status["tuning"][:] = tuning.numbers([patch.name for patch in made.skin])
+    known = Configuration(1, made.solver, Tuning(deadline=made.time_to_answer))
+    write_configuration(ring.status["configuration"], known)
     ring.set_state(State.RUNNING)
 
 

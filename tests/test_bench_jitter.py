@@ -23,7 +23,7 @@ from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
 from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
-from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
+from skinfield.loop.realtime import Quantiles, RealTimeStatus, Timing, TimingTable
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -147,7 +147,18 @@ def measured(load: str = "skin") -> Jitter:
     company = Company(0.1, 2.0, 0.0, 0.0)
     late = np.array([12e-6]), np.array([0.0])
     settings = JitterSettings(load=load)
-    return Jitter(settings, granted, table.timing(), paired, "", company, 0, 0, late, late)
+    return Jitter(
+        settings,
+        granted,
+        Timing.of(table.times, table.totals),
+        paired,
+        "",
+        company,
+        0,
+        0,
+        late,
+        late,
+    )
 
 
 def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import count
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,11 +29,11 @@ from skinfield.loop.fit_ring import (
     is_fit,
     write_engine,
 )
-from skinfield.loop.fit_worker import FIRST, Accuracy, FitTracks, Numbers, rounding_of
+from skinfield.loop.fit_worker import FIRST, FitTracks, deviation_of, rounding_of
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import PATCH, Head, Slot
-from skinfield.loop.stationary_mean import GAP_NS, Mean, StationaryMean
+from skinfield.loop.stationary_mean import GAP_NS, MOST, Mean, StationaryMean
 from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, RingReader
 from skinfield.signal import Convention, CySkinCount, ICubByte, PlainCount, Port
@@ -72,9 +73,9 @@ def test_what_rests_is_averaged(count: int) -> None:
 
 
 def test_no_more_readings_are_kept_than_asked_for() -> None:
-    stationary, rows = StationaryMean(TAXELS, most=16), readings(PRESSED, 100, 2)
+    stationary, rows = StationaryMean(TAXELS), readings(PRESSED, 500, 2)
     fed(stationary, rows)
-    assert_allclose(mean_of(stationary).values, rows[-16:].mean(axis=0), atol=1e-12)
+    assert_allclose(mean_of(stationary).values, rows[-MOST:].mean(axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("after", [1, 2, 3, 5, 11, 40])
@@ -114,7 +115,7 @@ def test_a_taxel_that_is_left_out_now_and_then_is_the_mean_of_its_own() -> None:
     assert found.valid[4]
     assert not found.valid[5]
     assert found.values[5] == 0.0
-    assert np.isinf(Accuracy(NOISES, 0.0 * NOISES).of(found)[5])
+    assert np.isinf(deviation_of(found, NOISES, 0.0 * NOISES)[5])
 
 
 def test_nothing_is_known_before_the_first_reading() -> None:
@@ -147,7 +148,7 @@ def together(*rows: Any) -> Any:
 
 
 def test_numbers_are_those_of_the_engine_and_last() -> None:
-    tracks, stamp = FitTracks(Numbers()), 5_000_000_000
+    tracks, stamp = FitTracks(count(FIRST)), 5_000_000_000
     rows = together(contact(0.0, 0.0), contact(0.02, 0.0))
     engine = together(contact(0.019, 0.002, track=7, age=0.5), contact(0.001, 0.0, track=4))
     tracks.number(rows, engine, stamp)
@@ -161,7 +162,7 @@ def test_numbers_are_those_of_the_engine_and_last() -> None:
 
 
 def test_what_the_engine_does_not_see_has_a_number_of_its_own() -> None:
-    numbers = Numbers()
+    numbers = count(FIRST)
     first, second = FitTracks(numbers), FitTracks(numbers)
     rows = together(contact(0.0, 0.0), contact(0.03, 0.0))
     first.number(rows, together(contact(0.015, 0.0, track=3)), 1_000_000_000)

@@ -178,7 +178,7 @@ def test_another_solver_answers_and_stays_after_a_crash(told: dict[str, Any]) ->
 
 def test_the_recording_says_what_was_in_force_when(told: dict[str, Any]) -> None:
     source = Replay(told["path"])
-    tunings = [each.tuning for each in source.settings[1:]]
+    tunings = [each.configuration.tuning for each in source.settings[1:]]
     wanted = [told["first"], *(each for _, each in told["tunings"])]
     assert tunings[: len(wanted)] == wanted
     solvers = [each.configuration.solver for each in source.settings]

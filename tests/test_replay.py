@@ -168,7 +168,7 @@ def test_calibration_and_settings_are_those_of_the_time(replay: Replay, tmp_path
     write(path, 30, beside=beside)
     found = Replay(path)
     told = [found.config_at(START + place * PERIOD) for place in (9, 10, 19, 20, 29)]
-    assert [each.tuning.threshold for each in told] == [0.0, 0.1, 0.1, 0.2, 0.2]
+    assert [each.configuration.tuning.threshold for each in told] == [0.0, 0.1, 0.1, 0.2, 0.2]
     assert [each.configuration.generation for each in told] == [1, 1, 1, 2, 2]
     assert told[-1].configuration.solver == solver
     assert found.models(START + 29 * PERIOD).model_config.solver == solver
@@ -288,7 +288,7 @@ def test_it_says_what_happened(feed: ReplaySource) -> None:
     assert feed.start_s == 0.0
     assert feed.end_s == pytest.approx((CYCLES - 1) / WHOLE)
     assert feed.events == [(pytest.approx(TARED / WHOLE), "the baseline was taken anew")]
-    assert feed.gaps == ()
+    assert feed.gaps == []
     assert went(feed, 0.9).number == 90
     assert feed.status()["notes"] == {"replay": "0.90 s of 3.19 s"}
 
@@ -393,7 +393,7 @@ def test_a_gap_is_told(tmp_path: Path) -> None:
     known = write(path, 160, first=33, without=range(130, 138))
     opened = ReplaySource(path, playing=False)
     try:
-        assert opened.gaps == (pytest.approx((0.96, 1.05)),)
+        assert opened.gaps == [pytest.approx((0.96, 1.05))]
         assert_is(went(opened, 0.9), known[123])
         assert "missing from 0.96 s to 1.05 s" in opened.status()["notes"]["replay"]
         assert_is(went(opened, 1.0), known[138])  # the first one from then on

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.loop.binding import Binding
+from skinfield.loop.model_config import Binding
 from skinfield.loop.settings import LiveSettings
 from skinfield.reconstruct.diagnostics import Conditioning, survey, untouched
 from skinfield.signal import Calibration, Channels

@@ -1,7 +1,7 @@
 """Slot of a live skin's ring: one cycle, with everything that a reader may want of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Any
 
@@ -138,6 +138,11 @@ class Slot:
         """A slot in memory of its own."""
         arrays = {f.name: np.zeros(f.shape, np.dtype(f.dtype)) for f in sizes.fields()}
         return cls.of(arrays)
+
+    def copy_from(self, other: "Slot") -> None:
+        """Take over all that another holds."""
+        for part in fields(self):
+            np.copyto(getattr(self, part.name), getattr(other, part.name))
 
     def used_contacts(self) -> Array:
         """Rows of the contacts that there are, patch after patch: a copy."""

@@ -45,11 +45,8 @@ class PlacedPatch:
         return np.asarray(vectors @ self.pose[:3, :3].T)
 
     @cached_property
-    def _fine(self) -> tuple[Grid, Any]:
-        from scipy.spatial import cKDTree
-
-        grid = Grid.square(self.patch, FINE)
-        return grid, cKDTree(grid.positions)
+    def _fine(self) -> Grid:
+        return Grid.square(self.patch, FINE)
 
     def plane_of(self, point: Floats) -> tuple[float, float]:
         """Place in the patch's plane, m, of a point of the picture on or near its surface.
@@ -58,8 +55,8 @@ class PlacedPatch:
         and off by the third power of half a cell over the square of the radius where it is curved.
         """
         own = (np.asarray(point) - self.pose[:3, 3]) @ self.pose[:3, :3]
-        grid, tree = self._fine
-        _, node = tree.query(own)
+        grid = self._fine
+        node = int(((grid.positions - own) ** 2).sum(axis=1).argmin())
         along = (own - grid.positions[node]) @ grid.frames[node][:, :2]
         x, y = grid.plane[node] + along
         return float(x), float(y)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from skinfield.loop.client import Live
 from skinfield.loop.fit_ring import FitReader, FitSlot, best_of, recent_patches
-from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
 from skinfield.ring import State
@@ -28,11 +27,6 @@ class DataSource(Protocol):
     @property
     def skin(self) -> Skin:
         """All its patches."""
-        ...
-
-    @property
-    def model_config(self) -> ModelConfig:
-        """What its answers follow from."""
         ...
 
     def latest(self) -> Snapshot | None:
@@ -84,11 +78,6 @@ class LiveSource:
     def skin(self) -> Skin:
         """All its patches."""
         return self.live.skin
-
-    @property
-    def model_config(self) -> ModelConfig:
-        """What its answers follow from."""
-        return self.live.model_config
 
     def latest(self) -> Snapshot | None:
         """The newest cycle, of those with a new reading if any: the same until there is another."""
@@ -152,16 +141,9 @@ def plain_view(snapshot: Snapshot | None) -> EngineView:
 
 
 def merged_view(snapshot: Snapshot | None, found: FitSlot | None) -> EngineView:
-    """A cycle with what the fit had found by then; the same live and of a recording.
-
-    Parameters
-    ----------
-    snapshot : Snapshot or None
-    found : FitSlot or None
-        None, or one of another skin: all is as the engine says.
-    """
+    """A cycle with what the fit had found by then; the same live and of a recording."""
     if snapshot is None or found is None or len(found.patches) != len(snapshot.patches):
-        return plain_view(snapshot)
+        return plain_view(snapshot)  # no fit, or one of another skin
     rows, by = best_of(snapshot, found)
     recent = recent_patches(snapshot, found)
     fields = {

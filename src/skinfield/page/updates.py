@@ -47,7 +47,6 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
     newest = max(snapshots, key=lambda each: each.stamp_ns)
     took = round(newest.took * 1e9)
     published = int(newest.slot.head[Head.WALL_NS]) + took
-    latency = (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None
     return {
         "cycle": newest.number,
         "stamp_ns": newest.stamp_ns,
@@ -55,25 +54,7 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
         "fresh": newest.fresh,
         "late": newest.late,
         "ready_us": took * 1e-3,
-        "latency_us": latency,
-    }
-
-
-def contact_of(row: Any, number: int, by: str) -> dict[str, Any]:
-    """A contact of patch `number`, found by the engine or the fit, without what is drawn."""
-    return {
-        "track": int(row["track"]),
-        "patch": number,
-        "by": by,
-        "x": float(row["x"]),
-        "y": float(row["y"]),
-        "force": float(row["normal_force"]),
-        "force_std": finite(row["force_std"]),
-        "place_std": finite(row["place_std"]),
-        "area": finite(row["area"]),
-        "peak": finite(row["peak_pressure"]),
-        "age_s": finite(row["age"]),
-        "speed": finite(row["speed"]),
+        "latency_us": (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None,
     }
 
 
@@ -283,7 +264,16 @@ class Updates:
             if by != BY_FIT and its.snapshot is not None and its.snapshot.prepared:
                 found = outline_near(its.snapshot[each.patch.name].contacts, row["position"])
             border = outline_of(each.patch, row) if found is None else found
-            rows.append(contact_of(row, number, by) | {
+            alike = ("force_std", "place_std", "area", "speed")
+            rows.append({name: finite(row[name]) for name in alike} | {
+                "track": int(row["track"]),
+                "patch": number,
+                "by": by,
+                "x": float(row["x"]),
+                "y": float(row["y"]),
+                "force": float(row["normal_force"]),
+                "peak": finite(row["peak_pressure"]),
+                "age_s": finite(row["age"]),
                 "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
                 "position": plain(each.in_scene(row["position"][None])[0]),

@@ -6,8 +6,8 @@ import platform
 import sys
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 PR_SET_TIMERSLACK = 29
@@ -58,17 +58,8 @@ KERNEL_THREAD = 0x0020_0000  # PF_KTHREAD of linux/sched.h
 FLAGS, PRIORITY = 6, 37  # fields of /proc/PID/stat behind the name, see proc(5)
 
 
-@dataclass(frozen=True)
-class Competitor:
-    """A thread with a real-time priority that may run on one processor only.
-
-    Attributes
-    ----------
-    process : int
-    name : str
-    priority : int
-    cpu : int
-    """
+class Competitor(NamedTuple):
+    """A thread with a real-time priority that may run on one processor only."""
 
     process: int
     name: str
@@ -76,12 +67,8 @@ class Competitor:
     cpu: int
 
 
-def competitors() -> tuple[Competitor, ...]:
+def competitors() -> Iterator[Competitor]:
     """Those of other processes; the kernel's own threads are not among them."""
-    return tuple(_competitors())
-
-
-def _competitors() -> Iterator[Competitor]:
     for process in PROCESSES.glob("[0-9]*"):
         if int(process.name) == os.getpid():
             continue

@@ -11,6 +11,7 @@ only grows, so a reader needs no lock; the words of one time are written one aft
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -61,17 +62,6 @@ class Quantiles:
         names = ("p50", "p99", "p999", "max", "mean")
         times = {name: round(1e6 * float(getattr(self, name)), 3) for name in names}
         return {**times, "count": self.count}
-
-
-def check_words(name: str, words: Counts, shape: tuple[int, ...]) -> None:
-    """Raise InputError unless compiled code may count into `words`."""
-    check_shape(name, words, shape, "the words of histograms, see skinfield.loop.realtime.layout")
-    if words.dtype != np.uint64 or not words.flags.c_contiguous or not words.flags.writeable:
-        raise InputError(
-            f"{name} is {words.dtype}, {'' if words.flags.writeable else 'not '}writeable and "
-            f"{'' if words.flags.c_contiguous else 'not '}contiguous, expected uint64, writeable "
-            "and contiguous: it is counted into in place"
-        )
 
 
 def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
@@ -171,12 +161,11 @@ class TimingTable:
         check_count("deadline_ns", self.deadline_ns, 1, 1 << 40, "ns after the due time")
         self.times: Words = np.zeros((len(TIMES), WORDS), np.uint64) if times is None else times
         self.totals: Words = np.zeros(len(TOTALS), np.uint64) if totals is None else totals
-        check_words("times", self.times, (len(TIMES), WORDS))
-        check_words("totals", self.totals, (len(TOTALS),))
         self._skipped_before = int(self.totals[SKIPPED])  # by an engine that ran before
-        self._add = add_cycle
+        periods = self.period_ns, self.deadline_ns
+        self._add = partial(add_cycle, self.times, self.totals, *periods)
         rehearsal = np.zeros_like(self.times), np.zeros_like(self.totals)
-        self._add(*rehearsal, self.period_ns, self.deadline_ns, 0, 0, 0, 0, 0, 0)
+        add_cycle(*rehearsal, *periods, 0, 0, 0, 0, 0, 0)
 
     def add(
         self,
@@ -196,26 +185,11 @@ class TimingTable:
         latency_ns : int, ns
             Age of the newest reading when the estimate was published; below 0 where none came.
         """
-        self._add(
-            self.times,
-            self.totals,
-            self.period_ns,
-            self.deadline_ns,
-            due_ns,
-            wake_ns,
-            acquired_ns,
-            ready_ns,
-            done_ns,
-            latency_ns,
-        )
+        self._add(due_ns, wake_ns, acquired_ns, ready_ns, done_ns, latency_ns)
 
     def set_skipped(self, periods: int) -> None:
         """How many periods passed without a cycle, as the clock counted them since it was made."""
         self.totals[SKIPPED] = self._skipped_before + periods
-
-    def timing(self, before: "tuple[Words, Words] | None" = None) -> "Timing":
-        """See `Timing.of`."""
-        return Timing.of(self.times, self.totals, before)
 
 
 class Timing(NamedTuple):
