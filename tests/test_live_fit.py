@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fit_rings import contact
 from live_skins import LAYER, settings, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
@@ -137,12 +138,6 @@ def test_rounding_of_averages_against_the_expected_value_of_a_rounded_count(nois
     assert found == pytest.approx(worst, abs=0.02 * worst + 1e-6)
 
 
-def contact(x: float, y: float, force: float = 1.0, track: int = 0, age: float = 0.0) -> Any:
-    row = np.zeros(1, CONTACT)
-    row["x"], row["y"], row["normal_force"], row["track"], row["age"] = x, y, force, track, age
-    return row
-
-
 def together(*rows: Any) -> Any:
     return np.concatenate([np.zeros(0, CONTACT), *rows])
 
@@ -202,8 +197,7 @@ def slot_of(stamp_ns: int, contacts: Any, touched: int = 1) -> FitSlot:
 
 
 def test_the_fits_contacts_count_where_it_has_kept_up() -> None:
-    other = contact(0.0, 0.0, 2.0, track=5)
-    other["patch"] = 1
+    other = contact(0.0, 0.0, 2.0, track=5, patch=1)
     engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0), other)
     fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
     rows, by = best_contacts(snapshot(10**9 + PERIOD_NS, engine), fit)

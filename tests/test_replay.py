@@ -1,7 +1,6 @@
 """Replays of recordings: any time of them, at any pace, exactly as it was."""
 
 import json
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -269,19 +268,14 @@ def test_a_seek_while_paused_shows_exactly_that_cycle(
     for place in (118, 0, 60, 250, TARED + 2, TARED - 2, 319):
         assert_is(went(feed, place / WHOLE), known[place])
         assert feed.time_s == pytest.approx(place / WHOLE)
+    last = went(feed, 250 / WHOLE)
     between = went(feed, 117.4 / WHOLE)
+    assert feed.latest() is between  # nothing is new
+    assert_is(last, known[250])  # still
     assert_is(between, known[118])  # the first one from then on
     assert between.age == pytest.approx(1e-6)  # by the time of the replay
     assert between.slot.head[Head.WALL_NS] == known[118].wall_ns
     assert between["hexagon72"].pressure.max() > 1e3
-
-
-def test_snapshots_keep_what_they_were(made: tuple[Path, list[Known]], feed: ReplaySource) -> None:
-    first = went(feed, 118 / WHOLE)
-    assert feed.latest() is first  # nothing is new
-    second = went(feed, 200 / WHOLE)
-    assert_is(first, made[1][118])
-    assert_is(second, made[1][200])
 
 
 def test_it_says_what_happened(feed: ReplaySource) -> None:
@@ -293,15 +287,16 @@ def test_it_says_what_happened(feed: ReplaySource) -> None:
     assert feed.status()["notes"] == {"replay": "0.90 s of 3.19 s"}
 
 
-def test_it_begins_to_play_at_once(made: tuple[Path, list[Known]]) -> None:
+def test_it_begins_to_play_at_once_and_closing_ends_its_thread(
+    made: tuple[Path, list[Known]],
+) -> None:
     opened = ReplaySource(made[0])
-    try:
-        wait_for(lambda: opened.sought)
-        assert opened.playing
-        assert opened.speed == 1.0
-    finally:
+    wait_for(lambda: opened.sought)
+    assert opened.playing
+    assert opened.speed == 1.0
+    for _ in range(2):
         opened.close()
-    assert not opened._thread.is_alive()
+        assert not opened._thread.is_alive()
 
 
 def test_it_plays_faster_and_stops_at_the_end(feed: ReplaySource) -> None:
@@ -359,14 +354,6 @@ def test_what_makes_no_sense_is_refused(feed: ReplaySource) -> None:
     feed.seek(1e9)  # there are no times beyond the ends
     wait_for(lambda: feed.sought)
     assert feed.time_s == pytest.approx(feed.end_s)
-
-
-def test_closing_ends_the_thread_at_once(made: tuple[Path, list[Known]]) -> None:
-    opened = ReplaySource(made[0])
-    before = threading.active_count()
-    opened.close()
-    assert threading.active_count() < before
-    opened.close()
 
 
 # files that are not whole

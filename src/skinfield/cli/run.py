@@ -341,7 +341,6 @@ class LocalSource:
 @contextmanager
 def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
-    from skinfield.loop.fit_ring import FitReader
     from skinfield.page import serve_page
     from skinfield.page.live_controller import LiveController
     from skinfield.page.recordings import Recordings
@@ -361,7 +360,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         solvers=LIVE_SOLVERS,
         solver=wanted.model.solver or "nonnegative",
         choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
-        fit=FitReader(name) if wanted.loop.fit else None,
+        fit=wanted.loop.fit,
         tare_seconds=wanted.loop.tare_s,
     )
     try:
@@ -384,7 +383,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     """
     from skinfield.bridges.launch import bridges
     from skinfield.loop.client import Live
-    from skinfield.loop.process_supervisor import start_fit
+    from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
     from skinfield.ring import State
@@ -407,7 +406,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
         settings = replace(live_settings(wanted, profile, skin, stream), tree=tree)
         supervisor = parts.enter_context(Supervisor(settings))
-        fit = parts.enter_context(start_fit(settings.name)) if wanted.loop.fit else None
+        fit = parts.enter_context(FitProcess(settings.name)) if wanted.loop.fit else None
         supervisor.wait(STARTS, State.STARTING).close()
         into = wanted.record.into
         if into is not None:

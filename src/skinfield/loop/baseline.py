@@ -58,11 +58,6 @@ class BaselineCollector:
     Something that lies on the skin meanwhile would be part of it: a taxel that is let go later
     reads less than nothing then, which only ten times the force around it would explain. So it goes
     on for up to `PATIENCE` times the asked time, until there is a stretch without.
-
-    Parameters
-    ----------
-    settings : LiveSettings
-    binding : Binding
     """
 
     def __init__(self, settings: LiveSettings, binding: Binding) -> None:

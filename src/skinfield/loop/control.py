@@ -33,8 +33,6 @@ class Control:
     ----------
     values : dict
         That came with the last order.
-    refused : int
-        Messages that were no order.
     """
 
     def __init__(self, name: str) -> None:
@@ -49,7 +47,6 @@ class Control:
         finally:
             os.umask(before)
         self.values: dict[str, Any] = {}
-        self.refused = 0
 
     def poll(self) -> str:
         """The next order, or nothing."""
@@ -58,7 +55,6 @@ class Control:
         except OSError:
             return ""
         order, self.values = order_of(data)
-        self.refused += not order
         return order
 
     def close(self) -> None:

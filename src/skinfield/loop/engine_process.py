@@ -86,8 +86,6 @@ class Start:
 
     Parameters
     ----------
-    settings : LiveSettings
-    binding : Binding
     known : Baseline, optional
         Of an engine that ran before on this ring: no new baseline is taken, as something may lie
         on the skin now.

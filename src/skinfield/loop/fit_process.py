@@ -56,10 +56,6 @@ class FitShapes:
     the first time on a machine ten more, as all is compiled then. It happens in a thread of its
     own, of what is touched first.
 
-    Parameters
-    ----------
-    model_config : ModelConfig
-
     Attributes
     ----------
     failed : str

@@ -337,10 +337,8 @@ class PatchFit:
 
     def _believed(self, contact: Contact, engine: Rows) -> bool:
         """Whether the engine sees a contact as well, or it is sure by itself."""
-        near = np.zeros(0)
-        if len(engine):
-            near = np.linalg.norm(engine["position"] - contact.position, axis=1)
-        return bool((near < NEAR).any()) or contact.normal_force > SURE * contact.force_std
+        near = np.linalg.norm(engine["position"] - contact.position, axis=1) < NEAR
+        return bool(near.any()) or contact.normal_force > SURE * contact.force_std
 
     def _write(self, contact: Contact, pressure: Floats, row: np.void) -> None:
         assert self._fine is not None  # it is ready

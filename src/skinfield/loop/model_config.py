@@ -38,24 +38,16 @@ class Binding:
         Where each patch's taxels begin.
     channels : int
         Of all ports together.
-    first : tuple of int
-        Channel at which each port begins.
     ports : tuple of Port
-    port_of : tuple of int
-        Port of each patch.
+    unit : str
+        Of the readings: that of the ports, which must have one in common.
     """
 
     channel: Ints
     starts: Ints
     channels: int
-    first: tuple[int, ...]
     ports: tuple[Port, ...]
-    port_of: tuple[int, ...]
-
-    @property
-    def unit(self) -> str:
-        """Of the readings: that of the ports, which must have one in common."""
-        return self.ports[self.port_of[0]].unit
+    unit: str
 
 
 def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
@@ -69,8 +61,8 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
     ports = tuple(ports)
     if not ports:
         raise InputError("there is no port, expected a source with at least one")
-    first = tuple(np.cumsum([0, *(port.channels for port in ports)]).tolist())
-    rows, starts, port_of = [], [0], []
+    first = np.cumsum([0, *(port.channels for port in ports)]).tolist()
+    rows, starts, units = [], [0], set()
     for patch in skin:
         place = _port_of((patch.name, skin.name) if len(skin) == 1 else (patch.name,), ports)
         port = ports[place]
@@ -83,21 +75,14 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
             )
         rows.append(patch.channel + first[place])
         starts.append(starts[-1] + len(patch))
-        port_of.append(place)
-    units = {ports[place].unit for place in port_of}
+        units.add(port.unit)
     if len(units) > 1:
         raise InputError(
             f"ports deliver {', '.join(sorted(units))}, expected one unit for all patches of an "
             "engine: run two engines"
         )
-    return Binding(
-        np.concatenate(rows).astype(np.int64),
-        np.array(starts, np.int64),
-        first[-1],
-        first[:-1],
-        ports,
-        tuple(port_of),
-    )
+    channel = np.concatenate(rows).astype(np.int64)
+    return Binding(channel, np.array(starts, np.int64), first[-1], ports, units.pop())
 
 
 def _port_of(wanted: Sequence[str], ports: Sequence[Port]) -> int:

@@ -10,8 +10,7 @@ import tempfile
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import IO, Self
 
 from skinfield.errors import InputError
@@ -257,7 +256,10 @@ class SupervisedProcess:
 
 
 class FitProcess(SupervisedProcess):
-    """The process that fits contacts of the live skin `name`, started again when it ends."""
+    """The process that fits contacts of the live skin `name`, started again when it ends.
+
+    It need not be there: then the engine's own contacts are shown.
+    """
 
     def __init__(self, name: str) -> None:
         super().__init__("the contact fit")
@@ -268,17 +270,10 @@ class FitProcess(SupervisedProcess):
         words = (self._name, "--parent", str(os.getpid()))
         return start_python("skinfield.loop.fit_process", *words, stderr=self.new_errors())
 
-
-@contextmanager
-def start_fit(name: str) -> Iterator[FitProcess]:
-    """Fit the contacts of this skin as long as the block lasts.
-
-    It need not succeed: where there is no fit, the engine's own contacts are shown.
-    """
-    with FitProcess(name) as fit:
+    def __enter__(self) -> Self:
         try:
-            fit.begin()
+            self.begin()
         except InputError as error:
-            fit.failure = str(error)
-        fit.watch()
-        yield fit
+            self.failure = str(error)
+        self.watch()
+        return self

@@ -123,15 +123,10 @@ class Slot:
         """Name the parts of a slot's arrays."""
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
-        plain = {name: arrays[name] for name in ("head", "counts", "values", "valid")}
+        names = ("head", "counts", "values", "valid", "pressure")
+        plain = {name: arrays[name] for name in names}
         words = arrays["contacts"].view(np.int64).reshape(len(patches), -1)
-        return cls(
-            patches=patches,
-            contacts=contacts,
-            pressure=arrays["pressure"],
-            contact_words=words,
-            **plain,
-        )
+        return cls(patches=patches, contacts=contacts, contact_words=words, **plain)
 
     @classmethod
     def empty(cls, sizes: Sizes) -> "Slot":

@@ -190,10 +190,6 @@ class EngineFailed(InputError):
 class Supervisor(SupervisedProcess):
     """Runs the engine of a live skin as long as the `with` block lasts.
 
-    Parameters
-    ----------
-    settings : LiveSettings
-
     Attributes
     ----------
     events : deque of Event

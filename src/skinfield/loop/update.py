@@ -41,19 +41,16 @@ def lowest_change(board: Convention | None, calibration: Floats) -> float:
     """
     if not len(calibration):
         return -np.inf
-    beyond = np.nan if board is None else _beyond_rest(board)
+    beyond = np.nan  # counts from the rest to the end of the scale on the unloaded side
+    if board is not None:
+        unloaded = board.highest if board.direction < 0 else board.lowest
+        beyond = -board.direction * (unloaded - board.rest)
     if beyond == 0.0:
         return -np.inf
     gain = np.abs(calibration[:, 1])
     if np.isfinite(beyond):
         return -beyond / float(gain.min())
     return -max(RISEN, SURE * float(np.median(calibration[:, 2] / gain)))
-
-
-def _beyond_rest(board: Convention) -> float:
-    """Counts from a board's rest to the end of its scale on the unloaded side; NaN: not known."""
-    unloaded = board.highest if board.direction < 0 else board.lowest
-    return -board.direction * (unloaded - board.rest)
 
 
 def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
@@ -77,21 +74,8 @@ CONTACT_WORDS = CONTACT.itemsize // 8
 class RuntimeFilters:
     """Low-pass, threshold and focus of a cycle; nothing is allocated between changes.
 
-    Parameters
-    ----------
-    engine : Engine
-    binding : Binding
-    stale_ns : int, ns
-        Age at which a reading is left out.
-    kept : Slot
-        Of the newest answers.
-
-    Attributes
-    ----------
-    smoothing, threshold : float, s, N
-        0: none.
-    watches : bool
-        Whether there is a focus.
+    It looks at the newest answers in `kept`. A `smoothing` (s) or `threshold` (N) of 0 is none,
+    and `watches` says whether there is a focus.
     """
 
     def __init__(self, engine: Engine, binding: Binding, stale_ns: int, kept: Slot) -> None:
@@ -182,9 +166,7 @@ class Updater:
 
     Attributes
     ----------
-    engine : Engine
-    sizes : Sizes
-    tuned : RuntimeFilters
+    filters : RuntimeFilters
         What can be changed while it answers.
     """
 

@@ -8,12 +8,11 @@ from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
 from skinfield.loop.client import Live
-from skinfield.loop.fit_ring import FitReader
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.page.controller import TUNED, Controller
 from skinfield.page.presser import NO_VIRTUAL, Presser, Virtual
 from skinfield.page.recordings import Recordings
-from skinfield.page.source import DataSource, EngineView, LiveSource, merged_view, plain_view
+from skinfield.page.source import DataSource, EngineView, LiveSource
 from skinfield.ring import State
 
 MILLI, MICRO = 1e-3, 1e-6
@@ -80,8 +79,8 @@ class LiveController(Controller):
         The one in force.
     choose : function of a name, optional
         Takes another solver; returns when the engine is being made anew.
-    fit : FitReader, optional
-        Of the fit beside the engine.
+    fit : bool
+        Whether contacts are fitted beside the engine.
     tare_seconds : float, s
         That a baseline takes.
     """
@@ -97,14 +96,14 @@ class LiveController(Controller):
         solvers: Sequence[str] = (),
         solver: str = "",
         choose: Callable[[str], None] = lambda name: None,
-        fit: FitReader | None = None,
+        fit: bool = False,
         tare_seconds: float = 1.0,
     ) -> None:
         super().__init__()
         self._source, self.recordings, self._choose_solver = source, recordings, choose
         if virtual is not None:
             self.presser = Presser(virtual, self._waits_for, lambda text: self.say("warn", text))
-        self._fit, self._fit_lock, self._fitting = fit, threading.Lock(), fit is not None
+        self._fit = self._fitting = fit
         self._tare_seconds = tare_seconds
         self._taring = -1, 0.0  # baselines before the one that is taken, until when to wait
         self._preparing = ""  # name of a solver
@@ -115,15 +114,7 @@ class LiveController(Controller):
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
-        return [self._view(source) for source in sources]
-
-    def _view(self, source: DataSource) -> EngineView:
-        snapshot, fit = source.latest(), self._fit
-        old = isinstance(source, LiveSource) and source.old
-        if snapshot is None or fit is None or not self._fitting:
-            return plain_view(snapshot)._replace(old=old)
-        with self._fit_lock:
-            return merged_view(snapshot, fit.latest())._replace(old=old)
+        return [s.view(self._fitting) for s in sources if isinstance(s, LiveSource)]
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """See `Controller`."""
@@ -153,7 +144,7 @@ class LiveController(Controller):
     @property
     def _names(self) -> tuple[str, ...]:
         """Solvers to choose from, the fit beside the engine first."""
-        return (*([FIT] if self._fit is not None else []), *self._solvers)
+        return (*([FIT] if self._fit else []), *self._solvers)
 
     def _busy(self) -> str:
         """What is being done, in words; nothing if nothing is."""
@@ -163,11 +154,8 @@ class LiveController(Controller):
             return waits
         if self.presser is not None and self.presser.preparing:
             return "the tool is being prepared"
-        if self._fit is None or not self._fitting:
-            return ""
-        with self._fit_lock:
-            ready = self._fit.status().get("phase") == "ready"
-        return "" if ready else "forces rough until the fit is ready"
+        rough = self._fitting and not self._source().fit_is_ready
+        return "forces rough until the fit is ready" if rough else ""
 
     def _waits_for(self) -> str:
         """What has to end before anything may press, in words."""

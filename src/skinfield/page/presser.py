@@ -172,7 +172,7 @@ class Presser:
             if id is None:
                 self._presses.clear()
                 self._waiting.clear()
-                self._virtual.ask({"do": "release"})
+                self._virtual.ask({"do": "release", "id": None})
             elif self._presses.pop(id, None) is not None:
                 if id not in self._waiting:
                     with suppress(InputError):  # the skin let it go itself

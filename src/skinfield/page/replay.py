@@ -33,10 +33,6 @@ class Clock:
 
     Where reading takes longer than the asked pace allows, time goes on as fast as it comes.
 
-    Parameters
-    ----------
-    playing : bool
-
     Attributes
     ----------
     speed : float

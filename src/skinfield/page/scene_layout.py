@@ -67,10 +67,6 @@ class SceneLayout:
 
     Patches of one link stand as they are on it. Links of which the page knows no more, and engines
     that are no neighbours, stand side by side.
-
-    Parameters
-    ----------
-    sources : sequence of DataSource
     """
 
     def __init__(self, sources: Sequence[DataSource]) -> None:

@@ -15,7 +15,6 @@ from skinfield.errors import InputError, SkinfieldError
 from skinfield.loop.status import plain_contacts
 from skinfield.page.controller import Controller
 from skinfield.page.page_state import PageState
-from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.session import Session
 from skinfield.page.source import DataSource
 from skinfield.settings import PORT, PageSettings
@@ -39,13 +38,7 @@ HEADERS = {
 
 
 class HttpApi:
-    """Answers to requests; lets through what belongs to the socket.
-
-    Parameters
-    ----------
-    state : PageState
-    settings : PageSettings
-    """
+    """Answers to requests; lets through what belongs to the socket."""
 
     def __init__(self, state: PageState, settings: PageSettings) -> None:
         self._state, self._settings = state, settings
@@ -165,12 +158,6 @@ STARTS = 20.0  # s for a server to be there
 class Page:
     """A page that is served; made by `serve_page`.
 
-    Parameters
-    ----------
-    settings : PageSettings
-    sources : function that returns a sequence of DataSource
-    controller : Controller
-
     Attributes
     ----------
     port : int
@@ -185,16 +172,11 @@ class Page:
     ) -> None:
         self.settings, self.controller = settings, controller
         self.port = 0
-        self._state = PageState(sources, controller)
+        self.state = PageState(sources, controller)
         self._made = 0  # sessions so far
         self._stop: asyncio.Event | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._failed: BaseException | None = None
-
-    @property
-    def layout(self) -> SceneLayout:
-        """What the picture holds now."""
-        return self._state.layout
 
     @property
     def address(self) -> str:
@@ -215,13 +197,13 @@ class Page:
             self._failed = error
         finally:
             ready.set()
-            self._state.shut_down()
+            self.state.shut_down()
 
     async def _run(self, ready: threading.Event) -> None:
         self._stop, self._loop = asyncio.Event(), asyncio.get_running_loop()
         server = await self._bound()
         self.port = next(iter(server.sockets)).getsockname()[1]
-        tasks = self._state.tasks()
+        tasks = self.state.tasks()
         ready.set()
         try:
             stopping = asyncio.create_task(self._stop.wait())
@@ -238,7 +220,7 @@ class Page:
     async def _bound(self) -> Any:
         from websockets.asyncio.server import serve
 
-        api, settings, why = HttpApi(self._state, self.settings), self.settings, ""
+        api, settings, why = HttpApi(self.state, self.settings), self.settings, ""
         for port in (PORT, 0) if settings.port is None else (settings.port,):
             try:
                 return await serve(
@@ -260,15 +242,15 @@ class Page:
         )
 
     async def _client(self, socket: Any) -> None:
-        if self._state.sessions >= CLIENTS:
+        if self.state.sessions >= CLIENTS:
             await socket.close(1013, f"{CLIENTS} browsers look on already")
             return
-        self._state.sessions += 1
+        self.state.sessions += 1
         self._made += 1
         try:
-            await Session(self._state, socket, self._made).run()
+            await Session(self.state, socket, self._made).run()
         finally:
-            self._state.sessions -= 1
+            self.state.sessions -= 1
 
     def end(self) -> None:
         """Stop serving; from another thread."""
@@ -276,10 +258,6 @@ class Page:
         if loop is not None and stop is not None:
             with suppress(RuntimeError):  # it has ended already
                 loop.call_soon_threadsafe(stop.set)
-
-    def wait_prepared(self) -> None:
-        """See `PageState`."""
-        self._state.wait_prepared()
 
     def check(self) -> None:
         """Raise what serving failed with, if it did."""
@@ -312,4 +290,4 @@ def serve_page(
     finally:
         page.end()
         thread.join(STARTS)
-        page.wait_prepared()
+        page.state.wait_prepared()

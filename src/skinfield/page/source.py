@@ -95,6 +95,19 @@ class LiveSource:
             return True
         return time.time_ns() - newest.stamp_ns > OLD * 1e9
 
+    def view(self, fitted: bool) -> "EngineView":
+        """The newest cycle, with the contacts of the fit beside it if that is wanted."""
+        snapshot = self.latest()
+        with self._lock:
+            found = self._fit.latest() if fitted else None
+            return merged_view(snapshot, found)._replace(old=self.old)
+
+    @property
+    def fit_is_ready(self) -> bool:
+        """Whether the fit beside the engine is there, and has prepared what it needs."""
+        with self._lock:
+            return bool(self._fit.status().get("phase") == "ready")
+
     @property
     def replaced(self) -> bool:
         """Whether another skin runs under its name by now."""

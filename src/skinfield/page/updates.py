@@ -23,11 +23,7 @@ POINTS = 32
 def outline_of(patch: Patch, row: Any) -> Floats:
     """Circle of a contact's area around its place, closed, (POINTS + 1, 3) m in the patch's frame.
 
-    Parameters
-    ----------
-    patch : Patch
-    row : record of CONTACT
-        With `x`, `y` in the patch's plane, m, and `area`, m².
+    Of a row of CONTACT the place `x`, `y` in the patch's plane, m, and the `area`, m², count.
     """
     area = float(row["area"])
     radius = math.sqrt(max(area, 0.0) / math.pi) if math.isfinite(area) else 0.0
@@ -101,12 +97,7 @@ class Parcel:
 
 
 class Updates:
-    """Makes the updates of one browser; knows what it has already.
-
-    Parameters
-    ----------
-    layout : SceneLayout
-    """
+    """Makes the updates of one browser; knows what it has already."""
 
     def __init__(self, layout: SceneLayout) -> None:
         self.layout = layout

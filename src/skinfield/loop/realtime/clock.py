@@ -4,24 +4,10 @@ import select
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Protocol
 
 from skinfield.errors import check_count
 
 NS = 1e-9
-
-
-class Waiter(Protocol):
-    """What a loop waits by, between two cycles."""
-
-    @property
-    def skipped(self) -> int:
-        """Periods since the start in which no cycle began."""
-        ...
-
-    def wait(self) -> tuple[int, int]:
-        """Sleep until the next cycle: when it was due and when it began, in ns."""
-        ...
 
 
 def sleep_until(due_ns: int) -> None:
@@ -181,3 +167,6 @@ class EventWaiter:
                 self._forget(fileno)
         self._woke = now = time.monotonic_ns()
         return (now if events else min(due, now)), now
+
+
+Waiter = PeriodicClock | EventWaiter  # what a loop waits by, between two cycles

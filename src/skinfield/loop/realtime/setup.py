@@ -81,6 +81,7 @@ class RealTimeStatus:
         return (granted, *self.refused, *self.disturbances)
 
 
+POLICIES = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
 CAP_IPC_LOCK = 14  # number of the capability, of linux/capability.h
 LATENCY = Path("/dev/cpu_dma_latency")
 _awake: list[int] = []  # the descriptor that keeps processors awake for as long as it is open
@@ -117,13 +118,16 @@ def request_all(wanted: "RealTime") -> Outcome:
 
 
 def _schedule(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted.update(scheduler=_policy(), priority=os.sched_getparam(0).sched_priority)
+    number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+    policies = {getattr(os, name): name for name in POLICIES}
+    policy, priority = policies.get(number, f"policy {number}"), os.sched_getparam(0).sched_priority
+    outcome.granted.update(scheduler=policy, priority=priority)
     if not wanted.priority:
         return
     error: OSError | None = None
-    for priority in dict.fromkeys((wanted.priority, min(_permitted_priority(), wanted.priority))):
-        if not priority:
-            continue
+    permitted, _ = _raise_limit("RLIMIT_RTPRIO")
+    lower = wanted.priority if permitted < 0 else min(permitted, wanted.priority)
+    for priority in filter(None, dict.fromkeys((wanted.priority, lower))):
         try:  # what this process starts later is ordinary again
             os.sched_setscheduler(
                 0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority)
@@ -150,19 +154,6 @@ def _remedy(limit: str, capability: str) -> str:
         f"put `@realtime - {limit}` into /etc/security/limits.d/skinfield.conf, join that group by "
         "`sudo groupadd -f realtime` and `sudo usermod -aG realtime $USER`, and log in again"
     )
-
-
-def _policy() -> str:
-    number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
-    names = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
-    known = {getattr(os, name): name for name in names}
-    return known.get(number, f"policy {number}")
-
-
-def _permitted_priority() -> int:
-    """The highest that the limits of the process permit, once raised as far as they may be."""
-    soft, _ = _raise_limit("RLIMIT_RTPRIO")
-    return 99 if soft < 0 or soft > 99 else soft
 
 
 def _raise_limit(name: str) -> tuple[int, int]:
@@ -333,5 +324,5 @@ class RealTime:
             **outcome.granted,
             kernel=system.kernel(),
             refused=tuple(outcome.refused),
-            disturbances=system.disturbances(outcome.granted["cpu"]),
+            disturbances=tuple(system.disturbances(outcome.granted["cpu"])),
         )
