@@ -18,21 +18,29 @@ from typing import Any
 import numpy as np
 
 from skinfield.compiled import reported
-from skinfield.errors import InputError, Ints
+from skinfield.errors import InputError, Ints, check_type
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.baseline import Baseline, BaselineCollector
 from skinfield.loop.control import Control
 from skinfield.loop.intake import Intake
-from skinfield.loop.model_config import Binding, ModelConfig, bind
+from skinfield.loop.model_config import FIELD as CONFIGURATION
+from skinfield.loop.model_config import (
+    Binding,
+    Configuration,
+    ModelConfig,
+    bind,
+    write_configuration,
+)
 from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.realtime.clock import EventWaiter, PeriodicClock, Waiter
 from skinfield.loop.realtime.timing import TimingTable
 from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
+from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import Head, Slot, say_nothing
-from skinfield.loop.status_text import write_notes
+from skinfield.loop.status_text import read_notes, write_notes
 from skinfield.loop.supervisor import GO, READY, Handover
-from skinfield.loop.update import RuntimeParameters, Updater
+from skinfield.loop.update import Updater
 from skinfield.ring import RingReader, State
 from skinfield.signal import Channels
 
@@ -193,13 +201,16 @@ class EngineProcess:
             self.ring.status["times"],
             self.ring.status["totals"],
         )
-        self.parameters = RuntimeParameters(self.ring, settings, fresh_ring)
+        self.limits = Limits.of(self.ring.description)
+        before = None if fresh_ring else read_notes(self.ring.status[CONFIGURATION.name])
+        self.tuning = settings.tuning if before is None else Configuration.from_dict(before).tuning
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
         self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
         self.updater: Updater | None = None
+        self._go_by_tuning()
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
         self.stopping, self.ending = False, State.STOPPED
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
@@ -275,7 +286,7 @@ class EngineProcess:
 
     def _answer(self, updater: Updater, slot: Slot, wake: int, wall: int) -> None:
         head = slot.head
-        budget_ns = head[Head.BUDGET_NS] = self.parameters.budget_ns
+        budget_ns = head[Head.BUDGET_NS] = self.budget_ns
         reset, self.reset = self.reset, False
         budget = budget_ns * NS
         fresh = updater.answer(self.intake.channels, wall, slot, reset=reset, budget=budget)
@@ -327,7 +338,7 @@ class EngineProcess:
         """From here on nothing may wait."""
         settings = self.settings
         self.updater, self.reset, self.began = updater, True, True
-        updater.filters.tune(self.parameters.tuning)
+        updater.filters.tune(self.tuning)
         granted = settings.real_time.apply()
         self._note(phase="running", progress={}, granted=granted.as_dict())
         if settings.rate is None:
@@ -377,11 +388,22 @@ class EngineProcess:
 
     def _tune(self, order: Mapping[str, Any]) -> str:
         """Obey an order to change the tuning; why it was refused, or nothing."""
+        changes: Any = order.get("set")
         try:
-            self.parameters.tune(order.get("set"), self.updater)
+            check_type("changes", changes, Mapping, "values by the names of settings")
+            self.tuning = self.limits.check(self.tuning.changed(changes))
         except InputError as error:
             return str(error)
+        self._go_by_tuning()
         return ""
+
+    def _go_by_tuning(self) -> None:
+        """Have the tuning in force from the next cycle on; the ring and recordings say so."""
+        self.budget_ns = round(self.tuning.deadline * 1e9)
+        known = Configuration(self.ring.generation, self.settings.solver, self.tuning)
+        write_configuration(self.ring.status[CONFIGURATION.name], known)
+        if self.updater is not None:
+            self.updater.filters.tune(self.tuning)
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
@@ -429,8 +451,6 @@ def main() -> None:
         if sys.stdin.buffer.readline() != GO:
             return  # it is not wanted any more
         asked = asked.settings
-    if not isinstance(asked, LiveSettings):
-        raise InputError(f"settings are {type(asked).__name__}, expected LiveSettings")
     engine = EngineProcess(asked, prepared)
     engine.run()
     if engine.ending != State.STOPPED:  # the next one waits for the end of this process

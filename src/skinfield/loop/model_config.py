@@ -63,9 +63,16 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
         raise InputError("there is no port, expected a source with at least one")
     first = np.cumsum([0, *(port.channels for port in ports)]).tolist()
     rows, starts, units = [], [0], set()
+    names = [port.name for port in ports]
     for patch in skin:
-        place = _port_of((patch.name, skin.name) if len(skin) == 1 else (patch.name,), ports)
-        port = ports[place]
+        wanted = (patch.name, skin.name) if len(skin) == 1 else (patch.name,)  # of the skin's name
+        place = next((names.index(name) for name in wanted if name in names), None)
+        if place is None and len(ports) > 1:
+            raise InputError(
+                f"patch {patch.name!r} has no port, expected one of its name among "
+                f"{', '.join(names)}: name the port after the patch"
+            )
+        port = ports[place or 0]
         highest = int(patch.channel.max())
         if highest >= port.channels:
             raise InputError(
@@ -73,7 +80,7 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
                 f"{port.channels}: port {port.name!r} has no more; is this the layout of that "
                 "skin, and are all its boards listed?"
             )
-        rows.append(patch.channel + first[place])
+        rows.append(patch.channel + first[place or 0])
         starts.append(starts[-1] + len(patch))
         units.add(port.unit)
     if len(units) > 1:
@@ -83,20 +90,6 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
         )
     channel = np.concatenate(rows).astype(np.int64)
     return Binding(channel, np.array(starts, np.int64), first[-1], ports, units.pop())
-
-
-def _port_of(wanted: Sequence[str], ports: Sequence[Port]) -> int:
-    """Port of the first of these names that there is; a skin of one patch may name it itself."""
-    names = [port.name for port in ports]
-    for name in wanted:
-        if name in names:
-            return names.index(name)
-    if len(ports) == 1:
-        return 0
-    raise InputError(
-        f"patch {wanted[0]!r} has no port, expected one of its name among {', '.join(names)}: "
-        "name the port after the patch"
-    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -235,8 +235,10 @@ class Supervisor(SupervisedProcess):
 
     def look(self, child: Child) -> str:
         """See `SupervisedProcess`; a change goes on meanwhile."""
-        if silence := self._hangs(child.pid):
-            return f"no sign of life for {silence:g} s"
+        with contextlib.suppress(InputError), RingReader(self.settings.name) as reader:
+            silence = (time.monotonic_ns() - reader.heartbeat_ns) * 1e-9
+            if reader.pid == child.pid and silence > LIMITS.get(reader.state, math.inf):
+                return f"no sign of life for {silence:g} s"
         if self._change is not None:
             self._go_on_with(self._change)
         return ""
@@ -287,16 +289,6 @@ class Supervisor(SupervisedProcess):
         if change.failure:
             raise EngineFailed(f"the engine stays as it was: {change.failure}")
         self.wait(TAKES_OVER).close()
-
-    def _hangs(self, pid: int) -> float:
-        """How long it has been silent, s, if that is too long; else 0."""
-        try:
-            with RingReader(self.settings.name) as reader:
-                limit = LIMITS.get(reader.state, math.inf)
-                silence = (time.monotonic_ns() - reader.heartbeat_ns) * 1e-9
-                return silence if reader.pid == pid and silence > limit else 0.0
-        except InputError:
-            return 0.0
 
     def report(self, what: str, text: str) -> None:
         """Note what happened, for `events` and for others."""

@@ -1,23 +1,19 @@
 """Update of a live skin: newest counts to estimates in a slot, by the parameters in force."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints, check_shape, check_type
+from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.baseline import quantity_scale
-from skinfield.loop.model_config import FIELD as CONFIGURATION
-from skinfield.loop.model_config import Binding, Configuration, ModelConfig, write_configuration
-from skinfield.loop.runtime_parameters import AUTO, Limits, Tuning
-from skinfield.loop.settings import LiveSettings
+from skinfield.loop.model_config import Binding, ModelConfig
+from skinfield.loop.runtime_parameters import AUTO, Tuning
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
-from skinfield.loop.status_text import read_notes
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
-from skinfield.ring import Ring
 from skinfield.signal import Channels, Convention
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
@@ -354,35 +350,3 @@ def _clamps(board: Convention) -> tuple[float, float]:
     lowest = np.array([board.lowest])
     low = board.lowest if board.saturated(lowest)[0] else board.lowest - 1.0
     return float(low), float(board.highest)
-
-
-class RuntimeParameters:
-    """What an engine goes by, and says in its ring's status; recordings hold its changes.
-
-    Where the ring is not `fresh`, the tuning in it stays in force.
-    """
-
-    def __init__(self, ring: Ring, settings: LiveSettings, fresh: bool) -> None:
-        self._ring = ring
-        self._solver = settings.solver
-        self._limits = Limits.of(ring.description)
-        self.tuning = settings.tuning
-        before = None if fresh else read_notes(ring.status[CONFIGURATION.name])
-        if before is not None:
-            self.tuning = Configuration.from_dict(before).tuning
-        self._take_over(None)
-
-    def tune(self, changes: object, updater: Updater | None) -> None:
-        """Change the tuning, or raise InputError for what this engine cannot be tuned to."""
-        check_type("changes", changes, Mapping, "values by the names of settings")
-        assert isinstance(changes, Mapping)
-        self.tuning = self._limits.check(self.tuning.changed(changes))
-        self._take_over(updater)
-
-    def _take_over(self, updater: Updater | None) -> None:
-        """From the next cycle on the tuning is in force."""
-        self.budget_ns = round(self.tuning.deadline * 1e9)
-        configuration = Configuration(self._ring.generation, self._solver, self.tuning)
-        write_configuration(self._ring.status[CONFIGURATION.name], configuration)
-        if updater is not None:
-            updater.filters.tune(self.tuning)

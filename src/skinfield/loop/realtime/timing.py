@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import InputError, check_count, check_shape
+from skinfield.errors import InputError, check_count
 from skinfield.loop.realtime.layout import (
     BINS,
     CYCLES,
@@ -78,11 +78,9 @@ def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
     Quantiles or None
         None where nothing was counted.
     """
-    check_shape("counts", counts, (WORDS,), "bins, longest time and sum of one histogram")
     bins = counts[:BINS].astype(np.int64)
     total, longest = int(counts[SUM]), int(counts[LONGEST])
     if before is not None:
-        check_shape("before", before, (WORDS,), "an earlier copy of the same histogram")
         bins -= before[:BINS].astype(np.int64)
         total -= int(before[SUM])
         if (bins < 0).any():
