@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from itertools import count
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -335,69 +335,70 @@ def busy(fit: SkinFit) -> bool:
         with_name.close()
 
 
-def answered(ring: Ring) -> tuple[np.ndarray, list[str], FitReader]:
+class Answered(NamedTuple):
+    """What the fit, and engine and fit together, answer now."""
+
+    rows: Any
+    by: list[str]
+    pressure: Any
+    patches: Any
+    status: dict[str, Any]
+
+
+def answered(ring: Ring) -> Answered:
     reader = FitReader(ring.name)
     with Live(ring.name) as live:
         rows, by = best_contacts(live.latest(), reader)
-    return rows, by, reader
+    newest = reader.latest()
+    patches = None if newest is None else newest.patches.copy()
+    found = Answered(rows, by, reader.pressure(0), patches, reader.status())
+    reader.close()
+    return found
 
 
 def test_force_and_place_are_true_where_the_engine_is_far_off(ring: Ring, fit: SkinFit) -> None:
     play(ring, pressed(Sphere(radius=10e-3, force=1.0, position=PLACE)), 40)
     wait_for(fit.look)
-    rows, by, reader = answered(ring)
+    rows, by, pressure, patches, _ = answered(ring)
     assert by == ["fit"]
     assert rows["normal_force"][0] == pytest.approx(1.0, abs=0.15)
     assert np.hypot(*(rows["position"][0][:2] - PLACE)) < 0.5e-3
     assert (rows["x"][0], rows["y"][0]) == pytest.approx(rows["position"][0][:2])
     assert rows["track"][0] == 4
     assert rows["age"][0] == pytest.approx(1.0)
-    found = reader.latest()
-    assert found is not None
-    assert 40 <= found.patches["readings"][0] <= 42  # with one or two of before, perhaps
-    pressure = reader.pressure(0)
-    assert pressure is not None
+    assert 40 <= patches["readings"][0] <= 42  # with one or two of before, perhaps
     assert pressure.sum() * sf.Grid.square(HEXAGON, 20).cell_area == pytest.approx(
         rows["normal_force"][0], rel=1e-3
     )
-    reader.close()
 
 
 def test_it_ends_with_the_touch(ring: Ring, fit: SkinFit) -> None:
     play(ring, np.zeros(len(HEXAGON)), 3, answer=1)
-    rows, _, reader = answered(ring)  # before the fit has looked
-    reader.close()
-    assert len(rows) == 0
+    assert len(answered(ring).rows) == 0  # before the fit has looked
     play(ring, np.zeros(len(HEXAGON)), 30, answer=1)
     wait_for(fit.look)
-    rows, _, reader = answered(ring)
-    assert len(rows) == 0
-    assert reader.pressure(0) is None
-    reader.close()
+    found = answered(ring)
+    assert len(found.rows) == 0
+    assert found.pressure is None
 
 
 def test_what_the_engine_takes_for_a_touch_is_none(ring: Ring, fit: SkinFit) -> None:
     play(ring, np.zeros(len(HEXAGON)), 40, seen=0.2)
     wait_for(fit.look)
-    rows, _, reader = answered(ring)
-    reader.close()
-    assert len(rows) == 0
+    assert len(answered(ring).rows) == 0
 
 
 def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: SkinFit) -> None:
     rough = np.random.default_rng(7).normal(0.0, 0.05, len(HEXAGON))
     play(ring, rough, 20)
     wait_for(fit.look)
-    rows, by, reader = answered(ring)
     fit.tell()
-    assert by == ["engine"]
-    assert rows["normal_force"][0] == 1.6
-    assert reader.pressure(0) is None
-    assert reader.status()["left_to_engine"] == [HEXAGON.name]
-    found = reader.latest()
-    assert found is not None
+    found = answered(ring)
+    assert found.by == ["engine"]
+    assert found.rows["normal_force"][0] == 1.6
+    assert found.pressure is None
+    assert found.status["left_to_engine"] == [HEXAGON.name]
     assert found.patches["state"][0] == int(Fitted.UNHELPFUL)
-    reader.close()
 
 
 def test_the_page_tells_what_the_fit_does(ring: Ring, fit: SkinFit) -> None:
@@ -414,11 +415,11 @@ def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:
     tare(ring)
     play(ring, pressed(Sphere(radius=10e-3, force=2.0, position=PLACE)), 20)
     wait_for(fit.look)
-    before = answered(ring)[0]["force_std"][0]
+    before = answered(ring).rows["force_std"][0]
     tare(ring, 3.0 * NOISE)
     play(ring, pressed(Sphere(radius=10e-3, force=2.0, position=PLACE)), 20)
     wait_for(fit.look)
-    after = answered(ring)[0]["force_std"][0]
+    after = answered(ring).rows["force_std"][0]
     tare(ring)
     assert after > before
 
@@ -434,10 +435,9 @@ def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
             assert own.look()
             assert not own.look()
             own.tell()
-            rows, by, reader = answered(ring)
-            assert (by, rows["normal_force"][0]) == (["engine"], 1.6)
-            assert reader.status()["left_to_engine"] == [HEXAGON.name]
-            reader.close()
+            found = answered(ring)
+            assert (found.by, found.rows["normal_force"][0]) == (["engine"], 1.6)
+            assert found.status["left_to_engine"] == [HEXAGON.name]
     finally:
         Ring.remove(made.name)
 

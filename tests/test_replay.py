@@ -116,16 +116,6 @@ def test_every_cycle_is_as_it_was(made: tuple[Path, list[Known]], replay: Replay
     assert replay.recording.damage == []
 
 
-@pytest.mark.parametrize("place", [0, 51, 149, TARED - 1, TARED, 299, 319])
-def test_from_any_time_on_as_well(
-    made: tuple[Path, list[Known]], replay: Replay, place: int
-) -> None:
-    first, *_ = replay.from_time(START + place * PERIOD - 3), None
-    each = next(first)
-    assert each.cycle.number == place
-    assert_slot_is(each.slot, made[1][place])
-
-
 def test_between_fields_the_newest_holds(tmp_path: Path) -> None:
     path = tmp_path / "seldom.mcap"
     known = write(path, 60, every=7)
@@ -265,7 +255,7 @@ def test_a_seek_while_paused_shows_exactly_that_cycle(
     made: tuple[Path, list[Known]], feed: ReplaySource
 ) -> None:
     known = made[1]
-    for place in (118, 0, 60, 250, TARED + 2, TARED - 2, 319):
+    for place in (118, 0, 51, 60, 149, 250, TARED, TARED - 1, 299, 319):
         assert_is(went(feed, place / WHOLE), known[place])
         assert feed.time_s == pytest.approx(place / WHOLE)
     last = went(feed, 250 / WHOLE)
