@@ -261,9 +261,6 @@ def write_configuration(room: Octets, configuration: Configuration) -> None:
     write_notes(room, configuration.as_dict())
 
 
-FEASIBLE = int(Answer.FEASIBLE)
-
-
 class Models:
     """What follows from a pressure (deformation, uncertainty), prepared when it is first needed.
 
@@ -343,7 +340,7 @@ class Models:
 
     def _beliefs(self, patch: int, nodes: int, answer: int) -> Any:
         step = self._rung(patch, nodes)
-        searched = answer == FEASIBLE and step.operator is not None
+        searched = answer == Answer.FEASIBLE and step.operator is not None
         return searched_beliefs(step) if searched else linear_beliefs(step)
 
     def _predicted(

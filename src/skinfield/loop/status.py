@@ -207,16 +207,11 @@ def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
     """Rows of contacts as plain values, with the names of their patches."""
     rows = []
     for row in contacts:
-        plain = {name: _plain(row[name]) for name in row.dtype.names}
+        plain = {name: np.asarray(row[name]).tolist() for name in row.dtype.names}
+        for name in [n for n, v in plain.items() if isinstance(v, float) and not np.isfinite(v)]:
+            plain[name] = None
         rows.append(plain | {"patch": patches[int(row["patch"])]})
     return rows
-
-
-def _plain(value: Any) -> Any:
-    values = np.asarray(value).tolist()
-    if isinstance(values, float) and not np.isfinite(values):
-        return None
-    return values
 
 
 def _sidecar(name: str, what: str) -> Any:

@@ -78,7 +78,8 @@ class SceneLayout:
         self.placed: list[PlacedPatch] = []
         edge = 0.0
         for (number, _), members in groups.items():
-            points = np.concatenate([_on_link(patch) for _, patch in members])
+            poses = [(patch.positions, patch.link_from_patch) for _, patch in members]
+            points = np.concatenate([at @ pose[:3, :3].T + pose[:3, 3] for at, pose in poses])
             low, high = points.min(axis=0), points.max(axis=0)
             size = float((high - low).max())
             shift = -(low + high) / 2.0
@@ -149,8 +150,3 @@ class SceneLayout:
         rows, columns = grid.shape
         head = {"kind": "geometry", "patch": number, "rung": rung, "rows": rows}
         return packed({**head, "columns": columns}, arrays)
-
-
-def _on_link(patch: Patch) -> Floats:
-    pose = patch.link_from_patch
-    return np.asarray(patch.positions @ pose[:3, :3].T + pose[:3, 3])

@@ -69,11 +69,6 @@ def finite(value: Any) -> float | None:
     return found if math.isfinite(found) else None
 
 
-def plain(values: Floats) -> list[float]:
-    """Numbers for JSON."""
-    return [float(each) for each in values]
-
-
 Array = NDArray[Any]
 QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
 DEAD = 255  # of a taxel that is left out; others reach 254
@@ -267,8 +262,8 @@ class Updates:
                 "age_s": finite(row["age"]),
                 "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
-                "position": plain(each.in_scene(row["position"][None])[0]),
-                "normal": plain(each.turned(row["normal"][None])[0]),
+                "position": each.in_scene(row["position"][None])[0].tolist(),
+                "normal": each.turned(row["normal"][None])[0].tolist(),
                 "outline": np.round(each.in_scene(border), 6).tolist(),
             })  # fmt: skip
         return rows
@@ -283,7 +278,7 @@ class Updates:
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
-                "position": plain(each.in_scene(surface.position_from_plane(plane))[0]),
-                "normal": plain(each.turned(normal)[0]),
+                "position": each.in_scene(surface.position_from_plane(plane))[0].tolist(),
+                "normal": each.turned(normal)[0].tolist(),
             }
         return None

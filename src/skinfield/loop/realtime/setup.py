@@ -213,7 +213,8 @@ def _lock(wanted: "RealTime", outcome: Outcome) -> None:
     except OSError as error:
         outcome.refused.append(f"freed memory goes back to the system: {error.strerror}")
     # Under a limit, memory that is locked as it is allocated would make allocations fail.
-    free = _may_lock_all()
+    soft, _ = _raise_limit("RLIMIT_MEMLOCK")
+    free = soft < 0 or bool(capabilities() >> CAP_IPC_LOCK & 1)
     try:
         _lock_all(system.MCL_CURRENT | (system.MCL_FUTURE if free else 0))
     except OSError as error:
@@ -238,11 +239,6 @@ def _lock_all(flags: int) -> None:
         if error.errno != errno.EINVAL:
             raise
         system.call("mlockall", flags)
-
-
-def _may_lock_all() -> bool:
-    soft, _ = _raise_limit("RLIMIT_MEMLOCK")
-    return soft < 0 or bool(capabilities() >> CAP_IPC_LOCK & 1)
 
 
 def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:

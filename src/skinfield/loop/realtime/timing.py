@@ -105,14 +105,8 @@ def _edge(below: NDArray[np.int64], count: int, share: int, longest: int) -> int
     return min(int(LAST_NS[int(np.searchsorted(below, rank))]), longest)
 
 
-def _last_ns() -> NDArray[np.int64]:
-    octave = np.maximum((np.arange(BINS) >> OCTAVE_BITS) - 1, 0)
-    first = (np.arange(BINS) - (octave << OCTAVE_BITS)) << octave
-    found: NDArray[np.int64] = first + (1 << octave) - 1
-    return found
-
-
-LAST_NS = _last_ns()  # (BINS,) the longest time in each bin, ns
+OCTAVE = np.maximum((np.arange(BINS) >> OCTAVE_BITS) - 1, 0)  # (BINS,) of each bin
+LAST_NS = ((np.arange(BINS) - (OCTAVE << OCTAVE_BITS) + 1) << OCTAVE) - 1  # its longest time, ns
 
 
 TIMES = ("wake", "acquired", "ready", "latency", "cycle")
