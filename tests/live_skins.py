@@ -10,8 +10,7 @@ from uuid import uuid4
 import numpy as np
 
 import skinfield as sf
-from skinfield.loop.binding import bind
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import Configuration, ModelConfig, bind, write_configuration
 from skinfield.loop.realtime import RealTime
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.runtime_parameters import Tuning
@@ -46,7 +45,7 @@ class Ticking:
     channels : int
     period : float, s
     fail_after : int
-        Polls, after which it raises once; 0: never.
+        Polls, after which it raises once in a process; 0: never.
     """
 
     channels: int = 72
@@ -55,6 +54,9 @@ class Ticking:
 
     def open(self) -> "TickingStream":
         return TickingStream(self)
+
+
+FALLEN: list[Ticking] = []
 
 
 class TickingStream:
@@ -69,7 +71,8 @@ class TickingStream:
 
     def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         self._polls += 1
-        if self.source.fail_after and self._polls == self.source.fail_after:
+        if self._polls == self.source.fail_after and self.source not in FALLEN:
+            FALLEN.append(self.source)
             raise RuntimeError("the driver fell over")
         if now_ns - self._last < self.source.period * 1e9:
             return 0
@@ -159,8 +162,8 @@ def skin_ring(made: LiveSettings | None = None) -> Iterator[Ring]:
 
 def begin(ring: Ring, made: LiveSettings) -> None:
     """What an engine says when it starts to answer."""
-    tuning = Tuning(deadline=made.time_to_answer)
-    ring.status["tuning"][:] = tuning.numbers([patch.name for patch in made.skin])
+    known = Configuration(1, made.solver, Tuning(deadline=made.time_to_answer))
+    write_configuration(ring.status["configuration"], known)
     ring.set_state(State.RUNNING)
 
 

@@ -13,7 +13,8 @@ from skinfield.errors import InputError
 from skinfield.loop.model_config import ModelConfig, Models
 from skinfield.loop.slots import Slot
 from skinfield.loop.snapshot import Snapshot
-from skinfield.page.controller import Controller, Press
+from skinfield.page.controller import Controller
+from skinfield.page.presser import Press
 from skinfield.signal import Blocks, Channels, Kind
 from skinfield.skin import Skin
 
@@ -86,6 +87,8 @@ class NotingController(Controller):
         self.orders: list[tuple[str, Any]] = []
         self.left: list[str] = []
 
+        self.presser = self.recordings = self  # type: ignore[assignment]
+
     def hello(self) -> dict[str, Any]:
         return {"press": {"shapes": ["ball"]}, "record": True, "recordings": []}
 
@@ -113,6 +116,9 @@ class NotingController(Controller):
 
     def record(self, on: bool) -> dict[str, Any]:
         raise OSError("no room")
+
+    def prepare(self) -> None:
+        pass
 
     def leave(self, browser: str) -> None:
         self.left.append(browser)

@@ -7,8 +7,9 @@ import numpy as np
 
 from skinfield.estimate.live_contacts import CONTACT as ROW
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.ring_fields import description_of, status_fields
+from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.ring import Ring, State
@@ -48,6 +49,7 @@ class FakeEngine:
         status["calibration"][:] = (200.0, -100.0, 2e4, 1.0)  # as noisy as the counts
         status["noise_std"][:] = 0.01
         status["tares"][0] = 1
+        write_configuration(status["configuration"], Configuration(1, settings.solver, Tuning()))
         self.ring.set_state(State.RUNNING)
         self.blocks = Blocks(1 << 16)
         self.blocks.put(0, 0, [0], Kind.BYTES)  # compiled before anyone waits

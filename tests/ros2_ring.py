@@ -6,7 +6,7 @@ import numpy as np
 from recorder_ring import NoSource
 
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.ring_fields import description_of, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
@@ -57,7 +57,8 @@ class TwoPatches:
         self.blocks = Blocks(1 << 12)
         status = self.ring.status
         status["noise_std"][:], status["tares"][0] = 0.01, 1
-        status["tuning"][:] = Tuning().numbers([patch.name for patch in self.skin])
+        known = Configuration(1, settings.solver, Tuning())
+        write_configuration(status["configuration"], known)
         self.ring.set_state(State.RUNNING)
 
     def cycle(self, contacts=(), stamps_ns=None, answers=(2, 2), invalid=(), counts=None):

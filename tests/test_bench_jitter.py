@@ -22,7 +22,7 @@ from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, quantiles_from_json
 from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
-from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
+from skinfield.loop.realtime import Quantiles, RealTimeStatus, Timing, TimingTable
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -137,7 +137,8 @@ def measured() -> Jitter:
     granted = RealTimeStatus("SCHED_FIFO", 80, 1, False, "locked", True, "Linux 6")
     paired = Quantiles(10e-6, 10e-6, 10e-6, 11e-6, 10e-6, 1000)
     company = Company(0.1, 2.0, 0.0, 0.0)
-    return Jitter(JitterSettings(), granted, table.timing(), paired, "", company, 0, 0)
+    timing = Timing.of(table.times, table.totals)
+    return Jitter(JitterSettings(), granted, timing, paired, "", company, 0, 0)
 
 
 def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:

@@ -11,8 +11,7 @@ from skinfield.emulator import VirtualSettings
 from skinfield.emulator.electronics import Converters, converters_from
 from skinfield.emulator.packet import REST, packet_converters
 from skinfield.loop.baseline import Baseline, BaselineCollector
-from skinfield.loop.binding import bind
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import ModelConfig, bind
 from skinfield.loop.slots import Slot
 from skinfield.loop.update import Updater, lowest_change
 from skinfield.signal import Blocks, Channels, CySkinCount, ICubByte, Kind, PlainCount, Port

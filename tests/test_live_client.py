@@ -128,7 +128,7 @@ def test_cycles_say_that_they_were_late(
     monkeypatch.setattr("skinfield.loop.engine_process.time", clock)
     engine = SimpleNamespace(
         reset=True,
-        parameters=SimpleNamespace(budget_ns=400_000),
+        budget_ns=400_000,
         flags=0,
         intake=SimpleNamespace(channels=None),
         timing=TimingTable(20 * SECOND, 5 * SECOND),

@@ -5,11 +5,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import count
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from fit_rings import contact
 from live_skins import LAYER, settings, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
@@ -28,11 +30,11 @@ from skinfield.loop.fit_ring import (
     is_fit,
     write_engine,
 )
-from skinfield.loop.fit_worker import FIRST, Accuracy, FitTracks, Numbers, rounding_of
+from skinfield.loop.fit_worker import FIRST, FitTracks, deviation_of, rounding_of
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import PATCH, Head, Slot
-from skinfield.loop.stationary_mean import GAP_NS, Mean, StationaryMean
+from skinfield.loop.stationary_mean import GAP_NS, MOST, Mean, StationaryMean
 from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, RingReader
 from skinfield.signal import Convention, CySkinCount, ICubByte, PlainCount, Port
@@ -72,9 +74,9 @@ def test_what_rests_is_averaged(count: int) -> None:
 
 
 def test_no_more_readings_are_kept_than_asked_for() -> None:
-    stationary, rows = StationaryMean(TAXELS, most=16), readings(PRESSED, 100, 2)
+    stationary, rows = StationaryMean(TAXELS), readings(PRESSED, 500, 2)
     fed(stationary, rows)
-    assert_allclose(mean_of(stationary).values, rows[-16:].mean(axis=0), atol=1e-12)
+    assert_allclose(mean_of(stationary).values, rows[-MOST:].mean(axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("after", [1, 2, 3, 5, 11, 40])
@@ -114,7 +116,7 @@ def test_a_taxel_that_is_left_out_now_and_then_is_the_mean_of_its_own() -> None:
     assert found.valid[4]
     assert not found.valid[5]
     assert found.values[5] == 0.0
-    assert np.isinf(Accuracy(NOISES, 0.0 * NOISES).of(found)[5])
+    assert np.isinf(deviation_of(found, NOISES, 0.0 * NOISES)[5])
 
 
 def test_nothing_is_known_before_the_first_reading() -> None:
@@ -136,18 +138,12 @@ def test_rounding_of_averages_against_the_expected_value_of_a_rounded_count(nois
     assert found == pytest.approx(worst, abs=0.02 * worst + 1e-6)
 
 
-def contact(x: float, y: float, force: float = 1.0, track: int = 0, age: float = 0.0) -> Any:
-    row = np.zeros(1, CONTACT)
-    row["x"], row["y"], row["normal_force"], row["track"], row["age"] = x, y, force, track, age
-    return row
-
-
 def together(*rows: Any) -> Any:
     return np.concatenate([np.zeros(0, CONTACT), *rows])
 
 
 def test_numbers_are_those_of_the_engine_and_last() -> None:
-    tracks, stamp = FitTracks(Numbers()), 5_000_000_000
+    tracks, stamp = FitTracks(count(FIRST)), 5_000_000_000
     rows = together(contact(0.0, 0.0), contact(0.02, 0.0))
     engine = together(contact(0.019, 0.002, track=7, age=0.5), contact(0.001, 0.0, track=4))
     tracks.number(rows, engine, stamp)
@@ -161,7 +157,7 @@ def test_numbers_are_those_of_the_engine_and_last() -> None:
 
 
 def test_what_the_engine_does_not_see_has_a_number_of_its_own() -> None:
-    numbers = Numbers()
+    numbers = count(FIRST)
     first, second = FitTracks(numbers), FitTracks(numbers)
     rows = together(contact(0.0, 0.0), contact(0.03, 0.0))
     first.number(rows, together(contact(0.015, 0.0, track=3)), 1_000_000_000)
@@ -201,8 +197,7 @@ def slot_of(stamp_ns: int, contacts: Any, touched: int = 1) -> FitSlot:
 
 
 def test_the_fits_contacts_count_where_it_has_kept_up() -> None:
-    other = contact(0.0, 0.0, 2.0, track=5)
-    other["patch"] = 1
+    other = contact(0.0, 0.0, 2.0, track=5, patch=1)
     engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0), other)
     fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
     rows, by = best_contacts(snapshot(10**9 + PERIOD_NS, engine), fit)
@@ -340,69 +335,70 @@ def busy(fit: SkinFit) -> bool:
         with_name.close()
 
 
-def answered(ring: Ring) -> tuple[np.ndarray, list[str], FitReader]:
+class Answered(NamedTuple):
+    """What the fit, and engine and fit together, answer now."""
+
+    rows: Any
+    by: list[str]
+    pressure: Any
+    patches: Any
+    status: dict[str, Any]
+
+
+def answered(ring: Ring) -> Answered:
     reader = FitReader(ring.name)
     with Live(ring.name) as live:
         rows, by = best_contacts(live.latest(), reader)
-    return rows, by, reader
+    newest = reader.latest()
+    patches = None if newest is None else newest.patches.copy()
+    found = Answered(rows, by, reader.pressure(0), patches, reader.status())
+    reader.close()
+    return found
 
 
 def test_force_and_place_are_true_where_the_engine_is_far_off(ring: Ring, fit: SkinFit) -> None:
     play(ring, pressed(Sphere(radius=10e-3, force=1.0, position=PLACE)), 40)
     wait_for(fit.look)
-    rows, by, reader = answered(ring)
+    rows, by, pressure, patches, _ = answered(ring)
     assert by == ["fit"]
     assert rows["normal_force"][0] == pytest.approx(1.0, abs=0.15)
     assert np.hypot(*(rows["position"][0][:2] - PLACE)) < 0.5e-3
     assert (rows["x"][0], rows["y"][0]) == pytest.approx(rows["position"][0][:2])
     assert rows["track"][0] == 4
     assert rows["age"][0] == pytest.approx(1.0)
-    found = reader.latest()
-    assert found is not None
-    assert 40 <= found.patches["readings"][0] <= 42  # with one or two of before, perhaps
-    pressure = reader.pressure(0)
-    assert pressure is not None
+    assert 40 <= patches["readings"][0] <= 42  # with one or two of before, perhaps
     assert pressure.sum() * sf.Grid.square(HEXAGON, 20).cell_area == pytest.approx(
         rows["normal_force"][0], rel=1e-3
     )
-    reader.close()
 
 
 def test_it_ends_with_the_touch(ring: Ring, fit: SkinFit) -> None:
     play(ring, np.zeros(len(HEXAGON)), 3, answer=1)
-    rows, _, reader = answered(ring)  # before the fit has looked
-    reader.close()
-    assert len(rows) == 0
+    assert len(answered(ring).rows) == 0  # before the fit has looked
     play(ring, np.zeros(len(HEXAGON)), 30, answer=1)
     wait_for(fit.look)
-    rows, _, reader = answered(ring)
-    assert len(rows) == 0
-    assert reader.pressure(0) is None
-    reader.close()
+    found = answered(ring)
+    assert len(found.rows) == 0
+    assert found.pressure is None
 
 
 def test_what_the_engine_takes_for_a_touch_is_none(ring: Ring, fit: SkinFit) -> None:
     play(ring, np.zeros(len(HEXAGON)), 40, seen=0.2)
     wait_for(fit.look)
-    rows, _, reader = answered(ring)
-    reader.close()
-    assert len(rows) == 0
+    assert len(answered(ring).rows) == 0
 
 
 def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: SkinFit) -> None:
     rough = np.random.default_rng(7).normal(0.0, 0.05, len(HEXAGON))
     play(ring, rough, 20)
     wait_for(fit.look)
-    rows, by, reader = answered(ring)
     fit.tell()
-    assert by == ["engine"]
-    assert rows["normal_force"][0] == 1.6
-    assert reader.pressure(0) is None
-    assert reader.status()["left_to_engine"] == [HEXAGON.name]
-    found = reader.latest()
-    assert found is not None
+    found = answered(ring)
+    assert found.by == ["engine"]
+    assert found.rows["normal_force"][0] == 1.6
+    assert found.pressure is None
+    assert found.status["left_to_engine"] == [HEXAGON.name]
     assert found.patches["state"][0] == int(Fitted.UNHELPFUL)
-    reader.close()
 
 
 def test_the_page_tells_what_the_fit_does(ring: Ring, fit: SkinFit) -> None:
@@ -419,11 +415,11 @@ def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:
     tare(ring)
     play(ring, pressed(Sphere(radius=10e-3, force=2.0, position=PLACE)), 20)
     wait_for(fit.look)
-    before = answered(ring)[0]["force_std"][0]
+    before = answered(ring).rows["force_std"][0]
     tare(ring, 3.0 * NOISE)
     play(ring, pressed(Sphere(radius=10e-3, force=2.0, position=PLACE)), 20)
     wait_for(fit.look)
-    after = answered(ring)[0]["force_std"][0]
+    after = answered(ring).rows["force_std"][0]
     tare(ring)
     assert after > before
 
@@ -439,10 +435,9 @@ def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
             assert own.look()
             assert not own.look()
             own.tell()
-            rows, by, reader = answered(ring)
-            assert (by, rows["normal_force"][0]) == (["engine"], 1.6)
-            assert reader.status()["left_to_engine"] == [HEXAGON.name]
-            reader.close()
+            found = answered(ring)
+            assert (found.by, found.rows["normal_force"][0]) == (["engine"], 1.6)
+            assert found.status["left_to_engine"] == [HEXAGON.name]
     finally:
         Ring.remove(made.name)
 

@@ -107,7 +107,6 @@ def test_counts_go_on_from_those_of_an_engine_before() -> None:
     intake.poll(2)
     assert table[0, Count.RECEIVED] == 102
     assert table[0, Count.LOST] == 7
-    assert intake.lost == 7
 
 
 def test_channels_of_several_sources_lie_one_after_the_other() -> None:

@@ -1,4 +1,4 @@
-"""A running skin is changed in every way, and the recording says what was in force when."""
+"""A running skin is changed in every way, and its recording shows it as it was."""
 
 import json
 import os
@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from command_line import invoke
 from live_skins import REST, Ticking, TickingStream, pressed_counts, settings, wait_for
+from numpy.testing import assert_array_equal
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.loop.client import Live, connect
+from skinfield.loop.client import Live, Snapshot, connect
 from skinfield.loop.control import order
 from skinfield.loop.runtime_parameters import Focus, Tuning
 from skinfield.loop.settings import LIVE_TOLERANCE
@@ -29,7 +30,7 @@ from skinfield.signal import Blocks, Kind
 from skinfield.solve import GaussianField, NonNegative, Solver
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
-ENOUGH = 40  # cycles
+ENOUGH = 20  # cycles
 LONG = 600.0  # s: on a busy machine, kernels are compiled first
 CHANGE = pressed_counts(1.5) - REST
 WINDOW = Focus(patch="hexagon72", low=(-0.01, -0.002), high=(0.01, 0.015))
@@ -65,10 +66,20 @@ class Session:
 
     def __init__(self, supervisor: Supervisor, live: Live, recorder: Recorder) -> None:
         self.supervisor, self.live, self.recorder = supervisor, live, recorder
+        self.snapshots: list[Snapshot] = []
 
     def goes_on(self, cycles: int = ENOUGH) -> None:
         end = self.recorder._live.cycles + cycles
         wait_for(lambda: self.recorder.step() or self.recorder._live.cycles >= end, LONG)
+        self.snapshots.append(self.live.latest(timeout=20.0))
+
+    def tare(self) -> np.ndarray:
+        """Take another baseline; the one before."""
+        status = self.live.reader.status_view
+        before, tares = status["calibration"].copy(), int(status["tares"][0])
+        self.live.tare()
+        wait_for(lambda: self.recorder.step() or status["tares"][0] > tares, LONG)
+        return before
 
     def reconfigure(self, solver: Solver) -> None:
         """In another thread, as the recorder must be stepped meanwhile."""
@@ -105,12 +116,14 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     seen: dict[str, Any] = {"path": folder / "a.mcap", "tunings": []}
     with Supervisor(made) as supervisor:
         supervisor.wait(LONG).close()
-        (folder / "pressed").touch()
         recorder = Recorder(RecorderSettings(name=made.name, path=seen["path"]))
         with connect(made.name) as live:
             session = Session(supervisor, live, recorder)
-            seen["first"] = live.tuning
+            seen["first"], seen["snapshots"] = live.tuning, session.snapshots
             session.goes_on()
+            seen["before"] = session.tare()
+            seen["calibration"] = live.reader.status_view["calibration"].copy()
+            (folder / "pressed").touch()
             for changes in CHANGES:
                 seen["tunings"].append((changes, live.tune(**changes)))
                 session.goes_on()
@@ -128,6 +141,8 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
             session.goes_on(2 * ENOUGH)
             seen["killed"] = live.tuning
             seen["solvers"].append(live.latest(timeout=20.0).model_config.solver)
+            last = session.snapshots[-1].number
+            wait_for(lambda: recorder.step() or recorder._drain._number >= last, LONG)
         recorder.close()
     forget_state(made.name)
     return seen
@@ -173,18 +188,40 @@ def test_changes_are_in_force_and_told(told: dict[str, Any]) -> None:
 def test_another_solver_answers_and_stays_after_a_crash(told: dict[str, Any]) -> None:
     first = NonNegative(tolerance=LIVE_TOLERANCE)
     assert told["solvers"] == [first, GaussianField(), GaussianField()]
-    assert (told["restarts"], told["tares"]) == (0, 1)
+    assert (told["restarts"], told["tares"]) == (0, 2)
 
 
 def test_the_recording_says_what_was_in_force_when(told: dict[str, Any]) -> None:
     source = Replay(told["path"])
-    tunings = [each.tuning for each in source.settings[1:]]
+    tunings = [each.configuration.tuning for each in source.settings[1:]]
     wanted = [told["first"], *(each for _, each in told["tunings"])]
     assert tunings[: len(wanted)] == wanted
     solvers = [each.configuration.solver for each in source.settings]
     assert solvers[-1] == GaussianField()
     generations = [each.configuration.generation for each in source.settings]
     assert generations == sorted(generations)
-    numbers = [each.cycle.number for each in source]
-    assert numbers == list(range(numbers[0], numbers[-1] + 1))
-    assert sum(len(each.cycle.contacts) > 0 for each in source) > ENOUGH
+
+
+def test_all_is_shown_as_it_was(told: dict[str, Any]) -> None:
+    source = Replay(told["path"])
+    cycles = {each.cycle.number: each.cycle for each in source}
+    assert list(cycles) == list(range(min(cycles), max(cycles) + 1))
+    assert sum(len(each.contacts) > 0 for each in cycles.values()) > ENOUGH
+    for time_ns, name in ((source.index.first_ns, "before"), (source.index.last_ns, "calibration")):
+        tare = source.tare(time_ns)
+        assert tare is not None
+        assert_array_equal(tare.calibration, told[name])
+    assert (told["before"] != told["calibration"]).any()
+    for snapshot in told["snapshots"]:
+        cycle = cycles[snapshot.number]
+        assert cycle.patches.tobytes() == snapshot.patches.tobytes()
+        assert cycle.contacts.tobytes() == snapshot.contacts.tobytes()
+    fields = {each.number for each in source.recording.fields()}
+    assert len(fields) > 1
+    assert fields <= set(cycles)
+
+
+def test_what_is_left_of_a_file_is_shown(told: dict[str, Any], tmp_path: Path) -> None:
+    data, cut = told["path"].read_bytes(), tmp_path / "cut.mcap"
+    cut.write_bytes(data[: len(data) * 6 // 10])
+    assert len(list(Replay(cut))) > 10

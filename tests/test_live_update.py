@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.loop.baseline import unrounded
-from skinfield.loop.binding import bind
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import ModelConfig, bind
 from skinfield.loop.slots import Head, Slot
 from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.reconstruct.engine.state import Answer

@@ -3,8 +3,7 @@
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.page.controller import Press
-from skinfield.page.presser import MOST, Presser
+from skinfield.page.presser import MOST, Press, Presser
 
 
 class Skin:
@@ -16,22 +15,18 @@ class Skin:
         self.notes: list[str] = []
         self.waits: list[str] = []
 
-    def press(self, x, y, *, force, radius, shape, patch, id) -> str:
-        if force > 2.0:
-            raise InputError(f"force is {force:g} N, expected 2 N at most")
-        self.there[id] = force
-        return id
-
-    def release(self, id=None) -> None:
-        if id is None:
-            self.there.clear()
-        elif self.there.pop(id, None) is None:
-            raise InputError(f"id is {id!r}, expected that of a press by hand")
-
-    def scene(self, text) -> None:
-        self.scenes.append(text)
-
     def ask(self, command):
+        do, id = command["do"], command.get("id")
+        if do == "press":
+            if command["force"] > 2.0:
+                raise InputError(f"force is {command['force']:g} N, expected 2 N at most")
+            self.there[id] = command["force"]
+        elif do == "release" and id is None:
+            self.there.clear()
+        elif do == "release" and self.there.pop(id, None) is None:
+            raise InputError(f"id is {id!r}, expected that of a press by hand")
+        elif do == "scene":
+            self.scenes.append(command["scene"])
         presses = [{"id": id, "force": force} for id, force in self.there.items()]
         return {"lines": [{"presses": presses}], "waits": self.waits, "notes": list(self.notes)}
 
@@ -39,7 +34,7 @@ class Skin:
 class Case:
     def __init__(self) -> None:
         self.skin, self.why, self.said = Skin(), "", []
-        self.presser = Presser(self.skin, lambda: self.why, self.said.append, (1.0, 0.01))
+        self.presser = Presser(self.skin, lambda: self.why, self.said.append)
 
 
 @pytest.fixture

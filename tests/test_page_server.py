@@ -37,7 +37,7 @@ def controller() -> NotingController:
 def page(source: StillSource, controller: NotingController) -> Iterator[Page]:
     with serve_page(PageSettings(port=0), lambda: (source,), controller) as served:
         end = time.monotonic() + LONG
-        while not len(served.layout):
+        while not len(served.state.layout):
             assert time.monotonic() < end
             time.sleep(0.01)
         yield served
@@ -295,7 +295,7 @@ def test_browsers_learn_of_another_skin(source: StillSource) -> None:
         first, _ = following_update(talk, "geometry")
         head, _ = following_update(talk, "geometry")
         assert [first["patch"], head["patch"]] == [0, 1]
-        places = page.layout.placed
+        places = page.state.layout.placed
         apart = places[1].pose[:3, 3] - places[0].pose[:3, 3]
         assert np.linalg.norm(apart) > 0.05  # side by side
         sources.pop()

@@ -49,13 +49,18 @@ def browser() -> Iterator[Any]:
         yield running
 
 
+@pytest.fixture(scope="module")
+def opened(browser: Any, view: Served) -> Iterator[Look]:
+    with looking(browser) as look:
+        look.open(view.address)
+        yield look
+
+
 @pytest.fixture
-def look(browser: Any, view: Served) -> Iterator[Look]:
-    with looking(browser) as opened:
-        opened.open(view.address)
-        yield opened
-        assert opened.wrong == []
-        assert opened.value("skinfield.state.malformed") == 0
+def look(opened: Look) -> Iterator[Look]:
+    yield opened
+    assert opened.wrong == []
+    assert opened.value("skinfield.state.malformed") == 0
 
 
 def one_within(low: float, high: float, rows: list[dict[str, str]]) -> bool:

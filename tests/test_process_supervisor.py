@@ -12,7 +12,7 @@ from skinfield.bridges.launch import Bridge
 from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.errors import InputError
 from skinfield.loop import process_supervisor
-from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_fit
+from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
 
 LONG = 600.0  # s: on a busy machine
 SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"
@@ -106,8 +106,7 @@ def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
 
 
 def test_a_fit_that_dies_is_started_again(impatient: None) -> None:
-    with start_fit(unique_name()) as fit:
-        assert fit is not None
+    with FitProcess(unique_name()) as fit:
         first = fit.child
         assert first is not None
         first.kill()
@@ -117,8 +116,3 @@ def test_a_fit_that_dies_is_started_again(impatient: None) -> None:
     assert first.returncode == -9
     assert second is not None
     assert second.returncode is not None
-
-
-def test_no_fit_is_no_process() -> None:
-    with start_fit("nobody", wanted=False) as fit:
-        assert fit is None

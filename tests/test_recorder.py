@@ -97,14 +97,16 @@ def test_fields_are_there_so_many_times_a_second(engine, tmp_path):
 def test_settings_and_their_changes_are_events(engine, tmp_path):
     path, status = tmp_path / "a.mcap", engine.ring.status
     first, second = sf.NonNegative(), sf.NonNegative(tolerance=0.25)
-    write_configuration(status["configuration"], Configuration(1, first))
+    tuned = Tuning(threshold=0.5, resolution=4)
+    write_configuration(status["configuration"], Configuration(1, first, Tuning()))
     recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
     for number in range(6):
         engine.cycle()
         if number == 2:
-            status["tuning"][:] = Tuning(threshold=0.5, resolution=4).numbers(["arm"])
+            known = Configuration(1, first, tuned)
+            write_configuration(status["configuration"], known)
         if number == 4:
-            write_configuration(status["configuration"], Configuration(2, second))
+            write_configuration(status["configuration"], Configuration(2, second, tuned))
         recorder.step()
     recorder.close()
     told = [each for each in LiveRecording.open(path).events() if each["kind"] == "settings"]

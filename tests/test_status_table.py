@@ -41,8 +41,6 @@ def idle(names: list[str]) -> Status:
     return Status(
         name="skin",
         state="running",
-        pid=25380,
-        generation=1,
         since=timing(48_672),
         lately=timing(1000),
         seconds=1.0,
@@ -52,9 +50,6 @@ def idle(names: list[str]) -> Status:
         patches=[patch(name) for name in names],
         contacts=[],
         notes={"phase": "running"},
-        sidecars={"supervisor": None, "recorder": None},
-        tuning={},
-        memory={},
     )
 
 

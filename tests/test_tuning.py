@@ -1,5 +1,7 @@
 """What can be changed of a running engine: settings, their limits, and what each of them does."""
 
+import json
+
 import numpy as np
 import pytest
 from engine_clock import engine_of, readings_of
@@ -62,9 +64,8 @@ tunings = st.builds(
 
 
 @given(tuning=tunings)
-def test_what_is_in_force_is_told_by_numbers_and_by_json(tuning: Tuning) -> None:
-    row = tuning.numbers(LIMITS.patches)
-    assert Tuning.from_numbers(row, LIMITS.patches) == tuning == LIMITS.check(tuning)
+def test_what_is_in_force_is_told_by_json(tuning: Tuning) -> None:
+    assert LIMITS.check(tuning) == tuning
     plain = LIMITS.as_dict(tuning)
     values = {name: plain[name]["value"] for name in vars(tuning)}
     assert Tuning().changed(values) == tuning
@@ -106,12 +107,13 @@ def test_any_bytes_are_no_order_or_one(data: bytes) -> None:
     assert what == "" or data.lstrip().startswith(b"{")
 
 
-def test_a_configuration_survives_its_text() -> None:
+@given(tuning=tunings)
+def test_a_configuration_survives_json(tuning: Tuning) -> None:
     for solver in (GaussianField(snr=7.0), NonNegative(tolerance=1e-3)):
-        found = Configuration.from_text(Configuration(3, solver).text())
-        assert found == Configuration(3, solver)
+        known = Configuration(3, solver, tuning)
+        assert Configuration.from_dict(json.loads(json.dumps(known.as_dict()))) == known
     with pytest.raises(InputError, match="solver"):
-        Configuration(1, object()).text()  # type: ignore[arg-type]
+        Configuration(1, object(), tuning).as_dict()  # type: ignore[arg-type]
 
 
 def test_smoothing_is_a_low_pass_of_first_order(updater: Updater) -> None:

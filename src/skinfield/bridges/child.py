@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.loop.parent_watchdog import end_with
+from skinfield.loop.process_supervisor import end_with
 
 MOST = 1 << 20  # bytes of settings
 Serve = Callable[[str, Mapping[str, Any], threading.Event], None]

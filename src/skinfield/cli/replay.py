@@ -122,14 +122,15 @@ def show_page(
 @contextmanager
 def opened(file: str, console: Console, speed: float | None = None) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of a recording, for the page."""
-    from skinfield.page.replay import ReplayController, ReplaySource
+    from skinfield.page.controller import Controller
+    from skinfield.page.replay import ReplaySource
 
     with console.status(f"looking through {file}"):
         source = ReplaySource(Path(file), playing=True)
     for begin, end in source.gaps:
         note(f"from {begin:.2f} s to {end:.2f} s cycles are missing", "yellow", console)
     _report_damage(source.replay.recording, console)
-    controller = ReplayController(source)
+    controller = Controller(source)
     if speed is not None:
         controller.shared.set_speed(speed)
     try:

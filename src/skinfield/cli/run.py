@@ -341,27 +341,26 @@ class LocalSource:
 @contextmanager
 def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
-    from skinfield.loop.fit_ring import FitReader
     from skinfield.page import serve_page
-    from skinfield.page.live_controller import LiveController, Solvers
+    from skinfield.page.live_controller import LiveController
     from skinfield.page.recordings import Recordings
     from skinfield.page.replay import ReplaySource
     from skinfield.record.launch import ReadyRecorders
 
     name = wanted.loop.name
-    local, chosen = LocalSource(name), [wanted.model.solver or "nonnegative"]
+    local = LocalSource(name)
     recorders = ReadyRecorders(name, lambda text: controller.say("warn", text))
-
-    def choose(solver: Any) -> None:
-        supervisor.reconfigure(solver=live_solver(solver))
-        chosen[0] = solver
 
     controller = LiveController(
         lambda: local.source,
         virtual=virtual,
-        recordings=Recordings(name, recorders, ReplaySource, Path()),
-        solvers=Solvers(tuple(LIVE_SOLVERS), lambda: chosen[0], choose),
-        fit=FitReader(name) if wanted.loop.fit else None,
+        recordings=Recordings(
+            name, recorders, ReplaySource, Path(), lambda text: controller.say("error", text)
+        ),
+        solvers=LIVE_SOLVERS,
+        solver=wanted.model.solver or "nonnegative",
+        choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
+        fit=wanted.loop.fit,
         tare_seconds=wanted.loop.tare_s,
     )
     try:
@@ -384,7 +383,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     """
     from skinfield.bridges.launch import bridges
     from skinfield.loop.client import Live
-    from skinfield.loop.process_supervisor import start_fit
+    from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
     from skinfield.ring import State
@@ -407,7 +406,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
         settings = replace(live_settings(wanted, profile, skin, stream), tree=tree)
         supervisor = parts.enter_context(Supervisor(settings))
-        fit = parts.enter_context(start_fit(settings.name, wanted.loop.fit))
+        fit = parts.enter_context(FitProcess(settings.name)) if wanted.loop.fit else None
         supervisor.wait(STARTS, State.STARTING).close()
         into = wanted.record.into
         if into is not None:
@@ -462,7 +461,7 @@ def watch(
     try:
         began = _wait_running(running.supervisor, observer, screen, console)
         if running.scene is not None:
-            running.page.controller.begin(running.scene)
+            running.page.controller.pressing.begin(running.scene)
         end = float("inf") if duration is None else began + duration
         drawn = began
         while time.monotonic() < end:

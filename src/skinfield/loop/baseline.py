@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.loop.binding import Binding
+from skinfield.loop.model_config import Binding
 from skinfield.loop.settings import LiveSettings
 from skinfield.reconstruct.diagnostics import Conditioning, survey, untouched
 from skinfield.signal import Calibration, Channels
@@ -58,11 +58,6 @@ class BaselineCollector:
     Something that lies on the skin meanwhile would be part of it: a taxel that is let go later
     reads less than nothing then, which only ten times the force around it would explain. So it goes
     on for up to `PATIENCE` times the asked time, until there is a stretch without.
-
-    Parameters
-    ----------
-    settings : LiveSettings
-    binding : Binding
     """
 
     def __init__(self, settings: LiveSettings, binding: Binding) -> None:

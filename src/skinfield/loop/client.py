@@ -1,8 +1,8 @@
 """Client of a running skin: `with skinfield.connect() as live`."""
 
 import time
-from collections.abc import Iterator, Mapping
-from types import TracebackType
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -10,8 +10,14 @@ import numpy as np
 from skinfield.errors import InputError, check_positive
 from skinfield.loop.control import order
 from skinfield.loop.fit_ring import is_fit
-from skinfield.loop.model_config import ConfigWatch, ModelConfig, Models, state_of
-from skinfield.loop.runtime_parameters import Focus, Limits, Tuning, tuning_of
+from skinfield.loop.model_config import (
+    Models,
+    configuration_of,
+    model_config_of,
+    state_of,
+    tuning_of,
+)
+from skinfield.loop.runtime_parameters import Focus, Limits, Tuning
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot as Snapshot
 from skinfield.loop.snapshot import Stale as Stale
@@ -35,6 +41,8 @@ class Live:
     skin : Skin
     reader : RingReader
         Of its ring, with everything that is published.
+    model_config : ModelConfig
+        What the newest estimates follow from; its solver may change while the skin runs.
     """
 
     def __init__(self, name: str) -> None:
@@ -43,21 +51,16 @@ class Live:
         if "model_config" not in self.reader.description:
             self.reader.close()
             raise NotRunning(f"ring {name!r} is of something else, expected that of a live skin")
-        self._config_watch = ConfigWatch(self.reader)
+        self.model_config = model_config_of(self.reader)
         self.skin: Skin = self.model_config.skin
-        self._room = self.reader.slot()  # looked at before a cycle is worth a copy of its own
-        self._looked = Slot.of(self._room.arrays)
+        self._generation = self.reader.generation
+        self._models: tuple[int, Models] | None = None
         self._seen = 0
 
     @property
     def state(self) -> State:
         """What the engine is doing; FAILED if its process is gone."""
         return state_of(self.reader)
-
-    @property
-    def model_config(self) -> ModelConfig:
-        """What the estimates follow from; its solver may change while the skin runs."""
-        return self._config_watch.model_config
 
     def latest(self, max_age: float | None = None, timeout: float = 1.0) -> Snapshot:
         """The newest cycle.
@@ -76,53 +79,52 @@ class Live:
         """
         if max_age is not None:
             check_positive("max_age", max_age, "seconds since the newest reading")
-        end, found = time.monotonic() + timeout, None
+        end = time.monotonic() + timeout
         while True:
             found = self._fetch()
-            good = found is not None and (max_age is None or found.age <= max_age)
-            if found is not None and good:
+            if found is not None and (max_age is None or found.age <= max_age):
                 return found
             left = end - time.monotonic()
             if left <= 0:
-                raise self._stale(found, max_age, timeout)
+                break
             self.reader.wait(self._seen, left)
-
-    def _look(self) -> Slot | None:
-        """The newest cycle, until the next look."""
-        copied = self.reader.latest(self._room)
-        if copied is None:
-            return None
-        self._seen = copied.number
-        return self._looked
-
-    def _own_copy(self) -> Snapshot:
-        """What was looked at, in memory of its own."""
-        own = self.reader.slot()
-        np.copyto(own.octets, self._room.octets)
-        return self._snapshot(Slot.of(own.arrays), self._seen)
-
-    def _fetch(self) -> Snapshot | None:
-        copied = self.reader.latest()
-        if copied is None:
-            return None
-        self._seen = copied.number
-        return self._snapshot(Slot.of(copied.arrays), copied.number)
-
-    def _snapshot(self, slot: Slot, number: int) -> Snapshot:
-        return Snapshot(slot, number, self._config_watch.models_of(slot), time.time_ns())
-
-    def _stale(self, found: Snapshot | None, max_age: float | None, timeout: float) -> Stale:
         what = "no cycle" if found is None else f"the newest reading is {found.age:.3g} s old"
         wanted = "" if max_age is None else f", expected {max_age:g} s at most"
-        return Stale(
+        raise Stale(
             f"{what}{wanted}, after {timeout:g} s of waiting; the engine is "
             f"{self.state.name.lower()}: see `skinfield status {self.name}`"
         )
 
+    def _fetch(self, number: int | None = None) -> Snapshot | None:
+        """The newest cycle, or one by its number, if it is there."""
+        copied = self.reader.latest() if number is None else self.reader.get(number)
+        if copied is None:
+            return None
+        self._seen, slot = copied.number, Slot.of(copied.arrays)
+        self._follow(int(slot.head[Head.GENERATION]))
+        return Snapshot(slot, copied.number, self.models, time.time_ns())
+
+    def _follow(self, generation: int) -> None:
+        """Look what the solver is now, if another process of the engine made a cycle."""
+        if generation == self._generation:
+            return
+        known = configuration_of(self.reader)
+        if known is None or known.generation != generation:
+            return  # a cycle from before: what is known already was in force
+        self._generation = generation
+        if known.solver != self.model_config.solver:
+            self.model_config = replace(self.model_config, solver=known.solver)
+            self._models = None
+
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        return self._config_watch.models
+        status = self.reader.status_view
+        tares = int(status["tares"][0])
+        if self._models is None or self._models[0] != tares:
+            noise, typical = status["noise_std"].copy(), self.model_config.quantity.typical_noise
+            self._models = tares, Models(self.model_config, np.where(noise > 0, noise, typical))
+        return self._models[1]
 
     def __iter__(self) -> Iterator[Snapshot]:
         """Every cycle with a new reading; a slow loop gets the newest and misses some."""
@@ -132,9 +134,9 @@ class Live:
                 if self.reader.replaced():
                     raise NotRunning(f"{self.name!r} was started anew: connect again")
                 continue
-            looked = self._look()
-            if looked is not None and looked.head[Head.FRESH]:
-                yield self._own_copy()
+            found = self._fetch()
+            if found is not None and found.fresh:
+                yield found
 
     def next(self, timeout: float) -> Snapshot | None:
         """The newest cycle that was not fetched yet; None if none came in time."""
@@ -147,13 +149,12 @@ class Live:
         Of the last `back` cycles the newest with a new reading is given, if there is one: its times
         are those of an answer, where most cycles have nothing to do.
         """
-        newest = self.reader.number
-        if newest <= self._seen:
+        newest, seen = self.reader.number, self._seen
+        if newest <= seen:
             return None
-        for number in range(newest, max(self._seen, newest - back), -1):
-            if self.reader.get(number, self._room) and self._looked.head[Head.FRESH]:
-                self._seen = number
-                return self._own_copy()
+        for number in range(newest, max(seen, newest - back), -1):
+            if (found := self._fetch(number)) is not None and found.fresh:
+                return found
         return self._fetch()
 
     def wait_contact(
@@ -182,15 +183,13 @@ class Live:
         while (left := end - time.monotonic()) > 0:
             if self.reader.wait(self._seen, min(left, 0.5)) <= self._seen:
                 continue
-            looked = self._look()
-            if looked is None or not looked.head[Head.CONTACTS]:
+            if (found := self._fetch()) is None:
                 continue
-            contacts = looked.used_contacts()
-            strong = contacts["normal_force"] >= force
+            strong = found.contacts["normal_force"] >= force
             if patch is not None:
-                strong &= contacts["patch"] == names.index(patch)
+                strong &= found.contacts["patch"] == names.index(patch)
             if strong.any():
-                return self._own_copy()
+                return found
         return None
 
     def tare(self) -> None:
@@ -236,11 +235,27 @@ class Live:
             If it is not in force in time.
         """
         names = ("resolution", "deadline", "threshold", "smoothing")
-        given = zip(names, (resolution, deadline, threshold, smoothing), strict=True)
-        changes: dict[str, Any] = {name: each for name, each in given if each is not None}
+        values = zip(names, (resolution, deadline, threshold, smoothing), strict=True)
+        changes: dict[str, Any] = {name: each for name, each in values if each is not None}
         if focus != "as it is":
             changes["focus"] = focus
-        return retune(self.reader, changes, timeout)
+        wanted = self.limits.check(self.tuning.changed(changes))
+        if not changes:
+            return wanted
+        plain = wanted.as_dict()
+        order(self.name, "set", {"set": {name: plain[name] for name in changes}})
+        end = time.monotonic() + timeout
+        while timeout > 0:
+            found = self.tuning
+            if all(getattr(found, name) == getattr(wanted, name) for name in changes):
+                return found  # another program may have changed the rest
+            if time.monotonic() > end:
+                raise Stale(
+                    f"the engine did not take over {', '.join(changes)} within {timeout:g} s, and "
+                    f"goes by {found}: see `skinfield status {self.name}`"
+                )
+            time.sleep(LOOK)
+        return wanted
 
     def close(self) -> None:
         """Let go of the ring; the skin runs on."""
@@ -249,12 +264,7 @@ class Live:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -294,30 +304,3 @@ def chosen(name: str | None) -> str:
             f"no name was given and {what}, expected one skin: start `skinfield run`, or name it"
         )
     return there[0]
-
-
-def retune(reader: RingReader, changes: Mapping[str, Any], timeout: float) -> Tuning:
-    """Change settings by name; see `Live.tune`, whose errors these are."""
-    limits = Limits.of(reader.description)
-    wanted = limits.check(tuning_of(reader).changed(changes))
-    if not changes:
-        return wanted
-    order(reader.name, "set", {"set": {name: _plain(getattr(wanted, name)) for name in changes}})
-    end = time.monotonic() + timeout
-    while timeout > 0 and not _is_in_force(found := tuning_of(reader), wanted, changes):
-        if time.monotonic() > end:
-            raise Stale(
-                f"the engine did not take over {', '.join(changes)} within {timeout:g} s, and goes "
-                f"by {found}: see `skinfield status {reader.name}`"
-            )
-        time.sleep(LOOK)
-    return tuning_of(reader) if timeout > 0 else wanted
-
-
-def _is_in_force(found: Tuning, wanted: Tuning, changes: Mapping[str, Any]) -> bool:
-    """Whether all that was asked for is; another program may have changed the rest."""
-    return all(getattr(found, name) == getattr(wanted, name) for name in changes)
-
-
-def _plain(value: Any) -> Any:
-    return value.as_dict() if isinstance(value, Focus) else value

@@ -25,15 +25,8 @@ class ContactSummaries:
         """Take the contacts of one cycle, `seconds` after watching began."""
         for row in rows:
             track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
-            known = self._known.setdefault(
-                track,
-                {
-                    "track": track,
-                    "patch": self._patches[int(row["patch"])],
-                    "first_s": round(seconds, DIGITS),
-                    "force_n": 0.0,
-                },
-            )
+            new = {"track": track, "patch": self._patches[int(row["patch"])], "force_n": 0.0}
+            known = self._known.setdefault(track, new | {"first_s": round(seconds, DIGITS)})
             known["last_s"] = round(seconds, DIGITS)
             if force >= known["force_n"]:
                 std = float(row["force_std"])

@@ -18,22 +18,29 @@ from typing import Any
 import numpy as np
 
 from skinfield.compiled import reported
-from skinfield.errors import Floats, InputError, Ints
+from skinfield.errors import InputError, Ints, check_type
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.baseline import Baseline, BaselineCollector
-from skinfield.loop.binding import Binding, bind
 from skinfield.loop.control import Control
-from skinfield.loop.handover import GO, READY, Handover
 from skinfield.loop.intake import Intake
-from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.parent_watchdog import end_with
+from skinfield.loop.model_config import FIELD as CONFIGURATION
+from skinfield.loop.model_config import (
+    Binding,
+    Configuration,
+    ModelConfig,
+    bind,
+    write_configuration,
+)
+from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.realtime.clock import EventWaiter, PeriodicClock, Waiter
 from skinfield.loop.realtime.timing import TimingTable
 from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
+from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import Head, Slot, say_nothing
-from skinfield.loop.status_text import write_notes
-from skinfield.loop.update import RuntimeParameters, Updater
+from skinfield.loop.status_text import read_notes, write_notes
+from skinfield.loop.supervisor import GO, READY, Handover
+from skinfield.loop.update import Updater
 from skinfield.ring import RingReader, State
 from skinfield.signal import Channels
 
@@ -87,8 +94,6 @@ class Start:
 
     Parameters
     ----------
-    settings : LiveSettings
-    binding : Binding
     known : Baseline, optional
         Of an engine that ran before on this ring: no new baseline is taken, as something may lie
         on the skin now.
@@ -116,27 +121,21 @@ class Start:
         self.baseline = known
         self.phase, self.progress = "loading", dict[str, float]()
         self._began = time.monotonic()
-        self._preparation = prepared(self._rehearsed if known is None else self._final)
+        self._preparation = prepared(self._updater)
 
-    def _rehearsed(self) -> Updater:
-        """With a typical noise: whatever must be compiled, is, before readings are waited for."""
-        taxels = len(self._binding.channel)
-        table = np.zeros((taxels, 4))
-        table[:, 1:] = 1.0
-        noise = np.full(taxels, self._settings.quantity.typical_noise)
+    def _updater(self) -> Updater:
+        """For the baseline, or, before there is one, for a typical noise.
+
+        Then whatever must be compiled, is, before readings are waited for.
+        """
+        known, taxels = self.baseline, len(self._binding.channel)
+        if known is None:
+            noise = np.full(taxels, self._settings.quantity.typical_noise)
+            known = Baseline(np.tile([0.0, 1.0, 1.0, 1.0], (taxels, 1)), noise, 1_000_000_000)
+        numbers = known.calibration, known.noise_std, known.stale_ns
+        config, binding = self._model_config, self._binding
         with reported(self._compiling):
-            return self._updater(table, noise, 1_000_000_000)
-
-    def _final(self) -> Updater:
-        assert self.baseline is not None  # by then it is known
-        return self._updater(
-            self.baseline.calibration, self.baseline.noise_std, self.baseline.stale_ns
-        )
-
-    def _updater(self, table: Floats, noise: Floats, stale_ns: int) -> Updater:
-        return Updater(
-            self._model_config, self._binding, table, noise, stale_ns, self._tracks, self._advance
-        )
+            return Updater(config, binding, *numbers, self._tracks, self._advance)
 
     def _compiling(self, name: str, number: int) -> None:
         self.progress = {**self.progress, "compiled": number}
@@ -157,7 +156,7 @@ class Start:
             if self._tare.take(channels, now_ns):
                 self.baseline = self._tare.finish()
                 self.phase, self.progress = "preparing", {}
-                self._preparation = prepared(self._final)
+                self._preparation = prepared(self._updater)
             return None
         if not self._preparation.done():
             return None
@@ -202,13 +201,16 @@ class EngineProcess:
             self.ring.status["times"],
             self.ring.status["totals"],
         )
-        self.parameters = RuntimeParameters(self.ring, settings, fresh_ring)
+        self.limits = Limits.of(self.ring.description)
+        before = None if fresh_ring else read_notes(self.ring.status[CONFIGURATION.name])
+        self.tuning = settings.tuning if before is None else Configuration.from_dict(before).tuning
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
         self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
         self.updater: Updater | None = None
+        self._go_by_tuning()
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
         self.stopping, self.ending = False, State.STOPPED
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
@@ -217,7 +219,6 @@ class EngineProcess:
         self.again: BaselineCollector | None = None
         self.prefetch: Prefetch | None = None
         self.taken = 0  # messages, before the cycle
-        self.sentences: list[str] = []
         self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
         self.notes: dict[str, object] = {"phase": self.start.phase, "progress": self.start.progress}
         write_notes(self.ring.status["notes"], self.notes)
@@ -285,7 +286,7 @@ class EngineProcess:
 
     def _answer(self, updater: Updater, slot: Slot, wake: int, wall: int) -> None:
         head = slot.head
-        budget_ns = head[Head.BUDGET_NS] = self.parameters.budget_ns
+        budget_ns = head[Head.BUDGET_NS] = self.budget_ns
         reset, self.reset = self.reset, False
         budget = budget_ns * NS
         fresh = updater.answer(self.intake.channels, wall, slot, reset=reset, budget=budget)
@@ -337,7 +338,7 @@ class EngineProcess:
         """From here on nothing may wait."""
         settings = self.settings
         self.updater, self.reset, self.began = updater, True, True
-        updater.filters.tune(self.parameters.tuning)
+        updater.filters.tune(self.tuning)
         granted = settings.real_time.apply()
         self._note(phase="running", progress={}, granted=granted.as_dict())
         if settings.rate is None:
@@ -361,8 +362,7 @@ class EngineProcess:
     def _listen_to_sources(self) -> None:
         """Tell what the sources say, where that is new."""
         said = self.intake.sentences()
-        if said != self.sentences:
-            self.sentences = said
+        if said != self.notes.get("sources", []):
             self._note(sources=said)
 
     def _without_answer(self, slot: Slot) -> None:
@@ -388,11 +388,22 @@ class EngineProcess:
 
     def _tune(self, order: Mapping[str, Any]) -> str:
         """Obey an order to change the tuning; why it was refused, or nothing."""
+        changes: Any = order.get("set")
         try:
-            self.parameters.tune(order.get("set"), self.updater)
+            check_type("changes", changes, Mapping, "values by the names of settings")
+            self.tuning = self.limits.check(self.tuning.changed(changes))
         except InputError as error:
             return str(error)
+        self._go_by_tuning()
         return ""
+
+    def _go_by_tuning(self) -> None:
+        """Have the tuning in force from the next cycle on; the ring and recordings say so."""
+        self.budget_ns = round(self.tuning.deadline * 1e9)
+        known = Configuration(self.ring.generation, self.settings.solver, self.tuning)
+        write_configuration(self.ring.status[CONFIGURATION.name], known)
+        if self.updater is not None:
+            self.updater.filters.tune(self.tuning)
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
@@ -431,14 +442,15 @@ def main() -> None:
     end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
     asked, prepared = pickle.load(sys.stdin.buffer), None
     if isinstance(asked, Handover):
-        prepared = asked.updater()
+        model_config = ModelConfig.of(asked.settings, asked.ports)
+        binding, known = bind(asked.settings.skin, asked.ports), asked.known
+        numbers = known.calibration, known.noise_std, known.stale_ns
+        prepared = binding, Updater(model_config, binding, *numbers)
         sys.stdout.buffer.write(READY)
         sys.stdout.buffer.flush()
         if sys.stdin.buffer.readline() != GO:
             return  # it is not wanted any more
         asked = asked.settings
-    if not isinstance(asked, LiveSettings):
-        raise InputError(f"settings are {type(asked).__name__}, expected LiveSettings")
     engine = EngineProcess(asked, prepared)
     engine.run()
     if engine.ending != State.STOPPED:  # the next one waits for the end of this process

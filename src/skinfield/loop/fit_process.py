@@ -4,29 +4,19 @@ It reads the ring like any other reader, at low priority, so that the engine nev
 publishes better contacts into a ring of its own.
 """
 
-import threading
-from collections import deque
-from typing import TYPE_CHECKING
-
-from skinfield.errors import SkinfieldError
-from skinfield.loop.fit_worker import Shape, prepared, shape_of
-from skinfield.loop.model_config import ModelConfig
-
-if TYPE_CHECKING:
-    from skinfield.solve.atoms.fitter import ContactFitter
 import argparse
 import contextlib
-import importlib
+import itertools
 import os
 import signal
 import sys
+import threading
 import time
-from types import TracebackType
 from typing import NoReturn, Self
 
 import numpy as np
 
-from skinfield.errors import InputError
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.loop.fit_ring import (
     LOG_BYTES,
     SLOTS,
@@ -38,13 +28,23 @@ from skinfield.loop.fit_ring import (
     status_fields,
     write_engine,
 )
-from skinfield.loop.fit_worker import Accuracy, FitTracks, Numbers, PatchFit, rounding_of
-from skinfield.loop.parent_watchdog import end_with
+from skinfield.loop.fit_worker import (
+    FIRST,
+    FitTracks,
+    PatchFit,
+    Shape,
+    fitter_of,
+    rounding_of,
+    shape_of,
+)
+from skinfield.loop.model_config import ModelConfig, tuning_of
+from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import write_notes
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, RingReader, State
 from skinfield.signal import Convention
+from skinfield.solve.atoms.fitter import ContactFitter
 
 EAGER = 6  # shapes that are prepared before anything touches them; others when something does
 
@@ -55,10 +55,6 @@ class FitShapes:
     Preparing takes seconds for the first one and less for the others, which share its tables, and
     the first time on a machine ten more, as all is compiled then. It happens in a thread of its
     own, of what is touched first.
-
-    Parameters
-    ----------
-    model_config : ModelConfig
 
     Attributes
     ----------
@@ -71,9 +67,7 @@ class FitShapes:
         self._shape_of = [shape_of(patch) for patch in model_config.skin]
         self._place_of = {shape: n for n, shape in reversed(list(enumerate(self._shape_of)))}
         self._there: dict[Shape, ContactFitter | None] = {}
-        first = list(dict.fromkeys(self._shape_of))[:EAGER]
-        self._waiting: deque[Shape] = deque(first)
-        self._lock = threading.Lock()
+        self._waiting: list[Shape] = list(dict.fromkeys(self._shape_of))[:EAGER]
         self._thread: threading.Thread | None = None
         self.failed = ""
         self._go_on()
@@ -83,7 +77,7 @@ class FitShapes:
         """Whether something is being prepared."""
         return self._thread is not None and self._thread.is_alive()
 
-    def get(self, place: int, touched: bool) -> "ContactFitter | None":
+    def get(self, place: int, touched: bool) -> ContactFitter | None:
         """The fit for a patch by its number; None while there is none, or if there can be none.
 
         Parameters
@@ -93,13 +87,11 @@ class FitShapes:
             Whether it is wanted now.
         """
         shape = self._shape_of[place]
-        if shape in self._there or not touched:
-            return self._there.get(shape)
-        with self._lock:
-            if not self._waiting or self._waiting[0] != shape:
-                self._waiting.appendleft(shape)  # perhaps a second time: then it is there by then
-        self._go_on()
-        return None
+        if touched and shape not in self._there:
+            if self._waiting[:1] != [shape]:
+                self._waiting.insert(0, shape)  # perhaps a second time: then it is there by then
+            self._go_on()
+        return self._there.get(shape)
 
     def _go_on(self) -> None:
         if self._waiting and not self.busy:
@@ -107,16 +99,13 @@ class FitShapes:
             self._thread.start()
 
     def _work(self) -> None:
-        while True:
-            with self._lock:
-                if not self._waiting:
-                    return
-                shape = self._waiting.popleft()
+        while self._waiting:
+            shape = self._waiting.pop(0)
             if shape in self._there:
                 continue
             patch = self._model_config.skin[self._place_of[shape]]
             try:
-                self._there[shape] = prepared(patch, self._model_config)
+                self._there[shape] = fitter_of(patch, self._model_config)
             except SkinfieldError as error:
                 self._there[shape] = None
                 self.failed = f"{patch.name}: {error}"
@@ -159,7 +148,7 @@ class SkinFit:
             LOG_BYTES,
         )
         self.ring.set_state(State.RUNNING)
-        numbers = Numbers()
+        numbers = itertools.count(FIRST)
         self.patches = [PatchFit(n, patch, FitTracks(numbers)) for n, patch in enumerate(skin)]
         self._starts = np.cumsum([0, *(len(patch) for patch in skin)]).tolist()
         self._master = FitSlot.empty(len(skin), nodes, ROWS)
@@ -167,7 +156,6 @@ class SkinFit:
         self._slot = Slot.of(self._room.arrays)
         self._seen = max(reader.number - 1, 0)
         self._tares = -1
-        self._accuracy: list[Accuracy] = []
         self._shapes = FitShapes(self.model_config)
         self._told = ""
         self._turn = 0
@@ -177,9 +165,13 @@ class SkinFit:
         self._take_in()
         if not self._known():
             return False
-        if clips_at_rest(self.model_config.board):
-            return self._leave()
         count, began, changed = len(self.patches), time.monotonic_ns(), False
+        if clips_at_rest(self.model_config.board):  # all is left to the engine
+            changed = any(each.state != Fitted.UNHELPFUL for each in self.patches)
+            self._master.patches["state"] = int(Fitted.UNHELPFUL)
+            for each in self.patches:
+                each.state = Fitted.UNHELPFUL
+            count = 0
         for step in range(count):
             place = (self._turn + step) % count
             changed |= self._update(place)
@@ -187,24 +179,11 @@ class SkinFit:
                 self._turn = place + 1
                 break
         if changed:
-            self._publish()
+            slot = FitSlot.of(self.ring.begin())
+            slot.copy_from(self._master)
+            slot.told_ns[0] = time.time_ns()  # last: a replay shows it from then on
+            self.ring.publish()
         return changed
-
-    def _publish(self) -> None:
-        slot = FitSlot.of(self.ring.begin())
-        slot.copy_from(self._master)
-        slot.told_ns[0] = time.time_ns()  # last: a replay shows it from then on
-        self.ring.publish()
-
-    def _leave(self) -> bool:
-        """Leave all patches to the engine; whether that is news."""
-        new = [each for each in self.patches if each.state != Fitted.UNHELPFUL]
-        for each in new:
-            each.state = Fitted.UNHELPFUL
-            self._master.patches[each.patch]["state"] = int(Fitted.UNHELPFUL)
-        if new:
-            self._publish()
-        return bool(new)
 
     def _take_in(self) -> None:
         """Hand the readings of all cycles that are new to their patches."""
@@ -212,23 +191,17 @@ class SkinFit:
         newest = reader.number
         if newest < self._seen:
             self._seen = 0
-        for number in range(max(self._seen, newest - self._most) + 1, newest + 1):
+        most = min(reader.slots - MARGIN, LONGEST)
+        for number in range(max(self._seen, newest - most) + 1, newest + 1):
             if not reader.part(number, self._room, ("head",)) or not slot.head[Head.FRESH]:
                 continue
-            if reader.part(number, self._room, FIELDS_NEEDED):
-                self._hand_out()
+            if not reader.part(number, self._room, FIELDS_NEEDED):
+                continue
+            for place in np.flatnonzero(slot.patches["fresh"]).tolist():
+                its = slice(self._starts[place], self._starts[place + 1])
+                stamp = int(slot.patches["stamp_ns"][place])
+                self.patches[place].stationary.take(slot.values[its], slot.valid[its], stamp)
         self._seen = newest
-
-    @property
-    def _most(self) -> int:
-        return min(self._reader.slots - MARGIN, LONGEST)
-
-    def _hand_out(self) -> None:
-        slot = self._slot
-        for place in np.flatnonzero(slot.patches["fresh"]).tolist():
-            its = slice(self._starts[place], self._starts[place + 1])
-            stamp = int(slot.patches["stamp_ns"][place])
-            self.patches[place].stationary.take(slot.values[its], slot.valid[its], stamp)
 
     def _known(self) -> bool:
         """Whether there is a baseline; what follows from a new one is made anew."""
@@ -240,10 +213,8 @@ class SkinFit:
             noise = np.where(noise > 0, noise, typical)
             counted = all(port.unit == "count" for port in self.model_config.ports)
             rounding = rounding_of(table, noise) if counted else np.zeros_like(noise)
-            spans = zip(self._starts[:-1], self._starts[1:], strict=True)
-            self._accuracy = [Accuracy(noise[a:b], rounding[a:b]) for a, b in spans]
-            for each in self.patches:
-                each.reset()
+            for each, a, b in zip(self.patches, self._starts, self._starts[1:], strict=False):
+                each.calibrate(noise[a:b], rounding[a:b])
             self._tares = tares
         return tares > 0
 
@@ -256,9 +227,9 @@ class SkinFit:
             fitter = self._shapes.get(place, touched)
             if fitter is None:
                 return False
-            patch.give(fitter)
+            patch.take_fitter(fitter)
         status = self.ring.status
-        if not patch.update(self._accuracy[place], contacts, touched):
+        if not patch.update(contacts, touched):
             return False
         status["fits"][0] += 1
         status["unhelpful"][0] += patch.state == Fitted.UNHELPFUL
@@ -268,7 +239,7 @@ class SkinFit:
 
     def _write(self, place: int, patch: PatchFit, touched: bool) -> None:
         master, told = self._master, self._master.patches[place]
-        threshold = self._threshold
+        threshold = tuning_of(self._reader).threshold  # N, as the engine has it now
         kept = np.flatnonzero(patch.rows["normal_force"] >= threshold)[:ROWS]
         told["state"], told["contacts"] = int(patch.state), len(kept)
         told["touched"], told["cycle"] = touched, self._seen
@@ -280,12 +251,6 @@ class SkinFit:
         master.forms[place][: len(kept)] = patch.forms[kept]
         if patch.pressure is not None:
             master.pressure[place] = patch.pressure
-
-    @property
-    def _threshold(self) -> float:
-        """Least force of a contact that is told, N, as the engine has it now."""
-        tuning = self._reader.status_view.get("tuning")
-        return 0.0 if tuning is None else float(tuning[2])
 
     def tell(self) -> None:
         """Say in the ring's status what is done now."""
@@ -314,12 +279,7 @@ class SkinFit:
         self.tell()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -337,41 +297,28 @@ def clips_at_rest(board: Convention | None) -> bool:
 NICE = 2  # behind the engine and the page, and not starved by them
 STEP = 0.02  # s from one look at the skin to the next
 PAUSE = 0.2  # s between looks for a skin that is not there
-MODULES_NEEDED = (
-    "skinfield.solve.atoms.fitter",
-    "scipy.interpolate",
-    "scipy.linalg",
-    "scipy.ndimage",
-)
 
 
-def serve(name: str, end: float) -> None:
-    """Fit what touches a skin, for as long as its ring is there, or until a monotonic time."""
-    while time.monotonic() < end:
+def serve(name: str) -> NoReturn:
+    """Fit what touches a skin, whenever its ring is there."""
+    while True:
         try:
             reader = RingReader(name)
         except InputError:
-            _load()
             time.sleep(PAUSE)
             continue
         with reader:
-            if not reader.alive or "skinfield_live" not in reader.description:
+            if reader.alive and "skinfield_live" in reader.description:
+                with SkinFit(name, reader) as fit:
+                    _follow(fit, reader)
+            else:
                 time.sleep(PAUSE)
-                continue
-            with SkinFit(name, reader) as fit:
-                _follow(fit, reader, end)
 
 
-def _load() -> None:
-    """Import what preparing needs, as long as there is nothing to prepare for."""
-    for module in MODULES_NEEDED:
-        importlib.import_module(module)
-
-
-def _follow(fit: SkinFit, reader: RingReader, end: float) -> None:
+def _follow(fit: SkinFit, reader: RingReader) -> None:
     """Look again and again, until the ring belongs to another skin."""
     looked = time.monotonic()
-    while time.monotonic() < end:
+    while True:
         due = time.monotonic() + STEP
         fit.look()
         now = time.monotonic()
@@ -392,7 +339,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Fits contacts beside a live skin's engine.")
     parser.add_argument("name", help="of the live skin")
     parser.add_argument("--parent", type=int, help="process to end with")
-    parser.add_argument("--seconds", type=float, default=1e9, help="to go on for")
     given = parser.parse_args()
     signal.signal(signal.SIGTERM, _end)
     signal.signal(signal.SIGINT, _end)
@@ -401,11 +347,10 @@ def main() -> int:
     with contextlib.suppress(OSError):
         os.nice(NICE)
     try:
-        serve(given.name, time.monotonic() + given.seconds)
+        serve(given.name)
     except SkinfieldError as error:
         sys.stderr.write(f"the fit of {given.name} ended: {error}\n")
         return 1
-    return 0
 
 
 if __name__ == "__main__":

@@ -99,11 +99,6 @@ def describe(name: str, patches: Sequence[str]) -> dict[str, object]:
         "skinfield_fit": VERSION,
         "name": name,
         "patches": list(patches),
-        "states": [each.name.lower() for each in Fitted],
-        "shapes": list(SHAPES),
-        "patch_row": PATCH.descr,
-        "contact_row": CONTACT.descr,
-        "form_row": FORM.descr,
     }
 
 
@@ -199,7 +194,7 @@ class FitReader:
             reader = RingReader(fit_name(self.name))
         except InputError:  # FileError is one: there is none, or it is being made
             return None
-        if not reader.alive or not _is_of_a_fit(reader):
+        if not reader.alive or reader.description.get("skinfield_fit") != VERSION:
             reader.close()
             return None
         self._reader = reader
@@ -268,27 +263,6 @@ class FitReader:
         if self._reader is not None:
             self._reader.close()
         self._reader, self._newest = None, None
-
-
-def _is_of_a_fit(reader: RingReader) -> bool:
-    """Whether a ring is laid out as those of this program's fits are."""
-    said, fields = reader.description, {each.name: each for each in reader.slot_fields}
-    names, pressure = said.get("patches"), fields.get("pressure")
-    if said.get("skinfield_fit") != VERSION or not isinstance(names, list) or pressure is None:
-        return False
-    if "contacts" not in fields or len(pressure.shape) != 2 or len(names) != pressure.shape[0]:
-        return False
-    bytes_each = CONTACT.itemsize * max(len(names), 1)
-    rows, nodes = int(np.prod(fields["contacts"].shape)) // bytes_each, pressure.shape[1]
-    return _alike(reader.slot_fields, slot_fields(len(names), nodes, rows)) and _alike(
-        reader.status_fields, status_fields()
-    )
-
-
-def _alike(found: Sequence[Field], expected: Sequence[Field]) -> bool:
-    """Whether fields are the same, however their types are written."""
-    plain = [[(e.name, np.dtype(e.dtype), e.shape) for e in each] for each in (found, expected)]
-    return plain[0] == plain[1]
 
 
 NEAR = 10e-3  # m from a contact of the engine, whose place is less sure

@@ -2,12 +2,13 @@
 
 import copy
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact
 from skinfield.estimate.live_contacts import CONTACT, Habits
@@ -16,10 +17,7 @@ from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.stationary_mean import Mean, StationaryMean
 from skinfield.skin import Grid, Patch
 from skinfield.solve import ContactFit
-
-if TYPE_CHECKING:
-    from skinfield.solve.atoms.fitter import ContactFitter, Touches
-
+from skinfield.solve.atoms.fitter import ContactFitter, Touches
 
 FIRST = 1_000_000  # number of the first contact that only the fit knows
 HABITS = Habits(hold=0.5)
@@ -28,15 +26,7 @@ Rows = NDArray[np.void]
 
 @dataclass(frozen=True)
 class Known:
-    """A contact of before.
-
-    Attributes
-    ----------
-    track : int
-    x, y : float, m
-    speed : float, m/s
-    first_ns, last_ns : int, ns
-    """
+    """A contact of before: number, place (m), speed (m/s), and when it was seen (ns)."""
 
     track: int
     x: float
@@ -44,18 +34,6 @@ class Known:
     speed: float
     first_ns: int
     last_ns: int
-
-
-class Numbers:
-    """Numbers for contacts that the engine has none for, of all patches."""
-
-    def __init__(self) -> None:
-        self._next = FIRST
-
-    def new(self) -> int:
-        """Another one: far above those of the engine, which count from 1."""
-        self._next += 1
-        return self._next - 1
 
 
 class FitTracks:
@@ -66,10 +44,12 @@ class FitTracks:
 
     Parameters
     ----------
-    numbers : Numbers
+    numbers : iterator of int
+        For contacts that the engine has none for, of all patches: far above those of the engine,
+        which count from 1.
     """
 
-    def __init__(self, numbers: Numbers) -> None:
+    def __init__(self, numbers: Iterator[int]) -> None:
         self._numbers = numbers
         self._known: list[Known] = []
 
@@ -108,8 +88,7 @@ class FitTracks:
                 first = stamp_ns - int(max(float(own["age"]), 0.0) * 1e9)
                 now = Known(int(own["track"]), row["x"], row["y"], 0.0, first, stamp_ns)
             else:
-                new = self._numbers.new()
-                now = Known(new, row["x"], row["y"], 0.0, stamp_ns, stamp_ns)
+                now = Known(next(self._numbers), row["x"], row["y"], 0.0, stamp_ns, stamp_ns)
             row["track"], row["speed"] = now.track, now.speed
             row["age"] = (stamp_ns - now.first_ns) * 1e-9
             self._known.append(now)
@@ -160,25 +139,19 @@ STEPS = 3  # from a place on the skin to one in its plane
 Shape = tuple[object, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Accuracy:
-    """How exact the readings of a patch are.
+def deviation_of(mean: Mean, noise: Floats, rounding: Floats) -> Floats:
+    """Deviation (L,) of an average less the baseline; infinite where a taxel is not valid.
 
     Parameters
     ----------
+    mean : Mean
     noise : (L,) array, in the quantity's unit
         Of one reading.
     rounding : (L,) array
         What rounding leaves of an average, however long.
     """
-
-    noise: Floats
-    rounding: Floats
-
-    def of(self, mean: Mean) -> Floats:
-        """Deviation (L,) of an average less the baseline; infinite where a taxel is not valid."""
-        squares = self.noise**2 * (1.0 / mean.readings + 1.0 / BASELINE) + self.rounding**2
-        return np.where(mean.valid, np.sqrt(squares), np.inf)
+    squares = noise**2 * (1.0 / mean.readings + 1.0 / BASELINE) + rounding**2
+    return np.where(mean.valid, np.sqrt(squares), np.inf)
 
 
 def rounding_of(calibration: Floats, noise_std: Floats) -> Floats:
@@ -201,11 +174,8 @@ def rounding_of(calibration: Floats, noise_std: Floats) -> Floats:
     return np.asarray(off / np.maximum(counts, np.sqrt(1.0 / 12.0)) * noise_std)
 
 
-def prepared(patch: Patch, model_config: ModelConfig) -> "ContactFitter":
+def fitter_of(patch: Patch, model_config: ModelConfig) -> ContactFitter:
     """The fit of a patch on its finest grid; takes seconds, and compiles the first time."""
-    from skinfield.elastic import ObservationModel
-    from skinfield.solve.atoms.fitter import ContactFitter
-
     quantity = model_config.quantity
     model = ObservationModel.of(
         patch,
@@ -261,6 +231,7 @@ class PatchFit:
         self.pressure: Floats | None = None
         self.mean: Mean | None = None
         self.took_ns = 0
+        self._noise = self._rounding = np.zeros(len(shape))
         self._fine: ContactFitter | None = None
         self._rough: ContactFitter | None = None
         self._was_rough = False
@@ -273,24 +244,28 @@ class PatchFit:
         """Whether a fit was given."""
         return self._fine is not None
 
-    def give(self, fitter: "ContactFitter") -> None:
+    def take_fitter(self, fitter: ContactFitter) -> None:
         """Take a fit that was prepared for this geometry; others may have the same one."""
         self._fine, self._rough = copy.copy(fitter), copy.copy(fitter)
         self._rough.settings = replace(FITTING, model_error=ROUGH)
         for each in (self._fine, self._rough):
             each.reset()
 
+    def calibrate(self, noise: Floats, rounding: Floats) -> None:
+        """Go by this noise, see `deviation_of`, and forget all answers."""
+        self._noise, self._rounding = noise, rounding
+        self.reset()
+
     def reset(self) -> None:
         """Forget all answers; readings and numbers are kept."""
         self.state, self.mean, self._fitted, self._not_before = Fitted.NOTHING, None, 0, 0
         self.rows, self.forms, self.pressure = self.rows[:0], self.forms[:0], None
 
-    def update(self, accuracy: Accuracy, engine: Rows, touched: bool) -> bool:
+    def update(self, engine: Rows, touched: bool) -> bool:
         """Answer the newest readings, if that is worth its while; whether anything is new.
 
         Parameters
         ----------
-        accuracy : Accuracy
         engine : array of CONTACT
             That the engine sees on this patch.
         touched : bool
@@ -300,7 +275,7 @@ class PatchFit:
             return False
         if time.perf_counter_ns() < self._not_before:
             return False  # what nothing explains takes long: it shall not take all the time
-        mean = self.stationary.mean(accuracy.noise)
+        mean = self.stationary.mean(self._noise)
         if mean is None or not mean.valid.any():
             return False
         if not self._due(mean, touched):
@@ -308,7 +283,7 @@ class PatchFit:
             self.mean = mean if self.mean is not None else None
             return grew and self.state == Fitted.DONE
         began, busy = time.perf_counter_ns(), time.thread_time_ns()
-        fit = self._fit(mean, accuracy.of(mean), TOUCHED if touched else FALSE_ALARMS)
+        fit = self._fit(mean, TOUCHED if touched else FALSE_ALARMS)
         before = self.state
         self._take(fit, mean, engine, touched)
         self.mean, self._fitted, self._fitted_ns = mean, mean.readings, mean.stamp_ns
@@ -325,8 +300,9 @@ class PatchFit:
         moved = mean.readings < self._fitted
         return moved or mean.readings >= AGAIN * self._fitted or since >= REST_NS
 
-    def _fit(self, mean: Mean, noise: Floats, rate: float) -> "Touches":
+    def _fit(self, mean: Mean, rate: float) -> Touches:
         """The fit with the usual model error, else with that of boards without calibration."""
+        noise = deviation_of(mean, self._noise, self._rounding)
         assert self._fine is not None  # it is ready
         assert self._rough is not None
         order = (self._rough, self._fine) if self._was_rough else (self._fine, self._rough)
@@ -341,7 +317,7 @@ class PatchFit:
                 break
         return fit
 
-    def _take(self, fit: "Touches", mean: Mean, engine: Rows, touched: bool) -> None:
+    def _take(self, fit: Touches, mean: Mean, engine: Rows, touched: bool) -> None:
         if not fit.explained:
             self.reset()
             self.state = Fitted.UNHELPFUL
@@ -361,10 +337,8 @@ class PatchFit:
 
     def _believed(self, contact: Contact, engine: Rows) -> bool:
         """Whether the engine sees a contact as well, or it is sure by itself."""
-        near = np.zeros(0)
-        if len(engine):
-            near = np.linalg.norm(engine["position"] - contact.position, axis=1)
-        return bool((near < NEAR).any()) or contact.normal_force > SURE * contact.force_std
+        near = np.linalg.norm(engine["position"] - contact.position, axis=1) < NEAR
+        return bool(near.any()) or contact.normal_force > SURE * contact.force_std
 
     def _write(self, contact: Contact, pressure: Floats, row: np.void) -> None:
         assert self._fine is not None  # it is ready

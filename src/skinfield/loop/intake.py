@@ -2,7 +2,6 @@
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,39 +23,34 @@ from skinfield.signal.blocks import Full
 SILENT_NS = 1_000_000_000  # without a message, after which a source counts as away
 
 
-@dataclass(eq=False)
 class Member:
     """One source and its stream, which may be away for a while.
 
-    Attributes
+    Parameters
     ----------
     source : Source
+        It is opened.
     index : int
         Among the sources.
-    stream : Stream
-    ports : tuple of Port
-        As they were at the first opening.
     channel : int
         First of its channels among all.
+
+    Attributes
+    ----------
+    stream : Stream or None
+    ports : tuple of Port
+        As they were at the first opening.
     counters : (len(Count),) int64 array
         Over all times that it was open.
     failure : str
         What went wrong last; empty while it is open.
     """
 
-    source: Source
-    index: int
-    stream: Stream | None
-    ports: tuple[Port, ...]
-    channel: int
-    counters: Ints
-    failure: str = ""
-    retry: Retry = field(init=False)
-    _before: Ints = field(init=False)
-    _heard: int = field(init=False)
-    _silent: bool = field(init=False)
-
-    def __post_init__(self) -> None:
+    def __init__(self, source: Source, index: int, channel: int) -> None:
+        self.source, self.index, self.channel = source, index, channel
+        self.stream: Stream | None = opened(source, index)
+        self.ports: tuple[Port, ...] = tuple(self.stream.ports)
+        self.counters, self.failure = counters(), ""
         self._before = counters()  # of streams that were closed
         self._heard = 0  # when the last message came, ns; 0 before the first
         self._silent = False
@@ -206,10 +200,8 @@ class Intake:
         self.members: list[Member] = []
         channel = 0
         for index, source in enumerate(sources):
-            stream = opened(source, index)
-            ports = tuple(stream.ports)
-            self.members.append(Member(source, index, stream, ports, channel, counters()))
-            channel += sum(port.channels for port in ports)
+            self.members.append(Member(source, index, channel))
+            channel += sum(port.channels for port in self.members[-1].ports)
         self.ports = tuple(port for member in self.members for port in member.ports)
         self.blocks, self.channels = Blocks(room), Channels(channel)
         self.damaged = 0
@@ -239,12 +231,6 @@ class Intake:
         return [
             f"{type(m.source).__name__}: {text}" for m in self.members for text in m.sentences()
         ]
-
-    @property
-    def lost(self) -> int:
-        """Messages that are known to be missing, dropped by the system included."""
-        rows = np.array([member.counters for member in self.members])
-        return int(rows[:, Count.LOST].sum() + rows[:, Count.OVERFLOWED].sum())
 
     def resume(self) -> None:
         """Called before the first poll by an engine that follows on another: see `Lasting`."""

@@ -1,20 +1,20 @@
-"""Model configuration of a live skin: what its answers follow from, and models prepared from it."""
+"""Model configuration of a live skin: channels of its taxels, what its answers follow from."""
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from skinfield.elastic import Layer, Mechanics, Quantity
-from skinfield.errors import FileError, Floats, InputError
+from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
+from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import Head, Slot
-from skinfield.loop.status_text import HEAD, Octets, read_notes, write_notes
+from skinfield.loop.slots import Slot
+from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.reconstruct.multigrid import Rest
@@ -25,6 +25,71 @@ from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Solver
 
 VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows")
+
+
+@dataclass(frozen=True, eq=False)
+class Binding:
+    """Taxels of all patches, in the skin's order, and their channels among all ports.
+
+    Attributes
+    ----------
+    channel : (L,) array
+    starts : (P + 1,) array
+        Where each patch's taxels begin.
+    channels : int
+        Of all ports together.
+    ports : tuple of Port
+    unit : str
+        Of the readings: that of the ports, which must have one in common.
+    """
+
+    channel: Ints
+    starts: Ints
+    channels: int
+    ports: tuple[Port, ...]
+    unit: str
+
+
+def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
+    """Find the port of each patch: that of its name, or the only one.
+
+    Raises
+    ------
+    InputError
+        If a patch has no port, one that is too short, or ports deliver different units.
+    """
+    ports = tuple(ports)
+    if not ports:
+        raise InputError("there is no port, expected a source with at least one")
+    first = np.cumsum([0, *(port.channels for port in ports)]).tolist()
+    rows, starts, units = [], [0], set()
+    names = [port.name for port in ports]
+    for patch in skin:
+        wanted = (patch.name, skin.name) if len(skin) == 1 else (patch.name,)  # of the skin's name
+        place = next((names.index(name) for name in wanted if name in names), None)
+        if place is None and len(ports) > 1:
+            raise InputError(
+                f"patch {patch.name!r} has no port, expected one of its name among "
+                f"{', '.join(names)}: name the port after the patch"
+            )
+        port = ports[place or 0]
+        highest = int(patch.channel.max())
+        if highest >= port.channels:
+            raise InputError(
+                f"patch {patch.name!r} reads channel {highest}, expected channels below "
+                f"{port.channels}: port {port.name!r} has no more; is this the layout of that "
+                "skin, and are all its boards listed?"
+            )
+        rows.append(patch.channel + first[place or 0])
+        starts.append(starts[-1] + len(patch))
+        units.add(port.unit)
+    if len(units) > 1:
+        raise InputError(
+            f"ports deliver {', '.join(sorted(units))}, expected one unit for all patches of an "
+            "engine: run two engines"
+        )
+    channel = np.concatenate(rows).astype(np.int64)
+    return Binding(channel, np.array(starts, np.int64), first[-1], ports, units.pop())
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +193,7 @@ class ModelConfig:
 
 
 ROOM = 1 << 13  # bytes
+LONGEST_SOLVER = ROOM - 1000  # characters: beside the tuning
 FIELD = Field("configuration", "<u1", (ROOM,))
 
 
@@ -140,33 +206,39 @@ class Configuration:
     generation : int
         Of the ring's writer.
     solver : Solver
+    tuning : Tuning
     """
 
     generation: int
     solver: Solver
+    tuning: Tuning
 
-    def text(self) -> str:
-        """As JSON; raises InputError for a solver that is not skinfield's own, or too long."""
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON.
+
+        Raises
+        ------
+        InputError
+            For a solver that is not skinfield's own, or whose settings are too long for a ring.
+        """
         solver = plain_from_value("solver", self.solver)
-        text = json.dumps({"generation": self.generation, "solver": solver})
-        if len(text) > ROOM - HEAD:
+        if (length := len(json.dumps(solver))) > LONGEST_SOLVER:
             raise InputError(
-                f"the solver's settings take {len(text)} characters, expected {ROOM - HEAD} at most"
+                f"the solver's settings take {length} characters, expected {LONGEST_SOLVER} at most"
             )
-        return text
+        return {"generation": self.generation, "solver": solver, "tuning": self.tuning.as_dict()}
 
     @classmethod
-    def from_text(cls, text: str | bytes) -> "Configuration":
-        """Undo `text`; raises FileError for what it never gives."""
+    def from_dict(cls, plain: Mapping[str, Any]) -> "Configuration":
+        """Undo `as_dict`; raises FileError for what it never gives."""
         try:
-            plain = json.loads(text)
             solver = value_from_plain("solver", plain["solver"])
             if not hasattr(solver, "prepare"):
                 raise FileError(f"the solver is {plain['solver']!r:.60}")
-            return cls(int(plain["generation"]), solver)
+            return cls(int(plain["generation"]), solver, Tuning().changed(plain["tuning"]))
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
             raise FileError(
-                f"the configuration {text[:60]!r} cannot be used: {error}; expected what an engine "
+                f"the configuration {plain!r:.60} cannot be used: {error}; expected what an engine "
                 "writes"
             ) from error
 
@@ -175,20 +247,18 @@ def configuration_of(reader: RingReader) -> Configuration | None:
     """What the engine that writes a ring goes by; None while that is being written."""
     view = reader.status_view.get(FIELD.name)
     plain = None if view is None else read_notes(view)
-    return None if plain is None else Configuration.from_text(json.dumps(plain))
+    return None if plain is None else Configuration.from_dict(plain)
+
+
+def tuning_of(reader: RingReader) -> Tuning:
+    """What is in force in the engine that writes a ring; what it begins with, before it says so."""
+    known = configuration_of(reader)
+    return Tuning() if known is None else known.tuning
 
 
 def write_configuration(room: Octets, configuration: Configuration) -> None:
     """Into a ring's status, for `configuration_of`."""
-    write_notes(room, json.loads(configuration.text()))
-
-
-def same(one: Solver, other: Solver) -> bool:
-    """Whether two solvers have the same settings."""
-    return bool(plain_from_value("solver", one) == plain_from_value("solver", other))
-
-
-FEASIBLE = int(Answer.FEASIBLE)
+    write_notes(room, configuration.as_dict())
 
 
 class Models:
@@ -205,7 +275,7 @@ class Models:
         self.model_config, self.noise_std = model_config, noise_std
         self.finder = ContactFinder()
         self._engine: Engine | None = None
-        self._grid = lru_cache(4096)(self._new_grid)
+        self._grids: dict[tuple[int, int], Grid] = {}
         sizes = [len(patch) for patch in model_config.skin]
         self.starts = np.concatenate([[0], np.cumsum(sizes)]).tolist()
 
@@ -227,11 +297,11 @@ class Models:
         return np.asarray(self._rung(patch, nodes).deformation.on(grid)(pressure))
 
     def grid(self, patch: int, nodes: int) -> Grid:
-        """Grid of a patch with so many nodes a side."""
-        return self._grid(patch, nodes)
-
-    def _new_grid(self, patch: int, nodes: int) -> Grid:
-        return Grid.square(self.model_config.skin[patch], nodes)
+        """Grid of a patch with so many nodes a side: one for each."""
+        key = patch, nodes
+        if key not in self._grids:
+            self._grids[key] = Grid.square(self.model_config.skin[patch], nodes)
+        return self._grids[key]
 
     def estimate(self, slot: Slot, patch: int, latency: float, late: bool) -> Estimate:
         """Estimate of a patch: pressure at once, the rest when it is asked for."""
@@ -250,7 +320,7 @@ class Models:
             readings=linear,
             valid=slot.valid[taxels].astype(np.bool_),
             predicted=lambda: self._predicted(patch, nodes, answer, pressure, linear),
-            moved=lambda: self._rung(patch, nodes).deformation.on(grid)(pressure),
+            moved=lambda: self.moved(patch, nodes, pressure),
             beliefs=lambda: self._beliefs(patch, nodes, answer),
             finder=self.finder,
         ).estimate(
@@ -262,18 +332,16 @@ class Models:
         )
 
     def _group(self, patch: int) -> Any:
-        engine = self.engine
         name = self.model_config.skin[patch].name
-        return next(
-            group for group in engine.groups if name in [p.name for p in group.kind.patches]
-        )
+        return next(g for g in self.engine.groups if name in [p.name for p in g.kind.patches])
 
     def _rung(self, patch: int, nodes: int) -> Any:
         return self._group(patch).rungs.steps[self.model_config.rungs.index(nodes)]
 
     def _beliefs(self, patch: int, nodes: int, answer: int) -> Any:
         step = self._rung(patch, nodes)
-        return step.operator if answer == FEASIBLE and step.operator is not None else step
+        searched = answer == Answer.FEASIBLE and step.operator is not None
+        return step.operator if searched else step
 
     def _predicted(
         self, patch: int, nodes: int, answer: int, pressure: Floats, linear: Floats
@@ -285,59 +353,6 @@ class Models:
 
 
 LEAVE = 5.0  # s that the next process of an engine may take to go on with its ring
-
-
-class ConfigWatch:
-    """Configuration and models of the cycles of a ring.
-
-    Parameters
-    ----------
-    reader : RingReader
-        Of a live skin.
-
-    Raises
-    ------
-    FileError
-        If it does not say what it is of.
-
-    Attributes
-    ----------
-    model_config : ModelConfig
-        Of the newest cycle that was asked for.
-    """
-
-    def __init__(self, reader: RingReader) -> None:
-        self._reader = reader
-        self.model_config = model_config_of(reader)
-        self._generation = reader.generation
-        self._models: tuple[int, Models] | None = None
-
-    def look(self, generation: int) -> None:
-        """Look what the solver is now, if another process of the engine made a cycle."""
-        if generation == self._generation:
-            return
-        told = configuration_of(self._reader)
-        if told is None or told.generation != generation:
-            return  # a cycle from before: what is known already was in force
-        self._generation = generation
-        if not same(told.solver, self.model_config.solver):
-            self.model_config, self._models = replace(self.model_config, solver=told.solver), None
-
-    def models_of(self, slot: Slot) -> Models:
-        """What turns the pressures of a cycle into deformation and uncertainty."""
-        self.look(int(slot.head[Head.GENERATION]))
-        return self.models
-
-    @property
-    def models(self) -> Models:
-        """The same, for the calibration in force."""
-        status = self._reader.status_view
-        tares = int(status["tares"][0])
-        if self._models is None or self._models[0] != tares:
-            noise = status["noise_std"].copy()
-            typical = self.model_config.quantity.typical_noise
-            self._models = tares, Models(self.model_config, np.where(noise > 0, noise, typical))
-        return self._models[1]
 
 
 def model_config_of(reader: RingReader) -> ModelConfig:

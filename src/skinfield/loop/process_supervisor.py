@@ -1,5 +1,6 @@
 """Process supervisor: processes beside this one that are started again when they end."""
 
+import ctypes
 import os
 import re
 import signal
@@ -9,9 +10,7 @@ import tempfile
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import TracebackType
+from contextlib import suppress
 from typing import IO, Self
 
 from skinfield.errors import InputError
@@ -42,6 +41,23 @@ def start_python(
     )
 
 
+def end_within(child: Child, seconds: float) -> None:
+    """Wait for the end of a process, and kill it if it takes longer."""
+    try:
+        child.wait(seconds)
+    except subprocess.TimeoutExpired:  # it compiles, perhaps
+        child.kill()
+        child.wait()
+
+
+def close_pipes(child: Child) -> None:
+    """Close what this process has of its standard input and output."""
+    for pipe in (child.stdin, child.stdout):
+        if pipe is not None:
+            with suppress(BrokenPipeError):
+                pipe.close()
+
+
 def last_line(errors: IO[bytes]) -> str:
     """What a process wrote last to its standard error, without the name of skinfield's errors."""
     size = errors.seek(0, os.SEEK_END)
@@ -54,6 +70,28 @@ def exit_text(code: int) -> str:
     """How a process ended, of its status."""
     names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
     return f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
+
+
+PARENT_DIED = 1  # PR_SET_PDEATHSIG of Linux
+
+
+def end_with(parent: int) -> None:
+    """Have the system send SIGTERM to this process when its parent ends, where it can.
+
+    Parameters
+    ----------
+    parent : int
+        Process that is expected to be the parent: what it is called if it is already gone differs.
+
+    Raises
+    ------
+    SystemExit
+        If it is gone.
+    """
+    with suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(PARENT_DIED, signal.SIGTERM)
+    if os.getppid() != parent:
+        raise SystemExit("whoever started this process is gone")
 
 
 class SupervisedProcess:
@@ -145,13 +183,8 @@ class SupervisedProcess:
             return
         if child.poll() is None:
             child.terminate()
-        try:
-            child.wait(ENDS)
-        except subprocess.TimeoutExpired:  # it compiles, perhaps
-            child.kill()
-            child.wait()
-        if child.stdout is not None:
-            child.stdout.close()
+        end_within(child, ENDS)
+        close_pipes(child)
 
     def watch(self) -> None:
         """Watch over the process from now on."""
@@ -168,20 +201,12 @@ class SupervisedProcess:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     def notices(self) -> list[str]:
         """What happened to it since the last time, in sentences."""
-        found = []
-        while self._notices:
-            found.append(self._notices.popleft())
-        return found
+        return [self._notices.popleft() for _ in range(len(self._notices))]
 
     def _watch(self) -> None:
         """Start again what ended; until told to stop."""
@@ -191,7 +216,10 @@ class SupervisedProcess:
                 code = child.poll()
                 why = self.look(child) if code is None else ""
                 if code is None and not why:
-                    self._settle()
+                    if self._failures and time.monotonic() - self._began > SETTLED:
+                        if self._failures > 1:
+                            self._notices.append(f"{self.what} is there again")
+                        self._failures = 0  # the next counts as the first one
                     continue
                 self._went(child, code, why)
             if self.stopping.wait(self._pause()):
@@ -215,13 +243,6 @@ class SupervisedProcess:
         self.failure = f"{self.what} {text}"
         self.report("failed" if code is not None else "hung", text)
 
-    def _settle(self) -> None:
-        """Count the next failure as the first one if it has gone well for long."""
-        if self._failures and time.monotonic() - self._began > SETTLED:
-            if self._failures > 1:
-                self._notices.append(f"{self.what} is there again")
-            self._failures = 0
-
     def _pause(self) -> float:
         """How long to wait, s, which is told with the failure; what goes on for ever only once."""
         failures, last = self._failures, len(self.pauses) - 1
@@ -235,7 +256,10 @@ class SupervisedProcess:
 
 
 class FitProcess(SupervisedProcess):
-    """The process that fits contacts of the live skin `name`, started again when it ends."""
+    """The process that fits contacts of the live skin `name`, started again when it ends.
+
+    It need not be there: then the engine's own contacts are shown.
+    """
 
     def __init__(self, name: str) -> None:
         super().__init__("the contact fit")
@@ -246,27 +270,10 @@ class FitProcess(SupervisedProcess):
         words = (self._name, "--parent", str(os.getpid()))
         return start_python("skinfield.loop.fit_process", *words, stderr=self.new_errors())
 
-
-@contextmanager
-def start_fit(name: str, wanted: bool = True) -> Iterator[FitProcess | None]:
-    """Fit the contacts of this skin as long as the block lasts.
-
-    It need not succeed: where there is no fit, the engine's own contacts are shown.
-
-    Parameters
-    ----------
-    name : str
-        Of the live skin.
-    wanted : bool
-        Otherwise nothing is started, and None is given.
-    """
-    if not wanted:
-        yield None
-        return
-    with FitProcess(name) as fit:
+    def __enter__(self) -> Self:
         try:
-            fit.begin()
+            self.begin()
         except InputError as error:
-            fit.failure = str(error)
-        fit.watch()
-        yield fit
+            self.failure = str(error)
+        self.watch()
+        return self

@@ -13,7 +13,6 @@ from skinfield.loop.model_config import FIELD as CONFIGURATION
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime.timing import FIELDS as TIMING
 from skinfield.loop.realtime.timing import TIMES, TOTALS
-from skinfield.loop.runtime_parameters import FIELD as TUNING
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import PATCH, Head, Sizes
 from skinfield.loop.status_text import FIELD as NOTES
@@ -40,7 +39,6 @@ def status_fields(sources: int, taxels: int) -> list[Field]:
         Field("tares", "<i8", (1,)),  # calibrations since the ring was made; 0: none yet
         Field("tracks", "<i8", (1,)),  # contacts numbered so far
         NOTES,
-        TUNING,
         CONFIGURATION,
     ]
 
@@ -110,7 +108,7 @@ def open_ring(settings: LiveSettings, model_config: ModelConfig) -> tuple[Ring, 
     """
     sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
     slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
-    wanted, slots = description_of(settings, model_config), settings.slots or slots_for(slot)
+    wanted, slots = description_of(settings, model_config), slots_for(slot)
     log = settings.log_bytes or log_for(sizes.taxels, settings.rate)
     if log < POLLED:
         raise InputError(

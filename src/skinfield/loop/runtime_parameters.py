@@ -1,20 +1,17 @@
 """Runtime parameters of an engine: what can be changed while it answers, within which limits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, check_choice, check_range, check_type
-from skinfield.ring import Field, RingReader
+from skinfield.errors import InputError, check_choice, check_range, check_type
 
 AUTO: Literal["auto"] = "auto"
 SHORTEST = 20e-6  # s, for the reconstruction
 LARGEST = 0.9  # of a period
 HEAVIEST, SLOWEST = 5.0, 1.0  # N, s: thresholds and time constants up to these
-NUMBERS = ("resolution", "deadline", "threshold", "smoothing", "patch", "x0", "y0", "x1", "y1")
-FIELD = Field("tuning", "<f8", (len(NUMBERS),))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,41 +83,6 @@ class Tuning:
     smoothing: float = 0.0
     focus: Focus | None = None
 
-    def numbers(self, patches: Sequence[str]) -> Floats:
-        """As a row of `NUMBERS`; 0 stands for "auto", patch -1 for no focus."""
-        rung = 0 if self.resolution == AUTO else self.resolution
-        window = [-1.0, 0.0, 0.0, 0.0, 0.0]
-        if self.focus is not None:
-            place = list(patches).index(self.focus.patch)
-            window = [place, *self.focus.low, *self.focus.high]
-        return np.array([rung, self.deadline, self.threshold, self.smoothing, *window])
-
-    @classmethod
-    def from_numbers(cls, numbers: Floats, patches: Sequence[str]) -> "Tuning":
-        """Undo `numbers`.
-
-        Raises
-        ------
-        InputError
-            For what `numbers` never gives.
-        """
-        if numbers.shape != (len(NUMBERS),) or not np.isfinite(numbers).all():
-            raise InputError(f"a tuning is {numbers!r:.120}, expected {len(NUMBERS)} numbers")
-        rung, deadline, threshold, smoothing, patch, *window = numbers.tolist()
-        focus = None
-        if patch >= 0:
-            if int(patch) >= len(patches):
-                raise InputError(f"a focus is on patch {patch:g} of {len(patches)}")
-            name = patches[int(patch)]
-            focus = Focus(patch=name, low=(window[0], window[1]), high=(window[2], window[3]))
-        return cls(
-            resolution=int(rung) if rung > 0 else AUTO,
-            deadline=deadline,
-            threshold=max(threshold, 0.0),
-            smoothing=max(smoothing, 0.0),
-            focus=focus,
-        )
-
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
         return vars(self) | {"focus": None if self.focus is None else self.focus.as_dict()}
@@ -186,7 +148,7 @@ class Limits:
         """
         if self.fixed:
             raise InputError(f"nothing can be changed here: {self.fixed}")
-        if tuning.resolution != AUTO and not _is_one_of(tuning.resolution, self.rungs):
+        if type(tuning.resolution) is bool or tuning.resolution not in (AUTO, *self.rungs):
             raise InputError(
                 f"resolution is {tuning.resolution!r:.80}, expected {AUTO!r} or one of "
                 f"{', '.join(map(str, self.rungs))}: the grids that are prepared"
@@ -201,8 +163,12 @@ class Limits:
         if tuning.focus is not None:
             check_type("focus", tuning.focus, Focus, "a window, or None")
             check_choice("focus.patch", tuning.focus.patch, self.patches, "a patch of the skin")
-        numbers = {name: float(getattr(tuning, name)) for name in NUMBERS[1:4]}
-        return replace(tuning, **numbers)  # type: ignore[arg-type]
+        return replace(
+            tuning,
+            deadline=float(tuning.deadline),
+            threshold=float(tuning.threshold),
+            smoothing=float(tuning.smoothing),
+        )
 
     def as_dict(self, tuning: Tuning) -> dict[str, Any]:
         """Values, options and ranges in plain SI numbers; `off` says what cannot be changed."""
@@ -216,26 +182,3 @@ class Limits:
             "focus": {"value": focus, "options": list(self.patches)},
             "off": dict.fromkeys([*names, "solver"], self.fixed) if self.fixed else {},
         }
-
-
-def _is_one_of(value: object, rungs: tuple[int, ...]) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and value in rungs
-
-
-def tuning_of(reader: RingReader) -> Tuning:
-    """What is in force in the engine that writes a ring, as its status tells.
-
-    Raises
-    ------
-    InputError
-        If the ring is not that of a live skin.
-    """
-    view = reader.status_view.get(FIELD.name)
-    if view is None:
-        raise InputError(f"ring {reader.name!r} tells no tuning, expected that of a live skin")
-    while True:  # its numbers are written one by one
-        numbers = view.copy()
-        if not numbers.any():  # of an engine that has only just begun
-            return Tuning()
-        if np.array_equal(view, numbers):
-            return Tuning.from_numbers(numbers, reader.description["patches"])

@@ -56,8 +56,6 @@ class LiveSettings:
         Contacts of a smaller force are not told.
     smoothing : float, s
         Time constant of a first-order low-pass of what each taxel reads; 0: none.
-    slots : int
-        Cycles that the ring holds.
     log_bytes : int, optional
         Of the ring's log of readings: a power of two. Default some seconds of all taxels at the
         engine's rate, 16 to 256 MB.
@@ -88,7 +86,6 @@ class LiveSettings:
     rows: int = 8
     threshold: float = 0.0
     smoothing: float = 0.0
-    slots: int | None = None
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
     tree: Mapping[str, Any] = field(default_factory=dict)
@@ -132,9 +129,8 @@ class LiveSettings:
     @property
     def tuning(self) -> Tuning:
         """What the engine begins with, of what can be changed while it answers."""
-        return Tuning(
-            deadline=self.time_to_answer, threshold=self.threshold, smoothing=self.smoothing
-        )
+        budget = self.time_to_answer
+        return Tuning(deadline=budget, threshold=self.threshold, smoothing=self.smoothing)
 
     @property
     def due_after(self) -> float:

@@ -1,7 +1,7 @@
 """Slot of a live skin's ring: one cycle, with everything that a reader may want of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Any
 
@@ -123,21 +123,21 @@ class Slot:
         """Name the parts of a slot's arrays."""
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
-        plain = {name: arrays[name] for name in ("head", "counts", "values", "valid")}
+        names = ("head", "counts", "values", "valid", "pressure")
+        plain = {name: arrays[name] for name in names}
         words = arrays["contacts"].view(np.int64).reshape(len(patches), -1)
-        return cls(
-            patches=patches,
-            contacts=contacts,
-            pressure=arrays["pressure"],
-            contact_words=words,
-            **plain,
-        )
+        return cls(patches=patches, contacts=contacts, contact_words=words, **plain)
 
     @classmethod
     def empty(cls, sizes: Sizes) -> "Slot":
         """A slot in memory of its own."""
         arrays = {f.name: np.zeros(f.shape, np.dtype(f.dtype)) for f in sizes.fields()}
         return cls.of(arrays)
+
+    def copy_from(self, other: "Slot") -> None:
+        """Take over all that another holds."""
+        for part in fields(self):
+            np.copyto(getattr(self, part.name), getattr(other, part.name))
 
     def used_contacts(self) -> Array:
         """Rows of the contacts that there are, patch after patch: a copy."""

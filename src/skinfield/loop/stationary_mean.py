@@ -1,7 +1,6 @@
 """Stationary mean of a patch's readings: averaged for as long as nothing moves."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,8 +105,7 @@ BOUNDS = np.array([6.0, 5.2, 5.0])
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Mean:
+class Mean(NamedTuple):
     """What the taxels read, of the newest readings that agree with each other.
 
     Attributes
@@ -140,39 +138,35 @@ class StationaryMean:
     Parameters
     ----------
     taxels : int
-    most : int
-        Readings that are averaged, at most; a power of two.
+
+    Attributes
+    ----------
+    stamp_ns : int, ns
+        Of the newest reading; 0 before the first.
     """
 
-    def __init__(self, taxels: int, most: int = MOST) -> None:
-        self._most = most
-        self._values = np.zeros((2 * most, taxels))
-        self._valid = np.zeros((2 * most, taxels))
+    def __init__(self, taxels: int) -> None:
+        self._values, self._valid = np.zeros((2, 2 * MOST, taxels))
         self._out = np.zeros((2, taxels))
-        self._stamp_ns = 0
+        self.stamp_ns = 0
         self._end = 0  # of the newest reading; rows before it are older, without a break
         self._held = 0
 
-    @property
-    def stamp_ns(self) -> int:
-        """Of the newest reading; 0 before the first."""
-        return self._stamp_ns
-
     def take(self, values: NDArray[Any], valid: NDArray[Any], stamp_ns: int) -> None:
         """Add a reading (L,); one that comes after a gap begins anew."""
-        if stamp_ns - self._stamp_ns > GAP_NS or stamp_ns < self._stamp_ns:
+        if stamp_ns - self.stamp_ns > GAP_NS or stamp_ns < self.stamp_ns:
             self._held = 0
         if self._end == len(self._values):
-            kept = min(self._held, self._most)
+            kept = min(self._held, MOST)
             for rows in (self._values, self._valid):
                 rows[:kept] = rows[self._end - kept : self._end]
             self._end, self._held = kept, kept
         self._values[self._end] = values
         self._valid[self._end] = valid
         self._values[self._end][self._valid[self._end] == 0.0] = 0.0
-        self._stamp_ns = stamp_ns
+        self.stamp_ns = stamp_ns
         self._end += 1
-        self._held = min(self._held + 1, self._most)
+        self._held = min(self._held + 1, MOST)
 
     def mean(self, noise: Floats) -> Mean | None:
         """Average of the newest readings that agree; None before the first.
@@ -186,4 +180,4 @@ class StationaryMean:
             return None
         size = average(self._values, self._valid, self._end, self._held, noise, BOUNDS, self._out)
         valid = (self._out[1] > 0) & (self._valid[self._end - 1] > 0)
-        return Mean(np.where(valid, self._out[0], 0.0), valid, int(size), self._stamp_ns)
+        return Mean(np.where(valid, self._out[0], 0.0), valid, int(size), self.stamp_ns)

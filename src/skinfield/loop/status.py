@@ -3,18 +3,17 @@
 import json
 import time
 from collections import deque
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError
 from skinfield.loop.model_config import configuration_of, state_of
+from skinfield.loop.realtime.system import read_text
 from skinfield.loop.realtime.timing import Timing
-from skinfield.loop.runtime_parameters import FIELD as TUNING
-from skinfield.loop.runtime_parameters import Limits, tuning_of
+from skinfield.loop.runtime_parameters import Limits, Tuning
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import read_notes
 from skinfield.reconstruct.engine.state import Answer
@@ -26,8 +25,7 @@ SILENT = 3.0  # s without a word of a recorder, after which something is wrong
 Array = NDArray[Any]
 
 
-@dataclass(frozen=True, eq=False)
-class Moment:
+class Moment(NamedTuple):
     """Counters of a ring at one time, to tell what happened between two of them."""
 
     time: float
@@ -76,20 +74,20 @@ class Status:
 
     name: str
     state: str
-    pid: int
-    generation: int
     since: Timing
     lately: Timing
     seconds: float
     rate: float
-    sources: dict[str, dict[str, int]]
-    sources_lately: dict[str, dict[str, int]]
     patches: list[dict[str, Any]]
     contacts: list[dict[str, Any]]
     notes: dict[str, Any]
-    sidecars: dict[str, Any]
-    memory: dict[str, int]
-    tuning: dict[str, Any]
+    pid: int = 0
+    generation: int = 1
+    sources: dict[str, dict[str, int]] = field(default_factory=dict)
+    sources_lately: dict[str, dict[str, int]] = field(default_factory=dict)
+    sidecars: dict[str, Any] = field(default_factory=dict)
+    memory: dict[str, int] = field(default_factory=dict)
+    tuning: dict[str, Any] = field(default_factory=dict)
 
     @property
     def lost(self) -> int:
@@ -99,9 +97,8 @@ class Status:
     def as_dict(self) -> dict[str, Any]:
         """For JSON; times in µs."""
         plain = dict(vars(self))
-        since, lately = plain.pop("since").as_dict(), plain.pop("lately").as_dict()
-        beside = {"beside": plain.pop("sidecars")}
-        return plain | beside | {"since_start": since, "lately": lately, "lost": self.lost}
+        plain["since_start"], plain["lately"] = plain.pop("since").as_dict(), self.lately.as_dict()
+        return plain | {"beside": plain.pop("sidecars"), "lost": self.lost}
 
 
 class Observer:
@@ -146,18 +143,17 @@ class Observer:
         moments.append(now)
         return earlier
 
-    def _patches(self, slot: Slot) -> list[dict[str, Any]]:
-        reader = self._reader
-        wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots make old readings
-        stale = int(reader.status_view["stale_ns"][0])
-        return patch_rows(reader.description["patches"], slot.patches, wall, stale)
-
     def look(self) -> Status:
         """What there is now, and what happened since the last look."""
         reader, now = self._reader, self._moment()
         before, told = self._earlier(now), reader.description
-        copied = reader.latest(self._slot)
-        slot = None if copied is None else Slot.of(copied.arrays)
+        copied, patches, contacts = reader.latest(self._slot), [], []
+        if copied is not None:
+            slot, names = Slot.of(copied.arrays), told["patches"]
+            wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots: old readings
+            stale = int(reader.status_view["stale_ns"][0])
+            patches = patch_rows(names, slot.patches, wall, stale)
+            contacts = plain_contacts(names, slot.used_contacts())
         seconds = max(now.time - before.time, 1e-9)
         return Status(
             name=reader.name,
@@ -170,8 +166,8 @@ class Observer:
             rate=(now.number - before.number) / seconds,
             sources=_sources(told["sources"], now.sources),
             sources_lately=_sources(told["sources"], now.sources - before.sources),
-            patches=[] if slot is None else self._patches(slot),
-            contacts=[] if slot is None else contacts_of(told["patches"], slot),
+            patches=patches,
+            contacts=contacts,
             notes=read_notes(reader.status_view["notes"]) or {},
             sidecars={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
@@ -207,31 +203,20 @@ def patch_rows(
     ]
 
 
-def contacts_of(patches: list[str], slot: Slot) -> list[dict[str, Any]]:
-    """Contacts of a slot as plain values, with the names of their patches."""
-    return plain_contacts(patches, slot.used_contacts())
-
-
 def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
     """Rows of contacts as plain values, with the names of their patches."""
     rows = []
     for row in contacts:
-        plain = {name: _plain(row[name]) for name in row.dtype.names}
+        plain = {name: np.asarray(row[name]).tolist() for name in row.dtype.names}
+        for name in [n for n, v in plain.items() if isinstance(v, float) and not np.isfinite(v)]:
+            plain[name] = None
         rows.append(plain | {"patch": patches[int(row["patch"])]})
     return rows
 
 
-def _plain(value: Any) -> Any:
-    values = np.asarray(value).tolist()
-    if isinstance(values, float) and not np.isfinite(values):
-        return None
-    return values
-
-
 def _sidecar(name: str, what: str) -> Any:
-    path: Path = sidecar(name, what)
     try:
-        told = json.loads(path.read_text())
+        told = json.loads(sidecar(name, what).read_text())
     except (OSError, ValueError):
         return None
     if isinstance(told, dict) and "told_ns" in told:  # every second, as long as it lives
@@ -242,21 +227,15 @@ def _sidecar(name: str, what: str) -> Any:
 
 def _tuning(reader: RingReader) -> dict[str, Any]:
     """What is in force, and what it may be."""
-    if TUNING.name not in reader.status_view or "rungs" not in reader.description:
-        return {}
-    told = configuration_of(reader)
-    solver = None if told is None else type(told.solver).__name__
-    plain = Limits.of(reader.description).as_dict(tuning_of(reader))
-    return plain | {"solver": {"value": solver}}
+    known = configuration_of(reader)
+    tuning = Tuning() if known is None else known.tuning
+    solver = None if known is None else type(known.solver).__name__
+    return Limits.of(reader.description).as_dict(tuning) | {"solver": {"value": solver}}
 
 
 def _memory(pid: int) -> dict[str, int]:
     """Resident bytes of a process, where the system tells."""
-    try:
-        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    except OSError:
-        return {}
-    for line in lines:
+    for line in read_text(f"/proc/{pid}/status").splitlines():
         if line.startswith("VmRSS:"):
             return {"resident": int(line.split()[1]) * 1024}
     return {}

@@ -21,7 +21,7 @@ def write_notes(room: Octets, notes: Mapping[str, Any]) -> None:
     """Write notes as JSON; lists are cut where they would not fit, and say so."""
     text = json.dumps(notes).encode()
     if len(text) > len(room) - HEAD:
-        short = {key: _cut(value) for key, value in notes.items()}
+        short = {k: v[:20] if isinstance(v, list | str) else v for k, v in notes.items()}
         text = json.dumps(short | {"cut": "there was more than fits"}).encode()
         text = text if len(text) <= len(room) - HEAD else b'{"cut": "there was more than fits"}'
     room[:HEAD].view("<u4")[0] = 0  # so that nobody takes old text for new
@@ -45,10 +45,6 @@ def start_in_words(notes: Mapping[str, Any]) -> str:
     text = f"preparing patch {int(progress['patches']) + 1} of {int(progress['of'])}"
     left = progress.get("left_s", 0.0)
     return f"{text}, about {left:.0f} s more" if left >= 1.0 else text
-
-
-def _cut(value: Any) -> Any:
-    return value[:20] if isinstance(value, list | str) else value
 
 
 def read_notes(room: Octets) -> dict[str, Any] | None:

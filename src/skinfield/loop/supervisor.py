@@ -1,35 +1,171 @@
-"""Supervisor of an engine: its process is started, watched, and started again."""
+"""Supervisor of an engine: its process is started, watched, started again, and handed over.
 
+An engine with another solver prepares itself beside the one that runs, and then takes over.
+"""
+
+import contextlib
 import json
 import math
 import os
 import pickle
+import subprocess
+import tempfile
+import threading
 import time
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Self
+from typing import IO, NamedTuple, Self
 
 from skinfield.errors import InputError, check_offers
-from skinfield.loop.control import address_of
-from skinfield.loop.handover import Change, spawn
-from skinfield.loop.model_config import Configuration
-from skinfield.loop.process_supervisor import Child, SupervisedProcess
+from skinfield.loop.baseline import Baseline
+from skinfield.loop.control import address_of, order
+from skinfield.loop.model_config import Configuration, model_config_of
+from skinfield.loop.process_supervisor import (
+    Child,
+    SupervisedProcess,
+    close_pipes,
+    end_within,
+    last_line,
+    start_python,
+)
+from skinfield.loop.ring_fields import known_baseline
+from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.ring import Ring, RingReader, State
 from skinfield.ring.files import sidecar
+from skinfield.signal import Port
 from skinfield.solve import Solver
+
+READY, GO = b"ready\n", b"go\n"
+PATIENCE = 2.0  # s for the engine before to end by itself
+
+
+class Handover(NamedTuple):
+    """What an engine that takes over is made of.
+
+    Attributes
+    ----------
+    settings : LiveSettings
+    ports : tuple of Port
+        Of the sources, which the engine before still holds.
+    known : Baseline
+        Its calibration: something may lie on the skin.
+    """
+
+    settings: LiveSettings
+    ports: tuple[Port, ...]
+    known: Baseline
+
+
+def handover_to(settings: LiveSettings) -> Handover:
+    """From the engine that runs under the same name; raises InputError if it has no baseline."""
+    with RingReader(settings.name) as reader:
+        known, ports = known_baseline(reader), model_config_of(reader).ports
+    if known is None:
+        raise InputError(
+            f"{settings.name!r} has no baseline yet, expected one that answers: wait until it runs"
+        )
+    return Handover(settings, ports, known)
+
+
+def spawn(asked: LiveSettings | Handover, errors: IO[bytes]) -> Child:
+    """Start an engine's process; one that takes over then waits for `GO`."""
+    waits = isinstance(asked, Handover)
+    child = start_python(
+        "skinfield.loop.engine_process",
+        str(os.getpid()),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE if waits else subprocess.DEVNULL,
+        stderr=errors,
+    )
+    assert child.stdin is not None  # it is a pipe
+    with contextlib.suppress(BrokenPipeError):  # it is gone: whoever watches it says why
+        pickle.dump(asked, child.stdin)
+        child.stdin.flush()
+        if not waits:
+            child.stdin.close()
+    return child
+
+
+@dataclass(eq=False)
+class Change:
+    """An engine that shall take over, from when it is asked for until it has, or has failed.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    end : float
+        By `time.monotonic`: until when it must be ready.
+
+    Attributes
+    ----------
+    over : Event
+    failure : str
+        Why the engine before goes on; empty when the change is made.
+    """
+
+    settings: LiveSettings
+    end: float
+    over: threading.Event = field(default_factory=threading.Event, init=False)
+    failure: str = field(default="", init=False)
+    child: Child | None = field(default=None, init=False)
+    errors: IO[bytes] = field(default_factory=tempfile.TemporaryFile, init=False)
+
+    def step(self) -> bool:
+        """Go on; whether the next engine is ready."""
+        try:
+            if self.child is None:
+                self.child = spawn(handover_to(self.settings), self.errors)
+                assert self.child.stdout is not None  # it is a pipe
+                os.set_blocking(self.child.stdout.fileno(), False)
+                return False
+            assert self.child.stdout is not None
+            if self.child.stdout.read(len(READY)) == READY:
+                return True
+        except (OSError, InputError) as error:
+            self.fail(str(error))
+            return False
+        if self.child.poll() is not None:
+            self.fail(last_line(self.errors) or f"it ended with status {self.child.returncode}")
+        elif time.monotonic() > self.end:
+            self.fail("it was not ready in time")
+        return False
+
+    def fail(self, why: str) -> None:
+        """Give it up: all stays as it was."""
+        if self.child is not None:
+            self.child.kill()
+            self.child.wait()
+            close_pipes(self.child)
+        self.errors.close()
+        self.failure = why
+        self.over.set()
+
+    def switch(self, before: Child | None) -> None:
+        """End the engine before, and let the next one go."""
+        if before is not None:
+            try:
+                order(self.settings.name, "hand over")
+            except InputError:  # it does not listen yet, or not any more
+                before.terminate()
+            end_within(before, PATIENCE)
+        assert self.child is not None
+        assert self.child.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # it died just now: the supervisor will see
+            self.child.stdin.write(GO)
+        close_pipes(self.child)
+
 
 LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
 KEPT = 100  # events
-LOOKS = 0.1  # s between two looks at an engine that starts: each opens its ring
 TAKES_OVER = 60.0  # s from the end of one engine to the first answer of the next
+LOOK = 0.1  # s between looks how far it is: each opens its ring
 TRIES = 3  # failures of an engine that never answered, after which it is no use
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(NamedTuple):
     """Something that happened to an engine.
 
     Attributes
@@ -53,10 +189,6 @@ class EngineFailed(InputError):
 
 class Supervisor(SupervisedProcess):
     """Runs the engine of a live skin as long as the `with` block lasts.
-
-    Parameters
-    ----------
-    settings : LiveSettings
 
     Attributes
     ----------
@@ -103,8 +235,10 @@ class Supervisor(SupervisedProcess):
 
     def look(self, child: Child) -> str:
         """See `SupervisedProcess`; a change goes on meanwhile."""
-        if silence := self._hangs(child.pid):
-            return f"no sign of life for {silence:g} s"
+        with contextlib.suppress(InputError), RingReader(self.settings.name) as reader:
+            silence = (time.monotonic_ns() - reader.heartbeat_ns) * 1e-9
+            if reader.pid == child.pid and silence > LIMITS.get(reader.state, math.inf):
+                return f"no sign of life for {silence:g} s"
         if self._change is not None:
             self._go_on_with(self._change)
         return ""
@@ -144,7 +278,7 @@ class Supervisor(SupervisedProcess):
             If the next engine cannot be made, or not in time: this one goes on as it was.
         """
         check_offers("solver", solver, ("prepare",), "one such as NonNegative()")
-        Configuration(1, solver).text()  # refuses what no recording could tell
+        Configuration(1, solver, Tuning()).as_dict()  # refuses what no recording could tell
         if self._change is not None:
             raise EngineFailed("the engine is being changed already, expected one at a time: wait")
         settings = replace(self.settings, solver=solver)
@@ -156,23 +290,12 @@ class Supervisor(SupervisedProcess):
             raise EngineFailed(f"the engine stays as it was: {change.failure}")
         self.wait(TAKES_OVER).close()
 
-    def _hangs(self, pid: int) -> float:
-        """How long it has been silent, s, if that is too long; else 0."""
-        try:
-            with RingReader(self.settings.name) as reader:
-                limit = LIMITS.get(reader.state, math.inf)
-                silence = (time.monotonic_ns() - reader.heartbeat_ns) * 1e-9
-                return silence if reader.pid == pid and silence > limit else 0.0
-        except InputError:
-            return 0.0
-
     def report(self, what: str, text: str) -> None:
         """Note what happened, for `events` and for others."""
         self.events.append(Event(time.time_ns(), what, text))
-        told = [[each.time_ns, each.what, each.text] for each in self.events]
-        path = self.status_path
+        path, events = self.status_path, list(self.events)
         new = path.with_suffix(f".{os.getpid()}.new")
-        text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": told})
+        text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": events})
         try:
             new.write_text(text_of_all)
             new.chmod(0o600)
@@ -198,11 +321,15 @@ class Supervisor(SupervisedProcess):
         while time.monotonic() < end:
             if self.hopeless:
                 raise EngineFailed(f"{TRIES} starts failed: {self.failure}")
-            reader = self._reader(state)
-            if reader is not None:
-                self.never_ran &= state != State.RUNNING
-                return reader
-            time.sleep(LOOKS)
+            child = self.child
+            with contextlib.suppress(InputError):  # there is no ring yet
+                reader = RingReader(self.settings.name)
+                its = child is not None and reader.pid == child.pid
+                if its and state <= reader.state <= State.RUNNING:
+                    self.never_ran &= state != State.RUNNING
+                    return reader
+                reader.close()
+            time.sleep(LOOK)
         raise EngineFailed(
             f"the engine did not answer within {timeout:g} s: "
             + (self.failure or self.start_in_words() or "it has said nothing yet")
@@ -217,17 +344,6 @@ class Supervisor(SupervisedProcess):
         except InputError:
             return ""
         return "it waits for readings, and none has come" if waits else start_in_words(notes)
-
-    def _reader(self, state: State) -> RingReader | None:
-        child = self.child
-        try:
-            reader = RingReader(self.settings.name)
-        except InputError:
-            return None
-        if child is not None and reader.pid == child.pid and state <= reader.state <= State.RUNNING:
-            return reader
-        reader.close()
-        return None
 
     def stop(self) -> None:
         """Stop the engine, and take its ring away."""

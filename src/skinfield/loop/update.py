@@ -1,24 +1,19 @@
 """Update of a live skin: newest counts to estimates in a slot, by the parameters in force."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints, check_shape, check_type
+from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.baseline import quantity_scale
-from skinfield.loop.binding import Binding
-from skinfield.loop.model_config import FIELD as CONFIGURATION
-from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
-from skinfield.loop.runtime_parameters import AUTO, Limits, Tuning
-from skinfield.loop.runtime_parameters import FIELD as TUNING
-from skinfield.loop.settings import LiveSettings
+from skinfield.loop.model_config import Binding, ModelConfig
+from skinfield.loop.runtime_parameters import AUTO, Tuning
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
-from skinfield.ring import Ring
 from skinfield.signal import Channels, Convention
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
@@ -42,19 +37,16 @@ def lowest_change(board: Convention | None, calibration: Floats) -> float:
     """
     if not len(calibration):
         return -np.inf
-    beyond = np.nan if board is None else _beyond_rest(board)
+    beyond = np.nan  # counts from the rest to the end of the scale on the unloaded side
+    if board is not None:
+        unloaded = board.highest if board.direction < 0 else board.lowest
+        beyond = -board.direction * (unloaded - board.rest)
     if beyond == 0.0:
         return -np.inf
     gain = np.abs(calibration[:, 1])
     if np.isfinite(beyond):
         return -beyond / float(gain.min())
     return -max(RISEN, SURE * float(np.median(calibration[:, 2] / gain)))
-
-
-def _beyond_rest(board: Convention) -> float:
-    """Counts from a board's rest to the end of its scale on the unloaded side; NaN: not known."""
-    unloaded = board.highest if board.direction < 0 else board.lowest
-    return -board.direction * (unloaded - board.rest)
 
 
 def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
@@ -78,29 +70,15 @@ CONTACT_WORDS = CONTACT.itemsize // 8
 class RuntimeFilters:
     """Low-pass, threshold and focus of a cycle; nothing is allocated between changes.
 
-    Parameters
-    ----------
-    engine : Engine
-    binding : Binding
-    stale_ns : int, ns
-        Age at which a reading is left out.
-    kept : Slot
-        Of the newest answers.
-
-    Attributes
-    ----------
-    smoothing, threshold : float, s, N
-        0: none.
-    watches : bool
-        Whether there is a focus.
+    It looks at the newest answers in `kept`. A `smoothing` (s) or `threshold` (N) of 0 is none,
+    and `watches` says whether there is a focus.
     """
 
     def __init__(self, engine: Engine, binding: Binding, stale_ns: int, kept: Slot) -> None:
-        from skinfield.loop.update_kernel import drop_weak, presses_within, smooth
+        from skinfield.loop import update_kernel
 
         self._engine, self._stale_ns, self._kept = engine, stale_ns, kept
-        self._channel = binding.channel
-        self._smooth, self._drop_weak, self._within = smooth, drop_weak, presses_within
+        self._channel, self._kernel = binding.channel, update_kernel
         self._state: Floats = np.zeros(len(binding.channel))
         self._at_ns: Ints = np.zeros(len(binding.channel), np.int64)
         self.smoothing = self.threshold = 0.0
@@ -130,28 +108,23 @@ class RuntimeFilters:
         self, stamps: Ints, valid: NDArray[np.bool_], given: NDArray[np.bool_], values: Floats
     ) -> None:
         """Low-pass of what was read; see `update_kernel.smooth`."""
-        self._smooth(
-            self._channel,
-            stamps,
-            valid,
-            given,
-            self._stale_ns,
-            self.smoothing,
-            values,
-            self._state,
-            self._at_ns,
-        )
+        how = self._stale_ns, self.smoothing, values, self._state, self._at_ns
+        self._kernel.smooth(self._channel, stamps, valid, given, *how)
 
     def strong(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
         """Drop a patch's contacts below the threshold; how many are left."""
-        return int(self._drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
+        return int(self._kernel.drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
 
     def attend(self) -> None:
         """Have what presses in the window come first, by the contacts of the newest answers."""
         assert self._window is not None  # whoever calls has looked
         patch, *corners = self._window
         count = min(int(self._kept.patches["contacts"][patch]), self._kept.contacts.shape[1])
-        first = patch if self._within(self._kept.contacts[patch], count, *corners) else None
+        first = (
+            patch
+            if self._kernel.presses_within(self._kept.contacts[patch], count, *corners)
+            else None
+        )
         if first != self._first:
             self._first = first
             prefer(self._engine, self._finest, first)
@@ -159,8 +132,8 @@ class RuntimeFilters:
     def load(self) -> None:
         """Load what is compiled; nothing changes."""
         rows = self._kept.contacts[0].copy()
-        self._drop_weak(rows, rows.view(np.int64).reshape(-1), CONTACT_WORDS, 0, 0.0)
-        self._within(rows, 0, 0.0, 0.0, 0.0, 0.0)
+        self._kernel.drop_weak(rows, rows.view(np.int64).reshape(-1), CONTACT_WORDS, 0, 0.0)
+        self._kernel.presses_within(rows, 0, 0.0, 0.0, 0.0, 0.0)
         nothing = np.zeros(len(self._state), np.bool_)
         self.smooth(self._at_ns, nothing, nothing, self._state)
 
@@ -189,9 +162,7 @@ class Updater:
 
     Attributes
     ----------
-    engine : Engine
-    sizes : Sizes
-    tuned : RuntimeFilters
+    filters : RuntimeFilters
         What can be changed while it answers.
     """
 
@@ -205,18 +176,20 @@ class Updater:
         tracks: Ints | None = None,
         progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
-        from skinfield.loop.update_kernel import condition, copy_out, sum_up, take_over
+        from skinfield.loop import update_kernel
 
         self.model_config, self.stale_ns = model_config, stale_ns
         self.engine: Engine = model_config.engine(noise_std, progress)
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
-        self._binding, self._condition = binding, condition
-        self._take_over, self._sum_up, self._copy_out = take_over, sum_up, copy_out
+        self._binding, self._kernel = binding, update_kernel
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
         self._given = np.zeros(taxels, np.bool_)
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
+        self._conditioned: tuple[Any, ...] = (
+            binding.starts, self._values, self._valid, self._given, self._newest, self._arrived,
+        )  # fmt: skip
         self._touched = np.zeros(patches, np.int64)
         self._how, self._scale = quantity_scale(
             model_config.quantity, model_config.layer, binding.unit
@@ -239,11 +212,11 @@ class Updater:
     def calibrate(self, table: Floats) -> None:
         """Take a calibration (L, 4); see `Baseline`."""
         check_shape("calibration", table, (self.sizes.taxels, 4), "baseline, gain, noise, alive")
-        self._baseline = np.ascontiguousarray(table[:, 0])
-        self._alive = np.ascontiguousarray(table[:, 3] > 0)
-        gain = np.where(self._alive, table[:, 1], 1.0)
-        self._per_gain = 1.0 / gain
-        self._lowest = self._lowest_of(table[self._alive])
+        baseline, alive = table[:, 0].copy(), table[:, 3] > 0
+        per_gain = 1.0 / np.where(alive, table[:, 1], 1.0)
+        limits = self._clamps, self._lowest_of(table[alive])
+        how = self._how, self._scale
+        self._calibrated: tuple[Any, ...] = baseline, per_gain, alive, *limits, *how
         self.filters.forget()
 
     def _lowest_of(self, known: Floats) -> float:
@@ -314,54 +287,25 @@ class Updater:
                 self.filters.attend()
             self.engine.run(self._values, self._given, budget=budget)
         self._take_answers(now_ns)
-        head[Head.CONTACTS] = self._sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
+        head[Head.CONTACTS] = self._kernel.sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
         self._publish(channels, slot)
         return fresh > 0
 
     def _take(self, channels: Channels, now_ns: int) -> int:
         """Read the newest counts of all taxels; how many patches have new ones."""
-        return int(
-            self._condition(
-                self._binding.channel,
-                channels.counts,
-                channels.stamp_ns,
-                channels.status,
-                channels.fresh,
-                self._baseline,
-                self._per_gain,
-                self._alive,
-                self._clamps,
-                self._lowest,
-                self._how,
-                self._scale,
-                now_ns - self.stale_ns,
-                now_ns,
-                min(self.stale_ns // HALF_INTERVAL, MOST_PATIENCE_NS),
-                self._binding.starts,
-                self._values,
-                self._valid,
-                self._given,
-                self._newest,
-                self._arrived,
-            )
-        )
+        read = channels.counts, channels.stamp_ns, channels.status, channels.fresh
+        patience = min(self.stale_ns // HALF_INTERVAL, MOST_PATIENCE_NS)
+        when = now_ns - self.stale_ns, now_ns, patience
+        known: tuple[Any, ...] = (*read, *self._calibrated, *when, *self._conditioned)
+        return int(self._kernel.condition(self._binding.channel, *known))
 
     def _take_answers(self, now_ns: int) -> None:
         """Keep the answers of the patches with a new reading, and drop what is too old."""
         results, kept = self.engine.results, self._kept
-        count = self._take_over(
-            self._arrived,
-            self._newest,
-            results.answer,
-            results.rung,
-            results.gap,
-            results.iterations,
-            results.invalid,
-            self._sides,
-            now_ns,
-            now_ns - self.stale_ns,
-            kept.patches,
-            self._touched,
+        answers = results.answer, results.rung, results.gap, results.iterations, results.invalid
+        when = now_ns, now_ns - self.stale_ns
+        count = self._kernel.take_over(
+            self._arrived, self._newest, *answers, self._sides, *when, kept.patches, self._touched
         )
         for patch in self._touched[:count].tolist():
             pressure, rows = results.pressure_of(patch), kept.contacts[patch]
@@ -375,22 +319,10 @@ class Updater:
     def _publish(self, channels: Channels, slot: Slot) -> None:
         """Copy what is kept into the slot."""
         kept = self._kept
-        self._copy_out(
-            kept.patches,
-            self._kept_words,
-            kept.pressure,
-            CONTACT_WORDS,
-            self._binding.channel,
-            channels.counts,
-            self._values,
-            self._valid,
-            slot.patches,
-            slot.contact_words,
-            slot.pressure,
-            slot.counts,
-            slot.values,
-            slot.valid,
-        )
+        known = kept.patches, self._kept_words, kept.pressure, CONTACT_WORDS
+        read = self._binding.channel, channels.counts, self._values, self._valid
+        rows = slot.patches, slot.contact_words, slot.pressure
+        self._kernel.copy_out(*known, *read, *rows, slot.counts, slot.values, slot.valid)
 
     def _rehearse(self) -> None:
         """Load what is compiled, and know nothing afterwards."""
@@ -418,52 +350,3 @@ def _clamps(board: Convention) -> tuple[float, float]:
     lowest = np.array([board.lowest])
     low = board.lowest if board.saturated(lowest)[0] else board.lowest - 1.0
     return float(low), float(board.highest)
-
-
-class RuntimeParameters:
-    """What an engine goes by, and says in its ring's status; recordings hold its changes.
-
-    Parameters
-    ----------
-    ring : Ring
-    settings : LiveSettings
-    fresh : bool
-        Whether the ring is new; else the tuning in it stays in force.
-
-    Attributes
-    ----------
-    tuning : Tuning
-    budget_ns : int, ns
-        For the reconstruction.
-    """
-
-    def __init__(self, ring: Ring, settings: LiveSettings, fresh: bool) -> None:
-        self._ring = ring
-        self._patches = [patch.name for patch in settings.skin]
-        self._limits = Limits.of(ring.description)
-        self.tuning = settings.tuning
-        if not fresh and ring.status[TUNING.name].any():
-            self.tuning = Tuning.from_numbers(ring.status[TUNING.name], self._patches)
-        configuration = Configuration(ring.generation, settings.solver)
-        write_configuration(ring.status[CONFIGURATION.name], configuration)
-        self._take_over(None)
-
-    def tune(self, changes: object, updater: Updater | None) -> None:
-        """Change the tuning.
-
-        Raises
-        ------
-        InputError
-            For what this engine cannot be tuned to; nothing changed then.
-        """
-        check_type("changes", changes, Mapping, "values by the names of settings")
-        assert isinstance(changes, Mapping)
-        self.tuning = self._limits.check(self.tuning.changed(changes))
-        self._take_over(updater)
-
-    def _take_over(self, updater: Updater | None) -> None:
-        """From the next cycle on the tuning is in force."""
-        self.budget_ns = round(self.tuning.deadline * 1e9)
-        self._ring.status[TUNING.name][:] = self.tuning.numbers(self._patches)
-        if updater is not None:
-            updater.filters.tune(self.tuning)

@@ -2,37 +2,18 @@
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from skinfield.errors import InputError
 from skinfield.page.source import DataSource, EngineView, plain_view
 
-KEPT = 20  # notices
+if TYPE_CHECKING:
+    from skinfield.page.presser import Presser
+    from skinfield.page.recordings import Recordings
+
+MOST_NOTICES = 20
 NOT_HERE = "this page only looks on: order it where the skin runs"
-
-
-class Press(NamedTuple):
-    """Where and how a virtual skin is to be pressed.
-
-    Attributes
-    ----------
-    id : str
-    patch : str
-    x, y : float, m
-        In the patch's plane.
-    force : float, N, or None
-        None: as before.
-    radius : float, m, or None
-    shape : str
-    """
-
-    id: str
-    patch: str
-    x: float
-    y: float
-    force: float | None = None
-    radius: float | None = None
-    shape: str = "ball"
+TUNED = ("resolution", "deadline_us", "smoothing_ms", "threshold_N", "focus")
 
 
 class Controller:
@@ -40,18 +21,30 @@ class Controller:
 
     Methods may be called from any thread, one at a time.
 
+    Parameters
+    ----------
+    shared : ReplaySource, optional
+        A recording that all browsers look at, and play, together.
+
     Attributes
     ----------
     mode : str
         "live", "remote" or "replay".
-    shared : ReplaySource, optional
-        A recording that all browsers look at, and play, together.
+    presser : Presser or None
+        Of the virtual skin, where there is one.
+    recordings : Recordings or None
+        Where something can be recorded.
     """
 
     mode = "remote"
+    presser: "Presser | None" = None
+    recordings: "Recordings | None" = None
 
-    def __init__(self) -> None:
-        self._notices: deque[tuple[str, str]] = deque(maxlen=KEPT)
+    def __init__(self, shared: Any = None) -> None:
+        self.shared = shared
+        if shared is not None:
+            self.mode = "replay"
+        self._notices: deque[tuple[str, str]] = deque(maxlen=MOST_NOTICES)
 
     def say(self, level: str, text: str) -> None:
         """Have all browsers shown a notice; `level` is "info", "warn" or "error"."""
@@ -59,12 +52,7 @@ class Controller:
 
     def notices(self) -> list[tuple[str, str]]:
         """What was said since the last time, with its level."""
-        found = []
-        while self._notices:
-            found.append(self._notices.popleft())
-        return found
-
-    shared: Any = None
+        return [self._notices.popleft() for _ in range(len(self._notices))]
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """The newest cycle of each source, with the best contacts that are known of it."""
@@ -72,12 +60,17 @@ class Controller:
 
     def hello(self) -> dict[str, Any]:
         """What the page must know of it: `press`, `record`, `recordings`."""
-        return {"press": None, "record": False, "recordings": []}
+        presser, recordings = self.presser, self.recordings
+        return {
+            "press": None if presser is None else presser.offer(),
+            "record": recordings is not None,
+            "recordings": [] if recordings is None else recordings.names,
+        }
 
     def controls(self) -> dict[str, Any]:
         """Values in force, what they may be, and why some cannot be changed."""
-        names = ("resolution", "solver", "deadline_us", "smoothing_ms", "threshold_N", "focus")
-        return {"off": dict.fromkeys((*names, "tare", "record", "press"), NOT_HERE), "busy": None}
+        off = dict.fromkeys((*TUNED, "solver", "tare", "record", "press"), NOT_HERE)
+        return {"off": off, "busy": None}
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """What really presses, where that is known."""
@@ -91,28 +84,16 @@ class Controller:
         """Take a new baseline."""
         raise InputError(f"no baseline can be taken here: {NOT_HERE}")
 
-    def come(self) -> None:
-        """Get ready what a browser that has come may order soon."""
+    @property
+    def pressing(self) -> "Presser":
+        """What presses the virtual skin, where there is one."""
+        if self.presser is None:
+            raise InputError("there is no virtual skin to be pressed here")
+        return self.presser
 
-    def record(self, on: bool) -> dict[str, Any]:
-        """Begin or end a recording."""
-        raise InputError(f"nothing can be recorded here: {NOT_HERE}")
-
-    def press(self, press: Press) -> dict[str, Any]:
-        """Press the virtual skin, or move a press."""
-        raise InputError("there is no virtual skin to be pressed here")
-
-    def lift(self, id: str | None) -> dict[str, Any]:
-        """Lift off one press, or all."""
-        raise InputError("there is no virtual skin to be pressed here")
-
-    def leave(self, browser: str) -> None:
-        """Lift off what a browser pressed that has gone: ids of its presses begin so."""
-
-    def scene(self, name: str) -> dict[str, Any]:
-        """Play another scene on the virtual skin."""
-        raise InputError("there is no virtual skin to be pressed here")
-
-    def recording(self, name: str) -> DataSource:
-        """Open one of the recordings that `hello` names, for one browser."""
-        raise InputError(f"there is no recording named {name!r} here")
+    @property
+    def recording(self) -> "Recordings":
+        """What records and opens recordings, where that can be."""
+        if self.recordings is None:
+            raise InputError(f"nothing can be recorded here: {NOT_HERE}")
+        return self.recordings

@@ -4,16 +4,15 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
 from skinfield.loop.client import Live
-from skinfield.loop.fit_ring import FitReader
 from skinfield.loop.status_text import read_notes, start_in_words
-from skinfield.page.controller import Controller, Press
+from skinfield.page.controller import TUNED, Controller
 from skinfield.page.presser import NO_VIRTUAL, Presser, Virtual
 from skinfield.page.recordings import Recordings
-from skinfield.page.source import DataSource, EngineView, LiveSource, merged_view, plain_view
+from skinfield.page.source import DataSource, EngineView, LiveSource
 from skinfield.ring import State
 
 MILLI, MICRO = 1e-3, 1e-6
@@ -22,7 +21,6 @@ UNITS = {
     "smoothing_ms": ("smoothing", MILLI),
     "threshold_N": ("threshold", 1.0),
 }
-TUNED = ("resolution", "focus", *UNITS)
 
 
 def runtime_parameters(live: Live) -> dict[str, Any]:
@@ -30,12 +28,9 @@ def runtime_parameters(live: Live) -> dict[str, Any]:
     plain = live.limits.as_dict(live.tuning)
     fields: dict[str, Any] = {"resolution": plain["resolution"], "off": plain["off"]}
     for name, (setting, unit) in UNITS.items():
-        entry = plain[setting]
-        low, high = entry["range"]
-        fields[name] = {
-            "value": round(entry["value"] / unit, 6),
-            "range": [round(low / unit, 6), round(high / unit, 6)],
-        }
+        numbers = plain[setting]["value"], *plain[setting]["range"]
+        value, *ends = (round(each / unit, 6) for each in numbers)
+        fields[name] = {"value": value, "range": ends}
     focus = plain["focus"]["value"]
     if focus is not None:
         names = [patch.name for patch in live.skin]
@@ -51,48 +46,21 @@ def tune(live: Live, what: str, value: Any) -> None:
     InputError
         For what the engine cannot be.
     """
-    changes: dict[str, Any]
-    if what in UNITS:
-        name, unit = UNITS[what]
+    check_choice("what", what, TUNED, "or solver")
+    name, unit = UNITS.get(what, (what, 0.0))
+    if unit:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{what} is {value!r:.80}, expected a number")
-        changes = {name: _within(live, name, value * unit)}
-    elif what in ("resolution", "focus"):
-        changes = {what: value}
-    else:
-        raise InputError(f"what is {what[:40]!r}, expected solver or one of {', '.join(TUNED)}")
-    live.tune(**changes)
-
-
-def _within(live: Live, name: str, value: float) -> float:
-    """A value in SI; a limit of the page is the engine's, whose last bit is lost in its unit."""
-    for limit in live.limits.as_dict(live.tuning)[name]["range"]:
-        if math.isclose(value, limit, rel_tol=1e-6):
-            return float(limit)
-    return value
+        value = value * unit
+        for limit in live.limits.as_dict(live.tuning)[name]["range"]:
+            if math.isclose(value, limit, rel_tol=1e-6):  # whose last bit is lost in its unit
+                value = float(limit)
+    live.tune(**{name: value})
 
 
 FIT = "contact fit"
 PATIENCE = 12.0  # times the asked time, after which a baseline is not waited for any more
 LIFTS, RESTS = 2.0, 0.1  # s, for a scene to let off, and for its last readings
-FIT_STARTS = 60.0  # s, after which a fit that is not there is not waited for
-
-
-class Solvers(NamedTuple):
-    """How the engine may answer.
-
-    Attributes
-    ----------
-    names : tuple of str
-    now : function
-        Name of the one in force.
-    choose : function of a name
-        Takes another; returns when the engine is being made anew.
-    """
-
-    names: tuple[str, ...]
-    now: Callable[[], str]
-    choose: Callable[[str], None]
 
 
 class LiveController(Controller):
@@ -104,12 +72,15 @@ class LiveController(Controller):
         Of the engine; another one after it was made anew.
     virtual : Virtual, optional
         That is pressed from the page.
-    tool : (force N, radius m)
-        That the page begins with.
     recordings : Recordings, optional
-    solvers : Solvers, optional
-    fit : FitReader, optional
-        Of the fit beside the engine.
+    solvers : sequence of str
+        Names of those that the engine may answer by.
+    solver : str
+        The one in force.
+    choose : function of a name, optional
+        Takes another solver; returns when the engine is being made anew.
+    fit : bool
+        Whether contacts are fitted beside the engine.
     tare_seconds : float, s
         That a baseline takes.
     """
@@ -121,55 +92,36 @@ class LiveController(Controller):
         source: Callable[[], LiveSource],
         *,
         virtual: Virtual | None = None,
-        tool: tuple[float, float] = (1.0, 10e-3),
         recordings: Recordings | None = None,
-        solvers: Solvers | None = None,
-        fit: FitReader | None = None,
+        solvers: Sequence[str] = (),
+        solver: str = "",
+        choose: Callable[[str], None] = lambda name: None,
+        fit: bool = False,
         tare_seconds: float = 1.0,
     ) -> None:
         super().__init__()
-        self._source, self._recordings, self._solvers = source, recordings, solvers
-        self._presser = (
-            None
-            if virtual is None
-            else Presser(virtual, self._waits_for, lambda text: self.say("warn", text), tool)
-        )
-        self._fit, self._fit_lock, self._fitting = fit, threading.Lock(), fit is not None
+        self._source, self.recordings, self._choose_solver = source, recordings, choose
+        if virtual is not None:
+            self.presser = Presser(virtual, self._waits_for, lambda text: self.say("warn", text))
+        self._fit = self._fitting = fit
         self._tare_seconds = tare_seconds
-        self._fit_seen, self._fit_lost = time.monotonic(), False
-        self._taring: tuple[int, float] | None = None  # baselines before, and until when to wait
+        self._taring = -1, 0.0  # baselines before the one that is taken, until when to wait
         self._preparing = ""  # name of a solver
-        self._first = "" if solvers is None else solvers.now()  # that the fit goes with
+        self._solvers = tuple(solvers)
+        self._first = self._solver = solver  # the fit goes with the first
 
     # what is seen
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
-        return [self._view(source) for source in sources]
-
-    def _view(self, source: DataSource) -> EngineView:
-        snapshot, fit = source.latest(), self._fit
-        old = isinstance(source, LiveSource) and source.old
-        if snapshot is None or fit is None or not self._fitting:
-            return plain_view(snapshot)._replace(old=old)
-        with self._fit_lock:
-            return merged_view(snapshot, fit.latest())._replace(old=old)
+        return [s.view(self._fitting) for s in sources if isinstance(s, LiveSource)]
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """See `Controller`."""
-        if self._presser is None:
+        if self.presser is None:
             return ()
-        self._presser.do_waiting()
-        return self._presser.truth()
-
-    def hello(self) -> dict[str, Any]:
-        """See `Controller`."""
-        recordings = self._recordings
-        return {
-            "press": None if self._presser is None else self._presser.offer(),
-            "record": recordings is not None,
-            "recordings": [] if recordings is None else recordings.names,
-        }
+        self.presser.do_waiting()
+        return self.presser.truth()
 
     def controls(self) -> dict[str, Any]:
         """See `Controller`."""
@@ -178,16 +130,21 @@ class LiveController(Controller):
             fields |= runtime_parameters(self._source().live)
         except SkinfieldError as error:
             fields["off"] |= dict.fromkeys(TUNED, str(error))
-        if self._presser is None:
+        if self.presser is None:
             fields["off"]["press"] = NO_VIRTUAL
         else:
-            fields["scene"] = self._presser.playing
-        if self._solvers is not None:
-            names = ([FIT] if self._fit is not None else []) + list(self._solvers.names)
+            fields["scene"] = self.presser.playing
+        if self._solvers:
+            value = FIT if self._fitting else self._solver
             preparing = self._preparing or None
-            fields["solver"] = {"value": self._solver(), "options": names, "preparing": preparing}
-        fields["recording"] = None if self._recordings is None else self._recordings.state()
+            fields["solver"] = {"value": value, "options": self._names, "preparing": preparing}
+        fields["recording"] = None if self.recordings is None else self.recordings.state()
         return fields
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """Solvers to choose from, the fit beside the engine first."""
+        return (*([FIT] if self._fit else []), *self._solvers)
 
     def _busy(self) -> str:
         """What is being done, in words; nothing if nothing is."""
@@ -195,19 +152,10 @@ class LiveController(Controller):
             return f"preparing the solver {self._preparing}"
         if waits := self._waits_for():
             return waits
-        if self._presser is not None and self._presser.preparing:
+        if self.presser is not None and self.presser.preparing:
             return "the tool is being prepared"
-        if self._fit is None or not self._fitting:
-            return ""
-        with self._fit_lock:
-            phase = self._fit.status().get("phase")
-        if phase is not None:
-            self._fit_seen, self._fit_lost = time.monotonic(), False
-        elif time.monotonic() - self._fit_seen > FIT_STARTS and not self._fit_lost:
-            self._fit_lost = True
-            self.say("warn", "the contact fit has ended: the engine's own contacts are shown")
-        waits_for_fit = phase == "preparing" or (phase is None and not self._fit_lost)
-        return "forces rough until the fit is ready" if waits_for_fit else ""
+        rough = self._fitting and not self._source().fit_is_ready
+        return "forces rough until the fit is ready" if rough else ""
 
     def _waits_for(self) -> str:
         """What has to end before anything may press, in words."""
@@ -222,24 +170,13 @@ class LiveController(Controller):
             return "the engine takes its baseline: the skin must not be touched"
         if state != State.RUNNING:
             return f"the engine is {state.name.lower()}"
-        return "a baseline is being taken: the skin must not be touched" if self._tares() else ""
-
-    def _tares(self) -> bool:
-        """Whether a baseline that was asked for is still being taken."""
-        if self._taring is None:
-            return False
         before, until = self._taring
-        taken = int(self._source().live.reader.status_view["tares"][0])
-        if taken != before or time.monotonic() > until:
-            self._taring = None
-        return self._taring is not None
+        tares = before == self._tares() and time.monotonic() < until
+        return "a baseline is being taken: the skin must not be touched" if tares else ""
 
-    def notices(self) -> list[tuple[str, str]]:
-        """See `Controller`."""
-        if self._recordings is not None:
-            for text in self._recordings.notices():
-                self.say("error", text)
-        return super().notices()
+    def _tares(self) -> int:
+        """Baselines so far."""
+        return int(self._source().live.reader.status_view["tares"][0])
 
     # what is ordered
 
@@ -250,21 +187,15 @@ class LiveController(Controller):
         tune(self._source().live, what, value)
         return {}
 
-    def _solver(self) -> str:
-        assert self._solvers is not None  # whoever asks has looked
-        return FIT if self._fitting else self._solvers.now()
-
     def _choose(self, name: Any) -> dict[str, Any]:
         """Take another solver, or the fit beside the engine."""
-        solvers = self._solvers
-        if solvers is None:
+        if not self._solvers:
             return super().set("solver", name)
-        options = (*((FIT,) if self._fit is not None else ()), *solvers.names)
-        check_choice("solver", name, options, "how readings become pressure")
+        check_choice("solver", name, self._names, "how readings become pressure")
         if self._preparing:
             raise InputError(f"{self._preparing} is being prepared, expected one at a time: wait")
         engine = self._first if name == FIT else name
-        if engine == solvers.now():
+        if engine == self._solver:
             self._fitting = name == FIT
             return {}
         self._preparing = str(name)
@@ -274,10 +205,9 @@ class LiveController(Controller):
 
     def _change(self, name: str, engine: str) -> None:
         """Take another solver, which takes seconds to prepare; the skin is answered meanwhile."""
-        assert self._solvers is not None  # whoever calls has looked
         try:
-            self._solvers.choose(engine)
-            self._fitting = name == FIT
+            self._choose_solver(engine)
+            self._solver, self._fitting = engine, name == FIT
         except SkinfieldError as error:
             self.say("error", f"solver {name}: {error}")
         finally:
@@ -285,56 +215,18 @@ class LiveController(Controller):
 
     def tare(self) -> dict[str, Any]:
         """See `Controller`."""
-        presser = self._presser
+        presser = self.presser
         if presser is not None and presser.placed:
             raise InputError("something presses, expected an untouched skin: lift it off first")
         if presser is not None and not presser.let_off(LIFTS):
             raise InputError("the scene still presses, expected an untouched skin: try again")
         time.sleep(RESTS)  # readings of the touch may be on their way
-        live = self._source().live
-        before = int(live.reader.status_view["tares"][0])
-        live.tare()
+        before = self._tares()
+        self._source().live.tare()
         self._taring = before, time.monotonic() + PATIENCE * self._tare_seconds
         return {}
 
-    def come(self) -> None:
-        """See `Controller`."""
-        if self._recordings is not None:
-            self._recordings.prepare()
-
-    def record(self, on: bool) -> dict[str, Any]:
-        """See `Controller`."""
-        if self._recordings is None:
-            return super().record(on)
-        return self._recordings.begin() if on else self._recordings.end()
-
-    def recording(self, name: str) -> DataSource:
-        """See `Controller`."""
-        return super().recording(name) if self._recordings is None else self._recordings.open(name)
-
-    def press(self, press: Press) -> dict[str, Any]:
-        """See `Controller`."""
-        return super().press(press) if self._presser is None else self._presser.press(press)
-
-    def lift(self, id: str | None) -> dict[str, Any]:
-        """See `Controller`."""
-        return super().lift(id) if self._presser is None else self._presser.lift(id)
-
-    def leave(self, browser: str) -> None:
-        """See `Controller`."""
-        if self._presser is not None:
-            self._presser.leave(browser)
-
-    def scene(self, name: str) -> dict[str, Any]:
-        """See `Controller`."""
-        return super().scene(name) if self._presser is None else self._presser.scene(name)
-
-    def begin(self, scene: str) -> None:
-        """Play a scene, unless somebody presses by hand already."""
-        if self._presser is not None:
-            self._presser.begin(scene)
-
     def close(self) -> None:
         """End what was begun."""
-        if self._recordings is not None:
-            self._recordings.close()
+        if self.recordings is not None:
+            self.recordings.close()

@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import Any, TypeVar
 
 from skinfield.errors import SkinfieldError
+from skinfield.loop.snapshot import Snapshot
 from skinfield.page.controller import Controller
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import DataSource
@@ -24,35 +25,11 @@ TRUTH = 0.03  # s between questions for the truth
 T = TypeVar("T")
 
 
-class RateMeter:
-    """Counts updates and bytes to all browsers."""
-
-    def __init__(self) -> None:
-        self.updates = self.bytes = 0
-        self._before = (time.monotonic(), 0, 0)
-
-    def count(self, size: int) -> None:
-        """A message of so many bytes was sent."""
-        self.bytes += size
-
-    def look(self, clients: int) -> dict[str, Any]:
-        """Per second since the last look."""
-        now = (time.monotonic(), self.updates, self.bytes)
-        seconds = max(now[0] - self._before[0], 1e-9)
-        rates = {
-            "clients": clients,
-            "updates_per_s": (now[1] - self._before[1]) / seconds,
-            "bytes_per_s": (now[2] - self._before[2]) / seconds,
-        }
-        self._before = now
-        return rates
-
-
 def without_paths(status: dict[str, Any]) -> dict[str, Any]:
     """The status of an engine; where on its machine it records is nobody else's business."""
     beside = status.get("beside") or {}
-    recorder = beside.get("recorder")
-    if not isinstance(recorder, dict) or "path" not in recorder:
+    recorder = beside.get("recorder") or {}
+    if "path" not in recorder:
         return status
     recorder = {**recorder, "path": PurePath(recorder["path"]).name}
     return {**status, "beside": {**beside, "recorder": recorder}}
@@ -71,7 +48,8 @@ class PageState:
     def __init__(self, sources: Callable[[], Sequence[DataSource]], controller: Controller) -> None:
         self.controller = controller
         self._sources = sources
-        self.meter = RateMeter()
+        self.updates = self.octets = 0  # sent to all browsers
+        self._counted = (time.monotonic(), 0, 0)
         self.layout = SceneLayout(())
         self.status: dict[str, Any] = {"state": "starting", "engines": []}
         self.status_number = 0
@@ -94,20 +72,18 @@ class PageState:
 
     async def update_work(self, function: Callable[..., T], *arguments: Any) -> T:
         """Call what makes updates, beside the loop; one at a time, as they share what they use."""
-        return await asyncio.get_running_loop().run_in_executor(
-            self._update_pool, function, *arguments
-        )
+        return await asyncio.wrap_future(self._update_pool.submit(function, *arguments))
 
     async def command_work(self, function: Callable[[], T]) -> T:
         """Call what a command needs, beside the loop; one after the other."""
-        return await asyncio.get_running_loop().run_in_executor(self._command_pool, function)
+        return await asyncio.wrap_future(self.submit(function))
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
         """As `command_work`, for what somebody must close though nobody waits for it any more."""
         return self._command_pool.submit(function)
 
     async def _query(self, function: Callable[[], T]) -> T:
-        return await asyncio.get_running_loop().run_in_executor(self._query_pool, function)
+        return await asyncio.wrap_future(self._query_pool.submit(function))
 
     def tasks(self) -> list[asyncio.Task[None]]:
         """What keeps it up to date, begun in the running loop."""
@@ -170,7 +146,17 @@ class PageState:
                 engines.append({"name": source.name, "state": "failed", "notes": [str(error)]})
         states = {each["state"] for each in engines}
         one = states.pop() if len(states) == 1 else ("mixed" if states else "starting")
-        return {"state": one, "engines": engines, "page": self.meter.look(self.sessions)}
+        return {"state": one, "engines": engines, "page": self._rates()}
+
+    def _rates(self) -> dict[str, Any]:
+        """What was sent to all browsers, per second since the last look."""
+        before, now = self._counted, (time.monotonic(), self.updates, self.octets)
+        self._counted, seconds = now, max(now[0] - before[0], 1e-9)
+        return {
+            "clients": self.sessions,
+            "updates_per_s": (now[1] - before[1]) / seconds,
+            "bytes_per_s": (now[2] - before[2]) / seconds,
+        }
 
     def _prepare(self) -> None:
         """See that deformation and uncertainty get prepared, beside everything else."""
@@ -184,9 +170,8 @@ class PageState:
                 snapshot = source.latest()
                 if snapshot is not None and not snapshot.prepared and snapshot.stamp_ns:
                     self._tried[source.name] = now
-                    name = f"prepare-{source.name}"
                     self._preparing = threading.Thread(
-                        target=_quietly, args=(snapshot.prepare,), name=name, daemon=True
+                        target=_prepare, args=(snapshot,), name="prepare", daemon=True
                     )
                     self._preparing.start()
                     return
@@ -197,7 +182,7 @@ class PageState:
             self._preparing.join(PREPARES)
 
 
-def _quietly(function: Callable[[], None]) -> None:
-    """Call it; what is not there cannot be prepared, and the page says so by what it lacks."""
+def _prepare(snapshot: Snapshot) -> None:
+    """What is not there cannot be prepared, and the page says so by what it lacks."""
     with suppress(SkinfieldError):
-        function()
+        snapshot.prepare()

@@ -4,14 +4,14 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from skinfield.errors import InputError, check_choice, check_range
-from skinfield.page.controller import Press
 
 SHAPES = ("ball", "flat")
 RADII = (1e-3, 20e-3)  # m
 FORCES = (0.05, 5.0)  # N
+TOOL_RADIUS, TOOL_FORCE = 10e-3, 1.0  # m, N: that the page begins with
 SCENES = ("idle", "press", "slide", "two-balls", "tap", "random")
 IDLE = "idle"
 MOST = 16  # presses by hand
@@ -19,25 +19,35 @@ LOOK = 0.05  # s
 NO_VIRTUAL = "a real skin is pressed by hand: only a virtual one can be pressed from here"
 
 
+class Press(NamedTuple):
+    """Where and how a virtual skin is to be pressed.
+
+    Attributes
+    ----------
+    id : str
+    patch : str
+    x, y : float, m
+        In the patch's plane.
+    force : float, N, or None
+        None: as before.
+    radius : float, m, or None
+    shape : str
+    """
+
+    id: str
+    patch: str
+    x: float
+    y: float
+    force: float | None = None
+    radius: float | None = None
+    shape: str = "ball"
+
+
 class Virtual(Protocol):
     """A virtual skin: `skinfield.emulator.process.VirtualProcess`."""
 
-    def press(
-        self, x: float, y: float, *, force: float, radius: float, shape: str, patch: str, id: str
-    ) -> str:
-        """Begin a press, or change it."""
-        ...
-
-    def release(self, id: str | None = None) -> None:
-        """Lift off."""
-        ...
-
-    def scene(self, text: str) -> None:
-        """Play a scene."""
-        ...
-
     def ask(self, command: dict[str, Any]) -> dict[str, Any]:
-        """Any other command."""
+        """Obey a command, or raise InputError."""
         ...
 
 
@@ -53,8 +63,6 @@ class Presser:
         Says in words what has to end before anything may press; nothing: it may.
     say : function
         Takes a sentence about a press that could not be.
-    tool : (force N, radius m)
-        That the page begins with.
     """
 
     def __init__(
@@ -62,9 +70,8 @@ class Presser:
         virtual: Virtual,
         waits_for: Callable[[], str],
         say: Callable[[str], None],
-        tool: tuple[float, float],
     ) -> None:
-        self._virtual, self._waits_for, self._say, self._tool = virtual, waits_for, say, tool
+        self._virtual, self._waits_for, self._say = virtual, waits_for, say
         self._lock = threading.RLock()
         self.playing = IDLE
         self.preparing = False  # whether a tool is being solved
@@ -74,13 +81,8 @@ class Presser:
 
     def offer(self) -> dict[str, Any]:
         """What the page offers."""
-        force, radius = self._tool
-        return {
-            "shapes": SHAPES,
-            "radius": [*RADII, radius],
-            "force": [*FORCES, force],
-            "scenes": SCENES,
-        }
+        radius, force = [*RADII, TOOL_RADIUS], [*FORCES, TOOL_FORCE]
+        return {"shapes": SHAPES, "radius": radius, "force": force, "scenes": SCENES}
 
     @property
     def placed(self) -> int:
@@ -147,17 +149,7 @@ class Presser:
         return press
 
     def _do(self, press: Press) -> None:
-        assert press.force is not None  # it is whole
-        assert press.radius is not None
-        self._virtual.press(
-            press.x,
-            press.y,
-            force=press.force,
-            radius=press.radius,
-            shape=press.shape,
-            patch=press.patch,
-            id=press.id,
-        )
+        self._virtual.ask({"do": "press", **press._asdict()})
 
     def do_waiting(self) -> None:
         """Press what had to wait, if it need not any more; what is refused is reported."""
@@ -180,11 +172,11 @@ class Presser:
             if id is None:
                 self._presses.clear()
                 self._waiting.clear()
-                self._virtual.release()
+                self._virtual.ask({"do": "release", "id": None})
             elif self._presses.pop(id, None) is not None:
                 if id not in self._waiting:
                     with suppress(InputError):  # the skin let it go itself
-                        self._virtual.release(id)
+                        self._virtual.ask({"do": "release", "id": id})
                 self._waiting.discard(id)
         return {}
 
@@ -216,7 +208,7 @@ class Presser:
         return {}
 
     def _play(self, scene: str) -> None:
-        self._virtual.scene(scene)
+        self._virtual.ask({"do": "scene", "scene": scene})
         self.playing = scene
 
     def let_off(self, patience: float) -> bool:

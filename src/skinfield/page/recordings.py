@@ -3,7 +3,6 @@
 import os
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from datetime import datetime
@@ -17,7 +16,6 @@ from skinfield.record.recorder import RecorderState, read_state
 
 MOST = 99  # files of one second
 SILENT = 30.0  # s without a word of a recorder that says something each second, but while it ends
-KEPT = 20  # sentences that nobody asked for
 
 
 class Recordings:
@@ -31,6 +29,8 @@ class Recordings:
     replay : function from a path to a DataSource
     folder : Path
         For the files, which are named by the time.
+    say : function of a sentence
+        Told why a recording failed that nobody ended.
     """
 
     def __init__(
@@ -39,11 +39,12 @@ class Recordings:
         recorder: ReadyRecorders,
         replay: Callable[[Path], DataSource],
         folder: Path,
+        say: Callable[[str], None],
     ) -> None:
         self._name, self._recorder, self._replay, self._folder = name, recorder, replay, folder
+        self._say = say
         self._going: tuple[Path, AbstractContextManager[None]] | None = None
         self._files: list[Path] = []
-        self._notices: deque[str] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         self._beginning: Path | None = None
         self._pid: int | None = None  # of the recorder that was begun here
@@ -60,26 +61,24 @@ class Recordings:
     def state(self) -> dict[str, Any] | None:
         """What is being recorded, by whomever; None if nothing is."""
         self._recorder.tend()
-        pid = self._pid
-        if pid is not None and _has_ended(pid):
-            self._have_done()
-        state, beginning = self._state(), self._beginning
-        if state is None or state.finished or _is_gone(state):
-            if beginning is None:
+        if self._pid is not None and _has_ended(self._pid):  # by itself
+            try:
+                self.end()
+            except InputError as error:
+                self._say(str(error))
+        state, mine = self._state(), self._going is not None
+        if state is None or _is_gone(state):
+            if self._beginning is None:
                 return None
-            nothing: dict[str, Any] = {"seconds": 0.0, "bytes": 0, "cycles": 0, "failure": ""}
-            return {"file": beginning.name, "mine": True, **nothing}
-        fields: dict[str, Any] = {"seconds": state.seconds, "bytes": state.bytes_written}
-        fields |= {"cycles": state.cycles}
-        fields |= {"failure": state.failure, "mine": self._going is not None}
-        return {"file": Path(state.path).name, **fields}
-
-    def notices(self) -> list[str]:
-        """Failures since the last time, in sentences."""
-        found = []
-        while self._notices:
-            found.append(self._notices.popleft())
-        return found
+            state, mine = RecorderState(path=str(self._beginning)), True
+        return {
+            "file": Path(state.path).name,
+            "seconds": state.seconds,
+            "bytes": state.bytes_written,
+            "cycles": state.cycles,
+            "failure": state.failure,
+            "mine": mine,
+        }
 
     def _state(self) -> RecorderState | None:
         try:
@@ -87,27 +86,9 @@ class Recordings:
         except FileError:
             return None
 
-    def _have_done(self) -> None:
-        """Have done with what was begun here, and whose recorder ended by itself: tell failures."""
-        going = self._take()
-        if going is not None:
-            try:
-                self._finish(*going)
-            except InputError as error:
-                self._notices.append(str(error))
-
-    def _take(self) -> tuple[Path, AbstractContextManager[None]] | None:
-        """What goes on, for whoever asks first: it ends it."""
-        with self._lock:
-            going, self._going, self._pid = self._going, None, None
-        return going
-
-    def _finish(self, path: Path, going: AbstractContextManager[None]) -> None:
-        try:
-            going.__exit__(None, None, None)
-        finally:
-            if path.exists():
-                self._files.append(path)
+    def record(self, on: bool) -> dict[str, Any]:
+        """Begin a recording, or end it."""
+        return self.begin() if on else self.end()
 
     def begin(self) -> dict[str, Any]:
         """Begin one.
@@ -149,11 +130,17 @@ class Recordings:
         InputError
             If none was, or its recorder failed: with the way to save what is in the file.
         """
-        going = self._take()
+        with self._lock:  # whoever asks first ends it
+            going, self._going, self._pid = self._going, None, None
         if going is None:
             raise InputError("no recording was begun on this page, expected one that goes on")
-        self._finish(*going)
-        return {"file": going[0].name}
+        path, recorder = going
+        try:
+            recorder.__exit__(None, None, None)
+        finally:
+            if path.exists():
+                self._files.append(path)
+        return {"file": path.name}
 
     def open(self, name: str) -> DataSource:
         """Open one of `names`."""
@@ -171,16 +158,9 @@ class Recordings:
 
 
 def _is_gone(state: RecorderState) -> bool:
-    """Whether whoever records is no more, or has not said a word for too long."""
-    if _has_ended(state.pid):
-        return True
-    try:
-        os.kill(state.pid, 0)
-    except (ProcessLookupError, OverflowError):
-        return True
-    except OSError:  # another user's
-        pass
-    return time.time_ns() - state.told_ns > SILENT * 1e9
+    """Whether a recording has ended, or whoever records has not said a word for too long."""
+    silent = time.time_ns() - state.told_ns > SILENT * 1e9
+    return state.finished or silent or bool(state.ended) or _has_ended(state.pid)
 
 
 def _has_ended(pid: int) -> bool:

@@ -3,21 +3,17 @@
 import math
 import threading
 import time
-from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_range
-from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime import Timing, TimingTable
 from skinfield.loop.slots import Slot, say_nothing
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Status, contacts_of, patch_rows
-from skinfield.page.controller import Controller
+from skinfield.loop.status import Status, patch_rows, plain_contacts
 from skinfield.page.source import EngineView, merged_view
 from skinfield.record.replay import Moment, Replay, ReplayFit
 from skinfield.skin import Skin
@@ -25,6 +21,7 @@ from skinfield.skin import Skin
 SPEEDS = 0.1, 10.0
 LATE = 0.25  # s behind, from which on time is not made up for
 SHORTEST = 0.05  # s: gaps that are shorter are not worth a word
+MOST_GAPS = 4  # that are told
 ENDS = 10.0  # s for the thread to end
 BACK = 20  # cycles that a new reading is shown for, at the least: its times are those of an answer
 MARKS = 250_000_000  # ns between counts of what was
@@ -35,10 +32,6 @@ class Clock:
     """When a cycle is due.
 
     Where reading takes longer than the asked pace allows, time goes on as fast as it comes.
-
-    Parameters
-    ----------
-    playing : bool
 
     Attributes
     ----------
@@ -84,173 +77,6 @@ class Clock:
         return left
 
 
-@dataclass(frozen=True)
-class Times:
-    """What is when.
-
-    Attributes
-    ----------
-    first_ns : int, ns
-        Of the first cycle, since the epoch.
-    end_s : float, s
-        Of the last one, since the first.
-    gaps : tuple of pair of float, s
-        Spans of which cycles are missing.
-    """
-
-    first_ns: int
-    end_s: float
-    gaps: tuple[tuple[float, float], ...]
-
-    @classmethod
-    def of(cls, replay: Replay) -> Self:
-        """Of a recording."""
-        index, first = replay.index, replay.index.first_ns
-        spans = (((a - first) * 1e-9, (b - first) * 1e-9) for a, b in index.gaps)
-        gaps = tuple(each for each in spans if each[1] - each[0] > SHORTEST)
-        return cls(first, (index.last_ns - first) * 1e-9, gaps)
-
-    def seconds(self, time_ns: int) -> float:
-        """Of a time since the epoch, ns; those outside of the recording are at its ends."""
-        return min(max((time_ns - self.first_ns) * 1e-9, 0.0), self.end_s)
-
-    def nanoseconds(self, t_s: float) -> int:
-        """Since the epoch."""
-        return self.first_ns + round(min(max(t_s, 0.0), self.end_s) * 1e9)
-
-    def line(self, t_s: float) -> str:
-        """Where it is, and what is missing there or elsewhere."""
-        place = bisect_right(self.gaps, (t_s, float("inf")))
-        if place and self.gaps[place - 1][0] < t_s < self.gaps[place - 1][1]:
-            begin, end = self.gaps[place - 1]
-            return f"from {begin:.2f} s to {end:.2f} s cycles are missing in the file"
-        said = f"{t_s:.2f} s of {self.end_s:.2f} s"
-        if not self.gaps:
-            return said
-        spans = ", ".join(f"{begin:.2f} s to {end:.2f} s" for begin, end in self.gaps[:4])
-        more = f" and {len(self.gaps) - 4} more" if len(self.gaps) > 4 else ""
-        return f"{said}; cycles are missing from {spans}{more}"
-
-
-class Display:
-    """Keeps a copy of the newest cycle; one thread puts, others look.
-
-    Parameters
-    ----------
-    replay : Replay
-
-    Attributes
-    ----------
-    time_ns : int, ns
-        Of the newest cycle, since the epoch.
-    """
-
-    def __init__(self, replay: Replay) -> None:
-        self.time_ns = 0
-        self._replay, self._sizes = replay, replay.sizes
-        self._lock = threading.Lock()
-        self._slot, self._number, self._wall_ns = Slot.empty(self._sizes), -1, 0
-        self._since = 0  # cycles since one was copied
-        self._snapshot: Snapshot | None = None
-        period = float(replay.recording.description.get("period", 1e-3))
-        self._timing = TimingTable(max(int(period * 1e9), 1))
-        self._marks: deque[tuple[int, Any, Any]] = deque()
-
-    def put(self, each: Moment, at_once: bool = False) -> None:
-        """Show a cycle; of those without a new reading only some, as they hold the same.
-
-        Parameters
-        ----------
-        each : Moment
-        at_once : bool
-            Whether exactly this one must be shown.
-        """
-        with self._lock:
-            self.time_ns = each.cycle.wall_ns
-            self._since += 1
-            if at_once or each.fresh or self._since >= BACK:
-                self._since, self._snapshot = 0, None
-                self._number, self._wall_ns = each.cycle.number, each.cycle.wall_ns
-                _copy(each.slot, self._slot)
-            self._count(each)
-
-    def _count(self, each: Moment) -> None:
-        recorded, latency = each.cycle, -1
-        if each.fresh:
-            stamp = int(recorded.patches["stamp_ns"].max(initial=0))
-            latency = max(recorded.wall_ns + recorded.done_ns - recorded.wake_ns - stamp, 0)
-        done = recorded.done_ns
-        times = recorded.due_ns, recorded.wake_ns, recorded.acquired_ns, done, done
-        self._timing.add(*times, latency)
-        marks = self._marks
-        if not marks or recorded.wall_ns - marks[-1][0] >= MARKS:
-            timing = self._timing
-            marks.append((recorded.wall_ns, timing.times.copy(), timing.totals.copy()))
-            while len(marks) > 2 and marks[1][0] <= recorded.wall_ns - RECENT * 1e9:
-                marks.popleft()
-
-    def move(self) -> None:
-        """What comes next is of another time."""
-        with self._lock:
-            self._marks.clear()
-
-    def lose(self) -> None:
-        """Nothing can be shown any more."""
-        with self._lock:
-            say_nothing(self._slot, 0)
-            self._slot.counts[:] = np.nan
-            self._snapshot = None
-
-    def snapshot(self) -> Snapshot | None:
-        """The cycle that is shown, in memory of its own; None before the first one."""
-        return self.now()[0]
-
-    def now(self) -> tuple[Snapshot | None, int]:
-        """The same, and what time it is there, ns since the epoch."""
-        with self._lock:
-            if self._snapshot is None and self._number >= 0:
-                own = Slot.empty(self._sizes)
-                _copy(self._slot, own)
-                models = self._replay.models(self._wall_ns)
-                self._snapshot = Snapshot(own, self._number, models, self._wall_ns)
-            return self._snapshot, self.time_ns
-
-    def status(self, name: str, state: str, notes: dict[str, Any]) -> Status:
-        """Of the time that is shown, as of a running skin."""
-        found = self.snapshot()
-        with self._lock:
-            timing = self._timing
-            since = Timing.of(timing.times, timing.totals)
-            now = (self.time_ns, timing.times, timing.totals)
-            at, *before = self._marks[0] if self._marks else now
-            lately = Timing.of(timing.times, timing.totals, (before[0], before[1]))
-            seconds = max((self.time_ns - at) * 1e-9, 1e-9)
-        names = [patch.name for patch in self._replay.model_config.skin]
-        return Status(
-            name=name,
-            state=state,
-            pid=0,
-            generation=1,
-            since=since,
-            lately=lately,
-            seconds=seconds,
-            rate=lately.cycles / seconds,
-            sources={},
-            sources_lately={},
-            patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
-            contacts=[] if found is None else contacts_of(names, found.slot),
-            notes=notes,
-            sidecars={},
-            memory={},
-            tuning={},
-        )
-
-
-def _copy(source: Slot, target: Slot) -> None:
-    for part in fields(Slot):
-        np.copyto(getattr(target, part.name), getattr(source, part.name))
-
-
 class ReplaySource:
     """A recording of a live skin as a `DataSource`.
 
@@ -272,7 +98,7 @@ class ReplaySource:
         Of the first cycle, which is 0, and of the last.
     events : list of (float, str)
         When what happened, s.
-    gaps : tuple of (float, float)
+    gaps : list of (float, float)
         Spans, s, of which cycles are missing.
 
     Raises
@@ -282,27 +108,39 @@ class ReplaySource:
     """
 
     def __init__(self, path: str | Path, *, playing: bool = True) -> None:
-        self.replay = opened(Path(path))
+        try:
+            self.replay = Replay(path)
+        except FileError as error:
+            raise FileError(
+                f"{error}; of a recording of counts alone `skinfield reconstruct` makes contacts"
+            ) from error
+        index = self.replay.index
         self.name = self.replay.recording.path.name
-        self._times = Times.of(self.replay)
-        self.start_s, self.end_s = 0.0, self._times.end_s
+        self._first_ns = index.first_ns
+        self.start_s, self.end_s = 0.0, (index.last_ns - index.first_ns) * 1e-9
         self.events = sorted(
-            (
-                self._times.seconds(event["wall_ns"]),
-                str(event.get("text") or event.get("kind") or ""),
-            )
-            for event in self.replay.index.events
+            (self._seconds(event["wall_ns"]), str(event.get("text") or event.get("kind") or ""))
+            for event in index.events
         )
-        self.gaps = self._times.gaps
-        self._display = Display(self.replay)
+        spans = (((a - self._first_ns) * 1e-9, (b - self._first_ns) * 1e-9) for a, b in index.gaps)
+        self.gaps = [(a, b) for a, b in spans if b - a > SHORTEST]
+        self._changed = threading.Condition()  # and lock of all that follows, but the fit
+        self._slot, self._number, self._wall_ns = Slot.empty(self.replay.sizes), -1, 0
+        self._time_ns = self._since = 0  # of the newest cycle; cycles since one was copied
+        self._snapshot: Snapshot | None = None
+        period = float(self.replay.recording.description.get("period", 1e-3))
+        self._timing = TimingTable(max(int(period * 1e9), 1))
+        self._marks: deque[tuple[int, Any, Any]] = deque()
         self._fit, self._fit_lock = ReplayFit(self.replay), threading.Lock()
-        self._changed = threading.Condition()
         self._clock = Clock(playing)
-        self._target: int | None = None  # time to go to, ns
+        self._target: int | None = self._first_ns  # time to go to, ns
         self._closed, self._at_end, self._failed = False, False, ""
-        self.seek(0.0)
         self._thread = threading.Thread(target=self._run, name=f"replay-{self.name}", daemon=True)
         self._thread.start()
+
+    def _seconds(self, time_ns: int) -> float:
+        """Of a time since the epoch, ns; those outside of the recording are at its ends."""
+        return min(max((time_ns - self._first_ns) * 1e-9, 0.0), self.end_s)
 
     @property
     def skin(self) -> Skin:
@@ -310,14 +148,9 @@ class ReplaySource:
         return self.replay.model_config.skin
 
     @property
-    def model_config(self) -> ModelConfig:
-        """What its answers followed from."""
-        return self.replay.model_config
-
-    @property
     def time_s(self) -> float:
         """Of the cycle that is shown, s since the first one."""
-        return self._times.seconds(self._display.time_ns)
+        return self._seconds(self._time_ns)
 
     @property
     def playing(self) -> bool:
@@ -336,38 +169,68 @@ class ReplaySource:
 
     def latest(self) -> Snapshot | None:
         """The newest cycle, in memory of its own; None before the first one is there."""
-        return self._display.snapshot()
+        with self._changed:
+            if self._snapshot is None and self._number >= 0:
+                own = Slot.empty(self.replay.sizes)
+                own.copy_from(self._slot)
+                models = self.replay.models(self._wall_ns)
+                self._snapshot = Snapshot(own, self._number, models, self._wall_ns)
+            return self._snapshot
 
     def view(self) -> EngineView:
         """The same with the best contacts that were known at that time, as the live page has it."""
-        snapshot, time_ns = self._display.now()
+        with self._changed:
+            snapshot, time_ns = self.latest(), self._time_ns
         with self._fit_lock:
             found = None if snapshot is None else self._fit.at(time_ns)
         return merged_view(snapshot, found)
 
     def look(self) -> Status:
         """Of the time that is shown; `state` is "playing", "paused" or "failed"."""
-        state = "playing" if self.playing else "paused"
-        return self._display.status(self.name, "failed" if self._failed else state, self._notes())
+        names = [patch.name for patch in self.skin]
+        with self._changed:
+            found, timing = self.latest(), self._timing
+            since = Timing.of(timing.times, timing.totals)
+            now = (self._time_ns, timing.times, timing.totals)
+            at, times, totals = self._marks[0] if self._marks else now
+            lately = Timing.of(timing.times, timing.totals, (times, totals))
+            seconds = max((self._time_ns - at) * 1e-9, 1e-9)
+            return Status(
+                name=self.name,
+                state="failed" if self._failed else "playing" if self.playing else "paused",
+                since=since,
+                lately=lately,
+                seconds=seconds,
+                rate=lately.cycles / seconds,
+                patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
+                contacts=[] if found is None else plain_contacts(names, found.contacts),
+                notes=self._notes(),
+            )
 
     def status(self) -> dict[str, Any]:
         """The same, as `Status.as_dict`."""
         return self.look().as_dict()
 
     def _notes(self) -> dict[str, Any]:
-        said = {"replay": self._times.line(self.time_s)}
-        damage = [str(each) for each in self.replay.recording.damage[:3]]
+        said: dict[str, Any] = {"replay": f"{self.time_s:.2f} s of {self.end_s:.2f} s"}
+        if self.gaps:
+            spans = [f"{begin:.2f} s to {end:.2f} s" for begin, end in self.gaps[:MOST_GAPS]]
+            more = len(self.gaps) - MOST_GAPS
+            spans += [f"{more} more"] if more > 0 else []
+            said["replay"] += f"; cycles are missing from {', '.join(spans)}"
         if self._failed:
             said["failed"] = self._failed
         if self._clock.behind:
             said["pace"] = "slower than asked: it is read as fast as it can be here"
-        return said | ({"damage": damage} if damage else {})
+        if self.replay.recording.damage:
+            said["damage"] = [str(each) for each in self.replay.recording.damage[:3]]
+        return said
 
     def play(self) -> None:
         """Go on; from the beginning, where it stands at the end."""
         with self._changed:
             if self._at_end:
-                self._target = self._times.nanoseconds(0.0)
+                self._target = self._first_ns
             self._clock.play()
             self._changed.notify_all()
 
@@ -388,7 +251,7 @@ class ReplaySource:
         if not math.isfinite(t_s):
             raise InputError(f"t_s is {t_s}, expected {self.start_s:g} to {self.end_s:g} s")
         with self._changed:
-            self._target = self._times.nanoseconds(t_s)
+            self._target = self._first_ns + round(min(max(t_s, 0.0), self.end_s) * 1e9)
             self._changed.notify_all()
 
     def set_speed(self, x: float) -> None:
@@ -419,32 +282,65 @@ class ReplaySource:
             raise
 
     def _fail(self, why: str) -> None:
+        """Stop; nothing can be shown any more."""
         with self._changed:
-            self._failed, self._target = why, None
+            self._failed, self._target, self._snapshot = why, None, None
             self._clock.pause()
-        self._display.lose()
+            say_nothing(self._slot, 0)
+            self._slot.counts[:] = np.nan
 
     def _play_from_target(self) -> None:
         """Show what was from the time that was asked for until another is, or the end."""
         target = self._target
         assert target is not None  # set before the thread starts, and waited for afterwards
-        self._display.move()
+        with self._changed:
+            self._marks.clear()
         moments = self.replay.from_time(target)
         first = next(moments, None)
         if first is not None:
-            self._arrive(target, first)
+            with self._changed:
+                self._show(first, at_once=True)
+                self._arrive(target)
+                self._clock.begin(first.cycle.wall_ns)
         for each in moments:
             if not self._wait_until(each.cycle.wall_ns):
                 return
-            self._display.put(each)
+            self._show(each)
         self._rest(target)
 
-    def _arrive(self, target: int, each: Moment) -> None:
-        self._display.put(each, at_once=True)
+    def _arrive(self, target: int) -> None:
+        if self._target == target:  # no other was asked for meanwhile
+            self._target = None
+
+    def _show(self, each: Moment, at_once: bool = False) -> None:
+        """Show a cycle; of those without a new reading only some, as they hold the same.
+
+        Parameters
+        ----------
+        each : Moment
+        at_once : bool
+            Whether exactly this one must be shown.
+        """
         with self._changed:
-            if self._target == target:
-                self._target = None
-            self._clock.begin(each.cycle.wall_ns)
+            self._time_ns = each.cycle.wall_ns
+            self._since += 1
+            if at_once or each.fresh or self._since >= BACK:
+                self._since, self._snapshot = 0, None
+                self._number, self._wall_ns = each.cycle.number, each.cycle.wall_ns
+                self._slot.copy_from(each.slot)
+            self._count(each)
+
+    def _count(self, each: Moment) -> None:
+        recorded, latency = each.cycle, -1
+        if each.fresh:
+            stamp = int(recorded.patches["stamp_ns"].max(initial=0))
+            latency = max(recorded.wall_ns + recorded.done_ns - recorded.wake_ns - stamp, 0)
+        done, timing, marks = recorded.done_ns, self._timing, self._marks
+        timing.add(recorded.due_ns, recorded.wake_ns, recorded.acquired_ns, done, done, latency)
+        if not marks or recorded.wall_ns - marks[-1][0] >= MARKS:
+            marks.append((recorded.wall_ns, timing.times.copy(), timing.totals.copy()))
+            while len(marks) > 2 and marks[1][0] <= recorded.wall_ns - RECENT * 1e9:
+                marks.popleft()
 
     def _wait_until(self, time_ns: int) -> bool:
         """Wait for the time of a cycle; False if another order came meanwhile."""
@@ -459,41 +355,9 @@ class ReplaySource:
     def _rest(self, target: int) -> None:
         """Stay at the end until another time is asked for."""
         with self._changed:
-            if self._target == target:
-                self._target = None
+            self._arrive(target)
             if self._target is None:
                 self._clock.pause()
                 self._at_end = True
             self._changed.wait_for(lambda: self._closed or self._target is not None)
             self._at_end = False
-
-
-def opened(path: Path) -> Replay:
-    """The replay of a file.
-
-    Raises
-    ------
-    FileError
-        If there is nothing to be shown; it says what else can be done with the file.
-    """
-    try:
-        return Replay(path)
-    except FileError as error:
-        raise FileError(
-            f"{error}; of a recording of counts alone `skinfield reconstruct` makes contacts"
-        ) from error
-
-
-class ReplayController(Controller):
-    """See `Controller`: all browsers play the same recording, and nothing else can be ordered.
-
-    Parameters
-    ----------
-    replay : ReplaySource
-    """
-
-    mode = "replay"
-
-    def __init__(self, replay: ReplaySource) -> None:
-        super().__init__()
-        self.shared = replay

@@ -45,11 +45,8 @@ class PlacedPatch:
         return np.asarray(vectors @ self.pose[:3, :3].T)
 
     @cached_property
-    def _fine(self) -> tuple[Grid, Any]:
-        from scipy.spatial import cKDTree
-
-        grid = Grid.square(self.patch, FINE)
-        return grid, cKDTree(grid.positions)
+    def _fine(self) -> Grid:
+        return Grid.square(self.patch, FINE)
 
     def plane_of(self, point: Floats) -> tuple[float, float]:
         """Place in the patch's plane, m, of a point of the picture on or near its surface.
@@ -58,8 +55,8 @@ class PlacedPatch:
         and off by the third power of half a cell over the square of the radius where it is curved.
         """
         own = (np.asarray(point) - self.pose[:3, 3]) @ self.pose[:3, :3]
-        grid, tree = self._fine
-        _, node = tree.query(own)
+        grid = self._fine
+        node = int(((grid.positions - own) ** 2).sum(axis=1).argmin())
         along = (own - grid.positions[node]) @ grid.frames[node][:, :2]
         x, y = grid.plane[node] + along
         return float(x), float(y)
@@ -70,10 +67,6 @@ class SceneLayout:
 
     Patches of one link stand as they are on it. Links of which the page knows no more, and engines
     that are no neighbours, stand side by side.
-
-    Parameters
-    ----------
-    sources : sequence of DataSource
     """
 
     def __init__(self, sources: Sequence[DataSource]) -> None:
@@ -85,7 +78,8 @@ class SceneLayout:
         self.placed: list[PlacedPatch] = []
         edge = 0.0
         for (number, _), members in groups.items():
-            points = np.concatenate([_on_link(patch) for _, patch in members])
+            poses = [(patch.positions, patch.link_from_patch) for _, patch in members]
+            points = np.concatenate([at @ pose[:3, :3].T + pose[:3, 3] for at, pose in poses])
             low, high = points.min(axis=0), points.max(axis=0)
             size = float((high - low).max())
             shift = -(low + high) / 2.0
@@ -156,8 +150,3 @@ class SceneLayout:
         rows, columns = grid.shape
         head = {"kind": "geometry", "patch": number, "rung": rung, "rows": rows}
         return packed({**head, "columns": columns}, arrays)
-
-
-def _on_link(patch: Patch) -> Floats:
-    pose = patch.link_from_patch
-    return np.asarray(patch.positions @ pose[:3, :3].T + pose[:3, 3])

@@ -1,19 +1,154 @@
 """Server of the page: one port for its files, its socket, and plain JSON."""
 
 import asyncio
+import json
+import mimetypes
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from http import HTTPStatus
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+from urllib.parse import parse_qs, urlsplit
 
-from skinfield.errors import InputError
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.loop.status import plain_contacts
 from skinfield.page.controller import Controller
-from skinfield.page.http import HttpApi
 from skinfield.page.page_state import PageState
-from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.session import Session
 from skinfield.page.source import DataSource
 from skinfield.settings import PORT, PageSettings
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+HERE = ("localhost", "127.0.0.1", "::1")  # as a browser on this machine says it
+FILES = ("index.html", "app.js", "app.css", "licences.txt", "favicon.svg")
+SOCKET = "/socket"
+HEADERS = {
+    # 'unsafe-eval' for those who drive the page: they wait by functions that they hand in as text
+    "Content-Security-Policy": "default-src 'self'; script-src 'self' 'unsafe-eval'; "
+    "img-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",  # a token stands in the address
+    "Cache-Control": "no-store",
+}
+
+
+class HttpApi:
+    """Answers to requests; lets through what belongs to the socket."""
+
+    def __init__(self, state: PageState, settings: PageSettings) -> None:
+        self._state, self._settings = state, settings
+        folder = resources.files("skinfield.page") / "static"
+        there = [name for name in FILES if (folder / name).is_file()]
+        self._files = {name: (folder / name).read_bytes() for name in there}
+        self._json: dict[str, Callable[[], Any]] = {
+            "/api/status": self._status,
+            "/api/contacts": self._contacts,
+            "/api/truth": lambda: {"presses": list(state.controller.truth())},
+            "/api/controls": state.controller.controls,
+        }
+
+    async def answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
+        """Answer a request; None where the socket is meant and may be used."""
+        if request.method != "GET":
+            wrong = f"method is {request.method!r:.80}, expected GET: nothing is changed from here"
+            return _response(HTTPStatus.METHOD_NOT_ALLOWED, {"error": wrong}, Allow="GET")
+        try:
+            url = urlsplit(request.path)
+            host = urlsplit(f"//{request.headers.get('Host', 'localhost')}").hostname or ""
+        except ValueError as error:  # brackets of no address, characters that no host has
+            wrong = f"address is {request.path!r:.80}, expected one of this page: {error}"
+            return _response(HTTPStatus.BAD_REQUEST, {"error": wrong})
+        refused = self._refusal(request, host, url.path, url.query)
+        if refused is not None:
+            return _response(*refused)
+        if url.path == SOCKET:
+            return None
+        if url.path in self._json:
+            return await self._json_response(self._json[url.path])
+        name = url.path.strip("/") or "index.html"
+        if name not in self._files:
+            known = ", ".join(["/", *self._json])
+            return _response(
+                HTTPStatus.NOT_FOUND, {"error": f"no {url.path!r:.80}; there is {known}"}
+            )
+        kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
+        text = kind.startswith("text/") or name.endswith(".js")
+        return _response(
+            HTTPStatus.OK, self._files[name], f"{kind}; charset=utf-8" if text else kind
+        )
+
+    def _refusal(
+        self, request: "Request", name: str, path: str, query: str
+    ) -> tuple[HTTPStatus, dict[str, str]] | None:
+        """Why a request must not be answered; None if it may.
+
+        A page elsewhere must not reach a robot through the browser of somebody who may: neither by
+        a socket, which browsers let any page open, nor by a name that it lets point here.
+        """
+        settings, headers = self._settings, request.headers
+        host = headers.get("Host", "localhost")
+        if (
+            settings.is_here
+            and not settings.token
+            and name not in (*HERE, settings.host.strip("[]"))
+        ):
+            return HTTPStatus.FORBIDDEN, {
+                "error": f"host is {host!r:.80}, expected one of {', '.join(HERE)}"
+            }
+        origin = headers.get("Origin")
+        if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
+            return HTTPStatus.FORBIDDEN, {
+                "error": f"origin is {origin!r:.80}, expected http://{host[:80]}: open it here"
+            }
+        guarded = path == SOCKET or path in self._json
+        token = parse_qs(query).get("token", [""])[0]
+        if guarded and not settings.allows(token):
+            return HTTPStatus.UNAUTHORIZED, {
+                "error": "token is missing or wrong, expected that of --token: /?token=..."
+            }
+        return None
+
+    async def _json_response(self, function: Callable[[], Any]) -> "Response":
+        try:
+            return _response(HTTPStatus.OK, await self._state.update_work(function))
+        except SkinfieldError as error:
+            return _response(HTTPStatus.SERVICE_UNAVAILABLE, {"error": str(error)})
+
+    def _status(self) -> dict[str, Any]:
+        state = self._state
+        return {**state.status, "mode": state.controller.mode, "controls": state.controls}
+
+    def _contacts(self) -> dict[str, Any]:
+        state, rows = self._state, []
+        layout = state.layout
+        for source, view in zip(
+            layout.sources, state.controller.views(layout.sources), strict=True
+        ):
+            names = [patch.name for patch in source.skin]
+            found = plain_contacts(names, view.contacts)
+            rows += [
+                row | {"engine": source.name, "by": by}
+                for row, by in zip(found, view.by, strict=True)
+            ]
+        return {"contacts": rows}
+
+
+def _response(
+    status: HTTPStatus, body: Any, kind: str = "application/json; charset=utf-8", **more: str
+) -> "Response":
+    from websockets.datastructures import Headers
+    from websockets.http11 import Response
+
+    data = body if isinstance(body, bytes) else json.dumps(body).encode()
+    headers = Headers(HEADERS | {"Content-Type": kind, "Content-Length": str(len(data))} | more)
+    headers["Connection"] = "close"
+    return Response(status.value, status.phrase, headers, data)
+
 
 CLIENTS = 16
 LARGEST = 1 << 16  # bytes of a command
@@ -22,12 +157,6 @@ STARTS = 20.0  # s for a server to be there
 
 class Page:
     """A page that is served; made by `serve_page`.
-
-    Parameters
-    ----------
-    settings : PageSettings
-    sources : function that returns a sequence of DataSource
-    controller : Controller
 
     Attributes
     ----------
@@ -43,16 +172,11 @@ class Page:
     ) -> None:
         self.settings, self.controller = settings, controller
         self.port = 0
-        self._state = PageState(sources, controller)
+        self.state = PageState(sources, controller)
         self._made = 0  # sessions so far
         self._stop: asyncio.Event | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._failed: BaseException | None = None
-
-    @property
-    def layout(self) -> SceneLayout:
-        """What the picture holds now."""
-        return self._state.layout
 
     @property
     def address(self) -> str:
@@ -73,13 +197,13 @@ class Page:
             self._failed = error
         finally:
             ready.set()
-            self._state.shut_down()
+            self.state.shut_down()
 
     async def _run(self, ready: threading.Event) -> None:
         self._stop, self._loop = asyncio.Event(), asyncio.get_running_loop()
         server = await self._bound()
         self.port = next(iter(server.sockets)).getsockname()[1]
-        tasks = self._state.tasks()
+        tasks = self.state.tasks()
         ready.set()
         try:
             stopping = asyncio.create_task(self._stop.wait())
@@ -96,7 +220,7 @@ class Page:
     async def _bound(self) -> Any:
         from websockets.asyncio.server import serve
 
-        api, settings, why = HttpApi(self._state, self.settings), self.settings, ""
+        api, settings, why = HttpApi(self.state, self.settings), self.settings, ""
         for port in (PORT, 0) if settings.port is None else (settings.port,):
             try:
                 return await serve(
@@ -118,15 +242,15 @@ class Page:
         )
 
     async def _client(self, socket: Any) -> None:
-        if self._state.sessions >= CLIENTS:
+        if self.state.sessions >= CLIENTS:
             await socket.close(1013, f"{CLIENTS} browsers look on already")
             return
-        self._state.sessions += 1
+        self.state.sessions += 1
         self._made += 1
         try:
-            await Session(self._state, socket, self._made).run()
+            await Session(self.state, socket, self._made).run()
         finally:
-            self._state.sessions -= 1
+            self.state.sessions -= 1
 
     def end(self) -> None:
         """Stop serving; from another thread."""
@@ -134,10 +258,6 @@ class Page:
         if loop is not None and stop is not None:
             with suppress(RuntimeError):  # it has ended already
                 loop.call_soon_threadsafe(stop.set)
-
-    def wait_prepared(self) -> None:
-        """See `PageState`."""
-        self._state.wait_prepared()
 
     def check(self) -> None:
         """Raise what serving failed with, if it did."""
@@ -170,4 +290,4 @@ def serve_page(
     finally:
         page.end()
         thread.join(STARTS)
-        page.wait_prepared()
+        page.state.wait_prepared()

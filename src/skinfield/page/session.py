@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import json
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
@@ -11,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import InputError, SkinfieldError
-from skinfield.page.controller import Press
+from skinfield.errors import InputError, SkinfieldError, check_choice
 from skinfield.page.page_state import PageState
+from skinfield.page.presser import Press
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView
 from skinfield.page.updates import Updates
@@ -43,8 +42,7 @@ def flag(command: Command, key: str) -> bool:
 def number(command: Command, key: str, low: float, high: float, what: str) -> float:
     """A number between two bounds; raises InputError."""
     value = command.get(key)
-    good = isinstance(value, int | float) and not isinstance(value, bool)
-    if not good or not low <= value <= high:  # type: ignore[operator]
+    if not _is_number(value, low, high):
         raise InputError(f"{key} is {value!r:.80}, expected {low:g} to {high:g}: {what}")
     return float(value)  # type: ignore[arg-type]
 
@@ -53,8 +51,11 @@ def press_of(command: Command, layout: SceneLayout, browser: int) -> Press:
     """A press at a place of the picture; raises InputError."""
     placed = layout[command.get("patch")]
     place = command.get("position")
-    good = isinstance(place, list) and len(place) == 3
-    if not good or not all(_is_place(each) for each in place):  # type: ignore[union-attr]
+    if (
+        not isinstance(place, list)
+        or len(place) != 3
+        or not all(_is_number(each, -FAR, FAR) for each in place)
+    ):
         raise InputError(f"position is {place!r:.80}, expected three numbers in metres")
     x, y = placed.plane_of(np.array(place, float))
     force = None if "force" not in command else number(command, "force", 0.0, 100.0, "newtons")
@@ -64,9 +65,8 @@ def press_of(command: Command, layout: SceneLayout, browser: int) -> Press:
     return Press(name, placed.patch.name, x, y, force, radius, shape)
 
 
-def _is_place(value: Any) -> bool:
-    real = isinstance(value, int | float) and not isinstance(value, bool)
-    return real and math.isfinite(value) and abs(value) < FAR
+def _is_number(value: Any, low: float, high: float) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and low <= value <= high
 
 
 if TYPE_CHECKING:
@@ -113,7 +113,8 @@ class Session:
         """Talk and listen until the connection ends."""
         from websockets.exceptions import ConnectionClosed
 
-        self._state.submit(self._state.controller.come)  # it is not waited for
+        if (recordings := self._state.controller.recordings) is not None:
+            self._state.submit(recordings.prepare)  # it is not waited for
         listening = asyncio.create_task(self._listen())
         try:
             while not listening.done():
@@ -128,16 +129,15 @@ class Session:
             with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
                 await listening
             try:
-                await self._state.command_work(
-                    lambda: self._state.controller.leave(f"{self._number}-")
-                )
+                if (presser := self._state.controller.presser) is not None:
+                    await self._state.command_work(lambda: presser.leave(f"{self._number}-"))
             finally:
                 await self._leave()
 
     # what is sent
 
     async def _send(self, message: str | bytes) -> None:
-        self._state.meter.count(len(message))
+        self._state.octets += len(message)
         await self._socket.send(message)
 
     async def _send_kind(self, kind: str, **more: Any) -> None:
@@ -186,11 +186,8 @@ class Session:
         replay = self._replay
         if replay is not None:
             fields |= self._state.looking_on
-            fields["replay"] = {
-                "playing": replay.playing,
-                "speed": replay.speed,
-                "name": replay.name,
-            }
+            names = ("playing", "speed", "name")
+            fields["replay"] = {name: getattr(replay, name) for name in names}
         return fields
 
     async def _update(self, now: float) -> None:
@@ -202,7 +199,7 @@ class Session:
         self._sent_at, self._awaited = now, self._count
         for message in made:
             await self._send(message)
-        self._state.meter.updates += 1
+        self._state.updates += 1
 
     def _make(self, anyhow: bool) -> list[bytes]:
         """The messages of an update; none if nothing is new."""
@@ -272,13 +269,11 @@ class Session:
         commands: dict[str, Callable[[], dict[str, Any]]] = {
             "set": lambda: controller.set(text(command, "what"), self._value(command)),
             "tare": controller.tare,
-            "record": lambda: controller.record(flag(command, "on")),
-            "press": lambda: controller.press(
-                press_of(command, self._updates.layout, self._number)
-            ),
-            "move": lambda: controller.press(press_of(command, self._updates.layout, self._number)),
-            "lift": lambda: controller.lift(self._mine(command.get("id"))),
-            "scene": lambda: controller.scene(text(command, "name")),
+            "record": lambda: controller.recording.record(flag(command, "on")),
+            "press": lambda: controller.pressing.press(self._press(command)),
+            "move": lambda: controller.pressing.press(self._press(command)),
+            "lift": lambda: controller.pressing.lift(self._mine(command.get("id"))),
+            "scene": lambda: controller.pressing.scene(text(command, "name")),
         }
         if do not in commands:
             raise InputError(f"do is {do[:40]!r}, expected one of {', '.join(commands)}")
@@ -286,6 +281,9 @@ class Session:
         if do not in PRESSES:
             await state.refresh()
         return reply
+
+    def _press(self, command: Command) -> Press:
+        return press_of(command, self._updates.layout, self._number)
 
     def _mine(self, id: Any) -> str | None:
         return None if id is None else f"{self._number}-{id}"[:40]
@@ -303,7 +301,7 @@ class Session:
         state, what = self._state, text(command, "what")
         if what == "open":
             name = text(command, "value")
-            opening = state.submit(lambda: state.controller.recording(name))
+            opening = state.submit(lambda: state.controller.recording.open(name))
             try:
                 opened = await asyncio.wrap_future(opening)
             except asyncio.CancelledError:  # the browser has gone, and nobody would close it
@@ -316,6 +314,7 @@ class Session:
         replay = self._replay
         if replay is None:
             raise InputError(f"{what} is for a recording, and this is a live skin: open one first")
+        check_choice("what", what, ("open", "close", "play", "pause", "seek", "speed"), "an order")
         if what == "close":
             if replay is state.controller.shared:
                 raise InputError("there is no live skin here, only the recording that is shown")
@@ -323,18 +322,11 @@ class Session:
             await self._begin(state.layout)
         elif what in ("play", "pause"):
             await state.command_work(getattr(replay, what))
-        elif what == "seek":
-            place = number(
-                command, "value", replay.start_s, replay.end_s, "seconds of the recording"
-            )
-            await state.command_work(lambda: replay.seek(place))
-        elif what == "speed":
-            speed = number(command, "value", 0.1, 10.0, "times its own")
-            await state.command_work(lambda: replay.set_speed(speed))
         else:
-            raise InputError(
-                f"what is {what[:40]!r}, expected open, close, play, pause, seek, speed"
-            )
+            low, high = (replay.start_s, replay.end_s) if what == "seek" else (0.1, 10.0)
+            place = number(command, "value", low, high, "s of the recording, or times its own pace")
+            change = replay.seek if what == "seek" else replay.set_speed
+            await state.command_work(lambda: change(place))
         self._last = ()
         return {}
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from skinfield.loop.client import Live
 from skinfield.loop.fit_ring import FitReader, FitSlot, best_of, recent_patches
-from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
 from skinfield.ring import State
@@ -28,11 +27,6 @@ class DataSource(Protocol):
     @property
     def skin(self) -> Skin:
         """All its patches."""
-        ...
-
-    @property
-    def model_config(self) -> ModelConfig:
-        """What its answers follow from."""
         ...
 
     def latest(self) -> Snapshot | None:
@@ -85,11 +79,6 @@ class LiveSource:
         """All its patches."""
         return self.live.skin
 
-    @property
-    def model_config(self) -> ModelConfig:
-        """What its answers follow from."""
-        return self.live.model_config
-
     def latest(self) -> Snapshot | None:
         """The newest cycle, of those with a new reading if any: the same until there is another."""
         with self._lock:
@@ -105,6 +94,19 @@ class LiveSource:
         if newest is None or self.live.state != State.RUNNING:
             return True
         return time.time_ns() - newest.stamp_ns > OLD * 1e9
+
+    def view(self, fitted: bool) -> "EngineView":
+        """The newest cycle, with the contacts of the fit beside it if that is wanted."""
+        snapshot = self.latest()
+        with self._lock:
+            found = self._fit.latest() if fitted else None
+            return merged_view(snapshot, found)._replace(old=self.old)
+
+    @property
+    def fit_is_ready(self) -> bool:
+        """Whether the fit beside the engine is there, and has prepared what it needs."""
+        with self._lock:
+            return bool(self._fit.status().get("phase") == "ready")
 
     @property
     def replaced(self) -> bool:
@@ -152,16 +154,9 @@ def plain_view(snapshot: Snapshot | None) -> EngineView:
 
 
 def merged_view(snapshot: Snapshot | None, found: FitSlot | None) -> EngineView:
-    """A cycle with what the fit had found by then; the same live and of a recording.
-
-    Parameters
-    ----------
-    snapshot : Snapshot or None
-    found : FitSlot or None
-        None, or one of another skin: all is as the engine says.
-    """
+    """A cycle with what the fit had found by then; the same live and of a recording."""
     if snapshot is None or found is None or len(found.patches) != len(snapshot.patches):
-        return plain_view(snapshot)
+        return plain_view(snapshot)  # no fit, or one of another skin
     rows, by = best_of(snapshot, found)
     recent = recent_patches(snapshot, found)
     fields = {

@@ -23,11 +23,7 @@ POINTS = 32
 def outline_of(patch: Patch, row: Any) -> Floats:
     """Circle of a contact's area around its place, closed, (POINTS + 1, 3) m in the patch's frame.
 
-    Parameters
-    ----------
-    patch : Patch
-    row : record of CONTACT
-        With `x`, `y` in the patch's plane, m, and `area`, m².
+    Of a row of CONTACT the place `x`, `y` in the patch's plane, m, and the `area`, m², count.
     """
     area = float(row["area"])
     radius = math.sqrt(max(area, 0.0) / math.pi) if math.isfinite(area) else 0.0
@@ -47,7 +43,6 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
     newest = max(snapshots, key=lambda each: each.stamp_ns)
     took = round(newest.took * 1e9)
     published = int(newest.slot.head[Head.WALL_NS]) + took
-    latency = (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None
     return {
         "cycle": newest.number,
         "stamp_ns": newest.stamp_ns,
@@ -55,25 +50,7 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
         "fresh": newest.fresh,
         "late": newest.late,
         "ready_us": took * 1e-3,
-        "latency_us": latency,
-    }
-
-
-def contact_of(row: Any, number: int, by: str) -> dict[str, Any]:
-    """A contact of patch `number`, found by the engine or the fit, without what is drawn."""
-    return {
-        "track": int(row["track"]),
-        "patch": number,
-        "by": by,
-        "x": float(row["x"]),
-        "y": float(row["y"]),
-        "force": float(row["normal_force"]),
-        "force_std": finite(row["force_std"]),
-        "place_std": finite(row["place_std"]),
-        "area": finite(row["area"]),
-        "peak": finite(row["peak_pressure"]),
-        "age_s": finite(row["age"]),
-        "speed": finite(row["speed"]),
+        "latency_us": (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None,
     }
 
 
@@ -90,11 +67,6 @@ def finite(value: Any) -> float | None:
     """A number for JSON; None for what is none."""
     found = float(value)
     return found if math.isfinite(found) else None
-
-
-def plain(values: Floats) -> list[float]:
-    """Numbers for JSON."""
-    return [float(each) for each in values]
 
 
 Array = NDArray[Any]
@@ -120,12 +92,7 @@ class Parcel:
 
 
 class Updates:
-    """Makes the updates of one browser; knows what it has already.
-
-    Parameters
-    ----------
-    layout : SceneLayout
-    """
+    """Makes the updates of one browser; knows what it has already."""
 
     def __init__(self, layout: SceneLayout) -> None:
         self.layout = layout
@@ -283,11 +250,20 @@ class Updates:
             if by != BY_FIT and its.snapshot is not None and its.snapshot.prepared:
                 found = outline_near(its.snapshot[each.patch.name].contacts, row["position"])
             border = outline_of(each.patch, row) if found is None else found
-            rows.append(contact_of(row, number, by) | {
+            alike = ("force_std", "place_std", "area", "speed")
+            rows.append({name: finite(row[name]) for name in alike} | {
+                "track": int(row["track"]),
+                "patch": number,
+                "by": by,
+                "x": float(row["x"]),
+                "y": float(row["y"]),
+                "force": float(row["normal_force"]),
+                "peak": finite(row["peak_pressure"]),
+                "age_s": finite(row["age"]),
                 "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
-                "position": plain(each.in_scene(row["position"][None])[0]),
-                "normal": plain(each.turned(row["normal"][None])[0]),
+                "position": each.in_scene(row["position"][None])[0].tolist(),
+                "normal": each.turned(row["normal"][None])[0].tolist(),
                 "outline": np.round(each.in_scene(border), 6).tolist(),
             })  # fmt: skip
         return rows
@@ -302,7 +278,7 @@ class Updates:
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
-                "position": plain(each.in_scene(surface.position_from_plane(plane))[0]),
-                "normal": plain(each.turned(normal)[0]),
+                "position": each.in_scene(surface.position_from_plane(plane))[0].tolist(),
+                "normal": each.turned(normal)[0].tolist(),
             }
         return None

@@ -26,14 +26,11 @@ from skinfield.files.mcap.schema import (
     FitSizes,
 )
 from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
-from skinfield.loop.model_config import FIELD as SOLVER
+from skinfield.loop.model_config import FIELD as SETTINGS
 from skinfield.loop.model_config import ModelConfig, configuration_of
 from skinfield.loop.realtime.timing import Timing
-from skinfield.loop.runtime_parameters import FIELD as TUNING
-from skinfield.loop.runtime_parameters import tuning_of
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import HEAD as CHECKED
-from skinfield.reconstruct.serialisation import plain_from_value
 from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
 from skinfield.signal import Calibration
@@ -301,24 +298,15 @@ class Drain:
     def _take_settings(self, number: int) -> None:
         """Tell which settings are in force, where they are others than before."""
         view = self._reader.status_view
-        if TUNING.name not in view or SOLVER.name not in view:
-            return
-        now = view[TUNING.name].tobytes() + view[SOLVER.name][:CHECKED].tobytes()
+        now = view[SETTINGS.name][:CHECKED].tobytes() if SETTINGS.name in view else self._settings
         if now == self._settings:
             return
         configuration = configuration_of(self._reader)
-        if configuration is None and view[SOLVER.name].any():
+        if configuration is None:
             return  # it is being written: the next look sees it
         self._settings = now
-        values: dict[str, object] = {
-            "cycle": number + 1,
-            "tuning": tuning_of(self._reader).as_dict(),
-        }
-        if configuration is not None:
-            values["solver"] = plain_from_value("solver", configuration.solver)
-            values["generation"] = configuration.generation
         text = f"settings that are in force from cycle {number + 1} on"
-        self._queue.event("settings", text, **values)
+        self._queue.event("settings", text, cycle=number + 1, **configuration.as_dict())
 
     def _put_blocks(self, time_ns: int, position: int, data: bytes) -> None:
         write = partial(RecordingWriter.write_blocks, time_ns=time_ns, position=position, data=data)

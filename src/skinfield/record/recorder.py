@@ -23,7 +23,7 @@ from skinfield.errors import InputError, SkinfieldError, check_count, check_rang
 from skinfield.files.mcap import RecordingSettings, RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
-from skinfield.loop.parent_watchdog import end_with
+from skinfield.loop.process_supervisor import end_with
 from skinfield.record.drain import (
     Drain,
     StatusWatch,

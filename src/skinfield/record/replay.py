@@ -23,7 +23,6 @@ from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.loop.status_text import write_notes
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.serialisation import value_from_plain
 from skinfield.ring import Ring, State
 
 FAR = 1e15  # that no place (m), force (N) or pressure (Pa) comes near
@@ -59,12 +58,10 @@ class ConfigChange(NamedTuple):
     ----------
     time_ns : int, ns
         Since the epoch.
-    tuning : Tuning
     configuration : Configuration
     """
 
     time_ns: int
-    tuning: Tuning
     configuration: Configuration
 
 
@@ -240,22 +237,18 @@ def _newest(found: list[Any], time_ns: int) -> int:
 
 def _config_history(recording: LiveRecording, model_config: ModelConfig) -> Iterator[ConfigChange]:
     """Settings by time, from the events that tell of them; what makes no sense is noted."""
-    newest = ConfigChange(
-        0, Tuning(deadline=model_config.budget), Configuration(1, model_config.solver)
-    )
+    tuning = Tuning(deadline=model_config.budget)
+    newest = ConfigChange(0, Configuration(1, model_config.solver, tuning))
     yield newest
     for event in recording.index.events:
         if event.get("kind") != "settings":
             continue
         try:
-            tuning = Tuning().changed(event["tuning"])
-            configuration = newest.configuration
+            changed = {"tuning": event["tuning"]}
             if "solver" in event:
-                solver = value_from_plain("solver", event["solver"])
-                if not hasattr(solver, "prepare"):
-                    raise InputError(f"the solver is {event['solver']!r:.60}")
-                configuration = Configuration(int(event["generation"]), solver)
-            newest = ConfigChange(event["wall_ns"], tuning, configuration)
+                changed |= {name: event[name] for name in ("solver", "generation")}
+            configuration = Configuration.from_dict(newest.configuration.as_dict() | changed)
+            newest = ConfigChange(event["wall_ns"], configuration)
             yield newest
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
             recording.note(0, f"settings that make no sense are left out: {error!s:.200}")
@@ -410,7 +403,6 @@ class Published:
         )
         if known is not self._config:
             self._config = known
-            status["tuning"][:] = known.tuning.numbers(self._ring.description["patches"])
             write_configuration(status["configuration"], known.configuration)
         if tare is not None and tare is not self._tare:
             self._tare = tare

@@ -1,9 +1,4 @@
-"""Real time: priorities, pinned processors, locked memory, and how well they do.
-
-`RealTime` asks the system for what a loop needs and reports what it got. `PeriodicClock` and
-`EventWaiter` wait for the next cycle. `TimingTable` counts times where others can read them
-while the loop runs.
-"""
+"""Real time: priorities, pinned processors, locked memory, clocks of a loop, and its times."""
 
 from skinfield.loop.realtime.clock import EventWaiter as EventWaiter
 from skinfield.loop.realtime.clock import PeriodicClock as PeriodicClock

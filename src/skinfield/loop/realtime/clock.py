@@ -4,24 +4,10 @@ import select
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Protocol
 
 from skinfield.errors import check_count
 
 NS = 1e-9
-
-
-class Waiter(Protocol):
-    """What a loop waits by, between two cycles."""
-
-    @property
-    def skipped(self) -> int:
-        """Periods since the start in which no cycle began."""
-        ...
-
-    def wait(self) -> tuple[int, int]:
-        """Sleep until the next cycle: when it was due and when it began, in ns."""
-        ...
 
 
 def sleep_until(due_ns: int) -> None:
@@ -115,9 +101,9 @@ class EventWaiter:
 
     Parameters
     ----------
-    filenos : iterable of int, or function that returns one
-        Descriptors that readings arrive at. A function is asked again once a second, for sources
-        that are opened anew.
+    filenos : function that returns an iterable of int
+        Descriptors that readings arrive at; asked again once a second, for sources that are opened
+        anew.
     longest_ns : int, ns
         After the cycle before, when a cycle begins though nothing came; to a millisecond.
     shortest_ns : int, ns
@@ -133,7 +119,7 @@ class EventWaiter:
 
     def __init__(
         self,
-        filenos: Iterable[int] | Callable[[], Iterable[int]],
+        filenos: Callable[[], Iterable[int]],
         longest_ns: int = 10_000_000,
         shortest_ns: int = 200_000,
     ) -> None:
@@ -143,12 +129,11 @@ class EventWaiter:
         self._poll = select.poll()
         self._watched: tuple[int, ...] = ()
         self._woke = self._asked = time.monotonic_ns()
-        self._ask = filenos if callable(filenos) else None
-        self.watch(filenos() if callable(filenos) else filenos)
+        self._ask = filenos
+        self._watch()
 
-    def watch(self, filenos: Iterable[int]) -> None:
-        """Wait for these descriptors from now on: after a source was opened again."""
-        wanted = tuple(filenos)
+    def _watch(self) -> None:
+        wanted = tuple(self._ask())
         for gone in set(self._watched) - set(wanted):
             self._forget(gone)
         for each in wanted:
@@ -171,9 +156,9 @@ class EventWaiter:
         """
         due = self._woke + self.longest_ns
         now = time.monotonic_ns()
-        if self._ask is not None and now - self._asked > AGAIN_NS:
+        if now - self._asked > AGAIN_NS:
             self._asked = now
-            self.watch(self._ask())
+            self._watch()
         rested = now + (now - self._woke) // REST
         sleep_until(max(self._woke + self.shortest_ns, rested))
         events = self._poll.poll(max((due - time.monotonic_ns()) * 1e-6, 0.0))
@@ -182,3 +167,6 @@ class EventWaiter:
                 self._forget(fileno)
         self._woke = now = time.monotonic_ns()
         return (now if events else min(due, now)), now
+
+
+Waiter = PeriodicClock | EventWaiter  # what a loop waits by, between two cycles

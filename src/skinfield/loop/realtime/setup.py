@@ -10,7 +10,7 @@ import struct
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -65,31 +65,23 @@ class RealTimeStatus:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "RealTimeStatus":
-        """Back from `as_dict`; keys of newer versions are passed over."""
-        known: dict[str, Any] = {
-            each.name: values[each.name] for each in fields(cls) if each.name in values
-        }
-        for name in ("refused", "disturbances"):
-            known[name] = tuple(known.get(name, ()))
-        return cls(**known)
+        """Back from `as_dict`."""
+        lists = {name: tuple(values[name]) for name in ("refused", "disturbances")}
+        return cls(**{**values, **lists})
 
     def sentences(self) -> tuple[str, ...]:
         """Everything as sentences: what was granted first."""
-        return (self._summary(), *self.refused, *self.disturbances)
-
-    def _summary(self) -> str:
-        parts = [f"ordinary scheduling ({self.scheduler})"]
+        scheduling = f"ordinary scheduling ({self.scheduler})"
         if self.real_time:
-            parts = [f"{self.scheduler} at priority {self.priority}"]
-        if self.cpu is None:
-            parts.append("on any processor")
-        else:
-            parts.append(f"pinned to {'the isolated ' if self.isolated else ''}CPU {self.cpu}")
-        parts.append(f"memory {self.memory}")
-        parts.append("garbage collector frozen" if self.gc_frozen else "garbage collector running")
-        return f"{', '.join(parts)}; {self.kernel}"
+            scheduling = f"{self.scheduler} at priority {self.priority}"
+        cpu = f"pinned to {'the isolated ' if self.isolated else ''}CPU {self.cpu}"
+        where = "on any processor" if self.cpu is None else cpu
+        gc = f"garbage collector {'frozen' if self.gc_frozen else 'running'}"
+        granted = f"{scheduling}, {where}, memory {self.memory}, {gc}; {self.kernel}"
+        return (granted, *self.refused, *self.disturbances)
 
 
+POLICIES = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
 CAP_IPC_LOCK = 14  # number of the capability, of linux/capability.h
 LATENCY = Path("/dev/cpu_dma_latency")
 _awake: list[int] = []  # the descriptor that keeps processors awake for as long as it is open
@@ -105,14 +97,19 @@ class Outcome:
 
 def request_all(wanted: "RealTime") -> Outcome:
     """Make all requests of `wanted`."""
-    outcome = Outcome()
+    nothing = {"scheduler": "of this system", "priority": 0, "cpu": None, "isolated": False}
+    outcome = Outcome({**nothing, "memory": "not locked", "gc_frozen": wanted.freeze_gc})
+    if wanted.freeze_gc:
+        gc.collect()
+        gc.freeze()
+        gc.disable()
     if not system.LINUX:
         outcome.refused.append(
             f"real time not granted: it is asked for on Linux only and this is {sys.platform}; "
             "run the engine on a Linux machine for times that hold"
         )
+        return outcome
     _pin(wanted, outcome)
-    _collect(wanted, outcome)
     _lock(wanted, outcome)
     _stay_awake(wanted, outcome)
     _slack(outcome)
@@ -121,16 +118,16 @@ def request_all(wanted: "RealTime") -> Outcome:
 
 
 def _schedule(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted.update(scheduler="of this system", priority=0)
-    if not system.LINUX:
-        return
-    outcome.granted.update(scheduler=_policy(), priority=os.sched_getparam(0).sched_priority)
+    number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+    policies = {getattr(os, name): name for name in POLICIES}
+    policy, priority = policies.get(number, f"policy {number}"), os.sched_getparam(0).sched_priority
+    outcome.granted.update(scheduler=policy, priority=priority)
     if not wanted.priority:
         return
     error: OSError | None = None
-    for priority in dict.fromkeys((wanted.priority, min(_permitted_priority(), wanted.priority))):
-        if not priority:
-            continue
+    permitted, _ = _raise_limit("RLIMIT_RTPRIO")
+    lower = wanted.priority if permitted < 0 else min(permitted, wanted.priority)
+    for priority in filter(None, dict.fromkeys((wanted.priority, lower))):
         try:  # what this process starts later is ordinary again
             os.sched_setscheduler(
                 0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority)
@@ -159,19 +156,6 @@ def _remedy(limit: str, capability: str) -> str:
     )
 
 
-def _policy() -> str:
-    number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
-    names = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
-    known = {getattr(os, name): name for name in names}
-    return known.get(number, f"policy {number}")
-
-
-def _permitted_priority() -> int:
-    """The highest that the limits of the process permit, once raised as far as they may be."""
-    soft, _ = _raise_limit("RLIMIT_RTPRIO")
-    return 99 if soft < 0 or soft > 99 else soft
-
-
 def _raise_limit(name: str) -> tuple[int, int]:
     """Soft and hard limit after raising the soft one; below 0 for none."""
     import resource
@@ -185,9 +169,6 @@ def _raise_limit(name: str) -> tuple[int, int]:
 
 
 def _pin(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted.update(cpu=None, isolated=False)
-    if not system.LINUX:
-        return
     allowed = os.sched_getaffinity(0)
     isolated = cpus_of(read_text("/sys/devices/system/cpu/isolated"))
     if wanted.cpu is not None:
@@ -222,17 +203,8 @@ def _isolated_choices(allowed: set[int], isolated: set[int]) -> set[int]:
     return isolated if allowed | isolated >= online else isolated & allowed
 
 
-def _collect(wanted: "RealTime", outcome: Outcome) -> None:
-    if wanted.freeze_gc:
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-    outcome.granted["gc_frozen"] = wanted.freeze_gc
-
-
 def _lock(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted["memory"] = "not locked"
-    if not wanted.lock_memory or not system.LINUX:
+    if not wanted.lock_memory:
         return
     try:
         for name, value in ((system.M_TRIM_THRESHOLD, -1), (system.M_MMAP_MAX, 0)):
@@ -241,7 +213,8 @@ def _lock(wanted: "RealTime", outcome: Outcome) -> None:
     except OSError as error:
         outcome.refused.append(f"freed memory goes back to the system: {error.strerror}")
     # Under a limit, memory that is locked as it is allocated would make allocations fail.
-    free = _may_lock_all()
+    soft, _ = _raise_limit("RLIMIT_MEMLOCK")
+    free = soft < 0 or bool(capabilities() >> CAP_IPC_LOCK & 1)
     try:
         _lock_all(system.MCL_CURRENT | (system.MCL_FUTURE if free else 0))
     except OSError as error:
@@ -268,13 +241,8 @@ def _lock_all(flags: int) -> None:
         system.call("mlockall", flags)
 
 
-def _may_lock_all() -> bool:
-    soft, _ = _raise_limit("RLIMIT_MEMLOCK")
-    return soft < 0 or bool(capabilities() >> CAP_IPC_LOCK & 1)
-
-
 def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
-    if not wanted.keep_awake or _awake or not system.LINUX:
+    if not wanted.keep_awake or _awake:
         return
     try:
         held = os.open(LATENCY, os.O_WRONLY | os.O_CLOEXEC)
@@ -290,8 +258,6 @@ def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
 
 
 def _slack(outcome: Outcome) -> None:
-    if not system.LINUX:
-        return
     try:
         system.call("prctl", system.PR_SET_TIMERSLACK, 1, 0, 0, 0)
     except OSError as error:
@@ -354,5 +320,5 @@ class RealTime:
             **outcome.granted,
             kernel=system.kernel(),
             refused=tuple(outcome.refused),
-            disturbances=system.disturbances(outcome.granted["cpu"]),
+            disturbances=tuple(system.disturbances(outcome.granted["cpu"])),
         )

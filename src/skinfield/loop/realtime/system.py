@@ -6,8 +6,8 @@ import platform
 import sys
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 PR_SET_TIMERSLACK = 29
@@ -58,17 +58,8 @@ KERNEL_THREAD = 0x0020_0000  # PF_KTHREAD of linux/sched.h
 FLAGS, PRIORITY = 6, 37  # fields of /proc/PID/stat behind the name, see proc(5)
 
 
-@dataclass(frozen=True)
-class Competitor:
-    """A thread with a real-time priority that may run on one processor only.
-
-    Attributes
-    ----------
-    process : int
-    name : str
-    priority : int
-    cpu : int
-    """
+class Competitor(NamedTuple):
+    """A thread with a real-time priority that may run on one processor only."""
 
     process: int
     name: str
@@ -76,12 +67,8 @@ class Competitor:
     cpu: int
 
 
-def competitors() -> tuple[Competitor, ...]:
+def competitors() -> Iterator[Competitor]:
     """Those of other processes; the kernel's own threads are not among them."""
-    return tuple(_competitors())
-
-
-def _competitors() -> Iterator[Competitor]:
     for process in PROCESSES.glob("[0-9]*"):
         if int(process.name) == os.getpid():
             continue
@@ -114,12 +101,8 @@ def kernel() -> str:
     return f"{name}, {' '.join(words)}" if words else name
 
 
-def disturbances(cpu: int | None) -> tuple[str, ...]:
+def disturbances(cpu: int | None) -> Iterator[str]:
     """What makes a loop on this processor late, or on any: a sentence each."""
-    return tuple(_disturbances(cpu))
-
-
-def _disturbances(cpu: int | None) -> Iterator[str]:
     if (os.cpu_count() or 1) == 1:
         yield "this machine has one CPU: everything else shares it with the loop"
     if threading.active_count() > 1:
@@ -135,10 +118,29 @@ def _disturbances(cpu: int | None) -> Iterator[str]:
                 f"CPU {cpu} is also that of {competitor.name}, process {competitor.process}, at "
                 f"real-time priority {competitor.priority}: give one of them another CPU"
             )
-    yield from _throttling()
-    yield from _governor(cpu)
-    yield from _sibling(cpu)
-    if _swap_used():
+    runtime = read_text("/proc/sys/kernel/sched_rt_runtime_us").strip()
+    period = read_text("/proc/sys/kernel/sched_rt_period_us").strip()
+    if runtime.isdigit() and period.isdigit() and int(runtime) < int(period):
+        yield (
+            f"real-time throttling is on: what computes for more than {int(runtime) / 1000:g} of "
+            f"{int(period) / 1000:g} ms is stopped for the rest; a loop that sleeps in every "
+            "cycle does not get there, `sudo sysctl kernel.sched_rt_runtime_us=-1` ends it"
+        )
+    folder = "/sys/devices/system/cpu/cpu"
+    governor = read_text(f"{folder}{cpu or 0}/cpufreq/scaling_governor").strip()
+    if governor and governor != "performance":
+        yield (
+            f"the governor of CPU {cpu or 0} is {governor}: it slows down when there is little to "
+            "do; run `sudo cpupower frequency-set -g performance`"
+        )
+    siblings = cpus_of(read_text(f"{folder}{cpu}/topology/thread_siblings_list")) - {cpu}
+    if siblings:
+        yield (
+            f"CPU {cpu} shares its core with CPU {', '.join(map(str, sorted(siblings)))}: what "
+            "runs there slows the loop down; turn off hyper-threading, or leave that one idle"
+        )
+    used = [row.split()[3:4] for row in read_text("/proc/swaps").splitlines()[1:]]
+    if any(each not in ([], ["0"]) for each in used):
         yield (
             "swap is in use: memory that is not locked may have to be read from disk; "
             "run `sudo swapoff -a`"
@@ -148,41 +150,3 @@ def _disturbances(cpu: int | None) -> Iterator[str]:
             "this is a virtual machine: its host may take a CPU away at any time; compare with "
             "a cyclictest beside it, `skinfield bench --jitter`"
         )
-
-
-def _throttling() -> Iterator[str]:
-    runtime = read_text("/proc/sys/kernel/sched_rt_runtime_us").strip()
-    period = read_text("/proc/sys/kernel/sched_rt_period_us").strip()
-    if runtime.isdigit() and period.isdigit() and int(runtime) < int(period):
-        yield (
-            f"real-time throttling is on: what computes for more than {int(runtime) / 1000:g} of "
-            f"{int(period) / 1000:g} ms is stopped for the rest; a loop that sleeps in every "
-            "cycle does not get there, `sudo sysctl kernel.sched_rt_runtime_us=-1` ends it"
-        )
-
-
-def _governor(cpu: int | None) -> Iterator[str]:
-    found = read_text(f"/sys/devices/system/cpu/cpu{cpu or 0}/cpufreq/scaling_governor").strip()
-    if found and found != "performance":
-        yield (
-            f"the governor of CPU {cpu or 0} is {found}: it slows down when there is little to "
-            "do; run `sudo cpupower frequency-set -g performance`"
-        )
-
-
-def _sibling(cpu: int | None) -> Iterator[str]:
-    if cpu is None:
-        return
-    topology = f"/sys/devices/system/cpu/cpu{cpu}/topology/thread_siblings_list"
-    others = sorted(cpus_of(read_text(topology)) - {cpu})
-    if others:
-        yield (
-            f"CPU {cpu} shares its core with CPU {', '.join(map(str, others))}: what runs there "
-            "slows the loop down; turn off hyper-threading, or leave that one idle"
-        )
-
-
-def _swap_used() -> bool:
-    """Whether any swap is used, from the fourth column of the system's table."""
-    rows = [line.split() for line in read_text("/proc/swaps").splitlines()[1:]]
-    return any(len(row) > 3 and row[3].isdigit() and int(row[3]) > 0 for row in rows)

@@ -11,12 +11,13 @@ only grows, so a reader needs no lock; the words of one time are written one aft
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import InputError, check_count, check_shape
+from skinfield.errors import InputError, check_count
 from skinfield.loop.realtime.layout import (
     BINS,
     CYCLES,
@@ -63,17 +64,6 @@ class Quantiles:
         return {**times, "count": self.count}
 
 
-def check_words(name: str, words: Counts, shape: tuple[int, ...]) -> None:
-    """Raise InputError unless compiled code may count into `words`."""
-    check_shape(name, words, shape, "the words of histograms, see skinfield.loop.realtime.layout")
-    if words.dtype != np.uint64 or not words.flags.c_contiguous or not words.flags.writeable:
-        raise InputError(
-            f"{name} is {words.dtype}, {'' if words.flags.writeable else 'not '}writeable and "
-            f"{'' if words.flags.c_contiguous else 'not '}contiguous, expected uint64, writeable "
-            "and contiguous: it is counted into in place"
-        )
-
-
 def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
     """Quantiles of what a histogram counted, in all or since an earlier copy of it.
 
@@ -88,11 +78,9 @@ def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
     Quantiles or None
         None where nothing was counted.
     """
-    check_shape("counts", counts, (WORDS,), "bins, longest time and sum of one histogram")
     bins = counts[:BINS].astype(np.int64)
     total, longest = int(counts[SUM]), int(counts[LONGEST])
     if before is not None:
-        check_shape("before", before, (WORDS,), "an earlier copy of the same histogram")
         bins -= before[:BINS].astype(np.int64)
         total -= int(before[SUM])
         if (bins < 0).any():
@@ -117,14 +105,8 @@ def _edge(below: NDArray[np.int64], count: int, share: int, longest: int) -> int
     return min(int(LAST_NS[int(np.searchsorted(below, rank))]), longest)
 
 
-def _last_ns() -> NDArray[np.int64]:
-    octave = np.maximum((np.arange(BINS) >> OCTAVE_BITS) - 1, 0)
-    first = (np.arange(BINS) - (octave << OCTAVE_BITS)) << octave
-    found: NDArray[np.int64] = first + (1 << octave) - 1
-    return found
-
-
-LAST_NS = _last_ns()  # (BINS,) the longest time in each bin, ns
+OCTAVE = np.maximum((np.arange(BINS) >> OCTAVE_BITS) - 1, 0)  # (BINS,) of each bin
+LAST_NS = ((np.arange(BINS) - (OCTAVE << OCTAVE_BITS) + 1) << OCTAVE) - 1  # its longest time, ns
 
 
 TIMES = ("wake", "acquired", "ready", "latency", "cycle")
@@ -171,12 +153,11 @@ class TimingTable:
         check_count("deadline_ns", self.deadline_ns, 1, 1 << 40, "ns after the due time")
         self.times: Words = np.zeros((len(TIMES), WORDS), np.uint64) if times is None else times
         self.totals: Words = np.zeros(len(TOTALS), np.uint64) if totals is None else totals
-        check_words("times", self.times, (len(TIMES), WORDS))
-        check_words("totals", self.totals, (len(TOTALS),))
         self._skipped_before = int(self.totals[SKIPPED])  # by an engine that ran before
-        self._add = add_cycle
+        periods = self.period_ns, self.deadline_ns
+        self._add = partial(add_cycle, self.times, self.totals, *periods)
         rehearsal = np.zeros_like(self.times), np.zeros_like(self.totals)
-        self._add(*rehearsal, self.period_ns, self.deadline_ns, 0, 0, 0, 0, 0, 0)
+        add_cycle(*rehearsal, *periods, 0, 0, 0, 0, 0, 0)
 
     def add(
         self,
@@ -196,26 +177,11 @@ class TimingTable:
         latency_ns : int, ns
             Age of the newest reading when the estimate was published; below 0 where none came.
         """
-        self._add(
-            self.times,
-            self.totals,
-            self.period_ns,
-            self.deadline_ns,
-            due_ns,
-            wake_ns,
-            acquired_ns,
-            ready_ns,
-            done_ns,
-            latency_ns,
-        )
+        self._add(due_ns, wake_ns, acquired_ns, ready_ns, done_ns, latency_ns)
 
     def set_skipped(self, periods: int) -> None:
         """How many periods passed without a cycle, as the clock counted them since it was made."""
         self.totals[SKIPPED] = self._skipped_before + periods
-
-    def timing(self, before: "tuple[Words, Words] | None" = None) -> "Timing":
-        """See `Timing.of`."""
-        return Timing.of(self.times, self.totals, before)
 
 
 class Timing(NamedTuple):
