@@ -6,11 +6,13 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from struct import Struct
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+from typing import Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+
+from mcap.records import Attachment, Channel
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.records import (
@@ -50,9 +52,6 @@ from skinfield.files.mcap.schema import (
 )
 from skinfield.signal import Calibration
 from skinfield.skin import Skin
-
-if TYPE_CHECKING:
-    from mcap.records import Attachment, Channel
 
 T = TypeVar("T")
 L = TypeVar("L", CycleLayout, FitLayout)
@@ -101,8 +100,8 @@ class LiveRecording:
 
     path: Path
     outline: Outline
-    channels: dict[int, "Channel"] = field(default_factory=dict)
-    attached: dict[str, "Attachment"] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    attached: dict[str, Attachment] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
 
     @classmethod
@@ -120,8 +119,9 @@ class LiveRecording:
             if found.outline.damage is not None:
                 found.damage.append(found.outline.damage)
             found._read_heads(file)
-            if not found._has_channels():
-                found._look_into_chunks(file)
+            for record in found.outline.records:  # other writers put channels into the first chunk
+                if record.opcode == Op.CHUNK and not found._has_channels():
+                    deque(found.messages_in(file, record), 0)
         if not found._has_channels():
             there = ", ".join(sorted(each.topic for each in found.channels.values())[:8])
             where = (
@@ -223,11 +223,11 @@ class LiveRecording:
 
     def timing(self) -> Iterator[dict[str, Any]]:
         """What was measured, second by second."""
-        return self._decoded(TIMING, self._object_of)
+        return self._decoded(TIMING, partial(self._noted, _object))
 
     def events(self) -> Iterator[dict[str, Any]]:
         """What happened: `wall_ns`, `kind`, `text` and more, by kind."""
-        return self._decoded(EVENTS, self._object_of)
+        return self._decoded(EVENTS, partial(self._noted, _object))
 
     def logged_of(self, at: int, message: Message) -> Logged | None:
         """Blocks of a message at byte `at`; None, and a note, if it is too short."""
@@ -239,22 +239,19 @@ class LiveRecording:
 
     def cycle_of(self, at: int, data: bytes) -> Cycle | None:
         """Cycle of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(at, self.cycle_layout.decode, data)
+        return self._noted(self.cycle_layout.decode, at, data)
 
     def field_of(self, at: int, data: bytes) -> FieldRecord | None:
         """Field of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(at, FieldRecord.decode, data)
+        return self._noted(FieldRecord.decode, at, data)
 
     def fit_of(self, at: int, data: bytes) -> FitRecord | None:
         """Answer of a fit of a message at byte `at`; None, and a note, if it cannot be read."""
         layout = self.fit_layout
         assert layout is not None  # else there is no such channel
-        return self._noted(at, layout.decode, data)
+        return self._noted(layout.decode, at, data)
 
-    def _object_of(self, at: int, data: bytes) -> dict[str, Any] | None:
-        return self._noted(at, _object, data)
-
-    def _noted(self, at: int, decode: Callable[[bytes], T], data: bytes) -> T | None:
+    def _noted(self, decode: Callable[[bytes], T], at: int, data: bytes) -> T | None:
         try:
             return decode(data)
         except InputError as error:
@@ -300,12 +297,6 @@ class LiveRecording:
             except Damaged as error:
                 self.note(record.start, str(error))
 
-    def _look_into_chunks(self, file: BinaryIO) -> None:
-        """Channels that other writers put into the first chunk."""
-        for record in self.outline.records:
-            if record.opcode == Op.CHUNK and not self._has_channels():
-                deque(self.messages_in(file, record), 0)
-
     def _add_channel(self, body: bytes) -> None:
         channel = parsed(Op.CHANNEL, body)
         self.channels[channel.id] = channel
@@ -328,7 +319,7 @@ class LiveRecording:
             there = ", ".join(sorted(self.attached)[:8]) or "nothing"
             raise FileError(f"{self.path} encloses {there}, expected {name}")
         with TemporaryDirectory() as folder:
-            copy = Path(folder) / Path(LAYOUT).name
+            copy = Path(folder) / LAYOUT
             copy.write_bytes(self.attached[name].data)
             try:
                 return load(copy)
@@ -412,7 +403,7 @@ class Index:
         with open_file(recording.path) as file:
             for number, record in enumerate(recording.outline.records):
                 for topic, message, start in recording.messages_in(file, record):
-                    found._add(topic, message.data, Place(0, number, start))
+                    found._add(topic, message.data, number, start)
         return found
 
     def record_before(self, time_ns: int) -> int:
@@ -420,13 +411,12 @@ class Index:
         place = bisect_right(self.starts, (time_ns, len(self.starts) << 32))
         return self.starts[place - 1][1] if place else 0
 
-    def _add(self, topic: str, data: bytes, place: Place) -> None:
+    def _add(self, topic: str, data: bytes, record: int, start: int) -> None:
         if topic == CYCLES and len(data) >= CYCLE_HEAD.size:
-            self._add_cycle(place.record, *HEAD.unpack_from(data))
+            self._add_cycle(record, *HEAD.unpack_from(data))
         elif topic in self.places and len(data) >= PUBLISHED.size:
-            its = self.places[topic]
-            (time_ns,) = PUBLISHED.unpack_from(data)
-            its.append(place._replace(time_ns=max(time_ns, its[-1].time_ns if its else time_ns)))
+            its, (time_ns,) = self.places[topic], PUBLISHED.unpack_from(data)
+            its.append(Place(max(time_ns, its[-1].time_ns if its else time_ns), record, start))
         elif topic == EVENTS:
             with suppress(InputError):
                 event = _object(data)

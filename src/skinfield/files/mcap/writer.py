@@ -4,20 +4,16 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from skinfield.errors import FileError, InputError, check_choice, check_count
-from skinfield.files.mcap.container import (
-    COMPRESSIONS,
-    Bytes,
-    Compression,
-    Container,
-    FileOutput,
-)
+from mcap.records import Attachment, Channel, Schema
+
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.files.mcap.container import Bytes, Container, FileOutput
 from skinfield.files.mcap.schema import (
     BLOCKS,
     CALIBRATION,
@@ -133,28 +129,6 @@ TIMING_SCHEMA = _object(
 EVENT_SCHEMA = _object("skinfield.Event", wall_ns="integer", kind="string", text="string")
 
 
-@dataclass(frozen=True)
-class RecordingSettings:
-    """How a recording is written.
-
-    Parameters
-    ----------
-    compression : "zstd", "lz4" or "none"
-    chunk_bytes : int
-        A chunk is closed when it has as many; 256 kB to 1 MB are usual.
-    overwrite : bool
-        Whether a file of this name may be replaced.
-    """
-
-    compression: Compression = "zstd"
-    chunk_bytes: int = 1 << 19
-    overwrite: bool = False
-
-    def __post_init__(self) -> None:
-        check_choice("compression", self.compression, COMPRESSIONS, "of the file's chunks")
-        check_count("chunk_bytes", self.chunk_bytes, 1, 1 << 28, "what is compressed together")
-
-
 class RecordingWriter:
     """Writes a recording; what was flushed survives the end of the process.
 
@@ -168,7 +142,8 @@ class RecordingWriter:
         Of the cycles' rows.
     fit : FitLayout, optional
         Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
-    settings : RecordingSettings
+    overwrite : bool
+        Whether a file of this name may be replaced.
     output : FileOutput, optional
         Instead of a file of this path.
 
@@ -191,19 +166,20 @@ class RecordingWriter:
         *,
         layout: CycleLayout,
         fit: FitLayout | None = None,
-        settings: RecordingSettings | None = None,
+        overwrite: bool = False,
         output: FileOutput | None = None,
     ) -> None:
         self.path = Path(path)
-        settings = settings or RecordingSettings()
-        self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
-        library = f"skinfield {version('skinfield')}"
-        self.container = Container(
-            self._output, settings.compression, settings.chunk_bytes, PROFILE, library
-        )
+        self._output = output or FileOutput(self.path, overwrite=overwrite)
+        self.container = Container(self._output, PROFILE, f"skinfield {version('skinfield')}")
+        numbers = count(1)
 
         def add(topic: str, kind: str, schema: tuple[str, str, bytes], rows: Any = None) -> int:
-            return self.container.add_channel(topic, kind, schema, rows and rows.metadata())
+            number, (name, form, text) = next(numbers), schema
+            self.container.put(Schema(number, text, form, name))
+            metadata = {} if rows is None else rows.metadata()
+            self.container.put(Channel(number, topic, kind, metadata, number))
+            return number
 
         self._blocks = add(BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
         self._cycles = add(CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
@@ -266,8 +242,8 @@ class RecordingWriter:
 
     def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
         """Add a small file."""
-        add = self.container.add_attachment
-        add(enclosed.name, enclosed.media_type, enclosed.data, time_ns)
+        name, kind, data = enclosed.name, enclosed.media_type, enclosed.data
+        self.container.put(Attachment(time_ns, time_ns, name, kind, data))
 
     def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
         """Add something that happened; raises as `write_blocks`.
