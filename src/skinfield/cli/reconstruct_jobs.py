@@ -170,7 +170,7 @@ class Spool:
         self.patch = patch
         self.like: Recording | None = None
         self.notes: tuple[str, ...] = ()
-        self.skipped, self.divisor, self._count = 0, 1, 0
+        self.skipped, self._count = 0, 0
         self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
         self._file = TemporaryFile(dir=folder)  # noqa: SIM115
 
@@ -197,9 +197,8 @@ class Spool:
             rows = np.empty(last - first, self._kind)
             self._file.seek(first * self._kind.itemsize)
             self._file.readinto(rows.view(np.uint8).data)
-            stamps = rows["stamp_ns"] // self.divisor
             counts = np.ascontiguousarray(rows["counts"])
-            yield replace(self.like, stamp_ns=stamps, counts=counts)
+            yield replace(self.like, stamp_ns=rows["stamp_ns"], counts=counts)
             first = last
 
 
@@ -250,7 +249,6 @@ def _spooled(recording: str, spool: Spool, step: Step) -> Spool:
     else:
         for block in opened.blocks():
             spool.add(block)
-        spool.divisor = opened.divisor
     spool.notes, spool.skipped = opened.notes + spool.notes, opened.skipped
     if spool.like is None:
         raise InputError(f"{recording} holds no reading, expected one or more")

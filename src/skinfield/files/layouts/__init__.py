@@ -79,7 +79,7 @@ def format_of(path: Path) -> Format:
         When the file cannot be read or is of no known format.
     """
     data = read_bytes(path)
-    fitting = _fitting(data)
+    fitting = fitting_formats(data)
     if not fitting:
         tried = "; ".join(f"{form.NAME} ({form.EXPECTED})" for form in FORMATS)
         what = "is empty" if not data.strip() else "is of no known format"
@@ -88,7 +88,8 @@ def format_of(path: Path) -> Format:
     return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
 
 
-def _fitting(data: bytes) -> list[Format]:
+def fitting_formats(data: bytes) -> list[Format]:
+    """Formats that a file with these bytes may be of."""
     return [form for form in FORMATS if form.sniff(data)]
 
 
@@ -122,7 +123,7 @@ def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
         raise FileError(
             f"{path}: {error.strerror}, expected a folder that can be listed"
         ) from error
-    layouts = [file for file in files if _fitting(read_bytes(file))]
+    layouts = [file for file in files if fitting_formats(read_bytes(file))]
     if not layouts:
         raise FileError(
             f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory "

@@ -156,8 +156,6 @@ class LiveStream:
         Complete once `blocks` is exhausted.
     skipped : int
         Places of the file that could not be read, likewise.
-    divisor : int
-        Always 1: stamps are ns.
     """
 
     recording: LiveRecording
@@ -167,7 +165,6 @@ class LiveStream:
     progress: Progress | None = None
     notes: tuple[str, ...] = ()
     skipped: int = 0
-    divisor: int = 1
 
     def blocks(self) -> Iterator[Recording]:
         """Rows as recordings of some thousand readings each, once.

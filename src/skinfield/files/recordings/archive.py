@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, Floats
 from skinfield.files.recordings.head import Head, chosen
 from skinfield.files.recordings.lines import Progress
-from skinfield.files.recordings.stamp import order_notes
-from skinfield.files.recordings.stream import Missing
+from skinfield.files.recordings.stream import Doubts
 from skinfield.skin.reading import UNITS, Recording
 
 KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")
@@ -30,7 +29,7 @@ def matches(head: Head) -> bool:
 def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
     """Read an archive whose head `matches`."""
     found = _load(head)
-    if "counts" not in found or not {"stamp_ns", "time_s"} & set(found):
+    if not {"stamp_ns", "time_s"} & set(found):
         raise FileError(f"{head.path} lacks keys: expected {LAYOUT}")
     counts = _floats(head, "counts", found["counts"])
     if counts.ndim != 2 or not counts.size:
@@ -43,9 +42,9 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
     keep = chosen(columns, counts.shape[1], head.path)
     uid = _uids(head, found, counts.shape[1])
     counts, rows = counts[:, keep], np.arange(len(counts))
-    missing = Missing()
-    missing.mend(counts, rows)
-    notes = missing.notes(head.path) + order_notes(stamps, head.path.name, rows)
+    doubts = Doubts(head.path)
+    doubts.add(stamps, counts, rows)
+    notes = doubts.notes()
     unit = str(found["unit"]) if "unit" in found else "count"
     if unit not in UNITS:
         raise FileError(

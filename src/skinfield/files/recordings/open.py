@@ -1,39 +1,46 @@
 """Open a recording, whatever its format."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Protocol
 
 from skinfield.errors import FileError
 from skinfield.files.mcap import reader as mcap
-from skinfield.files.recordings import archive, cyskin_recorder, cyskin_text, table, yarp
-from skinfield.files.recordings.head import Head, read_head
-from skinfield.files.recordings.lines import Progress
-from skinfield.files.recordings.mistaken import is_binary, verdict
-from skinfield.files.recordings.stream import Contents, RecordingStream, collected
+from skinfield.files.recordings import archive, cyskin, table, yarp
+from skinfield.files.recordings.head import Head, is_whole, read_head
+from skinfield.files.recordings.lines import Contents, Progress
+from skinfield.files.recordings.stream import RecordingStream, collected
 from skinfield.skin.reading import Recording
 
-
-class Format(Protocol):
-    """What every module of a format offers."""
-
-    def matches(self, head: Head, /) -> bool:
-        """Whether the file is of this format."""
-        ...
-
-    def contents(self, head: Head, columns: Sequence[int | str] | None, /) -> Contents:
-        """What its lines hold."""
-        ...
-
-
-FORMATS: tuple[Format, ...] = (table, cyskin_recorder, cyskin_text, yarp)  # the strictest first
+KNOWN = (
+    "a recording: a yarpdatadumper log (sequence time values), CySkin text (a line of uids, then "
+    "sample time values), CySkin SkinRecorder text (devices, taxels, then sample time n uid value "
+    "...), CSV with a line of names (time_s,taxel_0,...), or NPZ (stamp_ns, counts)"
+)
+OTHERS = {  # first bytes of files that are taken for recordings
+    b"\x1f\x8b": "compressed by gzip: unpack it first",
+    b"\x93NUMPY": "one NumPy array without times: save it as NPZ with stamp_ns and counts",
+    b"PAR1": "a Parquet table: save it as CSV with a column time_s",
+    b"\x89HDF": "an HDF5 or MATLAB file: save it as NPZ or CSV",
+    b"MATLAB 5.0": "a MATLAB file: save it as NPZ or CSV",
+    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
+}
+INFO = r"(Type|Stamp|Source): |\[\d+\.\d+\] /"  # how an info.log begins
+Columns = Sequence[int | str] | None
+FORMATS: tuple[Callable[[Head, Columns], Contents | None], ...] = (  # the strictest first
+    table.contents,
+    cyskin.recorder,
+    cyskin.text,
+    yarp.contents,
+)
 
 
 def open_recording(
     path: str | Path,
     *,
-    columns: Sequence[int | str] | None = None,
+    columns: Columns = None,
     progress: Progress | None = None,
 ) -> Recording:
     """Read a recording; its content says which format it has.
@@ -69,7 +76,7 @@ def open_recording(
 def stream_recording(
     path: str | Path,
     *,
-    columns: Sequence[int | str] | None = None,
+    columns: Columns = None,
     progress: Progress | None = None,
 ) -> RecordingStream | mcap.LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
@@ -88,11 +95,10 @@ def stream_recording(
     return RecordingStream(_contents(head, columns), progress)
 
 
-def _contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
-    if not is_binary(head):
-        for fmt in FORMATS:
-            if fmt.matches(head):
-                return fmt.contents(head, columns)
+def _contents(head: Head, columns: Columns) -> Contents:
+    for form in () if is_binary(head) else FORMATS:
+        if (found := form(head, columns)) is not None:
+            return found
     raise FileError(verdict(head))
 
 
@@ -112,3 +118,36 @@ def _file(path: Path) -> Path:
         raise FileError(f"{path!s} cannot be opened: {error}; expected a recording") from error
     hint = f"; logs lie in {', '.join(inner[:5])}" if inner else ""
     raise FileError(f"{path} is a folder without data.log, expected a yarpdatadumper log{hint}")
+
+
+def verdict(head: Head) -> str:
+    """One sentence on what a file that is no recording is, and what was expected."""
+    from skinfield.files.layouts import fitting_formats
+
+    what = next((what for start, what in OTHERS.items() if head.data.startswith(start)), "")
+    if layouts := fitting_formats(head.data):
+        what = f"a layout ({layouts[0].NAME}), not a recording: give it as the layout"
+    elif not what and is_binary(head):
+        what = "a binary file"
+    elif re.match(INFO, head.lines[0]):
+        what = "the info.log of a yarpdatadumper log: give the data.log beside it"
+    if what or not head.numbered():
+        return f"{head.path} is {what or 'nothing but comments'}; expected {KNOWN}"
+    number, line = head.numbered()[0]
+    tokens, shown = line.split(), repr(line if len(line) <= 60 else line[:60] + "...")
+    if len(tokens) > 1 and all(map(is_whole, tokens)):
+        why = f"starts with {len(tokens)} whole numbers, but no lines of {len(tokens) + 2} follow"
+    elif table.looks_like_numbers(head):
+        why = "holds numbers, but no line of names stands above them"
+    elif re.search("[,;\t]", line):
+        why = f"its names {shown} hold neither time_s nor stamp_ns"
+    else:
+        why = f"{shown} is no line of a known recording"
+    return f"{head.path}:{number}: {why}; expected {KNOWN}"
+
+
+def is_binary(head: Head) -> bool:
+    """Whether control characters are there that no text has."""
+    sample = head.data[:65536]
+    control = sum(sample.count(bytes([byte])) for byte in (*range(9), *range(14, 32), 127))
+    return b"\0" in sample or control * 50 > len(sample)

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.recordings.head import Head, is_number, usual_decimals
-from skinfield.files.recordings.lines import Grammar
-from skinfield.files.recordings.stream import Contents
+from skinfield.files.recordings.lines import Contents
 from skinfield.skin.reading import UNITS
 
 TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
@@ -52,18 +51,19 @@ def names_of(head: Head) -> Names | None:
     return Names(number, delimiter, names) if set(names) & set(TIMES) else None
 
 
-def matches(head: Head) -> bool:
-    """Whether the first line that is no comment names a time."""
-    return names_of(head) is not None
-
-
-def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
-    """What a table holds whose head `matches`."""
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents | None:
+    """What a table holds; None of a file whose first line that is no comment names no time."""
     header = names_of(head)
-    assert header is not None  # the caller asked `matches`
+    if header is None:
+        return None
     time = next(name for name in TIMES if name in header.names)
     at, uid, channel = _columns(head, header, columns)
-    grammar = Grammar(
+    unit, source, notes = _comments(head, header.line)
+    if _is_wrench([header.names[place] for place in at]):
+        unit, notes = "N, N m", ()
+    in_order = channel is None or np.array_equal(channel, np.arange(len(channel)))
+    return Contents(
+        path=head.path,
         width=len(header.names),
         stamp=header.names.index(time),
         scale=TIMES[time],
@@ -71,14 +71,6 @@ def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
         delimiter=header.delimiter,
         decimals=usual_decimals(head.rows(header.line, header.delimiter)),
         skip=header.line,
-    )
-    unit, source, notes = _comments(head, header.line)
-    if _is_wrench([header.names[place] for place in at]):
-        unit, notes = "N, N m", ()
-    in_order = channel is None or np.array_equal(channel, np.arange(len(channel)))
-    return Contents(
-        path=head.path,
-        grammar=grammar,
         keep=at,
         uid=uid,
         channel=None if in_order else channel,
