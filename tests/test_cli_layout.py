@@ -21,11 +21,8 @@ def call(*words: object) -> Done:
 
 @pytest.fixture
 def inward(tmp_path: Path) -> Path:
-    patch = Patch(
-        DOME.positions, normals=-DOME.normals, name="dome", uid=np.arange(1, 16 * len(DOME), 16)
-    )
-    save_layout(patch, tmp_path / "dome.json")
-    return tmp_path / "dome.json"
+    save_layout(Patch(DOME.positions, normals=-DOME.normals, name="dome"), tmp_path / "dome.txt")
+    return tmp_path / "dome.txt"
 
 
 def test_lint_lists_findings_and_exits_with_one(inward: Path) -> None:
@@ -73,11 +70,11 @@ def test_errors_are_one_paragraph(words: list[str], message: str) -> None:
 
 
 def test_convert_says_what_is_repaired_and_what_is_lost(inward: Path) -> None:
-    result = call("layout", "convert", inward, inward.with_suffix(".txt"))
+    result = call("layout", "convert", inward, inward.with_name("out.txt"))
     assert result.exit_code == 0
     assert "note: dome: all normals point into the robot" in result.stderr
     assert "note: not written: an iCub position file holds no pad diameters" in result.stderr
-    read = load_layout(inward.with_suffix(".txt"))[0]
+    read = load_layout(inward.with_name("out.txt"))[0]
     np.testing.assert_allclose(read.normals, DOME.normals, atol=1e-6)
 
 

@@ -9,17 +9,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts import FORMATS, cyskin, fingertip, format_of
+from skinfield.files.layouts import FORMATS, fingertip, format_of
 from skinfield.files.layouts.load import load_layout, save_layout
 from skinfield.skin import Patch, Skin, generators
 
 QUICK = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-ONE_PATCH = {  # format: (file, positions m, normals, what survives besides them)
-    "cyskin": ("a.json", 1e-15, 1e-15, {"uid", "link", "link_from_patch", "name"}),
-    "icub-positions": ("a.txt", 0.6e-9, 1e-8, {"channel", "n_channels"}),
-}
 ALL = {"name", "link", "link_from_patch", "pad_diameter", "module", "uid", "channel", "n_channels"}
 
 
@@ -101,31 +97,31 @@ def test_own_formats_keep_every_bit(tmp_path: Path, name, first, second, notes) 
         assert_same(made, read, ALL - {"channel"}, 0, 1e-15)
 
 
-@pytest.mark.parametrize("name", ONE_PATCH)
 @QUICK
 @given(patch=patches())
-def test_other_formats_keep_what_they_can_hold(tmp_path: Path, name, patch) -> None:
-    file, place, turn, kept = ONE_PATCH[name]
-    lost = save_layout(patch, tmp_path / file)
+def test_positions_of_icub_keep_what_they_can_hold(tmp_path: Path, patch) -> None:
+    lost = save_layout(patch, tmp_path / "a.txt")
     assert lost
     assert all(len(sentence) > 20 for sentence in lost)
-    assert name == format_of(tmp_path / file).NAME
-    skin = load_layout(tmp_path / file)
-    assert_same(patch, skin[0], kept, place, turn)
+    assert format_of(tmp_path / "a.txt").NAME == "icub-positions"
+    skin = load_layout(tmp_path / "a.txt")
+    assert_same(patch, skin[0], {"channel", "n_channels"}, 0.6e-9, 1e-8)
     clean = ("gives no size of the pads", "channels have a place")
     assert [n for n in skin.notes if not any(word in n for word in clean)] == []
 
 
-def test_formats_of_one_patch_refuse_two(tmp_path: Path) -> None:
+def test_a_format_of_one_patch_refuses_two(tmp_path: Path) -> None:
     skin = Skin((generators.icub_triangle(), Patch(np.zeros((1, 3)), name="b")))
-    for name in ("a.json", "a.txt"):
-        with pytest.raises(InputError, match="2 patches"):
-            save_layout(skin, tmp_path / name)
+    with pytest.raises(InputError, match="2 patches"):
+        save_layout(skin, tmp_path / "a.txt")
 
 
 def test_formats_that_are_only_read(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"'\.ini' is of no layout format that is written"):
-        save_layout(generators.icub_triangle(), tmp_path / "a.ini")
+    for ending in ("ini", "json"):
+        with pytest.raises(
+            InputError, match=rf"'\.{ending}' is of no layout format that is written"
+        ):
+            save_layout(generators.icub_triangle(), tmp_path / f"a.{ending}")
 
 
 def test_unknown_extension_lists_the_known(tmp_path: Path) -> None:
@@ -137,8 +133,8 @@ def test_unknown_extension_lists_the_known(tmp_path: Path) -> None:
 
 
 def test_content_decides_not_the_extension(tmp_path: Path) -> None:
-    save_layout(generators.icub_triangle(), tmp_path / "a.json")
-    (tmp_path / "a.json").rename(tmp_path / "a.toml")
+    save_layout(generators.icub_triangle(), tmp_path / "a.txt")
+    (tmp_path / "a.txt").rename(tmp_path / "a.toml")
     assert len(load_layout(tmp_path / "a.toml")[0]) == 12
 
 
@@ -228,7 +224,7 @@ def test_cyskin_maps_alone_are_flat_patches(tmp_path: Path, as_list: bool) -> No
 
 def test_cyskin_faults_name_the_taxel(tmp_path: Path) -> None:
     path = cyskin_file(tmp_path, skin={"taxels": [*CYSKIN_TAXELS, {"id": 17, "x": [1, "a", 0]}]})
-    with pytest.raises(FileError, match=r"a\.json: skin\[0\]\.taxels\[6\]\.x"):
+    with pytest.raises(FileError, match=r"a\.json: .*skin\.taxels\[6\]\.x"):
         load_layout(path)
 
 
@@ -236,32 +232,6 @@ def test_cyskin_pose_that_is_no_motion_is_refused(tmp_path: Path) -> None:
     body = {"parent_frames": [{"name": "a", "tf_matrix": [1.0] * 16}], "taxels": CYSKIN_TAXELS}
     with pytest.raises(FileError, match=r"tf_matrix.*expected a rigid motion"):
         load_layout(cyskin_file(tmp_path, skin=body))
-
-
-def test_written_faces_are_wound_with_the_normals(tmp_path: Path) -> None:
-    patch = generators.icub_triangle()
-    flipped = Patch(patch.positions, normals=-patch.normals)
-    for made in (patch, flipped):
-        cyskin.write(Skin((made,)), tmp_path / "a.json")
-        body = json.loads((tmp_path / "a.json").read_text())["skin"]
-        corners = np.array([t["x"] for t in body["taxels"]])[np.array(body["faces"])]
-        winding = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        assert body["n_faces"] > 8
-        assert (winding @ made.normals[0] > 0).all()
-
-
-def test_uids_that_no_cyskin_has_are_replaced(tmp_path: Path) -> None:
-    made = generators.hexagon72()  # numbered by rows, 0 and 16 would be temperatures
-    patch = Patch(made.positions, module=made.module)
-    lost = save_layout(patch, tmp_path / "a.json")
-    assert any("uids are replaced" in sentence for sentence in lost)
-    read = load_layout(tmp_path / "a.json")[0]
-    assert len(read) == 72
-    assert read.module.tolist() == patch.module.tolist()
-    big = generators.rectangular(rows=5, columns=5)  # more than 15 taxels on a module
-    assert any("has others" in sentence for sentence in save_layout(big, tmp_path / "a.json"))
-    uid = load_layout(tmp_path / "a.json")[0].uid
-    assert len(set(uid.tolist())) == 25
 
 
 def positions_text(rows: list[str], taxel2repr: str) -> str:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.files.layouts.lint import lint, lint_skin
+from skinfield.files.layouts import lint, lint_skin
 from skinfield.files.layouts.load import load_layout, save_layout
 from skinfield.skin import Patch, Skin, generators
 from skinfield.skin.geometry import facing_from_positions

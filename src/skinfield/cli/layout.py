@@ -94,8 +94,8 @@ def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
     as_json : bool
         Findings as a list of objects with code, severity, message and rows.
     """
-    from skinfield.files.layouts.lint import lint as lint_file
-    from skinfield.files.layouts.lint import lint_skin
+    from skinfield.files.layouts import lint as lint_file
+    from skinfield.files.layouts import lint_skin
 
     is_file = Path(text).is_file()
     findings = lint_file(text) if is_file else lint_skin(skin_from_text(text))
@@ -122,14 +122,14 @@ def convert(
     Formats that hold one patch take one: choose it with --patch.
 
       skinfield layout convert right_foot.txt foot.toml
-      skinfield layout convert hexagon72 hexagon.json
+      skinfield layout convert hexagon72 hexagon.toml
 
     Parameters
     ----------
     text : str
         Layout file, or a generator by name.
     output : str
-        File to write: .toml, .npz, .json (CySkin) or .txt (iCub positions).
+        File to write: .toml, .npz or .txt (iCub positions).
     patch : str, optional
         Name of the one patch to write.
     as_json : bool

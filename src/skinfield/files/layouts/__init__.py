@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol, cast
 
+import numpy as np
+
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts import (
     cyskin,
@@ -19,9 +21,11 @@ from skinfield.files.layouts import (
     skingui,
     skinware,
 )
-from skinfield.files.layouts.repair import Content, Finding, mend
+from skinfield.files.layouts.repair import Content, Draft, Finding, mend
 from skinfield.files.layouts.text import listed, many, read_bytes
 from skinfield.skin.patch import Patch, Skin
+
+ORDER = ("error", "warning", "info")
 
 
 class Format(Protocol):
@@ -53,7 +57,7 @@ FORMATS = cast(
     (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
 )
 """All known formats."""
-WRITTEN = cast(tuple[WrittenFormat, ...], (own_toml, own_npz, cyskin, icub_positions))
+WRITTEN = cast(tuple[WrittenFormat, ...], (own_toml, own_npz, icub_positions))
 """Those that are written."""
 
 
@@ -150,3 +154,38 @@ def _distinct(patches: list[tuple[str, Patch]]) -> tuple[Patch, ...]:
     if len(set(names)) < len(names):  # one stem, two extensions
         names = [f"{name} ({place})" for place, name in enumerate(names)]
     return tuple(replace(patch, name=name) for name, (_, patch) in zip(names, patches, strict=True))
+
+
+def lint(path: str | Path) -> list[Finding]:
+    """Everything found in a layout file, errors first.
+
+    Reading the file makes exactly the repairs that the messages name: the same code runs.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read at all, so that `load_layout` fails too.
+    """
+    return _sorted(read_layout(Path(path))[1])
+
+
+def lint_skin(skin: Skin) -> list[Finding]:
+    """Everything found in a skin made by a program, errors first; nothing is changed."""
+    drafts = tuple(_draft(patch) for patch in skin)
+    return _sorted(mend(Content(Path(skin.name), skin.name, drafts))[1])
+
+
+def _sorted(findings: tuple[Finding, ...]) -> list[Finding]:
+    return sorted(findings, key=lambda found: ORDER.index(found.severity))
+
+
+def _draft(patch: Patch) -> Draft:
+    return Draft(
+        patch.positions,
+        np.arange(len(patch)),
+        patch.normals,
+        uid=patch.uid,
+        pad_diameter=patch.pad_diameter,
+        name=patch.name,
+        stated=True,
+    )

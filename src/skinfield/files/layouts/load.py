@@ -33,7 +33,7 @@ def save_layout(skin: Skin | Patch, path: str | Path) -> tuple[str, ...]:
     ----------
     skin : Skin or Patch
     path : str or Path
-        Ends in .toml or .npz, skinfield's own; .json, CySkin's; or .txt, iCub's positions.
+        Ends in .toml or .npz, skinfield's own; or .txt, iCub's positions.
 
     Raises
     ------
