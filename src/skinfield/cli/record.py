@@ -54,7 +54,7 @@ def record(
       skinfield record -o touch.mcap --duration 60     # in another
       skinfield info touch.mcap
       skinfield replay touch.mcap
-      skinfield export touch.mcap -o touch.h5
+      skinfield export touch.mcap -o touch.parquet
 
     Parameters
     ----------

@@ -1,18 +1,148 @@
-"""Export of a recording of a live skin: from its messages to the rows of tables and arrays."""
+"""Export of a recording of a live skin: from its messages to the rows of tables.
 
-from collections.abc import Iterator
+Everything comes in pieces and is written as it comes: memory does not grow with the recording.
+"""
+
+import json
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError
-from skinfield.files.live_export import Exported
+from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
+from skinfield.files.pending import Closing, explained, pending
+from skinfield.files.tables import Table, Values
 
 HELD = 4096  # cycles whose rows are written together
 TIMES = ("flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns", "done_ns", "log_position")
 CYCLE = np.dtype([(name, "<i8") for name in ("cycle", *TIMES, "contacts")])
+Rows = NDArray[np.void]
+
+
+class LiveExport(Closing):
+    """Takes the parts of a recording in any order of pieces."""
+
+    @abstractmethod
+    def add_counts(self, patch: int, stamp_ns: Ints, counts: Floats) -> None:
+        """Add readings (T, L) of a patch, in the order of its taxels; NaN where there was none."""
+
+    @abstractmethod
+    def add_rows(self, table: str, rows: Rows) -> None:
+        """Add rows of one of `Export.tables`."""
+
+    @abstractmethod
+    def add_happened(
+        self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
+    ) -> None:
+        """Add what was measured each second, and what happened."""
+
+
+def flat_columns(rows: np.dtype[Any]) -> list[tuple[str, np.dtype[Any]]]:
+    """Names and types of a table's columns, where a field of n numbers becomes n columns."""
+    columns = []
+    for name in rows.names or ():
+        field = rows[name]
+        for index in np.ndindex(field.shape):
+            columns.append(("_".join((name, *map(str, index))), field.base))
+    return columns
+
+
+def flat_values(rows: Rows) -> list[Values]:
+    """Values of `flat_columns`, each (T,)."""
+    values: list[Values] = []
+    for name in rows.dtype.names or ():
+        field = rows[name]
+        for index in np.ndindex(field.shape[1:]):
+            values.append(np.ascontiguousarray(field[(slice(None), *index)]))
+    return values
+
+
+class TableExport(LiveExport):
+    """Counts in the file that was asked for; contacts and the rest in files beside it.
+
+    Of one patch, the counts' columns are `uid_<uid>` (as `open_recording` reads them); of several,
+    `<patch>.<taxel>`, and a row has values of one patch only. Files are written as it comes, and
+    have their names once they are whole.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in .parquet or .csv.
+    export : Export
+
+    Raises
+    ------
+    InputError
+        For another ending.
+    SkinfieldError
+        If the package that writes it is not installed.
+    FileError
+        If it cannot be written there.
+    """
+
+    def __init__(self, path: str | Path, export: "Export") -> None:
+        path, source = Path(path), {"source": export.source}
+        self._files: dict[str, Table] = {}
+        self._happened = pending(path.with_suffix(".events.json"))
+        single = len(export.patches) == 1
+        names = [
+            f"uid_{uid}" if single else f"{patch.name}.{taxel}"
+            for patch in export.patches
+            for taxel, uid in enumerate(patch.uid.tolist())
+        ]
+        self._starts = np.cumsum([0, *map(len, export.patches)])
+        counts: list[tuple[str, np.dtype[Any]]] = [("stamp_ns", np.dtype(np.int64))]
+        counts += [(name, np.dtype("<f4")) for name in names]
+        try:
+            self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
+            for table, rows in export.tables.items():
+                beside = path.with_suffix(f".{table}{path.suffix}")
+                self._files[table] = Table(beside, flat_columns(rows), source)
+        except BaseException:
+            self.discard()
+            raise
+
+    def add_counts(self, patch: int, stamp_ns: Ints, counts: Floats) -> None:
+        """See `LiveExport`."""
+        first, last = self._starts[patch], self._starts[patch + 1]
+        values: list[Values] = [None] * (1 + int(self._starts[-1]))
+        values[0] = stamp_ns
+        values[1 + first : 1 + last] = list(np.ascontiguousarray(counts.T.astype(np.float32)))
+        self._files["counts"].add(values, len(stamp_ns))
+
+    def add_rows(self, table: str, rows: Rows) -> None:
+        """See `LiveExport`."""
+        self._files[table].add(flat_values(rows), len(rows))
+
+    def add_happened(
+        self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
+    ) -> None:
+        """See `LiveExport`."""
+        with explained(self._happened.target):
+            text = json.dumps({"timing": list(timing), "events": list(events)}, indent=1)
+            self._happened.part.write_text(text, encoding="utf-8")
+
+    def close(self) -> None:
+        """See `Closing`."""
+        try:
+            for file in self._files.values():
+                file.close()
+            if self._happened.part.exists():
+                self._happened.commit()
+        except BaseException:
+            self.discard()
+            raise
+
+    def discard(self) -> None:
+        """See `Closing`."""
+        for file in self._files.values():
+            file.discard()
+        self._happened.discard()
 
 
 class Export:
@@ -26,7 +156,13 @@ class Export:
 
     Attributes
     ----------
-    what : Exported
+    source : str
+        File that it comes from.
+    patches : tuple of Patch
+    units : tuple of str
+        Of the patches' counts.
+    tables : dict of str to dtype
+        Fields of contacts, patch_cycles, cycles and, where there is a fit, fit_contacts.
     numbers : list of int
         Of the patches among all of the skin's.
     """
@@ -36,28 +172,29 @@ class Export:
         for name in names:
             skin[name]  # says which there are
         self._recording = recording
-        chosen = tuple(patch for patch in skin if not names or patch.name in names)
+        self.source = str(recording.path)
+        self.patches = tuple(patch for patch in skin if not names or patch.name in names)
         every = [patch.name for patch in skin]
-        self.numbers = [every.index(patch.name) for patch in chosen]
+        self.numbers = [every.index(patch.name) for patch in self.patches]
         total = sum(port.channels for port in ports)
-        its = [port_of(patch, ports) for patch in chosen]
+        its = [port_of(patch, ports) for patch in self.patches]
+        self.units = tuple(port.unit for port in its)
         self._scans = [
-            Scan(patch.channel + port.first, total) for patch, port in zip(chosen, its, strict=True)
+            Scan(patch.channel + port.first, total)
+            for patch, port in zip(self.patches, its, strict=True)
         ]
         layout = recording.cycle_layout
-        self._tables = {
+        self.tables = {
             "contacts": _with_cycle(layout.contact),
             "patch_cycles": _with_cycle(layout.patch, "patch"),
             "cycles": CYCLE,
         }
-        units = tuple(port.unit for port in its)
         self._fit = FitRows.of(recording)
         if self._fit is not None:
-            self._tables["fit_contacts"] = self._fit.fields
-        self.what = Exported(str(recording.path), chosen, units, self._tables)
+            self.tables["fit_contacts"] = self._fit.fields
         self._held: list[Any] = []
 
-    def into(self, sink: Any) -> Iterator[int]:
+    def into(self, sink: LiveExport) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
         recording, fit = self._recording, self._fit
         for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
@@ -90,13 +227,13 @@ class Export:
                 for place, number in enumerate(self.numbers):
                     bag.add_taxels(place, field.time_ns, parts[number])
 
-    def _put_cycles(self, sink: Any) -> None:
+    def _put_cycles(self, sink: LiveExport) -> None:
         held, self._held = self._held, []
         if not held:
             return
         sink.add_rows("cycles", _cycle_rows(held))
         for table in ("contacts", "patch_cycles"):
-            rows = _rows_of(held, table, self._tables[table])
+            rows = _rows_of(held, table, self.tables[table])
             if len(rows):
                 sink.add_rows(table, rows)
 
