@@ -166,12 +166,18 @@ def test_a_layout_by_hand(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("skinfield_layout = 2\n", "skinfield_layout is 2, expected 1"),
-        ("skinfield_layout = 1\n", r"patch is None, expected one or more tables \[\[patch\]\]"),
-        ("skinfield_layout = 1\n[[patch]]\npositions = [[1, 2]]\n", "positions_mm is None"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuids = [1]\n", "unknown keys"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2], [3]]\n", "positions_mm"),
+        ("skinfield_layout = 1\n", "missing required field `patch`"),
+        (
+            "skinfield_layout = 1\n[[patch]]\npositions = [[1, 2]]\n",
+            "unknown field `positions` - at `patch\\[0\\]`",
+        ),
+        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuids = [1]\n", "field `uids`"),
+        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2], [3]]\n", r"_mm\[1\]`"),
         ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, nan]]\n", "finite numbers"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuid = [1.5]\n", "whole num"),
+        (
+            "skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuid = [1.5]\n",
+            "`int . str`, got",
+        ),
         ("skinfield_layout = 1\nname = \n", "line 2"),
     ],
 )

@@ -313,7 +313,7 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
     """
     names = ("pressure", "displacement") if fields else ("pressure",)
     size = STEPS["linear" if results.bulk(names).is_linear else "iterative"]
-    start_ns = int(results.readings.stamps(0, 1)[0])
+    start_ns = int(results.stamps(0, 1)[0])
     first = readings.start
     while first < readings.stop:
         last, begun = min(first - first % size + size, readings.stop), time.perf_counter()
