@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from skinfield.cli.options import flag_of
 from skinfield.errors import FileError, InputError
+from skinfield.files.layouts.load import layout_format, save_layout
 from skinfield.settings import (
     PROFILES,
     PageSettings,
@@ -28,6 +29,7 @@ from skinfield.settings import (
     value_from_json,
 )
 from skinfield.settings.tree import Positive, Range, SettingError
+from skinfield.skin import generators
 
 TEXT = st.text(st.characters(exclude_categories=("Cs", "Cc")), min_size=1, max_size=12)
 WORDS = {  # fields whose values are checked in their own way
@@ -185,13 +187,10 @@ def test_profiles_are_whole_and_go_by_boards_and_layout(tmp_path: Path) -> None:
         ("icub", "hexagon72", "silicone-2mm"), (None, "cylinder:radius_mm=40", "silicone-2mm"),
         (None, str(layout), "generic"), ("packet", str(layout), "generic"),
     ):  # fmt: skip
-        assert profile_of(SkinSettings(), hardware, text).name == name
-    from skinfield.files.layouts.load import save_layout
-    from skinfield.skin import generators
-
+        assert profile_of(SkinSettings(), hardware, layout_format(text)).name == name
     foot = tmp_path / "foot.txt"
     save_layout(generators.icub_triangle(), foot)
-    assert profile_of(SkinSettings(), None, str(foot)).name == "icub"
+    assert profile_of(SkinSettings(), None, layout_format(str(foot))).name == "icub"
 
 
 @pytest.mark.parametrize(

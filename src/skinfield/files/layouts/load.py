@@ -77,3 +77,17 @@ def skin_from_text(text: str) -> Skin:
             f"of {', '.join(GENERATORS)}"
         )
     return load_layout(text)
+
+
+def layout_format(text: str) -> str:
+    """Name of a layout file's format, which its makers write; "generator", or "" of neither."""
+    from skinfield.files.layouts import format_of
+    from skinfield.skin.generators import GENERATORS
+
+    path = Path(text)
+    try:
+        if path.is_file():
+            return format_of(path).NAME
+    except FileError:  # who reads it says why
+        return ""
+    return "generator" if text.partition(":")[0] in GENERATORS and not path.exists() else ""

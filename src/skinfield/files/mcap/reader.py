@@ -102,21 +102,11 @@ class Scan:
         from skinfield.files.mcap.kernel import scan
 
         words = np.frombuffer(data, "<i8", len(data) // WORD)
-        views = (words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
-        at = 0
+        views = (words, words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
+        row, at = (self._column, self._row, self._fresh, self._status, self._newest), 0
         while at < len(words):
-            at, rows = scan(
-                words,
-                *views,
-                at,
-                self._column,
-                self._row,
-                self._fresh,
-                self._status,
-                self._newest,
-                self._out[self._used :],
-                self._stamps[self._used :],
-            )
+            room = self._out[self._used :], self._stamps[self._used :]
+            at, rows = scan(*views, at, *row, *room)
             self._used += rows
             if at < 0:
                 self.words += len(words) + at + 1
@@ -174,14 +164,20 @@ class LiveStream:
         FileError
             If the file cannot be read any more, or holds no reading.
         """
-        total = sum(port.channels for port in ports_of(self.recording))
-        rows, empty = Scan(self.channel, total), True
+        recording, path = self.recording, str(self.recording.path)
+        rows = Scan(self.channel, sum(port.channels for port in ports_of(recording)))
+        empty = True
         for stamps, counts in self._pieces(rows):
             empty = False
-            yield Recording(stamps, counts, self.uid, self.unit, str(self.recording.path))
+            yield Recording(stamps, counts, self.uid, self.unit, path)
         if empty:
-            raise FileError(f"{self.recording.path} holds no reading of these channels")
-        self._finish(rows)
+            raise FileError(f"{path} holds no reading of these channels")
+        notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+        if rows.words:
+            notes.insert(0, f"{WORD * rows.words} bytes of readings are damaged: left out")
+        if not recording.finished:
+            notes.insert(0, "the recording was not finished: its end may be missing")
+        self.notes, self.skipped = tuple(notes), len(recording.damage)
 
     def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
         for _, at, message in self.recording.messages((BLOCKS,)):
@@ -190,15 +186,6 @@ class LiveStream:
             if self.progress is not None:
                 self.progress(at, self.recording.outline.size)
         yield from rows.finish()
-
-    def _finish(self, rows: Scan) -> None:
-        damage, notes = self.recording.damage, []
-        if rows.words:
-            notes.append(f"{WORD * rows.words} bytes of readings are damaged: left out")
-        notes += [f"byte {each.byte}: {each.why}: left out" for each in damage[:8]]
-        if not self.recording.finished:
-            notes.insert(0, "the recording was not finished: its end may be missing")
-        self.notes, self.skipped = tuple(notes), len(damage)
 
 
 def live_stream(recording: LiveRecording, progress: Progress | None = None) -> LiveStream:
