@@ -42,9 +42,21 @@ def save_press(press: Press, path: str | Path, patch: Patch | None = None) -> No
         If the file cannot be written.
     """
     check_press_name(path)
-    buffer = io.BytesIO()
-    arrays = {**_fields(press), **_bodies(press), **({} if patch is None else _pads(press, patch))}
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    shape, plane, buffer = press.grid.shape, press.grid.plane, io.BytesIO()
+    np.savez_compressed(
+        buffer,
+        allow_pickle=False,
+        x=plane.reshape(*shape, 2)[0, :, 0],
+        y=plane.reshape(*shape, 2)[:, 0, 1],
+        pressure=press.pressure.reshape(shape),
+        traction=press.traction.reshape(*shape, 3),
+        displacement=press.displacement.reshape(*shape, 3),
+        gap=press.gap.reshape(shape),
+        contact=press.contact.reshape(shape),
+        base_stress=base_stress_below_cells(press).reshape(shape),
+        **_bodies(press),
+        **({} if patch is None else _pads(press, patch)),
+    )
     write_bytes(path, buffer.getvalue())
 
 
@@ -52,21 +64,6 @@ def check_press_name(path: str | Path) -> None:
     """Raise InputError unless a press can be written under this name."""
     if Path(path).suffix.lower() != ".npz":
         raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz")
-
-
-def _fields(press: Press) -> dict[str, Any]:
-    shape, plane = press.grid.shape, press.grid.plane
-    x, y = plane.reshape(*shape, 2)[0, :, 0], plane.reshape(*shape, 2)[:, 0, 1]
-    return {
-        "x": x,
-        "y": y,
-        "pressure": press.pressure.reshape(shape),
-        "traction": press.traction.reshape(*shape, 3),
-        "displacement": press.displacement.reshape(*shape, 3),
-        "gap": press.gap.reshape(shape),
-        "contact": press.contact.reshape(shape),
-        "base_stress": base_stress_below_cells(press).reshape(shape),
-    }
 
 
 def _bodies(press: Press) -> dict[str, Any]:

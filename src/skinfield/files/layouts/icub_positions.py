@@ -7,7 +7,6 @@ A header (``name``, ``spatial_sampling``, ``taxel2Repr``), then ``[calibration]`
 """
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -48,11 +47,12 @@ def parse(path: Path) -> Content:
     heads = (i for i, line in enumerate(lines) if line.strip().lower().startswith("[calibration]"))
     start = next(heads, len(lines))
     header = "\n".join(re.split("//|#", line)[0] for line in lines[:start])
-    rows = [
-        numbers(path, i + 1, _words(path, i + 1, lines[i]), ROW)
-        for i in range(start + 1, len(lines))
-        if lines[i].strip()
-    ]
+    rows = []
+    for i, line in enumerate(lines[start + 1 :], start + 2):
+        if words := line.split():
+            if len(words) != 6:
+                raise spoilt(path, i, line.strip(), ROW)
+            rows.append(numbers(path, i, words, ROW))
     if not rows:
         raise spoilt(path, len(lines), "the end", f"[calibration] and rows of {ROW}")
     table = np.array(rows)
@@ -111,13 +111,6 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
     )
 
 
-def _words(path: Path, line: int, text: str) -> Sequence[str]:
-    words = text.split()
-    if len(words) != 6:
-        raise spoilt(path, line, text.strip(), ROW)
-    return words
-
-
 def _taxel2repr(path: Path, header: str) -> Ints | None:
     found = re.search(r"taxel2Repr\s*\(([^)]*)(\)?)", header)
     if found is None:
@@ -138,7 +131,10 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
         findings.append(Finding("no-taxel2repr", "warning", text))
         stated = np.empty(0, np.int64)
     elif len(stated) != rows:
-        findings.append(_other_length(name, rows, len(stated)))
+        more = f"from row {len(stated)} on, a row with a place is taken as a taxel"
+        more = "entries beyond the rows are left out" if len(stated) > rows else more
+        text = f"{name}: taxel2Repr has {len(stated)} entries for {rows} rows; {more}"
+        findings.append(Finding("taxel2repr-length", "warning", text))
     role = np.zeros(rows, np.int64)
     role[: len(stated)] = stated[:rows]
     there = (role >= 0) & ~posed & (np.arange(rows) < len(stated))
@@ -157,12 +153,3 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
     keep = np.flatnonzero(posed & (role >= 0))
     text = f"{name}: {posed.sum()} of {rows} channels have a place, {len(keep)} of them are taxels"
     return keep, [*findings, Finding("channels", "info", text)]
-
-
-def _other_length(name: str, rows: int, entries: int) -> Finding:
-    text = f"{name}: taxel2Repr has {entries} entries for {rows} rows; "
-    if entries > rows:
-        text += "entries beyond the rows are left out"
-    else:
-        text += f"from row {entries} on, a row with a place is taken as a taxel"
-    return Finding("taxel2repr-length", "warning", text)

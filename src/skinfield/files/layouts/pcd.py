@@ -1,6 +1,8 @@
 """Point clouds of the Point Cloud Library, `.pcd`: one point per taxel, normals if any."""
 
+import io
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +71,6 @@ class _Header:
             raise spoilt(path, None, "no DATA line", EXPECTED)
         self.end = found.end()
         lines = [line.split() for line in data[: self.end].decode("ascii", "replace").split("\n")]
-        self.lines = len(lines) - 1
         self.words = {words[0]: words[1:] for words in lines if words}
 
     def wrong(self, key: str, expected: str) -> FileError:
@@ -105,7 +106,7 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
         raise header.wrong("HEIGHT", f"{MOST} points at most")
     packing, body = " ".join(header.words["DATA"]), data[header.end :]
     if packing == "ascii":
-        table = _ascii(path, header.lines, body, points, sum(counts))
+        table = _ascii(path, body, points, sum(counts))
         starts = np.cumsum([0, *counts[:-1]]).tolist()
         return {name: table[:, start] for name, start in zip(fields, starts, strict=True)}
     if packing != "binary":
@@ -118,7 +119,7 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
     )
     if len(body) < rows.itemsize * points:
         raise FileError(
-            f"{path}: {len(body)} bytes after line {header.lines}, expected "
+            f"{path}: {len(body)} bytes behind the header, expected "
             f"{rows.itemsize * points} for {points} points: the file is cut short"
         )
     found = np.frombuffer(body, rows, points)
@@ -126,18 +127,18 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
         return {n: found[f"f{i}"][:, 0].astype(np.float64) for i, n in enumerate(fields)}
 
 
-def _ascii(path: Path, before: int, body: bytes, points: int, width: int) -> Floats:
-    rows: list[list[float]] = []
-    for line, text in enumerate(body.decode("ascii", "replace").split("\n"), before + 1):
-        words = text.split()
-        if not words:
-            continue
-        try:
-            if len(words) != width or len(rows) == points:
-                raise ValueError
-            rows.append([float(word) for word in words])
-        except ValueError:
-            raise spoilt(path, line, text, f"{points} points of {width} numbers") from None
-    if len(rows) != points:
-        raise FileError(f"{path}: {len(rows)} points, expected {points}: it is cut short")
-    return np.array(rows)
+def _ascii(path: Path, body: bytes, points: int, width: int) -> Floats:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of nothing at all
+            table = np.loadtxt(io.BytesIO(body), comments=None, ndmin=2)
+    except ValueError as error:
+        raise FileError(
+            f"{path}: {str(error)[:200]} of the points, expected lines of {width} numbers"
+        ) from error
+    if table.shape != (points, width):
+        raise FileError(
+            f"{path}: points are {table.shape}, expected {points} of {width} numbers: it is cut "
+            "short"
+        )
+    return np.asarray(table, np.float64)

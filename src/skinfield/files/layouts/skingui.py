@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, Ints
+from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft, Finding
 from skinfield.files.layouts.text import (
     integer,
@@ -30,7 +30,7 @@ class Board:
     name : str
         Of the type in a drawing.
     template : ModuleTemplate
-        As drawn, a drawing unit taken as 1 mm.
+        As drawn, a drawing unit taken as 1 mm; turned, after it is mirrored in x.
     built : float
         Size of the real board over the drawn one.
     lattice : float, mm per drawing unit
@@ -41,23 +41,6 @@ class Board:
     template: ModuleTemplate
     built: float
     lattice: float
-
-    @property
-    def pads(self) -> Ints:
-        """Channels of the board that are taxels, (P,)."""
-        return np.array(self.template.channels)
-
-    @property
-    def pad_diameter(self) -> float:
-        """Of a real pad, m."""
-        return self.template.pad_diameter * self.built
-
-    def drawn(self, angle: float, mirrored: bool) -> Floats:
-        """Places (P, 2) m of the real pads, mirrored in x first, then turned by `angle` (rad)."""
-        cos, sin = np.cos(angle), np.sin(angle)
-        places = np.array(self.template.taxels) * self.built
-        places *= [-1.0 if mirrored else 1.0, 1.0]
-        return np.asarray(places @ np.array([[cos, sin], [-sin, cos]]))
 
 
 # Drawn in millimetres: 30 mm sides, pads 5.0 mm apart.
@@ -210,13 +193,14 @@ def _remarks(boards: list[_Placed]) -> list[Finding]:
 def _draft(boards: list[_Placed], mirrored: bool) -> Draft:
     places, channels = [], []
     for item in boards:
-        board = BOARDS[item.kind]
+        board, cos, sin = BOARDS[item.kind], np.cos(item.angle), np.sin(item.angle)
+        pads = np.array(board.template.taxels) * board.built * [-1.0 if mirrored else 1.0, 1.0]
         centre = board.lattice * MM * np.array([item.x, item.y])
-        places.append(board.drawn(item.angle, mirrored) + centre)
-        pads = PADS - 1 - board.pads if item.backwards else board.pads
-        channels.append(PADS * item.number + pads)
+        places.append(pads @ np.array([[cos, sin], [-sin, cos]]) + centre)
+        its = np.array(board.template.channels)
+        channels.append(PADS * item.number + (PADS - 1 - its if item.backwards else its))
     plane, channel = np.vstack(places), np.concatenate(channels)
-    count = len(plane)
+    count, first = len(plane), BOARDS[boards[0].kind]
     return Draft(
         np.column_stack([plane, np.zeros(count)]),
         np.arange(count),
@@ -224,5 +208,5 @@ def _draft(boards: list[_Placed], mirrored: bool) -> Draft:
         module=channel // PADS,
         uid=channel.astype(np.uint64),
         channel=channel,
-        pad_diameter=BOARDS[boards[0].kind].pad_diameter,
+        pad_diameter=first.template.pad_diameter * first.built,
     )

@@ -42,24 +42,11 @@ class LiveExport(Closing):
         """Add what was measured each second, and what happened."""
 
 
-def flat_columns(rows: np.dtype[Any]) -> list[tuple[str, np.dtype[Any]]]:
-    """Names and types of a table's columns, where a field of n numbers becomes n columns."""
-    columns = []
-    for name in rows.names or ():
-        field = rows[name]
-        for index in np.ndindex(field.shape):
-            columns.append(("_".join((name, *map(str, index))), field.base))
-    return columns
-
-
-def flat_values(rows: Rows) -> list[Values]:
-    """Values of `flat_columns`, each (T,)."""
-    values: list[Values] = []
-    for name in rows.dtype.names or ():
-        field = rows[name]
-        for index in np.ndindex(field.shape[1:]):
-            values.append(np.ascontiguousarray(field[(slice(None), *index)]))
-    return values
+def flat(rows: np.dtype[Any]) -> Iterator[tuple[str, np.dtype[Any], str, tuple[int, ...]]]:
+    """Columns of a table, where a field of n numbers becomes n: name, dtype, field and place."""
+    for field in rows.names or ():
+        for index in np.ndindex(rows[field].shape):
+            yield "_".join((field, *map(str, index))), rows[field].base, field, index
 
 
 class TableExport(LiveExport):
@@ -102,7 +89,7 @@ class TableExport(LiveExport):
             self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
             for table, rows in export.tables.items():
                 beside = path.with_suffix(f".{table}{path.suffix}")
-                self._files[table] = Table(beside, flat_columns(rows), source)
+                self._files[table] = Table(beside, [each[:2] for each in flat(rows)], source)
         except BaseException:
             self.discard()
             raise
@@ -117,7 +104,8 @@ class TableExport(LiveExport):
 
     def add_rows(self, table: str, rows: Rows) -> None:
         """See `LiveExport`."""
-        self._files[table].add(flat_values(rows), len(rows))
+        columns = [rows[field][:, *index] for _, _, field, index in flat(rows.dtype)]
+        self._files[table].add([np.ascontiguousarray(each) for each in columns], len(rows))
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]

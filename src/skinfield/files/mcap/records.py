@@ -84,19 +84,6 @@ def _unpacked(name: str, data: bytes, size: int) -> bytes:
     return data
 
 
-def inner_records(content: bytes) -> Iterator[tuple[int, int, int]]:
-    """Opcode, first and last byte of each record within a chunk; raises Damaged at a wrong one."""
-    at = 0
-    while at < len(content):
-        if len(content) - at < HEAD.size:
-            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
-        opcode, length = HEAD.unpack_from(content, at)
-        start, at = at + HEAD.size, at + HEAD.size + length
-        if at > len(content):
-            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
-        yield opcode, start, at
-
-
 def message_of(body: bytes) -> Message:
     """Message of a record's body; raises Damaged."""
     if len(body) < MESSAGE_HEAD.size:
@@ -240,9 +227,15 @@ def entries_of(file: BinaryIO, record: Record) -> Iterator[tuple[int, int, bytes
     if record.opcode != Op.CHUNK:
         yield record.opcode, 0, body
         return
-    content = chunk_content(body)
-    for opcode, start, end in inner_records(content):
-        yield opcode, start, content[start:end]
+    content, at = chunk_content(body), 0
+    while at < len(content):
+        if len(content) - at < HEAD.size:
+            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
+        opcode, length = HEAD.unpack_from(content, at)
+        start, at = at + HEAD.size, at + HEAD.size + length
+        if at > len(content):
+            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
+        yield opcode, start, content[start:at]
 
 
 def right_end(file: BinaryIO, outline: Outline) -> Damage | None:
