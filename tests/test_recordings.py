@@ -167,20 +167,11 @@ def test_csv_channels_stand_at_their_place(tmp_path: Path) -> None:
     assert any("taken as count" in note for note in rec.notes)
 
 
-def test_columns_choose_by_place_and_by_name(tmp_path: Path) -> None:
-    for text in TEXTS.values():
-        np.testing.assert_array_equal(
-            opened(tmp_path, text, columns=[5, 0]).counts, COUNTS[:, [5, 0]]
-        )
+def test_columns_of_other_names_are_refused(tmp_path: Path) -> None:
     force = "stamp_ns,fx,fy,fz\n0,1,2,3\n10,4,5,6\n"
-    assert opened(tmp_path, force, columns=["fz"]).counts.tolist() == [[3], [6]]
-    with pytest.raises(FileError, match=r"'fx' is not a time.*columns="):
+    assert opened(tmp_path, force).counts.tolist() == [[1, 2, 3], [4, 5, 6]]
+    with pytest.raises(FileError, match=r"'fx' is not a time.*taxel_<channel>"):
         opened(tmp_path, force.replace("fz", "volts"))
-    for bad in (["fw"], [3], [-1]):
-        with pytest.raises(InputError, match="columns holds"):
-            opened(tmp_path, force, columns=bad)
-    with pytest.raises(InputError, match="from 0 to 6"):
-        opened(tmp_path, yarp(), columns=["fz"])
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])

@@ -5,8 +5,8 @@ last block. A channel that did not come in a scan, or whose board says that noth
 NaN there: earlier counts are never repeated. What else such a file holds, `LiveRecording` reads.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import BLOCKS
-from skinfield.files.recordings.head import Head, chosen
 from skinfield.signal.block import WORD
 from skinfield.skin import Patch
 from skinfield.skin.reading import UNITS, Recording
@@ -223,18 +221,3 @@ def _width(recording: LiveRecording, port: PortOf) -> int:
         recording.note(0, str(error))
         return port.channels
     return widths.pop() if len(widths) == 1 else port.channels
-
-
-def matches(head: Head) -> bool:
-    """Whether the file is an MCAP file."""
-    return head.data.startswith(MAGIC)
-
-
-def stream(
-    head: Head, columns: Sequence[int | str] | None, progress: Progress | None
-) -> LiveStream:
-    """Open a file whose head `matches`, to be read piece by piece."""
-    found = live_stream(LiveRecording.open(head.path), progress)
-    keep = chosen(columns, len(found.channel), head.path)
-    uid = None if found.uid is None else found.uid[keep]
-    return replace(found, channel=found.channel[keep], uid=uid)

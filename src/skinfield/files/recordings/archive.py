@@ -5,14 +5,13 @@ Keys: `stamp_ns` (T,) whole numbers or `time_s` (T,); `counts` (T, C); and if th
 """
 
 import warnings
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.head import Head, chosen
+from skinfield.files.recordings.head import Head
 from skinfield.files.recordings.lines import Progress
 from skinfield.files.recordings.stream import Doubts
 from skinfield.skin.reading import UNITS, Recording
@@ -26,7 +25,7 @@ def matches(head: Head) -> bool:
     return head.data.startswith((b"PK\x03\x04", b"PK\x05\x06"))
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
+def read(head: Head, progress: Progress | None) -> Recording:
     """Read an archive whose head `matches`."""
     found = _load(head)
     if not {"stamp_ns", "time_s"} & set(found):
@@ -39,9 +38,8 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         raise FileError(
             f"{head.path}: {stamps.shape} stamps for {len(counts)} rows of counts, expected as many"
         )
-    keep = chosen(columns, counts.shape[1], head.path)
     uid = _uids(head, found, counts.shape[1])
-    counts, rows = counts[:, keep], np.arange(len(counts))
+    rows = np.arange(len(counts))
     doubts = Doubts(head.path)
     doubts.add(stamps, counts, rows)
     notes = doubts.notes()
@@ -55,7 +53,7 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
     source = f"{head.path} ({found['source']})" if "source" in found else str(head.path)
     if progress is not None:
         progress(head.size, head.size)
-    return Recording(stamps, counts, None if uid is None else uid[keep], unit, source, notes)
+    return Recording(stamps, counts, uid, unit, source, notes)
 
 
 def _load(head: Head) -> dict[str, NDArray[Any]]:

@@ -10,7 +10,7 @@ uid is module << 4 | sensor. Sensor 0 of a module is its temperature: it stays a
 falls away when the columns are matched with a layout, which has no such taxel.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, Floats
 from skinfield.files.recordings.head import (
     Head,
-    chosen,
     is_number,
     is_whole,
     usual_decimals,
@@ -32,7 +31,7 @@ MILLISECONDS = "times are whole numbers far apart: taken as milliseconds"
 Uids = NDArray[np.uint64]
 
 
-def text(head: Head, columns: Sequence[int | str] | None) -> Contents | None:
+def text(head: Head) -> Contents | None:
     """What a session's recording holds; None of another file."""
     lines = head.numbered()
     tokens = lines[0][1].split() if lines else []
@@ -48,18 +47,17 @@ def text(head: Head, columns: Sequence[int | str] | None) -> Contents | None:
     if not fits:
         return None
     uid = _uids(head, line, tokens)
-    keep = chosen(columns, len(uid), head.path)
     return Contents(
         path=head.path,
         width=width,
         expected=f"a sample number, a time and {len(uid)} values, one per uid of line {line}",
-        keep=2 + keep,
+        keep=2 + np.arange(len(uid)),
         skip=line,
-        **_known(head, rows, uid, keep),
+        **_known(head, rows, uid),
     )
 
 
-def recorder(head: Head, columns: Sequence[int | str] | None) -> Contents | None:
+def recorder(head: Head) -> Contents | None:
     """What a recording of SkinRecorder holds; None of another file."""
     lines = head.numbered()
     tokens = [line.split() for _, line in lines[:2]]
@@ -76,25 +74,24 @@ def recorder(head: Head, columns: Sequence[int | str] | None) -> Contents | None
         )
     first = next(k for k, row in enumerate(rows) if len(row) == width)
     uid = _uids(head, lines[2 + first][0], rows[first][3::2])
-    keep = chosen(columns, count, head.path)
     return Contents(
         path=head.path,
         width=width,
         expected=f"sample, time, {count}, then uid and value of {count} taxels",
-        keep=4 + 2 * keep,
+        keep=4 + 2 * np.arange(count),
         skip=skip,
         check=_ordered_like(uid),
-        **_known(head, rows, uid, keep),
+        **_known(head, rows, uid),
     )
 
 
-def _known(head: Head, rows: list[list[str]], uid: Uids, keep: NDArray[np.int64]) -> dict[str, Any]:
+def _known(head: Head, rows: list[list[str]], uid: Uids) -> dict[str, Any]:
     """What both kinds say of their columns and times."""
     slow, notes = _are_milliseconds(rows), _repeats(uid)
     return {
         "scale": 10**6 if slow else 10**9,
         "decimals": usual_decimals(rows),
-        "uid": uid[keep],
+        "uid": uid,
         "source": str(head.path),
         "notes": (*notes, MILLISECONDS) if slow else notes,
     }

@@ -1,12 +1,14 @@
 """Open a recording, whatever its format."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
 
 from skinfield.errors import FileError
-from skinfield.files.mcap import reader as mcap
+from skinfield.files.mcap.container import MAGIC
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.reader import LiveStream, live_stream
 from skinfield.files.recordings import archive, cyskin, table, yarp
 from skinfield.files.recordings.head import Head, is_whole, read_head
 from skinfield.files.recordings.lines import Contents, Progress
@@ -28,8 +30,7 @@ OTHERS = {  # first bytes of files that are taken for recordings
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
 INFO = r"(Type|Stamp|Source): |\[\d+\.\d+\] /"  # how an info.log begins
-Columns = Sequence[int | str] | None
-FORMATS: tuple[Callable[[Head, Columns], Contents | None], ...] = (  # the strictest first
+FORMATS: tuple[Callable[[Head], Contents | None], ...] = (  # the strictest first
     table.contents,
     cyskin.recorder,
     cyskin.text,
@@ -40,7 +41,6 @@ FORMATS: tuple[Callable[[Head, Columns], Contents | None], ...] = (  # the stric
 def open_recording(
     path: str | Path,
     *,
-    columns: Columns = None,
     progress: Progress | None = None,
 ) -> Recording:
     """Read a recording; its content says which format it has.
@@ -50,8 +50,6 @@ def open_recording(
     path : str or Path
         A recording of a live skin (MCAP), a yarpdatadumper log (the folder or its `data.log`),
         CySkin text of either kind, CSV or NPZ: see the modules of this package for each.
-    columns : sequence of int or str, optional
-        Value columns to keep, by place from 0, or by name where the file has names. Default all.
     progress : callable, optional
         Called with bytes done and bytes in all, every few megabytes.
 
@@ -66,19 +64,16 @@ def open_recording(
     ------
     FileError
         If the file is no recording, or more than a fifth of its lines cannot be read.
-    InputError
-        If `columns` names one that is not there.
     """
-    found = stream_recording(path, columns=columns, progress=progress)
+    found = stream_recording(path, progress=progress)
     return found if isinstance(found, Recording) else collected(found)
 
 
 def stream_recording(
     path: str | Path,
     *,
-    columns: Columns = None,
     progress: Progress | None = None,
-) -> RecordingStream | mcap.LiveStream | Recording:
+) -> RecordingStream | LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
 
     Returns
@@ -89,15 +84,15 @@ def stream_recording(
     """
     head = read_head(_file(Path(path)))
     if archive.matches(head):
-        return archive.read(head, columns, progress)
-    if mcap.matches(head):
-        return mcap.stream(head, columns, progress)
-    return RecordingStream(_contents(head, columns), progress)
+        return archive.read(head, progress)
+    if head.data.startswith(MAGIC):
+        return live_stream(LiveRecording.open(head.path), progress)
+    return RecordingStream(_contents(head), progress)
 
 
-def _contents(head: Head, columns: Columns) -> Contents:
+def _contents(head: Head) -> Contents:
     for form in () if is_binary(head) else FORMATS:
-        if (found := form(head, columns)) is not None:
+        if (found := form(head)) is not None:
             return found
     raise FileError(verdict(head))
 

@@ -6,14 +6,12 @@ six numbers named `analog:o` is a force and torque.
 """
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
 from skinfield.errors import FileError
 from skinfield.files.recordings.head import (
     Head,
-    chosen,
     is_number,
     is_whole,
     usual_decimals,
@@ -25,7 +23,7 @@ BRACKETS = "()"
 WRENCH = "N, N m"
 
 
-def contents(head: Head, columns: Sequence[int | str] | None) -> Contents | None:
+def contents(head: Head) -> Contents | None:
     """What a log holds.
 
     None of a file where not most lines begin with a whole number and a time, and hold a value.
@@ -49,7 +47,7 @@ def contents(head: Head, columns: Sequence[int | str] | None) -> Contents | None
         path=head.path,
         width=width,
         expected=f"a sequence number, {lead - 1} time(s) and {width - lead} values",
-        keep=lead + chosen(columns, width - lead, head.path),
+        keep=np.arange(lead, width),
         blank=BRACKETS.encode(),
         decimals=usual_decimals(rows),
         skip=skip,
