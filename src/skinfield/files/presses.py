@@ -1,13 +1,12 @@
 """Simulated presses as files."""
 
-import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_npz
 from skinfield.simulate import Press
 from skinfield.simulate.pressing.press import base_stress_below_cells, parts_of
 from skinfield.skin import Patch
@@ -42,22 +41,18 @@ def save_press(press: Press, path: str | Path, patch: Patch | None = None) -> No
         If the file cannot be written.
     """
     check_press_name(path)
-    shape, plane, buffer = press.grid.shape, press.grid.plane, io.BytesIO()
-    np.savez_compressed(
-        buffer,
-        allow_pickle=False,
-        x=plane.reshape(*shape, 2)[0, :, 0],
-        y=plane.reshape(*shape, 2)[:, 0, 1],
-        pressure=press.pressure.reshape(shape),
-        traction=press.traction.reshape(*shape, 3),
-        displacement=press.displacement.reshape(*shape, 3),
-        gap=press.gap.reshape(shape),
-        contact=press.contact.reshape(shape),
-        base_stress=base_stress_below_cells(press).reshape(shape),
-        **_bodies(press),
-        **({} if patch is None else _pads(press, patch)),
-    )
-    write_bytes(path, buffer.getvalue())
+    shape, plane = press.grid.shape, press.grid.plane
+    fields = {
+        "x": plane.reshape(*shape, 2)[0, :, 0],
+        "y": plane.reshape(*shape, 2)[:, 0, 1],
+        "pressure": press.pressure.reshape(shape),
+        "traction": press.traction.reshape(*shape, 3),
+        "displacement": press.displacement.reshape(*shape, 3),
+        "gap": press.gap.reshape(shape),
+        "contact": press.contact.reshape(shape),
+        "base_stress": base_stress_below_cells(press).reshape(shape),
+    }
+    write_npz(path, {**fields, **_bodies(press), **({} if patch is None else _pads(press, patch))})
 
 
 def check_press_name(path: str | Path) -> None:

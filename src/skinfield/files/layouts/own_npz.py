@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft
 from skinfield.files.layouts.text import read_bytes
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_npz
 from skinfield.skin.patch import Skin
 
 NAME = "skinfield-npz"
@@ -65,14 +65,12 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         arrays |= {f"patch{index}/{name}": getattr(patch, name) for name in names}
         arrays[f"patch{index}/pad_diameter_m"] = patch.pad_diameter
         arrays[f"patch{index}/positions_m"] = patch.positions
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **arrays)
-    write_bytes(path, buffer.getvalue())
+    write_npz(path, arrays)
     return ()
 
 
 def _draft(arrays: dict[str, NDArray[Any]], start: str) -> Draft:
-    def plain(name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
+    def plain(name: str, kind: Any = np.float64) -> NDArray[Any]:
         return arrays[start + name].astype(kind, casting="same_kind")
 
     return Draft(

@@ -148,7 +148,7 @@ def _check_size(draft: Draft) -> None:
             raise InputError(
                 f"{draft.name}: {name} has shape {array.shape}, expected {shape}, one row per taxel"
             )
-        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if name in table else ()
+        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if name in table else np.zeros(0)
         if len(wrong):
             row, column = wrong[0].tolist()
             raise InputError(

@@ -101,10 +101,12 @@ class Scan:
 
         words = np.frombuffer(data, "<i8", len(data) // WORD)
         views = (words, words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
-        row, at = (self._column, self._row, self._fresh, self._status, self._newest), 0
+        at = 0
         while at < len(words):
-            room = self._out[self._used :], self._stamps[self._used :]
-            at, rows = scan(*views, at, *row, *room)
+            at, rows = scan(
+                *views, at, self._column, self._row, self._fresh, self._status, self._newest,
+                self._out[self._used :], self._stamps[self._used :],
+            )  # fmt: skip
             self._used += rows
             if at < 0:
                 self.words += len(words) + at + 1

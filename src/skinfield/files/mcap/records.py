@@ -15,11 +15,12 @@ from typing import Any, BinaryIO, NamedTuple
 
 from mcap import records
 from mcap.data_stream import ReadDataStream
-from mcap.opcode import Opcode as Op
+from mcap.opcode import Opcode
 
 from skinfield.errors import FileError
 from skinfield.files.mcap.container import MAGIC
 
+Op = Opcode
 LARGEST = 1 << 28  # bytes of a record, or of a chunk's content: far more than is ever written
 HEAD = Struct("<BQ")
 MESSAGE_HEAD = Struct("<HIQQ")

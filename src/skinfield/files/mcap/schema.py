@@ -204,7 +204,10 @@ class CycleLayout(RowLayout):
         self.check_sizes((contact_bytes, patch_bytes))
         parts = ("<i8", rows * columns), (self.contact, contacts), (self.patch, patches)
         _, *found = _parts("cycle", data, size, *parts)
-        return Cycle(numbers[0], CycleFlag(flags), *numbers[1:7], *found)
+        number, due, wake, acquired, done, wall, position = numbers[:7]
+        return Cycle(
+            number, CycleFlag(flags), due, wake, acquired, done, wall, position, *found
+        )  # fmt: skip
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:

@@ -83,7 +83,7 @@ def _columns(
         return at, None, rows
     if None not in uids:
         return at, np.array(uids, np.uint64), None
-    odd = next(n for n in values if _channel(n) is None and _uid(n) is None)
+    odd = next((n for n in values if _channel(n) is None and _uid(n) is None), values[0])
     odd = odd if len(odd) <= 40 else odd[:40] + "..."
     raise FileError(
         f"{where}: column {odd!r} is not a time, taxel_<channel> or uid_<uid>, expected {LAYOUT}, "
