@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from skinfield.cli.options import flag_of
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.load import layout_format, save_layout
+from skinfield.files.layouts.load import layout_format
 from skinfield.settings import (
     PROFILES,
     PageSettings,
@@ -29,7 +29,6 @@ from skinfield.settings import (
     value_from_json,
 )
 from skinfield.settings.tree import Positive, Range, SettingError
-from skinfield.skin import generators
 
 TEXT = st.text(st.characters(exclude_categories=("Cs", "Cc")), min_size=1, max_size=12)
 WORDS = {  # fields whose values are checked in their own way
@@ -189,7 +188,7 @@ def test_profiles_are_whole_and_go_by_boards_and_layout(tmp_path: Path) -> None:
     ):  # fmt: skip
         assert profile_of(SkinSettings(), hardware, layout_format(text)).name == name
     foot = tmp_path / "foot.txt"
-    save_layout(generators.icub_triangle(), foot)
+    foot.write_text("[calibration]\n0.01 0 0 0 0 1\n")
     assert profile_of(SkinSettings(), None, layout_format(str(foot))).name == "icub"
 
 

@@ -1,6 +1,5 @@
 """`skinfield layout`: where the taxels are."""
 
-from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -118,8 +117,8 @@ def convert(
 ) -> None:
     """Convert a layout to another format, chosen by the extension of OUTPUT.
 
-    Faults are repaired on the way; repairs, and what the format of OUTPUT cannot hold, are listed.
-    Formats that hold one patch take one: choose it with --patch.
+    Faults are repaired on the way, and listed. Files are written in skinfield's own format, as text
+    or as arrays.
 
       skinfield layout convert right_foot.txt foot.toml
       skinfield layout convert hexagon72 hexagon.toml
@@ -129,11 +128,11 @@ def convert(
     text : str
         Layout file, or a generator by name.
     output : str
-        File to write: .toml, .npz or .txt (iCub positions).
+        File to write: .toml or .npz.
     patch : str, optional
-        Name of the one patch to write.
+        Write this patch alone.
     as_json : bool
-        Its patches, and what is not written, as one JSON object.
+        Its patches as one JSON object.
     """
     from skinfield.files.layouts.load import save_layout
 
@@ -141,8 +140,8 @@ def convert(
     skin = skin_from_text(text)
     if patch is not None:
         skin = Skin((skin[patch],), name=skin.name, notes=skin.notes)
-    lost = save_layout(skin, output)
-    _finish(skin, as_json, output, lost)
+    save_layout(skin, output)
+    _finish(skin, as_json, output)
 
 
 @layout.command
@@ -167,13 +166,12 @@ def info(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> None:
     _finish(skin, as_json)
 
 
-def _finish(skin: Skin, as_json: bool, output: str = "", lost: Iterable[str] = ()) -> None:
+def _finish(skin: Skin, as_json: bool, output: str = "") -> None:
     """Notes, the result as JSON, and what was written."""
     say_notes(skin.notes)
-    say_notes(f"not written: {sentence}" for sentence in lost)
     plain = {"name": skin.name, "patches": [_plain(patch) for patch in skin]}
     if output:
-        plain |= {"file": output, "not_written": list(lost)}
+        plain["file"] = output
     finish(as_json, plain, [f"{output}: {_summary(skin)}"] if output else ())
 
 

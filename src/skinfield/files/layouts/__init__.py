@@ -1,7 +1,7 @@
 """Layouts: files of taxel positions in the formats of others, read, repaired and written.
 
 A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)`` and ``parse(path)``; a further
-one is a file of its own and its name in `FORMATS`. One with ``write(skin, path)`` is in `WRITTEN`.
+one is a file of its own and its name in `FORMATS`. skinfield's own are written, too.
 """
 
 from dataclasses import replace
@@ -10,7 +10,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.files.layouts import (
     cyskin,
     fingertip,
@@ -44,21 +44,11 @@ class Format(Protocol):
         ...
 
 
-class WrittenFormat(Format, Protocol):
-    """A format that can be written too."""
-
-    def write(self, skin: Skin, path: Path) -> tuple[str, ...]:
-        """Write a skin; return what the format cannot hold, in sentences."""
-        ...
-
-
 FORMATS = cast(
     tuple[Format, ...],
     (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
 )
 """All known formats."""
-WRITTEN = cast(tuple[WrittenFormat, ...], (own_toml, own_npz, icub_positions))
-"""Those that are written."""
 
 
 def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
@@ -95,18 +85,6 @@ def format_of(path: Path) -> Format:
 def fitting_formats(data: bytes) -> list[Format]:
     """Formats that a file with these bytes may be of."""
     return [form for form in FORMATS if form.sniff(data)]
-
-
-def format_by_extension(path: Path) -> WrittenFormat:
-    """Format to write of files of this name; an InputError lists the extensions that are known."""
-    for form in WRITTEN:
-        if path.suffix.lower() in form.EXTENSIONS:
-            return form
-    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in WRITTEN)
-    raise InputError(
-        f"{path}: the extension {path.suffix!r} is of no layout format that is written, expected "
-        f"one of {known}"
-    )
 
 
 def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:

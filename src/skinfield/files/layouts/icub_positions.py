@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
 from skinfield.files.layouts.text import (
     integer,
@@ -19,8 +19,6 @@ from skinfield.files.layouts.text import (
     read_lines,
     spoilt,
 )
-from skinfield.files.pending import write_bytes
-from skinfield.skin.patch import Skin
 
 NAME = "icub-positions"
 EXTENSIONS = (".txt",)
@@ -74,41 +72,6 @@ def parse(path: Path) -> Content:
         link=part,
     )
     return Content(path, path.stem, (draft,), tuple(findings))
-
-
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write the one patch of a skin; return what the format cannot hold, in sentences.
-
-    Raises
-    ------
-    InputError
-        When the skin has several patches, or two taxels of one channel.
-    """
-    patch = skin[0]
-    if len(skin) != 1 or len(np.unique(patch.channel)) < len(patch):
-        raise InputError(
-            f"skin has {len(skin)} patches and {patch.name!r} {len(np.unique(patch.channel))} "
-            f"channels for {len(patch)} taxels, expected one patch and a channel for each taxel: "
-            "the rows of an iCub position file are the channels of one port"
-        )
-    table = np.zeros((patch.n_channels, 6))
-    table[patch.channel] = np.hstack([patch.positions, patch.normals])
-    of_channel = np.full(patch.n_channels, ABSENT)
-    for board in np.unique(patch.channel // PADS):
-        mine = np.sort(patch.channel[patch.channel // PADS == board])
-        of_channel[mine] = mine[min(3, len(mine) - 1)]  # the pad in the middle of a board
-    head = [
-        f"name {'_'.join((patch.link or patch.name).split()) or 'skin'}",
-        "spatial_sampling taxel",
-        f"taxel2Repr ( {' '.join(map(str, of_channel.tolist()))} )",
-        "[calibration]",
-    ]
-    body = [" ".join(f"{value + 0.0:.9f}" for value in row) for row in table.round(9)]
-    write_bytes(path, "\n".join([*head, *body, ""]).encode())
-    return (
-        "an iCub position file holds no pad diameters, uids or poses; modules are channel // 12",
-        "positions are rounded to 1 nm",
-    )
 
 
 def _taxel2repr(path: Path, header: str) -> Ints | None:

@@ -52,7 +52,7 @@ def parse(path: Path) -> Content:
     )
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
+def write(skin: Skin, path: Path) -> None:
     """Write a skin; nothing is lost."""
     arrays: dict[str, Any] = {
         "skinfield_layout": VERSION,
@@ -66,7 +66,6 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         arrays[f"patch{index}/pad_diameter_m"] = patch.pad_diameter
         arrays[f"patch{index}/positions_m"] = patch.positions
     write_npz(path, arrays)
-    return ()
 
 
 def _draft(arrays: dict[str, NDArray[Any]], start: str) -> Draft:

@@ -80,14 +80,13 @@ def parse(path: Path) -> Content:
     return Content(path, found.name or path.stem, drafts, notes=tuple(found.notes))
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
+def write(skin: Skin, path: Path) -> None:
     """Write a skin; nothing is lost."""
     head = [HEADER, f"skinfield_layout = {VERSION}\n", f"name = {_quoted(skin.name)}\n"]
     if skin.notes:
         head += ["notes = [\n", *(f"  {_quoted(note)},\n" for note in skin.notes), "]\n"]
     text = "".join(head + [_patch_text(patch) for patch in skin])
     write_bytes(path, text.encode("utf-8"))
-    return ()
 
 
 def _draft(index: int, patch: _Patch) -> Draft:

@@ -104,7 +104,7 @@ class TableExport(LiveExport):
 
     def add_rows(self, table: str, rows: Rows) -> None:
         """See `LiveExport`."""
-        columns = [rows[field][(slice(None), *index)] for _, _, field, index in flat(rows.dtype)]
+        columns: list[Any] = [rows[field][(slice(None), *index)] for _, _, field, index in flat(rows.dtype)]
         self._files[table].add([np.ascontiguousarray(each) for each in columns], len(rows))
 
     def add_happened(
