@@ -17,7 +17,7 @@ import skinfield as sf
 from skinfield.cli import reconstruct_jobs, reconstruct_runs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
-from skinfield.files import contacts, fields, save_recording, tables
+from skinfield.files import fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
@@ -268,7 +268,7 @@ def test_memory_does_not_grow_with_the_recording(
         monkeypatch.setattr(reconstruct_jobs, name, value)
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
-        (lines, "BLOCK", 2048), (contacts, "CHUNK", 32), (results, "BLOCK", 64),
+        (lines, "BLOCK", 2048), (tables, "CHUNK", 32), (results, "BLOCK", 64),
         (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)

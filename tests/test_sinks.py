@@ -17,7 +17,7 @@ from skinfield import files as sinks
 from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.estimate import Contact, Estimate
 from skinfield.estimate.contact_table import COLUMNS
-from skinfield.files import contacts as contacts_module
+from skinfield.files import tables as contacts_module
 from skinfield.skin.reading import Recording
 
 PATCH = sf.Patch(np.random.default_rng(0).uniform(-0.02, 0.02, (12, 2)), name="palm")

@@ -25,7 +25,7 @@ SERIES = {  # arrays with an axis of readings: type, axes after it, unit, meanin
     "displacement": ("f4", ("row", "column", "axis"), "m", "of the surface, in the patch's frame"),
 }
 FIXED = {  # arrays that all readings share
-    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"),
+    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame")
 }
 CHUNK_BYTES, MOST = 4 << 20, 512  # of all fields together; readings of a chunk
 COPIED = 1 << 20  # bytes at once, into an archive

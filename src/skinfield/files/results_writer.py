@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, check_shape
 from skinfield.estimate.contact_table import Row
-from skinfield.files.contacts import open_contacts
 from skinfield.files.fields import (
     SERIES,
     Arrays,
@@ -29,6 +28,7 @@ from skinfield.files.fields import (
     load_zarr,
 )
 from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.files.tables import open_contacts
 from skinfield.reconstruct import Reconstructor
 from skinfield.reconstruct.serialisation import (
     ARRAYS,

@@ -13,12 +13,7 @@ import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
-from skinfield.files.layouts.text import (
-    integer,
-    numbers,
-    read_lines,
-    spoilt,
-)
+from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt
 
 NAME = "icub-positions"
 EXTENSIONS = (".txt",)

@@ -9,14 +9,7 @@ import numpy as np
 
 from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import (
-    integer,
-    listed,
-    many,
-    numbers,
-    read_lines,
-    spoilt,
-)
+from skinfield.files.layouts.text import integer, listed, many, numbers, read_lines, spoilt
 from skinfield.skin.generators import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
 
 PADS = 12  # channels of a board, thermal ones included

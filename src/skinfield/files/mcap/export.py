@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
 from skinfield.files.pending import Closing, explained, pending
@@ -104,8 +104,11 @@ class TableExport(LiveExport):
 
     def add_rows(self, table: str, rows: Rows) -> None:
         """See `LiveExport`."""
-        columns: list[Any] = [rows[field][(slice(None), *index)] for _, _, field, index in flat(rows.dtype)]
-        self._files[table].add([np.ascontiguousarray(each) for each in columns], len(rows))
+        columns: list[Values] = []
+        for _, _, name, index in flat(rows.dtype):
+            field: Any = rows[name]
+            columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
+        self._files[table].add(columns, len(rows))
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
@@ -228,9 +231,6 @@ class Export:
 
 def _with_cycle(rows: "np.dtype[Any]", place: str = "") -> "np.dtype[Any]":
     """The rows' fields behind the cycle's number and time, and the row's place if it is named."""
-    clash = {"cycle", "wall_ns", place} & set(rows.names or ())
-    if clash:
-        raise InputError(f"rows have the fields {sorted(clash)}, which stand for the cycle")
     more = [(place, "<i8")] if place else []
     return np.dtype([("cycle", "<i8"), ("wall_ns", "<i8"), *more, *rows.descr])
 
@@ -248,14 +248,13 @@ def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
     """Rows of all cycles, one after the other."""
     parts = [each.contacts if table == "contacts" else each.patches for each in cycles]
     counts = [len(part) for part in parts]
-    rows = np.zeros(sum(counts), kind)
+    rows, joined = np.zeros(sum(counts), kind), np.concatenate(parts)
+    for name in joined.dtype.names or ():
+        rows[name] = joined[name]
     rows["cycle"] = np.repeat([each.number for each in cycles], counts)
     rows["wall_ns"] = np.repeat([each.wall_ns for each in cycles], counts)
     if table == "patch_cycles":
         rows["patch"] = np.concatenate([np.arange(count) for count in counts])
-    joined = np.concatenate(parts)
-    for name in joined.dtype.names or ():
-        rows[name] = joined[name]
     return rows
 
 
@@ -268,20 +267,18 @@ class FitRows:
     """
 
     def __init__(self, recording: Any, layout: Any) -> None:
-        self._recording, self._layout = recording, layout
-        patch, contact, form = layout.patch.names, layout.contact.names, layout.form.names
-        self._of_patch = [name for name in ("cycle", "stamp_ns", "readings") if name in patch]
-        taken = {"wall_ns", *self._of_patch}
-        self._of_contact = [name for name in contact if name not in taken]
-        taken |= set(self._of_contact)
-        self._of_form = [name for name in form if name not in taken and name != "spare"]
-        self.fields = np.dtype(
-            [("wall_ns", "<i8")]
-            + [(name, layout.patch[name]) for name in self._of_patch]
-            + [(name, layout.contact[name]) for name in self._of_contact]
-            + [(name, layout.form[name]) for name in self._of_form]
-        )
-        self._told: dict[int, bytes] = {}
+        self._recording = recording
+        taken, fields = {"wall_ns", "spare"}, [("wall_ns", np.dtype("<i8"))]
+        self._of: dict[str, list[str]] = {}
+        of_patch = ("cycle", "stamp_ns", "readings")
+        for part in ("patch", "contact", "form"):
+            rows = getattr(layout, part)
+            names = [name for name in rows.names if name in of_patch or part != "patch"]
+            self._of[part] = [name for name in names if name not in taken]
+            taken.update(names)
+            fields += [(name, rows[name]) for name in self._of[part]]
+        self.fields = np.dtype(fields)
+        self._before: dict[int, bytes] = {}
 
     @classmethod
     def of(cls, recording: Any) -> Self | None:
@@ -298,17 +295,15 @@ class FitRows:
         found = self._recording.fit_of(at, data)
         if found is None:
             return np.zeros(0, self.fields)
-        told = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
-        fresh = np.array([self._told.get(place) != row for place, row in told.items()], bool)
-        self._told = told
+        now = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
+        fresh = np.array([self._before.get(place) != row for place, row in now.items()], bool)
+        self._before = now
         counts = found.patches["contacts"]
         new = np.repeat(fresh, counts)
         rows = np.zeros(int(new.sum()), self.fields)
         rows["wall_ns"] = found.time_ns
-        for name in self._of_patch:
-            rows[name] = np.repeat(found.patches[name], counts)[new]
-        for name in self._of_contact:
-            rows[name] = found.contacts[name][new]
-        for name in self._of_form:
-            rows[name] = found.forms[name][new]
+        parts = np.repeat(found.patches, counts), found.contacts, found.forms
+        for names, its in zip(self._of.values(), parts, strict=True):
+            for name in names:
+                rows[name] = its[name][new]
         return rows

@@ -18,13 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.head import (
-    Head,
-    is_number,
-    is_whole,
-    usual_decimals,
-    usual_width,
-)
+from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
 from skinfield.files.recordings.lines import Block, Contents, Tally
 
 MILLISECONDS = "times are whole numbers far apart: taken as milliseconds"

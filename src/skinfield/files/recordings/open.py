@@ -38,11 +38,7 @@ FORMATS: tuple[Callable[[Head], Contents | None], ...] = (  # the strictest firs
 )
 
 
-def open_recording(
-    path: str | Path,
-    *,
-    progress: Progress | None = None,
-) -> Recording:
+def open_recording(path: str | Path, *, progress: Progress | None = None) -> Recording:
     """Read a recording; its content says which format it has.
 
     Parameters
@@ -70,9 +66,7 @@ def open_recording(
 
 
 def stream_recording(
-    path: str | Path,
-    *,
-    progress: Progress | None = None,
+    path: str | Path, *, progress: Progress | None = None
 ) -> RecordingStream | LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
 

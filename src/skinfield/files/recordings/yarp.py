@@ -10,13 +10,7 @@ import re
 import numpy as np
 
 from skinfield.errors import FileError
-from skinfield.files.recordings.head import (
-    Head,
-    is_number,
-    is_whole,
-    usual_decimals,
-    usual_width,
-)
+from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
 from skinfield.files.recordings.lines import Contents
 
 BRACKETS = "()"

@@ -140,10 +140,7 @@ class BagExport(LiveExport):
         with explained(self._place.target):
             if topic not in self._connections:
                 self._connections[topic] = self._writer.add_connection(
-                    topic,
-                    kind,
-                    msgdef=self._kinds.text_of(kind),
-                    rihs01=self._kinds.hash_of(kind),
+                    topic, kind, msgdef=self._kinds.text_of(kind), rihs01=self._kinds.hash_of(kind)
                 )
             self._writer.write(self._connections[topic], out.stamp_ns, data)
 
