@@ -199,47 +199,43 @@ def _check_grid(first: Grid, other: Grid) -> None:
         )
 
 
-def create_series(group: Any, name: str, grid: Grid, readings: int) -> None:
-    """Make an array of `SERIES` for so many readings, in a Zarr group."""
-    kind, axes, unit, meaning = SERIES[name]
-    shape = _shape(axes, grid)
-    count = readings_per_chunk(grid)
-    create_array(group, name, kind, (readings, *shape), (count, *shape), unit, meaning,
-                 ("reading", *axes))  # fmt: skip
-
-
-def create_fixed(group: Any, grid: Grid) -> None:
-    """Write the arrays of `FIXED` into a Zarr group."""
-    for name, (kind, axes, unit, meaning) in FIXED.items():
-        shape = _shape(axes, grid)
-        create_array(group, name, kind, shape, shape, unit, meaning, axes)
-        group[name][...] = fixed_of(grid)[name]
-
-
 def create_array(
     group: Any,
     name: str,
-    kind: str,
+    spec: tuple[str, tuple[str, ...], str, str],
     shape: tuple[int, ...],
     chunks: tuple[int, ...],
-    unit: str,
-    meaning: str,
-    axes: tuple[str, ...],
 ) -> None:
-    """Make an array in a Zarr group, each chunk with a checksum; NaN where nothing is written."""
+    """Make an array in a Zarr group, each chunk with a checksum; NaN where nothing is written.
+
+    `spec` is as in `SERIES`; an axis of readings may come before its axes.
+    """
     from zarr.codecs import BloscCodec, Crc32cCodec
 
+    kind, axes, unit, meaning = spec
     group.create_array(
         name,
         shape=shape,
         chunks=chunks,
         dtype=kind,
-        fill_value=float("nan") if kind[-2] == "f" else 0,
+        fill_value=float("nan") if kind[0] == "f" else 0,
         compressors=(BloscCodec(cname="zstd", clevel=3, shuffle="bitshuffle"), Crc32cCodec()),
-        dimension_names=axes,
+        dimension_names=("reading", *axes)[-len(shape) :],
         attributes={"units": unit, "long_name": meaning},
         config={"write_empty_chunks": True},  # a chunk that is missing is a damage
     )
+
+
+def create_arrays(group: Any, grid: Grid, readings: int) -> None:
+    """Make room for the fields of so many readings in a Zarr group, and write what they share."""
+    count = readings_per_chunk(grid)
+    for name, spec in SERIES.items():
+        if name != "stamp_ns":
+            shape = _shape(spec[1], grid)
+            create_array(group, name, spec, (readings, *shape), (count, *shape))
+    for name, values in fixed_of(grid).items():
+        create_array(group, name, FIXED[name], values.shape, values.shape)
+        group[name][...] = values
 
 
 def _shape(axes: tuple[str, ...], grid: Grid) -> tuple[int, ...]:

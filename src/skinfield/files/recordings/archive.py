@@ -69,15 +69,13 @@ def _load(head: Head) -> dict[str, NDArray[Any]]:
             f"{head.path} cannot be read as NPZ ({type(error).__name__}: {str(error)[:120]}), "
             f"expected {LAYOUT}"
         ) from error
-    if "counts" not in found:
-        hint = ""
-        if "positions" in names and "pressure" not in names:
-            hint = ": it looks like a layout, give it as one"
-        elif "pressure" in names:
-            hint = ": it looks like fields that were computed from a recording"
-        shown = ", ".join(names[:8])[:200]
-        raise FileError(f"{head.path} holds the keys {shown}, expected {LAYOUT}{hint}")
-    return found
+    if "counts" in found:
+        return found
+    hint = ": it looks like a layout, give it as one" if "positions" in names else ""
+    hint = ": it looks like fields that were computed" if "pressure" in names else hint
+    raise FileError(
+        f"{head.path} holds the keys {', '.join(names[:8])[:200]}, expected {LAYOUT}{hint}"
+    )
 
 
 def _floats(head: Head, key: str, values: NDArray[Any]) -> Floats:

@@ -98,14 +98,11 @@ def _file(path: Path) -> Path:
             return path
         if (path / "data.log").is_file():
             return path / "data.log"
-        inner = [
-            str(log.parent)
-            for depth in ("*", "*/*", "*/*/*", "*/*/*/*", "*/*/*/*/*")
-            for log in islice(path.glob(f"{depth}/data.log"), 5)
-        ]
+        logs = (log for depth in range(1, 6) for log in path.glob("*/" * depth + "data.log"))
+        inner = [str(log.parent) for log in islice(logs, 5)]
     except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError
         raise FileError(f"{path!s} cannot be opened: {error}; expected a recording") from error
-    hint = f"; logs lie in {', '.join(inner[:5])}" if inner else ""
+    hint = f"; logs lie in {', '.join(inner)}" if inner else ""
     raise FileError(f"{path} is a folder without data.log, expected a yarpdatadumper log{hint}")
 
 
