@@ -268,7 +268,7 @@ def test_memory_does_not_grow_with_the_recording(
         monkeypatch.setattr(reconstruct_jobs, name, value)
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
-        (lines, "BLOCK", 2048), (tables, "CHUNK", 32), (results, "BLOCK", 64),
+        (lines, "BLOCK", 2048), (results, "BLOCK", 64),
         (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)

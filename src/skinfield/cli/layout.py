@@ -1,7 +1,6 @@
 """`skinfield layout`: where the taxels are."""
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -89,15 +88,13 @@ def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
     Parameters
     ----------
     text : str
-        Layout file, or a generator by name.
+        Layout file, or a folder of them.
     as_json : bool
         Findings as a list of objects with code, severity, message and rows.
     """
     from skinfield.files.layouts import lint as lint_file
-    from skinfield.files.layouts import lint_skin
 
-    is_file = Path(text).is_file()
-    findings = lint_file(text) if is_file else lint_skin(skin_from_text(text))
+    findings = lint_file(text)
     if as_json:
         print_json([asdict(finding) for finding in findings])
     else:

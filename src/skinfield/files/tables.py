@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -22,7 +22,6 @@ from skinfield.estimate.contact_table import (
 )
 from skinfield.files.pending import Closing, explained, pending
 
-CHUNK = 16384  # rows of contacts held before they are written: some megabytes
 HELD = 1 << 25  # bytes of a group of rows of Parquet
 Columns = Sequence[tuple[str, np.dtype[Any]]]
 Values = Sequence[Any] | NDArray[Any] | None  # of a column; None where all are missing
@@ -174,13 +173,12 @@ def _missing(values: Any) -> NDArray[np.bool_] | None:
 class ContactWriter(Closing):
     """Writes the contacts of estimates as they come; made by `open_contacts`.
 
-    Memory is bounded: rows are written in chunks. The file has its name once `close` was called.
+    The file has its name once `close` was called.
     """
 
     table: Table
     readings: int = 0
     start_ns: int | None = None
-    rows: list[Row] = field(default_factory=list)
 
     def write(self, estimate: Estimate) -> None:
         """Add the contacts of an estimate of one reading or of many.
@@ -199,29 +197,18 @@ class ContactWriter(Closing):
 
     def write_rows(self, rows: Iterable[Row], readings: int) -> None:
         """Add what `contact_table.rows_from_estimate` makes of some readings, maybe elsewhere."""
-        for row in rows:
-            self.rows.append(row)
-            if len(self.rows) >= CHUNK:
-                self._flush()
+        found = list(rows)
+        if found:
+            self.table.add(list(zip(*found, strict=True)), len(found))
         self.readings += readings
 
     def close(self) -> None:
-        """Write what is left and give the file its name."""
-        try:
-            self._flush()
-            self.table.close()
-        except BaseException:
-            self.discard()
-            raise
+        """Give the file its name."""
+        self.table.close()
 
     def discard(self) -> None:
         """Give up: the unfinished file is removed."""
         self.table.discard()
-
-    def _flush(self) -> None:
-        rows, self.rows = self.rows, []
-        if rows:
-            self.table.add(list(zip(*rows, strict=True)), len(rows))
 
 
 def open_contacts(path: str | Path) -> ContactWriter:

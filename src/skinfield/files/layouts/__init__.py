@@ -8,8 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol, cast
 
-import numpy as np
-
 from skinfield.errors import FileError
 from skinfield.files.layouts import (
     cyskin,
@@ -21,7 +19,7 @@ from skinfield.files.layouts import (
     skingui,
     skinware,
 )
-from skinfield.files.layouts.repair import Content, Draft, Finding, mend
+from skinfield.files.layouts.repair import Content, Finding, mend
 from skinfield.files.layouts.text import listed, many, read_bytes
 from skinfield.skin.patch import Patch, Skin
 
@@ -144,26 +142,5 @@ def lint(path: str | Path) -> list[Finding]:
     FileError
         When the file cannot be read at all, so that `load_layout` fails too.
     """
-    return _sorted(read_layout(Path(path))[1])
-
-
-def lint_skin(skin: Skin) -> list[Finding]:
-    """Everything found in a skin made by a program, errors first; nothing is changed."""
-    drafts = tuple(_draft(patch) for patch in skin)
-    return _sorted(mend(Content(Path(skin.name), skin.name, drafts))[1])
-
-
-def _sorted(findings: tuple[Finding, ...]) -> list[Finding]:
+    findings = read_layout(Path(path))[1]
     return sorted(findings, key=lambda found: ORDER.index(found.severity))
-
-
-def _draft(patch: Patch) -> Draft:
-    return Draft(
-        patch.positions,
-        np.arange(len(patch)),
-        patch.normals,
-        uid=patch.uid,
-        pad_diameter=patch.pad_diameter,
-        name=patch.name,
-        stated=True,
-    )
