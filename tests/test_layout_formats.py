@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts import FORMATS, fingertip
@@ -23,13 +24,8 @@ def poses(draw) -> np.ndarray:
     """Homogeneous poses of a few hundred millimetres."""
     quaternion = np.array(draw(st.tuples(*[st.floats(-1, 1)] * 4)))
     quaternion[0] += 1.5
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
     pose = np.eye(4)
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
+    pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     pose[:3, 3] = draw(st.tuples(*[st.floats(-0.3, 0.3)] * 3))
     return pose
 

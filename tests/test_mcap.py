@@ -204,7 +204,7 @@ def test_scripts_of_older_files_are_passed_over():
         ROWS.decode(old[:-8])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))
 def test_any_metadata(metadata):
     with pytest.raises(InputError):

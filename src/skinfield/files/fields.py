@@ -32,11 +32,6 @@ COPIED = 1 << 20  # bytes at once, into an archive
 FORMAT = "skinfield fields 1"
 
 
-def readings_per_chunk(grid: Grid) -> int:
-    """Readings whose fields fill `CHUNK_BYTES`, about: a power of two up to `MOST`."""
-    return min(MOST, 1 << max(1, CHUNK_BYTES // (len(grid) * 20)).bit_length() - 1)
-
-
 def series_of(estimate: Estimate) -> Arrays:
     """Arrays of `SERIES`, each with a leading axis of readings."""
     shape = (-1, *estimate.grid.shape)
@@ -54,16 +49,6 @@ def series_of(estimate: Estimate) -> Arrays:
 def fixed_of(grid: Grid) -> Arrays:
     """Arrays of `FIXED`."""
     return {"position": grid.positions.reshape(*grid.shape, 3)}
-
-
-def attributes_of(grid: Grid) -> dict[str, Any]:
-    """What is said of the whole file."""
-    return {
-        "format": FORMAT,
-        "patch": grid.patch.name,
-        "pitch_m": grid.pitch,
-        "cell_area_m2": grid.cell_area,
-    }
 
 
 class FieldWriter(Closing):
@@ -126,7 +111,8 @@ class FieldWriter(Closing):
 
     def _pack(self, grid: Grid) -> None:
         units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
-        said = json.dumps({**attributes_of(grid), "units": units})
+        said = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
+        said |= {"cell_area_m2": grid.cell_area, "units": units}
         with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
             for name, file in self._files.items():
                 kind, axes, _, _ = SERIES[name]
@@ -136,7 +122,10 @@ class FieldWriter(Closing):
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, head)
                     copyfileobj(file, member, COPIED)
-            for name, values in (*fixed_of(grid).items(), ("attributes", np.array(said))):
+            for name, values in (
+                *fixed_of(grid).items(),
+                ("attributes", np.array(json.dumps(said))),
+            ):
                 with archive.open(f"{name}.npy", "w") as member:
                     np.lib.format.write_array(member, values, allow_pickle=False)
 
@@ -228,7 +217,7 @@ def create_array(
 
 def create_arrays(group: Any, grid: Grid, readings: int) -> None:
     """Make room for the fields of so many readings in a Zarr group, and write what they share."""
-    count = readings_per_chunk(grid)
+    count = min(MOST, 1 << max(1, CHUNK_BYTES // (len(grid) * 20)).bit_length() - 1)
     for name, spec in SERIES.items():
         if name != "stamp_ns":
             shape = _shape(spec[1], grid)

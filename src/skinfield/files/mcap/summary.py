@@ -50,14 +50,17 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         if progress is not None:
             progress(at, recording.outline.size)
     seconds = max(last - first, 0) * 1e-9
-    events = list(recording.events())
+    events, skin = list(recording.events()), None
+    with suppress(FileError):
+        skin = recording.skin
     return {
         "path": str(recording.path),
         "finished": recording.finished,
         "bytes": recording.outline.size,
         "began_ns": first if last else None,
         "seconds": seconds,
-        **_skin_of(recording),
+        "skin": None if skin is None else skin.name,
+        "taxels": None if skin is None else sum(map(len, skin)),
         "patches": list(blocks.patches(seconds)),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
@@ -86,14 +89,6 @@ def _lost(events: list[dict[str, Any]]) -> dict[str, int]:
         "dropped_bytes": total("dropped", "bytes"),
         "dropped_cycles": total("dropped", "cycles"),
     }
-
-
-def _skin_of(recording: LiveRecording) -> dict[str, Any]:
-    try:
-        skin = recording.skin
-    except FileError:
-        return {"skin": None, "taxels": None}
-    return {"skin": skin.name, "taxels": sum(map(len, skin))}
 
 
 class _Blocks:
