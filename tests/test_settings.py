@@ -99,7 +99,7 @@ def words_of(tree: Settings) -> list[str]:
     return words
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(trees())
 def test_toml_flags_and_json_say_the_same(tmp_path_factory: Any, tree: Settings) -> None:
     text = toml_from_settings(tree)
