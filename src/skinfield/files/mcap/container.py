@@ -98,10 +98,10 @@ class FileOutput:
         left = memoryview(piece)
         try:
             while left:
-                left = left[self._file.write(left) :]
+                done = self.end + len(piece) - len(left)
+                left = left[os.pwrite(self._file.fileno(), left, done) :]
         except OSError:
             self._file.truncate(self.end)  # what a full disk took of it
-            self._file.seek(self.end)
             raise
         self.end += len(piece)
 
