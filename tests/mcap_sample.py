@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
 
 CONTACT = np.dtype([("track", "<i8"), ("force", "<f8", (3,))])
@@ -37,14 +37,13 @@ def blocks_at(number: int) -> bytes:
 
 
 def write(
-    path: Path, cycles: int = 12, compression="zstd", flush_every: int = 3, close: bool = True
+    path: Path, cycles: int = 12, flush_every: int = 3, close: bool = True
 ) -> RecordingWriter:
     """A cycle and 48 bytes of the log each; a chunk every `flush_every` cycles."""
     writer = RecordingWriter(
         path,
         [Enclosed("configuration.json", "application/json", b'{"a": 1}')],
         layout=ROWS,
-        settings=RecordingSettings(compression),
     )
     for number in range(cycles):
         cycle = cycle_of(number)

@@ -11,7 +11,7 @@ import numpy as np
 from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import CycleLayout, Enclosed, FieldRecord
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import ModelConfig
@@ -85,8 +85,7 @@ def write(
         tare_file(table),
     )
     fit = None if beside is None else FIT
-    how = RecordingSettings(overwrite=True)
-    writer = RecordingWriter(path, skin_files, layout=ROWS, fit=fit, settings=how)
+    writer = RecordingWriter(path, skin_files, layout=ROWS, fit=fit, overwrite=True)
     channels, slot, blocks = Channels(72), Slot.empty(cycle.sizes), Blocks(1 << 13)
     change, position = pressed_counts() - REST, 0
     for number in range(cycles):

@@ -34,7 +34,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "llvmlite": {"compiled", "solve"},  # the half of Numba that writes machine code
     "rich": {"cli"},
     "cyclopts": {"cli"},
-    "msgspec": {"bridges", "lab", "settings"},
+    "msgspec": {"bridges", "files", "lab", "settings"},
     "tomli_w": {"settings"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
@@ -52,7 +52,6 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "mcap": {"files"},
     "zstandard": {"files"},
     "lz4": {"files"},  # comes with mcap
-    "h5py": {"files"},
     "rosbags": {"files"},
     "websockets": {"page"},
     "xxhash": {"bridges"},

@@ -124,7 +124,7 @@ def test_json_is_json_even_of_what_is_no_number(capsys: pytest.CaptureFixture[st
         ("press --plot a.png --skin icub_triangle", {"bodies", "force_N", "readings"}),
         ("cases made --count 1 --quantity stress", {"folder", "files"}),
         ("layout show hexagon72 -o a.png", {"name", "patches", "file"}),
-        ("layout convert hexagon72 a.json", {"name", "patches", "file", "not_written"}),
+        ("layout convert hexagon72 a.toml", {"name", "patches", "file"}),
         ("rig --new a.toml", {"scenario"}),
     ],
 )

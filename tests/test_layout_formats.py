@@ -7,20 +7,16 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts import FORMATS, cyskin, fingertip, format_of
+from skinfield.files.layouts import FORMATS, fingertip
 from skinfield.files.layouts.load import load_layout, save_layout
 from skinfield.skin import Patch, Skin, generators
 
 QUICK = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-ONE_PATCH = {  # format: (file, positions m, normals, what survives besides them)
-    "cyskin": ("a.json", 1e-15, 1e-15, {"uid", "link", "link_from_patch", "name"}),
-    "icub-positions": ("a.txt", 0.6e-9, 1e-8, {"channel", "n_channels"}),
-}
-ALL = {"name", "link", "link_from_patch", "pad_diameter", "module", "uid", "channel", "n_channels"}
 
 
 @st.composite
@@ -28,13 +24,8 @@ def poses(draw) -> np.ndarray:
     """Homogeneous poses of a few hundred millimetres."""
     quaternion = np.array(draw(st.tuples(*[st.floats(-1, 1)] * 4)))
     quaternion[0] += 1.5
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
     pose = np.eye(4)
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
+    pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     pose[:3, 3] = draw(st.tuples(*[st.floats(-0.3, 0.3)] * 3))
     return pose
 
@@ -69,76 +60,37 @@ def patches(draw, name: str = "patch") -> Patch:
     )
 
 
-def assert_same(made: Patch, read: Patch, kept: set[str], place: float, turn: float) -> None:
-    rows = np.arange(len(made))
-    if "channel" in kept:  # such files come in the order of the channels
-        rows = np.argsort(made.channel)
-        read = read.subset(np.argsort(read.channel))
-    np.testing.assert_allclose(read.positions, made.positions[rows], rtol=0, atol=place)
-    np.testing.assert_allclose(read.normals, made.normals[rows], rtol=0, atol=turn)
-    for key in kept - {"channel"}:
-        want, got = getattr(made, key), getattr(read, key)
-        if key in ("uid", "module"):
-            np.testing.assert_array_equal(got, want[rows])
-        elif key == "link_from_patch":
-            np.testing.assert_allclose(got, want, atol=1e-12)
-        else:
-            assert got == (pytest.approx(want, abs=2e-9) if key == "pad_diameter" else want), key
-
-
 @pytest.mark.parametrize("name", ["a.toml", "a.npz"])
 @QUICK
 @given(first=patches(), second=patches("p2"), notes=st.lists(st.text(max_size=20), max_size=2))
 def test_own_formats_keep_every_bit(tmp_path: Path, name, first, second, notes) -> None:
     skin = Skin((first, second), name="two of them", notes=tuple(n.strip("\0") for n in notes))
-    assert save_layout(skin, tmp_path / name) == ()
+    save_layout(skin, tmp_path / name)
     again = load_layout(tmp_path / name)
     assert (again.name, again.notes) == (skin.name, skin.notes)
     for made, read in zip(skin, again, strict=True):
         np.testing.assert_array_equal(read.positions, made.positions)
-        np.testing.assert_array_equal(read.channel, made.channel)
         assert np.abs(read.normals - made.normals).max() < 1e-15  # made unit length once more
-        assert_same(made, read, ALL - {"channel"}, 0, 1e-15)
+        np.testing.assert_allclose(read.link_from_patch, made.link_from_patch, atol=1e-12)
+        for key in ("name", "link", "n_channels"):
+            assert getattr(read, key) == getattr(made, key)
+        for key in ("module", "uid", "channel"):
+            np.testing.assert_array_equal(getattr(read, key), getattr(made, key))
+        assert read.pad_diameter == pytest.approx(made.pad_diameter, abs=2e-9)
 
 
-@pytest.mark.parametrize("name", ONE_PATCH)
-@QUICK
-@given(patch=patches())
-def test_other_formats_keep_what_they_can_hold(tmp_path: Path, name, patch) -> None:
-    file, place, turn, kept = ONE_PATCH[name]
-    lost = save_layout(patch, tmp_path / file)
-    assert lost
-    assert all(len(sentence) > 20 for sentence in lost)
-    assert name == format_of(tmp_path / file).NAME
-    skin = load_layout(tmp_path / file)
-    assert_same(patch, skin[0], kept, place, turn)
-    clean = ("gives no size of the pads", "channels have a place")
-    assert [n for n in skin.notes if not any(word in n for word in clean)] == []
-
-
-def test_formats_of_one_patch_refuse_two(tmp_path: Path) -> None:
-    skin = Skin((generators.icub_triangle(), Patch(np.zeros((1, 3)), name="b")))
-    for name in ("a.json", "a.txt"):
-        with pytest.raises(InputError, match="2 patches"):
-            save_layout(skin, tmp_path / name)
-
-
-def test_formats_that_are_only_read(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"'\.ini' is of no layout format that is written"):
-        save_layout(generators.icub_triangle(), tmp_path / "a.ini")
-
-
-def test_unknown_extension_lists_the_known(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"'\.xyz'.*\.toml.*\.txt"):
-        save_layout(generators.icub_triangle(), tmp_path / "a.xyz")
+@pytest.mark.parametrize("ending", ["ini", "json", "txt", "xyz"])
+def test_formats_of_others_are_only_read(tmp_path: Path, ending: str) -> None:
+    with pytest.raises(InputError, match=rf"'\.{ending}' is of no .*expected \.toml or \.npz"):
+        save_layout(generators.icub_triangle(), tmp_path / f"a.{ending}")
 
 
 # -- what a format means ---------------------------------------------------------------------------
 
 
 def test_content_decides_not_the_extension(tmp_path: Path) -> None:
-    save_layout(generators.icub_triangle(), tmp_path / "a.json")
-    (tmp_path / "a.json").rename(tmp_path / "a.toml")
+    save_layout(generators.icub_triangle(), tmp_path / "a.npz")
+    (tmp_path / "a.npz").rename(tmp_path / "a.toml")
     assert len(load_layout(tmp_path / "a.toml")[0]) == 12
 
 
@@ -170,12 +122,18 @@ def test_a_layout_by_hand(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("skinfield_layout = 2\n", "skinfield_layout is 2, expected 1"),
-        ("skinfield_layout = 1\n", r"patch is None, expected one or more tables \[\[patch\]\]"),
-        ("skinfield_layout = 1\n[[patch]]\npositions = [[1, 2]]\n", "positions_mm is None"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuids = [1]\n", "unknown keys"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2], [3]]\n", "positions_mm"),
+        ("skinfield_layout = 1\n", "missing required field `patch`"),
+        (
+            "skinfield_layout = 1\n[[patch]]\npositions = [[1, 2]]\n",
+            "unknown field `positions` - at `patch\\[0\\]`",
+        ),
+        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuids = [1]\n", "field `uids`"),
+        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2], [3]]\n", r"_mm\[1\]`"),
         ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, nan]]\n", "finite numbers"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuid = [1.5]\n", "whole num"),
+        (
+            "skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuid = [1.5]\n",
+            "`int . str`, got",
+        ),
         ("skinfield_layout = 1\nname = \n", "line 2"),
     ],
 )
@@ -228,7 +186,7 @@ def test_cyskin_maps_alone_are_flat_patches(tmp_path: Path, as_list: bool) -> No
 
 def test_cyskin_faults_name_the_taxel(tmp_path: Path) -> None:
     path = cyskin_file(tmp_path, skin={"taxels": [*CYSKIN_TAXELS, {"id": 17, "x": [1, "a", 0]}]})
-    with pytest.raises(FileError, match=r"a\.json: skin\[0\]\.taxels\[6\]\.x"):
+    with pytest.raises(FileError, match=r"a\.json: .*skin\.taxels\[6\]\.x"):
         load_layout(path)
 
 
@@ -236,32 +194,6 @@ def test_cyskin_pose_that_is_no_motion_is_refused(tmp_path: Path) -> None:
     body = {"parent_frames": [{"name": "a", "tf_matrix": [1.0] * 16}], "taxels": CYSKIN_TAXELS}
     with pytest.raises(FileError, match=r"tf_matrix.*expected a rigid motion"):
         load_layout(cyskin_file(tmp_path, skin=body))
-
-
-def test_written_faces_are_wound_with_the_normals(tmp_path: Path) -> None:
-    patch = generators.icub_triangle()
-    flipped = Patch(patch.positions, normals=-patch.normals)
-    for made in (patch, flipped):
-        cyskin.write(Skin((made,)), tmp_path / "a.json")
-        body = json.loads((tmp_path / "a.json").read_text())["skin"]
-        corners = np.array([t["x"] for t in body["taxels"]])[np.array(body["faces"])]
-        winding = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        assert body["n_faces"] > 8
-        assert (winding @ made.normals[0] > 0).all()
-
-
-def test_uids_that_no_cyskin_has_are_replaced(tmp_path: Path) -> None:
-    made = generators.hexagon72()  # numbered by rows, 0 and 16 would be temperatures
-    patch = Patch(made.positions, module=made.module)
-    lost = save_layout(patch, tmp_path / "a.json")
-    assert any("uids are replaced" in sentence for sentence in lost)
-    read = load_layout(tmp_path / "a.json")[0]
-    assert len(read) == 72
-    assert read.module.tolist() == patch.module.tolist()
-    big = generators.rectangular(rows=5, columns=5)  # more than 15 taxels on a module
-    assert any("has others" in sentence for sentence in save_layout(big, tmp_path / "a.json"))
-    uid = load_layout(tmp_path / "a.json")[0].uid
-    assert len(set(uid.tolist())) == 25
 
 
 def positions_text(rows: list[str], taxel2repr: str) -> str:

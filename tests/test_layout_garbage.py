@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError
-from skinfield.files.layouts import FORMATS, WRITTEN
+from skinfield.files.layouts import FORMATS
 from skinfield.files.layouts.load import load_layout, save_layout
 from skinfield.skin import Skin, generators
 
@@ -64,8 +64,13 @@ def test_a_compressed_cloud_is_refused_with_a_remedy(tmp_path: Path) -> None:
 
 
 TEXTS = {
+    "a.json": b'{"info": {"file_version": "2"}, "skin": {"n_taxels": 2, "parent_frames": [{"name": '
+    b'"a", "tf_matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}], "taxels": [ {"id": 17, '
+    b'"x": [0.0, 0, 0], "n": [0, 0, 1], "cut": 0}, {"id": 18, "x": [0.01, 0, 0]}]}}',
     "a.ini": b"cardid 3 2\nrobotPart foot\n[SENSORS]\ntriangle_10pad 2 10 20 90 5 1 0\n",
     "a.cache": b"2 2\n0 0 0 0 0 1 0 0 0.002 0 1 1\n0.005 0 0 0 0 1 0 0 0.002 0 1 0\n",
+    "positions.txt": b"name foot\ntaxel2Repr ( 1 1 -1 )\n[calibration]\n0.01 0 0 0 0 1\n"
+    b"0.02 0 0 0 0 1\n0 0 0 0 0 0\n",
     "tip.txt": b"TAXEL 1\n-1.0 -20.9\n0.0 0.0\n0.0 0.0\nTAXEL 2\n-0.5 -18.7\n0.8 3.15\n0.3 1\n",
 }
 
@@ -75,10 +80,9 @@ def valid(tmp_path_factory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("valid")
     files = dict(TEXTS)
     skin = Skin((generators.icub_triangle(),), name="a")
-    for form in WRITTEN:
-        path = folder / f"{form.NAME}{form.EXTENSIONS[0]}"
-        save_layout(skin, path)
-        files[path.name] = path.read_bytes()
+    for name in ("own.toml", "own.npz"):
+        save_layout(skin, folder / name)
+        files[name] = (folder / name).read_bytes()
     for kind in ("ascii", "binary"):
         files[f"{kind}.pcd"] = cloud(kind)
     return files

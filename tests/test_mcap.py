@@ -15,8 +15,7 @@ from mcap.writer import CompressionType, Writer
 from mcap_sample import ROWS, START, blocks_at, cycle_of, field_of, write
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.mcap import RecordingSettings, RecordingWriter
-from skinfield.files.mcap.container import COMPRESSIONS
+from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.live import LiveRecording, Newest
 from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout
 from skinfield.record.recover import recover
@@ -32,10 +31,9 @@ def equal(one, other) -> bool:
     )
 
 
-@pytest.mark.parametrize("compression", COMPRESSIONS)
-def test_round_trip(tmp_path, compression):
+def test_round_trip(tmp_path):
     path = tmp_path / "a.mcap"
-    write(path, compression=compression)
+    write(path)
     found = LiveRecording.open(path)
     assert found.finished
     assert all(map(equal, found.cycles(), map(cycle_of, range(12))))
@@ -70,10 +68,9 @@ def test_the_newest_field_up_to_any_time_is_found(tmp_path):
     assert pressure[1].sum() == 9
 
 
-@pytest.mark.parametrize("compression", COMPRESSIONS)
-def test_mcap_itself_reads_it_in_both_ways(tmp_path, compression):
+def test_mcap_itself_reads_it_in_both_ways(tmp_path):
     path = tmp_path / "a.mcap"
-    write(path, compression=compression)
+    write(path)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
@@ -99,16 +96,16 @@ def test_a_file_is_not_replaced_unless_asked(tmp_path):
     with pytest.raises(InputError, match="is there already"):
         write(path)
     assert path.read_bytes() == before
-    overwrite = RecordingSettings(overwrite=True)
-    RecordingWriter(path, layout=ROWS, settings=overwrite).close()
+    RecordingWriter(path, layout=ROWS, overwrite=True).close()
     assert list(LiveRecording.open(path).cycles()) == []
 
 
-def test_files_of_mcaps_own_writer_are_read(tmp_path):
+@pytest.mark.parametrize("compression", CompressionType)
+def test_files_of_mcaps_own_writer_are_read(tmp_path, compression):
     """With its channels in the first chunk, as other programs write."""
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
-        writer = Writer(file, chunk_size=200, compression=CompressionType.LZ4)
+        writer = Writer(file, chunk_size=200, compression=compression)
         writer.start()
         schema = writer.register_schema("x", "", b"")
         channel = writer.register_channel("/skin/blocks", "", schema)
@@ -126,13 +123,14 @@ def test_files_of_mcaps_own_writer_are_read(tmp_path):
     assert sum(report.messages.values()) == 18
 
 
-def test_cut_anywhere(tmp_path):
+def test_cut_anywhere(tmp_path, monkeypatch):
     """All that is up to the last whole chunk before the cut is there, and no more.
 
     At every byte around the ends of chunks, at every so many-th elsewhere.
     """
     path, bad, good = (tmp_path / name for name in ("a.mcap", "bad.mcap", "good.mcap"))
     write(path, cycles=6)
+    monkeypatch.setattr("os.fdatasync", lambda _: None)
     data = path.read_bytes()
     with path.open("rb") as file:
         summary = make_reader(file).get_summary()
@@ -206,7 +204,7 @@ def test_scripts_of_older_files_are_passed_over():
         ROWS.decode(old[:-8])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))
 def test_any_metadata(metadata):
     with pytest.raises(InputError):
@@ -260,10 +258,6 @@ def test_nothing_is_lost_while_a_disk_is_full(tmp_path):
 
 
 def test_what_cannot_be_written():
-    with pytest.raises(InputError, match="compression is 'zip', expected one of lz4, none, zstd"):
-        RecordingSettings("zip")
-    with pytest.raises(InputError, match="chunk_bytes"):
-        RecordingSettings(chunk_bytes=0)
     with pytest.raises(InputError, match="plain numbers"):
         CycleLayout(np.dtype("<f8"), ROWS.patch)
     with pytest.raises(InputError, match="plain numbers"):

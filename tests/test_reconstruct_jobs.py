@@ -17,7 +17,7 @@ import skinfield as sf
 from skinfield.cli import reconstruct_jobs, reconstruct_runs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
-from skinfield.files import contacts, fields, save_recording, tables
+from skinfield.files import fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
@@ -168,7 +168,7 @@ def test_readings_that_lack_any_taxels_are_written_too(tmp_path: Path) -> None:
     assert "(1 left out)" in said
     results = read_results(tmp_path / "r.skinfield")
     assert len(results) == 199
-    expected = results.reconstructor(results.readings.values(0, 199))
+    expected = results.reconstructor(results.values(0, 199))
     with np.load(tmp_path / "f.npz") as fields:
         for name in ("pressure", "pressure_std"):
             scale = np.abs(getattr(expected, name)).max()
@@ -193,8 +193,8 @@ def test_in_blocks_or_as_a_whole_it_is_the_same(
     code, said = run(*words, "-o", tmp_path / "blocks.skinfield")
     assert code == 0, said
     whole, blocks = (read_results(tmp_path / f"{n}.skinfield") for n in ("whole", "blocks"))
-    np.testing.assert_array_equal(blocks.readings.stamps(0, 6000), whole.readings.stamps(0, 6000))
-    one, other = blocks.readings.values(0, 6000), whole.readings.values(0, 6000)
+    np.testing.assert_array_equal(blocks.stamps(0, 6000), whole.stamps(0, 6000))
+    one, other = blocks.values(0, 6000), whole.values(0, 6000)
     np.testing.assert_array_equal(np.isnan(one), np.isnan(other))
     np.testing.assert_allclose(one, other, atol=0.004)  # < 1 count
     np.testing.assert_array_equal(blocks.config.noise_std, whole.config.noise_std)
@@ -268,7 +268,7 @@ def test_memory_does_not_grow_with_the_recording(
         monkeypatch.setattr(reconstruct_jobs, name, value)
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
-        (lines, "BLOCK", 2048), (contacts, "CHUNK", 32), (results, "BLOCK", 64),
+        (lines, "BLOCK", 2048), (results, "BLOCK", 64),
         (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)

@@ -149,7 +149,7 @@ def _loads_of(
             for part in parts(results, range(len(results)), fields=False):
                 loads.append(part.load)
                 step(sum(map(len, loads)))
-        return results.config, results.readings.stamps(0, len(results)), np.concatenate(loads)
+        return results.config, results.stamps(0, len(results)), np.concatenate(loads)
 
 
 def _part_of(stamps: NDArray[np.int64], seconds: str | None) -> NDArray[np.bool_]:

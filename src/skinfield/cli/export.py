@@ -1,4 +1,4 @@
-"""`skinfield export`: a recording of a live skin into tables and arrays that others read."""
+"""`skinfield export`: a recording of a live skin into tables that others read."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -20,15 +20,13 @@ def export(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Turn FILE, a recording of a live skin, into arrays and tables that others read.
+    """Turn FILE, a recording of a live skin, into tables that others read.
 
     The raw counts of every patch over time, one row per scan and empty where a taxel did not
     answer; the engine's contacts and, where a contact fit ran beside it, the fit's; each patch's
     answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
     stamps in ns since the epoch, all else in SI units.
 
-      out.h5               patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
-                           cycles, events
       out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
                            out.patch_cycles.*, out.cycles.* and out.events.json
 
@@ -37,16 +35,16 @@ def export(
     --format rosbag2 makes a folder that `ros2 bag` reads, without ROS: counts as PointCloud2,
     contacts, forces and frames as messages, see docs/ros2.md.
 
-      skinfield export touch.mcap -o touch.h5
+      skinfield export touch.mcap -o touch.parquet
       skinfield export touch.mcap --format rosbag2 -o touch_bag
-      skinfield export touch.mcap -o touch.parquet --patch left_forearm
+      skinfield export touch.mcap -o touch.csv --patch left_forearm
 
     Parameters
     ----------
     file : str
         Recording (.mcap).
     output : str
-        File to write: .parquet, .csv or .h5; for a bag, a DIR.
+        File to write: .parquet or .csv; for a bag, a DIR.
     patch : tuple of str
         Only this patch; again for more. Default all.
     form : str, optional
@@ -54,8 +52,7 @@ def export(
     as_json : bool
         What was written, and what left out, as one JSON object.
     """
-    from skinfield.files.live_export import open_export
-    from skinfield.files.mcap.export import Export
+    from skinfield.files.mcap.export import Export, LiveExport, TableExport
     from skinfield.files.mcap.live import LiveRecording
     from skinfield.files.ros import BagExport
 
@@ -65,10 +62,10 @@ def export(
     with ExitStack() as parts:
         notes: list[str] = []
         if form is None:
-            sink = parts.enter_context(open_export(output, work.what))
+            sink: LiveExport = parts.enter_context(TableExport(output, work))
         else:
             sqlite = form == "rosbag2-sqlite"
-            bag = BagExport(output, work.what.patches, work.numbers, sqlite=sqlite)
+            bag = BagExport(output, work.patches, work.numbers, sqlite=sqlite)
             sink = parts.enter_context(bag)
         with progress("exporting", recording.outline.size) as step:
             for at in work.into(sink):
@@ -79,5 +76,5 @@ def export(
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
-    patches = [each.name for each in work.what.patches]
+    patches = [each.name for each in work.patches]
     finish(as_json, {"file": output, "patches": patches, "notes": notes}, [output])

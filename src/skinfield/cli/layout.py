@@ -1,8 +1,6 @@
 """`skinfield layout`: where the taxels are."""
 
-from collections.abc import Iterable
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -90,15 +88,13 @@ def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
     Parameters
     ----------
     text : str
-        Layout file, or a generator by name.
+        Layout file, or a folder of them.
     as_json : bool
         Findings as a list of objects with code, severity, message and rows.
     """
-    from skinfield.files.layouts.lint import lint as lint_file
-    from skinfield.files.layouts.lint import lint_skin
+    from skinfield.files.layouts import lint as lint_file
 
-    is_file = Path(text).is_file()
-    findings = lint_file(text) if is_file else lint_skin(skin_from_text(text))
+    findings = lint_file(text)
     if as_json:
         print_json([asdict(finding) for finding in findings])
     else:
@@ -118,22 +114,22 @@ def convert(
 ) -> None:
     """Convert a layout to another format, chosen by the extension of OUTPUT.
 
-    Faults are repaired on the way; repairs, and what the format of OUTPUT cannot hold, are listed.
-    Formats that hold one patch take one: choose it with --patch.
+    Faults are repaired on the way, and listed. Files are written in skinfield's own format, as text
+    or as arrays.
 
       skinfield layout convert right_foot.txt foot.toml
-      skinfield layout convert hexagon72 hexagon.json
+      skinfield layout convert hexagon72 hexagon.toml
 
     Parameters
     ----------
     text : str
         Layout file, or a generator by name.
     output : str
-        File to write: .toml, .npz, .json (CySkin) or .txt (iCub positions).
+        File to write: .toml or .npz.
     patch : str, optional
-        Name of the one patch to write.
+        Write this patch alone.
     as_json : bool
-        Its patches, and what is not written, as one JSON object.
+        Its patches as one JSON object.
     """
     from skinfield.files.layouts.load import save_layout
 
@@ -141,8 +137,8 @@ def convert(
     skin = skin_from_text(text)
     if patch is not None:
         skin = Skin((skin[patch],), name=skin.name, notes=skin.notes)
-    lost = save_layout(skin, output)
-    _finish(skin, as_json, output, lost)
+    save_layout(skin, output)
+    _finish(skin, as_json, output)
 
 
 @layout.command
@@ -167,13 +163,12 @@ def info(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> None:
     _finish(skin, as_json)
 
 
-def _finish(skin: Skin, as_json: bool, output: str = "", lost: Iterable[str] = ()) -> None:
+def _finish(skin: Skin, as_json: bool, output: str = "") -> None:
     """Notes, the result as JSON, and what was written."""
     say_notes(skin.notes)
-    say_notes(f"not written: {sentence}" for sentence in lost)
     plain = {"name": skin.name, "patches": [_plain(patch) for patch in skin]}
     if output:
-        plain |= {"file": output, "not_written": list(lost)}
+        plain["file"] = output
     finish(as_json, plain, [f"{output}: {_summary(skin)}"] if output else ())
 
 

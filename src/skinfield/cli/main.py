@@ -47,7 +47,7 @@ COMMANDS = {
     "view": Lazy("view:view", "Show a recording, or skins elsewhere, in the browser.", "Start"),
     "record": Lazy("record:record", "Record a running skin into one MCAP file.", "Recordings"),
     "replay": Lazy("replay:replay", "Show a recording as it was.", "Recordings"),
-    "export": Lazy("export:export", "Turn a recording into Parquet, CSV, HDF5 ...", "Recordings"),
+    "export": Lazy("export:export", "Turn a recording into Parquet, CSV, a bag ...", "Recordings"),
     "info": Lazy("record:info", "What a recording of a live skin holds."),
     "recover": Lazy("record:recover", "Make a whole recording of a damaged one."),
     "reconstruct": Lazy(

@@ -150,7 +150,9 @@ def skin_from_text(text: str) -> "Skin":
 
 def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
     """Profile of whose skin it is, which is named on stderr."""
-    profile = profile_of(wanted, hardware, layout)
+    from skinfield.files.layouts.load import layout_format
+
+    profile = profile_of(wanted, hardware, layout_format(layout))
     note(profile.sentence(wanted))
     return profile
 

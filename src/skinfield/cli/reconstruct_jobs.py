@@ -169,7 +169,7 @@ class Spool:
         self.patch = patch
         self.like: Recording | None = None
         self.notes: tuple[str, ...] = ()
-        self.skipped, self.divisor, self._count = 0, 1, 0
+        self.skipped, self._count = 0, 0
         self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
         self._file = TemporaryFile(dir=folder)  # noqa: SIM115
 
@@ -196,9 +196,8 @@ class Spool:
             rows = np.empty(last - first, self._kind)
             self._file.seek(first * self._kind.itemsize)
             self._file.readinto(rows.view(np.uint8).data)
-            stamps = rows["stamp_ns"] // self.divisor
             counts = np.ascontiguousarray(rows["counts"])
-            yield replace(self.like, stamp_ns=stamps, counts=counts)
+            yield replace(self.like, stamp_ns=rows["stamp_ns"], counts=counts)
             first = last
 
 
@@ -249,7 +248,6 @@ def _spooled(recording: str, spool: Spool, step: Step) -> Spool:
     else:
         for block in opened.blocks():
             spool.add(block)
-        spool.divisor = opened.divisor
     spool.notes, spool.skipped = opened.notes + spool.notes, opened.skipped
     if spool.like is None:
         raise InputError(f"{recording} holds no reading, expected one or more")
@@ -314,7 +312,7 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
     """
     names = ("pressure", "displacement") if fields else ("pressure",)
     size = STEPS["linear" if results.bulk(names).is_linear else "iterative"]
-    start_ns = int(results.readings.stamps(0, 1)[0])
+    start_ns = int(results.stamps(0, 1)[0])
     first = readings.start
     while first < readings.stop:
         last, begun = min(first - first % size + size, readings.stop), time.perf_counter()

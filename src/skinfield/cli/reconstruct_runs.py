@@ -143,7 +143,8 @@ def reconstruct_one(recording: str, plan: Plan | None, wanted: Wanted, as_json: 
         shown = results.estimate(totals.peak)
         sinks.close()
         if sinks.stored:  # they have their name now
-            results.readings = read_results(sinks.place.target).readings
+            whole = read_results(sinks.place.target)
+            results.stamp_ns, results.readings = whole.stamp_ns, whole.readings
         summary = _summary(results, totals, readings, skipped, plan)
         if wanted.summary:
             from skinfield.files import write_summary
@@ -288,9 +289,7 @@ def _show(results: Results, totals: Totals, readings: range, shown: Estimate, sk
 
 def _seconds(results: Results, readings: range) -> float:
     """From the first to the last of some readings, s."""
-    first, last = (
-        int(results.readings.stamps(at, at + 1)[0]) for at in (readings[0], readings[-1])
-    )
+    first, last = (int(results.stamps(at, at + 1)[0]) for at in (readings[0], readings[-1]))
     return (last - first) * 1e-9
 
 
@@ -351,7 +350,7 @@ def _plot(results: Results, index: int, shown: Estimate, path: str) -> None:
 
     quantity = results.config.quantity
     unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    reading = results.readings.values(index, index + 1)[0]
+    reading = results.values(index, index + 1)[0]
     figure = draw_estimate(shown, reading, quantity_name=quantity.symbol, quantity_unit=unit)
     save(figure, path)
 

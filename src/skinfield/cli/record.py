@@ -54,7 +54,7 @@ def record(
       skinfield record -o touch.mcap --duration 60     # in another
       skinfield info touch.mcap
       skinfield replay touch.mcap
-      skinfield export touch.mcap -o touch.h5
+      skinfield export touch.mcap -o touch.parquet
 
     Parameters
     ----------
@@ -69,7 +69,6 @@ def record(
     as_json : bool
         One JSON object at the end.
     """
-    from skinfield.files.mcap import RecordingSettings
     from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
     check_output("--output", output, force, ".mcap")
@@ -80,7 +79,7 @@ def record(
         path=Path(output),
         since_ns=time.time_ns(),
         view_rate=view_rate_hz,
-        file=RecordingSettings(overwrite=force),
+        overwrite=force,
     )
     out = Console(stderr=True)
     stop = threading.Event()

@@ -1,9 +1,6 @@
 """Files: recordings, layouts, results, shapes and tables; a file has its name once it is whole."""
 
 from skinfield.files.archive_writer import save_recording as save_recording
-from skinfield.files.contacts import ContactWriter as ContactWriter
-from skinfield.files.contacts import open_contacts as open_contacts
-from skinfield.files.contacts import write_contacts as write_contacts
 from skinfield.files.fields import FieldWriter as FieldWriter
 from skinfield.files.fields import open_fields as open_fields
 from skinfield.files.fields import write_fields as write_fields
@@ -16,3 +13,6 @@ from skinfield.files.results import open_results as open_results
 from skinfield.files.results_writer import ResultsWriter as ResultsWriter
 from skinfield.files.results_writer import save_results as save_results
 from skinfield.files.summary import write_summary as write_summary
+from skinfield.files.tables import ContactWriter as ContactWriter
+from skinfield.files.tables import open_contacts as open_contacts
+from skinfield.files.tables import write_contacts as write_contacts

@@ -1,13 +1,12 @@
 """Recordings to files that `skinfield.files.open_recording` reads."""
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_bytes, write_npz
 from skinfield.skin.reading import UNITS, Recording
 
 
@@ -34,18 +33,9 @@ def save_recording(recording: Recording, path: str | Path) -> None:
     if kind == ".csv":
         write_bytes(path, "".join(_lines(recording)).encode())
     elif kind == ".npz":
-        buffer = io.BytesIO()
-        uid = {} if recording.uid is None else {"uid": recording.uid}
-        np.savez_compressed(
-            buffer,
-            allow_pickle=False,
-            stamp_ns=recording.stamp_ns,
-            counts=recording.counts,
-            unit=np.array(recording.unit),
-            source=np.array(recording.source),
-            **uid,
-        )
-        write_bytes(path, buffer.getvalue())
+        arrays = {"stamp_ns": recording.stamp_ns, "counts": recording.counts}
+        arrays |= {"unit": np.array(recording.unit), "source": np.array(recording.source)}
+        write_npz(path, arrays if recording.uid is None else {**arrays, "uid": recording.uid})
     else:
         raise InputError(f"path is {str(path)!r}, expected a name that ends in .csv or .npz")
 
@@ -60,10 +50,10 @@ def _lines(recording: Recording) -> Iterator[str]:
         names = [f"uid_{uid}" for uid in recording.uid.tolist()]
     yield ",".join(["time_s", *names]) + "\n"
     for stamp, row in zip(recording.stamp_ns.tolist(), recording.counts, strict=True):
-        yield f"{_seconds(stamp)},{','.join(map(repr, row.tolist()))}\n"
+        yield f"{seconds(stamp)},{','.join(map(repr, row.tolist()))}\n"
 
 
-def _seconds(stamp_ns: int) -> str:
+def seconds(stamp_ns: int) -> str:
     """Seconds to the nanosecond, which a float could not hold."""
     whole, part = divmod(abs(stamp_ns), 10**9)
     return f"{'-' if stamp_ns < 0 else ''}{whole}.{part:09d}"

@@ -25,16 +25,11 @@ SERIES = {  # arrays with an axis of readings: type, axes after it, unit, meanin
     "displacement": ("f4", ("row", "column", "axis"), "m", "of the surface, in the patch's frame"),
 }
 FIXED = {  # arrays that all readings share
-    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"),
+    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame")
 }
 CHUNK_BYTES, MOST = 4 << 20, 512  # of all fields together; readings of a chunk
 COPIED = 1 << 20  # bytes at once, into an archive
 FORMAT = "skinfield fields 1"
-
-
-def readings_per_chunk(grid: Grid) -> int:
-    """Readings whose fields fill `CHUNK_BYTES`, about: a power of two up to `MOST`."""
-    return min(MOST, 1 << max(1, CHUNK_BYTES // (len(grid) * 20)).bit_length() - 1)
 
 
 def series_of(estimate: Estimate) -> Arrays:
@@ -54,16 +49,6 @@ def series_of(estimate: Estimate) -> Arrays:
 def fixed_of(grid: Grid) -> Arrays:
     """Arrays of `FIXED`."""
     return {"position": grid.positions.reshape(*grid.shape, 3)}
-
-
-def attributes_of(grid: Grid) -> dict[str, Any]:
-    """What is said of the whole file."""
-    return {
-        "format": FORMAT,
-        "patch": grid.patch.name,
-        "pitch_m": grid.pitch,
-        "cell_area_m2": grid.cell_area,
-    }
 
 
 class FieldWriter(Closing):
@@ -126,7 +111,8 @@ class FieldWriter(Closing):
 
     def _pack(self, grid: Grid) -> None:
         units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
-        said = json.dumps({**attributes_of(grid), "units": units})
+        said = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
+        said |= {"cell_area_m2": grid.cell_area, "units": units}
         with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
             for name, file in self._files.items():
                 kind, axes, _, _ = SERIES[name]
@@ -136,7 +122,10 @@ class FieldWriter(Closing):
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, head)
                     copyfileobj(file, member, COPIED)
-            for name, values in (*fixed_of(grid).items(), ("attributes", np.array(said))):
+            for name, values in (
+                *fixed_of(grid).items(),
+                ("attributes", np.array(json.dumps(said))),
+            ):
                 with archive.open(f"{name}.npy", "w") as member:
                     np.lib.format.write_array(member, values, allow_pickle=False)
 
@@ -199,47 +188,43 @@ def _check_grid(first: Grid, other: Grid) -> None:
         )
 
 
-def create_series(group: Any, name: str, grid: Grid, readings: int) -> None:
-    """Make an array of `SERIES` for so many readings, in a Zarr group."""
-    kind, axes, unit, meaning = SERIES[name]
-    shape = _shape(axes, grid)
-    count = readings_per_chunk(grid)
-    create_array(group, name, kind, (readings, *shape), (count, *shape), unit, meaning,
-                 ("reading", *axes))  # fmt: skip
-
-
-def create_fixed(group: Any, grid: Grid) -> None:
-    """Write the arrays of `FIXED` into a Zarr group."""
-    for name, (kind, axes, unit, meaning) in FIXED.items():
-        shape = _shape(axes, grid)
-        create_array(group, name, kind, shape, shape, unit, meaning, axes)
-        group[name][...] = fixed_of(grid)[name]
-
-
 def create_array(
     group: Any,
     name: str,
-    kind: str,
+    spec: tuple[str, tuple[str, ...], str, str],
     shape: tuple[int, ...],
     chunks: tuple[int, ...],
-    unit: str,
-    meaning: str,
-    axes: tuple[str, ...],
 ) -> None:
-    """Make an array in a Zarr group, each chunk with a checksum; NaN where nothing is written."""
+    """Make an array in a Zarr group, each chunk with a checksum; NaN where nothing is written.
+
+    `spec` is as in `SERIES`; an axis of readings may come before its axes.
+    """
     from zarr.codecs import BloscCodec, Crc32cCodec
 
+    kind, axes, unit, meaning = spec
     group.create_array(
         name,
         shape=shape,
         chunks=chunks,
         dtype=kind,
-        fill_value=float("nan") if kind[-2] == "f" else 0,
+        fill_value=float("nan") if kind[0] == "f" else 0,
         compressors=(BloscCodec(cname="zstd", clevel=3, shuffle="bitshuffle"), Crc32cCodec()),
-        dimension_names=axes,
+        dimension_names=("reading", *axes)[-len(shape) :],
         attributes={"units": unit, "long_name": meaning},
         config={"write_empty_chunks": True},  # a chunk that is missing is a damage
     )
+
+
+def create_arrays(group: Any, grid: Grid, readings: int) -> None:
+    """Make room for the fields of so many readings in a Zarr group, and write what they share."""
+    count = min(MOST, 1 << max(1, CHUNK_BYTES // (len(grid) * 20)).bit_length() - 1)
+    for name, spec in SERIES.items():
+        if name != "stamp_ns":
+            shape = _shape(spec[1], grid)
+            create_array(group, name, spec, (readings, *shape), (count, *shape))
+    for name, values in fixed_of(grid).items():
+        create_array(group, name, FIXED[name], values.shape, values.shape)
+        group[name][...] = values
 
 
 def _shape(axes: tuple[str, ...], grid: Grid) -> tuple[int, ...]:

@@ -59,11 +59,10 @@ class Totals:
         if other.highest_load > self.highest_load:
             self.highest_load, self.peak = other.highest_load, other.peak
         self.highest_force = max(self.highest_force, other.highest_force)
-        self.silent = (
-            other.silent
-            if self.silent is None
-            else [taxel for taxel in self.silent if taxel in (other.silent or ())]
-        )
+        if self.silent is not None:  # of readings before
+            self.silent = [taxel for taxel in self.silent if taxel in (other.silent or ())]
+        else:
+            self.silent = other.silent
 
 
 @dataclass
@@ -160,15 +159,13 @@ class Manifest:
                     f"{folder} holds files but no {MANIFEST}, expected a new folder, or that of an "
                     "earlier run"
                 )
-        before = _entries_of(folder / MANIFEST, settings) if begun else {}
-        manifest = cls(folder, settings, before, tuple(fresh))
+        entries = _entries_of(folder / MANIFEST, settings) if begun else {}
         for name, entry in fresh.items():
-            known = manifest.entries.get(name)
-            same = known is not None and (known.path, known.size, known.modified_ns) == (
-                entry.path, entry.size, entry.modified_ns,
-            )  # fmt: skip
-            if not same:  # new, or another than it was
-                manifest.entries[name] = entry
+            key = (entry.path, entry.size, entry.modified_ns)
+            known = entries.setdefault(name, entry)
+            if (known.path, known.size, known.modified_ns) != key:  # another than it was
+                entries[name] = entry
+        manifest = cls(folder, settings, entries, tuple(fresh))
         manifest.settle()
         return manifest
 

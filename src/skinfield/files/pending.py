@@ -1,15 +1,18 @@
 """Atomic writing of results: under another name and renamed at the end, so whole or not at all."""
 
+import io
 import os
 import secrets
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
+
+import numpy as np
 
 from skinfield.errors import FileError
 
@@ -121,3 +124,10 @@ def write_bytes(path: str | Path, data: bytes) -> None:
     except BaseException:
         place.discard()
         raise
+
+
+def write_npz(path: str | Path, arrays: Mapping[str, Any]) -> None:
+    """Write arrays as a compressed NPZ file; see `write_bytes`."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    write_bytes(path, buffer.getvalue())

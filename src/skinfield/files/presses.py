@@ -1,13 +1,12 @@
 """Simulated presses as files."""
 
-import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_npz
 from skinfield.simulate import Press
 from skinfield.simulate.pressing.press import base_stress_below_cells, parts_of
 from skinfield.skin import Patch
@@ -42,24 +41,10 @@ def save_press(press: Press, path: str | Path, patch: Patch | None = None) -> No
         If the file cannot be written.
     """
     check_press_name(path)
-    buffer = io.BytesIO()
-    arrays = {**_fields(press), **_bodies(press), **({} if patch is None else _pads(press, patch))}
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
-    write_bytes(path, buffer.getvalue())
-
-
-def check_press_name(path: str | Path) -> None:
-    """Raise InputError unless a press can be written under this name."""
-    if Path(path).suffix.lower() != ".npz":
-        raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz")
-
-
-def _fields(press: Press) -> dict[str, Any]:
     shape, plane = press.grid.shape, press.grid.plane
-    x, y = plane.reshape(*shape, 2)[0, :, 0], plane.reshape(*shape, 2)[:, 0, 1]
-    return {
-        "x": x,
-        "y": y,
+    fields = {
+        "x": plane.reshape(*shape, 2)[0, :, 0],
+        "y": plane.reshape(*shape, 2)[:, 0, 1],
         "pressure": press.pressure.reshape(shape),
         "traction": press.traction.reshape(*shape, 3),
         "displacement": press.displacement.reshape(*shape, 3),
@@ -67,6 +52,13 @@ def _fields(press: Press) -> dict[str, Any]:
         "contact": press.contact.reshape(shape),
         "base_stress": base_stress_below_cells(press).reshape(shape),
     }
+    write_npz(path, {**fields, **_bodies(press), **({} if patch is None else _pads(press, patch))})
+
+
+def check_press_name(path: str | Path) -> None:
+    """Raise InputError unless a press can be written under this name."""
+    if Path(path).suffix.lower() != ".npz":
+        raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz")
 
 
 def _bodies(press: Press) -> dict[str, Any]:

@@ -5,11 +5,11 @@ what is in them.
 """
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from skinfield.errors import FileError, Floats, SkinfieldError, check_count
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import Row, arrow_table, load_pyarrow, rows_from_estimate
 from skinfield.files.fields import load_zarr
-from skinfield.reconstruct import Reconstructor
+from skinfield.reconstruct import Reconstructor, Solver
 from skinfield.reconstruct.bulk import OUTPUTS, RUN, BulkFields
 from skinfield.reconstruct.serialisation import (
     ARRAYS,
@@ -27,7 +27,6 @@ from skinfield.reconstruct.serialisation import (
     results_from_attributes,
 )
 from skinfield.skin import Grid
-from skinfield.solve import Solver
 
 if TYPE_CHECKING:
     import pyarrow
@@ -43,20 +42,6 @@ TEXTS = {
 _LOCK = threading.Lock()  # a reconstructor answers one at a time
 
 
-class Readings(Protocol):
-    """Readings of a patch that need not be in memory."""
-
-    def __len__(self) -> int: ...
-
-    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
-        """Of readings first to last, ns."""
-        ...
-
-    def values(self, first: int, last: int) -> Floats:
-        """Readings first to last, (last - first, L), in the quantity's unit; NaN where invalid."""
-        ...
-
-
 @dataclass(eq=False)
 class Results:
     """Readings of a recording and what reconstructs them; it can be pickled.
@@ -65,7 +50,10 @@ class Results:
     ----------
     config : ReconstructorConfig
         Patch, grid, solver and so on.
-    readings : Readings
+    path : str
+        Of the folder.
+    stamp_ns, readings : Zarr arrays (T,) and (T, L)
+        As they are stored: see `stamps` and `values`.
     notes : tuple of str
         What was assumed, found and left out when the readings were conditioned.
     source : str
@@ -75,13 +63,32 @@ class Results:
     """
 
     config: ReconstructorConfig
-    readings: Readings
+    path: str
+    stamp_ns: Any
+    readings: Any
     notes: tuple[str, ...] = ()
     source: str = ""
     stored: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        return len(self.readings)
+        return int(self.readings.shape[0])
+
+    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
+        """Of readings first to last, ns."""
+        return np.asarray(self._rows(self.stamp_ns, first, last), np.int64)
+
+    def values(self, first: int, last: int) -> Floats:
+        """Readings first to last in the quantity's unit, (last - first, L); NaN where invalid."""
+        return np.asarray(self._rows(self.readings, first, last), np.float64)
+
+    def _rows(self, array: Any, first: int, last: int) -> Any:
+        try:
+            return array[first:last]
+        except Exception as error:  # a codec raises what it likes
+            raise FileError(
+                f"{self.path}: readings {first} to {last} are not as they were written "
+                f"({type(error).__name__}: {str(error)[:120]}), expected them unchanged"
+            ) from error
 
     def __getstate__(self) -> dict[str, Any]:
         """Settings and where the readings are; nothing that was prepared."""
@@ -116,14 +123,14 @@ class Results:
         check_count("reading", reading, -len(self), len(self) - 1, "one of the recording")
         at = reading % len(self)
         self.reconstructor.reset()
-        stamp = self.readings.stamps(at, at + 1)[0]
-        return self.reconstructor(self.readings.values(at, at + 1)[0], stamp_ns=stamp)
+        stamp = self.stamps(at, at + 1)[0]
+        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=stamp)
 
     def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
         """Readings first to last as one estimate, whose contacts are found when looked at."""
         bulk = self.bulk(names)
         start = first if bulk.is_linear else first - first % RUN
-        values, stamps = self.readings.values(start, last), self.readings.stamps(first, last)
+        values, stamps = self.values(start, last), self.stamps(first, last)
         return bulk.estimate(values, stamps, first - start)
 
     def fields(
@@ -133,7 +140,7 @@ class Results:
         with _LOCK:
             bulk = self.bulk(names, precision)
             start = first if bulk.is_linear else first - first % RUN
-            found = bulk(self.readings.values(start, last))
+            found = bulk(self.values(start, last))
         tables = [found[name].reshape(last - start, -1)[first - start :] for name in names]
         return np.concatenate(tables, axis=1)
 
@@ -155,7 +162,7 @@ class Results:
         )  # fmt: skip
         size = self._chunk(4 * len(grid))
         values = array.map_blocks(
-            _Block(self.readings.values), chunks=(_chunks(count, size), (len(patch),)),
+            partial(_chunk_of, self.values), chunks=(_chunks(count, size), (len(patch),)),
             dtype=np.float64, meta=np.empty((0, 0)),
         )  # fmt: skip
         quantity = self.config.quantity
@@ -163,7 +170,7 @@ class Results:
         variables["readings"] = (("reading", "taxel"), values, said)
         coords: dict[str, Any] = {
             "reading": ("reading", np.arange(count)),
-            "stamp": ("reading", self.readings.stamps(0, count), {"units": "ns"}),
+            "stamp": ("reading", self.stamps(0, count), {"units": "ns"}),
             "taxel": ("taxel", np.arange(len(patch))),
             "taxel_position": (("taxel", "axis"), patch.positions, {"units": "m"}),
             "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
@@ -201,8 +208,9 @@ class Results:
     def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
         width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
         size = self._chunk(width) if self.bulk(names, precision).is_linear else RUN
+        load = partial(self.fields, names=names, precision=precision)
         return array.map_blocks(
-            _FieldsBlock(self, names, precision), chunks=(_chunks(len(self), size), (width,)),
+            partial(_chunk_of, load), chunks=(_chunks(len(self), size), (width,)),
             dtype=precision, meta=np.empty((0, 0), precision),
         )  # fmt: skip
 
@@ -217,29 +225,9 @@ class Results:
         return int(np.clip(1 << max(CHUNK_BYTES // (4 * width), 1).bit_length() - 1, FEWEST, MOST))
 
 
-@dataclass(frozen=True)
-class _Block:
+def _chunk_of(load: Callable[[int, int], NDArray[Any]], block_info: Any = None) -> NDArray[Any]:
     """A chunk of rows of an array, for `dask.array.map_blocks`."""
-
-    load: Any
-
-    def __call__(self, block_info: Any = None) -> NDArray[Any]:
-        first, last = block_info[None]["array-location"][0]
-        rows: NDArray[Any] = self.load(first, last)
-        return rows
-
-
-@dataclass(frozen=True)
-class _FieldsBlock:
-    """A chunk of fields, for `dask.array.map_blocks`."""
-
-    results: Results
-    names: tuple[str, ...]
-    precision: type[np.floating[Any]]
-
-    def __call__(self, block_info: Any = None) -> NDArray[Any]:
-        first, last = block_info[None]["array-location"][0]
-        return self.results.fields(first, last, self.names, self.precision)
+    return load(*block_info[None]["array-location"][0])
 
 
 def open_results(
@@ -313,7 +301,7 @@ def load_contacts(path: str | Path, readings: slice = slice(None)) -> "pyarrow.T
             return arrow.parquet.read_table(folder, filters=inside)
         except (OSError, ValueError, arrow.ArrowException) as error:
             raise FileError(f"{folder} cannot be read: {error}; is the folder whole?") from error
-    start_ns = int(results.readings.stamps(0, 1)[0])
+    start_ns = int(results.stamps(0, 1)[0])
     rows: list[Row] = []
     for begin in range(first, last, MOST):
         estimate = results.estimates(begin, min(begin + MOST, last))
@@ -351,36 +339,7 @@ def read_results(
             intervals=None,
         )
         stored = {}
-    return Results(config, StoredReadings(str(path), stamps, readings), notes, source, stored)
-
-
-@dataclass(frozen=True, eq=False)
-class StoredReadings:
-    """Readings in a folder of results; see `Readings`."""
-
-    path: str
-    stamp_ns: Any
-    readings: Any
-
-    def __len__(self) -> int:
-        return int(self.readings.shape[0])
-
-    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
-        """Of readings first to last, ns."""
-        return np.asarray(self._rows(self.stamp_ns, first, last), np.int64)
-
-    def values(self, first: int, last: int) -> Floats:
-        """Readings first to last in the quantity's unit, (last - first, L)."""
-        return np.asarray(self._rows(self.readings, first, last), np.float64)
-
-    def _rows(self, array: Any, first: int, last: int) -> Any:
-        try:
-            return array[first:last]
-        except Exception as error:  # a codec raises what it likes
-            raise FileError(
-                f"{self.path}: readings {first} to {last} are not as they were written "
-                f"({type(error).__name__}: {str(error)[:120]}), expected them unchanged"
-            ) from error
+    return Results(config, str(path), stamps, readings, notes, source, stored)
 
 
 def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:

@@ -19,16 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, check_shape
 from skinfield.estimate.contact_table import Row
-from skinfield.files.contacts import open_contacts
-from skinfield.files.fields import (
-    SERIES,
-    Arrays,
-    create_array,
-    create_fixed,
-    create_series,
-    load_zarr,
-)
+from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, load_zarr
 from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.files.tables import open_contacts
 from skinfield.reconstruct import Reconstructor
 from skinfield.reconstruct.serialisation import (
     ARRAYS,
@@ -69,10 +62,9 @@ class ResultsWriter(Closing):
         with explained(place.target):
             place.part.mkdir()
             self._group = zarr.create_group(place.part / ARRAYS, attributes=attributes)
-            create_array(self._group, "stamp_ns", "i8", (0,), (BLOCK,), *SERIES["stamp_ns"][2:],
-                         ("reading",))  # fmt: skip
-            create_array(self._group, "readings", "f8", (0, taxels), (BLOCK, taxels),
-                         config.quantity.unit, "of the taxels", ("reading", "taxel"))  # fmt: skip
+            create_array(self._group, "stamp_ns", SERIES["stamp_ns"], (0,), (BLOCK,))
+            spec = ("f8", ("taxel",), config.quantity.unit, "of the taxels")
+            create_array(self._group, "readings", spec, (0, taxels), (BLOCK, taxels))
         self._waiting: list[tuple[NDArray[np.int64], Floats]] = []
         self._count = 0
 
@@ -115,12 +107,8 @@ class ResultsWriter(Closing):
 
 def create_fields(path: Path, grid: Grid, readings: int) -> None:
     """Make room for the fields of all readings in a folder of results."""
-    group = load_zarr().open_group(path / ARRAYS, mode="r+")
     with explained(path):
-        for name in SERIES:
-            if name != "stamp_ns":
-                create_series(group, name, grid, readings)
-        create_fixed(group, grid)
+        create_arrays(load_zarr().open_group(path / ARRAYS, mode="r+"), grid, readings)
 
 
 def write_fields_at(path: Path, first: int, series: Arrays) -> None:

@@ -1,13 +1,10 @@
 """Files of a virtual rig, which the rest of the program takes for a real one's."""
 
-import io
 from pathlib import Path
 
-import numpy as np
-
-from skinfield.files.archive_writer import save_recording
+from skinfield.files.archive_writer import save_recording, seconds
 from skinfield.files.layouts.load import save_layout
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_bytes, write_npz
 from skinfield.signal import save_calibration
 from skinfield.simulate.rig import LoadSeries, RigRun, Truth
 
@@ -39,12 +36,10 @@ def save_load_cell(series: LoadSeries, path: str | Path) -> None:
         "time_s,fx,fy,fz\n",
     ]
     for stamp, force in zip(series.stamp_ns.tolist(), series.force.tolist(), strict=True):
-        lines.append(f"{stamp // 10**9}.{stamp % 10**9:09d},0.0,0.0,{0.0 - force!r}\n")
+        lines.append(f"{seconds(stamp)},0.0,0.0,{0.0 - force!r}\n")
     write_bytes(path, "".join(lines).encode())
 
 
 def save_truth(truth: Truth, path: str | Path) -> None:
     """Write a rig's truth as NPZ; `Truth` lists the keys."""
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **truth.arrays())
-    write_bytes(path, buffer.getvalue())
+    write_npz(path, truth.arrays())

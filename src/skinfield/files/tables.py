@@ -1,8 +1,9 @@
-"""Tables written piece by piece, CSV or Parquet by the extension."""
+"""Tables written piece by piece, CSV or Parquet by the extension: any, and those of contacts."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -10,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError
-from skinfield.estimate.contact_table import load_pyarrow
+from skinfield.estimate import Estimate
+from skinfield.estimate.contact_table import (
+    COLUMNS,
+    WHOLE,
+    WORDS,
+    Row,
+    load_pyarrow,
+    rows_from_estimate,
+)
 from skinfield.files.pending import Closing, explained, pending
 
 HELD = 1 << 25  # bytes of a group of rows of Parquet
@@ -158,3 +167,81 @@ class _Parquet:
 def _missing(values: Any) -> NDArray[np.bool_] | None:
     floats = isinstance(values, np.ndarray) and values.dtype.kind == "f"
     return np.isnan(values) if floats else None
+
+
+@dataclass
+class ContactWriter(Closing):
+    """Writes the contacts of estimates as they come; made by `open_contacts`.
+
+    The file has its name once `close` was called.
+    """
+
+    table: Table
+    readings: int = 0
+    start_ns: int | None = None
+
+    def write(self, estimate: Estimate) -> None:
+        """Add the contacts of an estimate of one reading or of many.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; what was there before is left as it was.
+        """
+        count = len(estimate) if estimate.is_batch else 1
+        if not count:
+            return
+        if self.start_ns is None:
+            self.start_ns = int(np.ravel(estimate.stamp_ns)[0])
+        self.write_rows(rows_from_estimate(estimate, self.readings, self.start_ns), count)
+
+    def write_rows(self, rows: Iterable[Row], readings: int) -> None:
+        """Add what `contact_table.rows_from_estimate` makes of some readings, maybe elsewhere."""
+        found = list(rows)
+        if found:
+            self.table.add(list(zip(*found, strict=True)), len(found))
+        self.readings += readings
+
+    def close(self) -> None:
+        """Give the file its name."""
+        self.table.close()
+
+    def discard(self) -> None:
+        """Give up: the unfinished file is removed."""
+        self.table.discard()
+
+
+def open_contacts(path: str | Path) -> ContactWriter:
+    """Start a table of contacts, CSV or Parquet by the extension.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in `.csv` or `.parquet`. One row per contact and reading, and one row with `contact`
+        -1 and nothing in the contact's own columns for a reading without contact, so that every
+        reading is there: `table[table.contact >= 0]` are the contacts,
+        `table.drop_duplicates("reading")` the readings. Units stand in the names of the columns.
+
+    Returns
+    -------
+    ContactWriter
+        Use it in a `with` block, or call `close`.
+
+    Raises
+    ------
+    InputError
+        For another extension.
+    FileError
+        If the file cannot be made.
+    SkinfieldError
+        If pyarrow is not installed and the table is to be Parquet.
+    """
+    kinds = {name: "i8" if name in WHOLE else "U" if name in WORDS else "f8" for name in COLUMNS}
+    return ContactWriter(Table(path, [(name, np.dtype(kind)) for name, kind in kinds.items()]))
+
+
+def write_contacts(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:
+    """Write the contacts of one estimate or of a run of them; see `open_contacts`."""
+    with open_contacts(path) as writer:
+        for estimate in [estimates] if isinstance(estimates, Estimate) else estimates:
+            writer.write(estimate)

@@ -5,3 +5,4 @@ from skinfield.reconstruct.multigrid import Ladder as Ladder
 from skinfield.reconstruct.reconstructor import Reconstructor as Reconstructor
 from skinfield.reconstruct.serialisation import load_intervals as load_intervals
 from skinfield.reconstruct.serialisation import save_intervals as save_intervals
+from skinfield.solve import Solver as Solver

@@ -15,12 +15,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from skinfield.errors import InputError, SkinfieldError, check_count, check_range
-from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.process_supervisor import end_with
@@ -64,7 +64,8 @@ class RecorderSettings:
         Of the ring.
     path : Path
         Ends in .mcap by custom.
-    file : RecordingSettings
+    overwrite : bool
+        Whether a file of this name may be replaced.
     since_ns : int, ns
         Time since the epoch from which on to record, as far as the ring still has it; 0: now.
     flush : float, s
@@ -79,7 +80,7 @@ class RecorderSettings:
 
     name: str
     path: Path
-    file: RecordingSettings = field(default_factory=RecordingSettings)
+    overwrite: bool = False
     since_ns: int = 0
     flush: float = 0.15
     sync: float = 1.5
@@ -145,7 +146,7 @@ class Recorder:
             enclosed,
             layout=layout,
             fit=FIT,
-            settings=settings.file,
+            overwrite=settings.overwrite,
             output=output,
         )
         self._queue = Queue(settings.queue_bytes, live)

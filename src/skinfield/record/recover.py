@@ -24,7 +24,6 @@ from skinfield.files.mcap.records import (
     right_end,
 )
 
-CHUNK_BYTES = 1 << 19
 Progress = Callable[[int, int], None]
 
 
@@ -93,9 +92,8 @@ def recover(
         outline = outline_of(file)
         output = FileOutput(good, overwrite=overwrite)
         try:
-            salvage = _Salvage(
-                file, outline, Container(output, "zstd", CHUNK_BYTES, *header_of(file))
-            )
+            container = Container(output, *header_of(file, outline))
+            salvage = _Salvage(file, outline, container)
             for record in outline.records:
                 salvage.take(record)
                 if progress is not None:
@@ -133,7 +131,7 @@ class _Salvage:
 
     def report(self) -> Recovered:
         """What came of it."""
-        outline, summary, damage = self.outline, self.container.summary, self.damage
+        outline, container, damage = self.outline, self.container, self.damage
         if outline.finished and (wrong := right_end(self.file, outline)) is not None:
             damage.append(wrong)
         found = Recovered(outline.size, outline.finished and not damage, damage=damage)
@@ -143,8 +141,8 @@ class _Salvage:
                 damage.append(outline.damage)
                 self.file.seek(outline.damage.byte)
                 found.chunk_was_cut = self.file.read(1) == bytes([Op.CHUNK])
-        found.first_ns, found.last_ns = summary.first_ns, summary.last_ns
-        for channel, count in summary.messages.items():
+        found.first_ns, found.last_ns = container.first_ns, container.last_ns
+        for channel, count in container.messages.items():
             found.messages[self.topics[channel]] += count
         return found
 

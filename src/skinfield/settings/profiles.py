@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Annotated
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import InputError
 from skinfield.settings.text import nearest, text_of_file, value_from_toml
 from skinfield.settings.tree import Elastomer, MechanicsName, Positive, Range, Section
 
 PROFILES = ("generic", "icub", "cyskin", "silicone-2mm")
 OF_HARDWARE = {"icub": "icub", "yarp": "icub", "cyskin": "cyskin", "shm": "cyskin"}
+OF_FORMAT = {"icub-positions": "icub", "skingui": "icub", "cyskin": "cyskin"}  # of layouts
 VALUES = ("thickness_mm", "modulus_kpa", "poisson")
 
 
@@ -84,7 +85,7 @@ def load_profile(name: str) -> Profile:
     return value_from_toml(Profile, text_of_file(name), name)
 
 
-def profile_of(given: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
+def profile_of(given: Elastomer, hardware: str | None = None, layout_format: str = "") -> Profile:
     """Profile that is asked for; with "auto", that of the boards or the layout.
 
     A layout that is made by a generator is that of a virtual skin.
@@ -94,35 +95,12 @@ def profile_of(given: Elastomer, hardware: str | None = None, layout: str = "") 
     given : Elastomer
     hardware : str, optional
         Whose boards, as on the command line.
-    layout : str
-        Layout file, or a generator by name.
+    layout_format : str
+        As of `files.layouts.load.layout_format`.
     """
     if given.profile != "auto":
         return load_profile(given.profile)
-    if _is_generated(layout):
+    if layout_format == "generator":
         return load_profile("silicone-2mm")
-    return load_profile(OF_HARDWARE.get(hardware or "", "") or _of_layout(layout))
-
-
-def _is_generated(layout: str) -> bool:
-    from pathlib import Path
-
-    from skinfield.skin.generators import GENERATORS
-
-    return layout.partition(":")[0] in GENERATORS and not Path(layout).exists()
-
-
-def _of_layout(layout: str) -> str:
-    """Name of the profile of a layout file, by the format that its makers write."""
-    from pathlib import Path
-
-    from skinfield.files.layouts import format_of
-
-    path = Path(layout)
-    if not path.is_file():
-        return "generic"
-    try:
-        maker = format_of(path).NAME
-    except FileError:  # who reads it says why
-        return "generic"
-    return {"icub-positions": "icub", "skingui": "icub", "cyskin": "cyskin"}.get(maker, "generic")
+    boards = OF_HARDWARE.get(hardware or "", "")
+    return load_profile(boards or OF_FORMAT.get(layout_format, "generic"))

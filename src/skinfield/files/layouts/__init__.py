@@ -1,14 +1,14 @@
 """Layouts: files of taxel positions in the formats of others, read, repaired and written.
 
 A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)`` and ``parse(path)``; a further
-one is a file of its own and its name in `FORMATS`. One with ``write(skin, path)`` is in `WRITTEN`.
+one is a file of its own and its name in `FORMATS`. skinfield's own are written, too.
 """
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol, cast
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.files.layouts import (
     cyskin,
     fingertip,
@@ -22,6 +22,8 @@ from skinfield.files.layouts import (
 from skinfield.files.layouts.repair import Content, Finding, mend
 from skinfield.files.layouts.text import listed, many, read_bytes
 from skinfield.skin.patch import Patch, Skin
+
+ORDER = ("error", "warning", "info")
 
 
 class Format(Protocol):
@@ -40,21 +42,11 @@ class Format(Protocol):
         ...
 
 
-class WrittenFormat(Format, Protocol):
-    """A format that can be written too."""
-
-    def write(self, skin: Skin, path: Path) -> tuple[str, ...]:
-        """Write a skin; return what the format cannot hold, in sentences."""
-        ...
-
-
 FORMATS = cast(
     tuple[Format, ...],
     (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
 )
 """All known formats."""
-WRITTEN = cast(tuple[WrittenFormat, ...], (own_toml, own_npz, cyskin, icub_positions))
-"""Those that are written."""
 
 
 def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
@@ -79,7 +71,7 @@ def format_of(path: Path) -> Format:
         When the file cannot be read or is of no known format.
     """
     data = read_bytes(path)
-    fitting = _fitting(data)
+    fitting = fitting_formats(data)
     if not fitting:
         tried = "; ".join(f"{form.NAME} ({form.EXPECTED})" for form in FORMATS)
         what = "is empty" if not data.strip() else "is of no known format"
@@ -88,20 +80,9 @@ def format_of(path: Path) -> Format:
     return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
 
 
-def _fitting(data: bytes) -> list[Format]:
+def fitting_formats(data: bytes) -> list[Format]:
+    """Formats that a file with these bytes may be of."""
     return [form for form in FORMATS if form.sniff(data)]
-
-
-def format_by_extension(path: Path) -> WrittenFormat:
-    """Format to write of files of this name; an InputError lists the extensions that are known."""
-    for form in WRITTEN:
-        if path.suffix.lower() in form.EXTENSIONS:
-            return form
-    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in WRITTEN)
-    raise InputError(
-        f"{path}: the extension {path.suffix!r} is of no layout format that is written, expected "
-        f"one of {known}"
-    )
 
 
 def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
@@ -122,7 +103,7 @@ def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
         raise FileError(
             f"{path}: {error.strerror}, expected a folder that can be listed"
         ) from error
-    layouts = [file for file in files if _fitting(read_bytes(file))]
+    layouts = [file for file in files if fitting_formats(read_bytes(file))]
     if not layouts:
         raise FileError(
             f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory "
@@ -149,3 +130,17 @@ def _distinct(patches: list[tuple[str, Patch]]) -> tuple[Patch, ...]:
     if len(set(names)) < len(names):  # one stem, two extensions
         names = [f"{name} ({place})" for place, name in enumerate(names)]
     return tuple(replace(patch, name=name) for name, (_, patch) in zip(names, patches, strict=True))
+
+
+def lint(path: str | Path) -> list[Finding]:
+    """Everything found in a layout file, errors first.
+
+    Reading the file makes exactly the repairs that the messages name: the same code runs.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read at all, so that `load_layout` fails too.
+    """
+    findings = read_layout(Path(path))[1]
+    return sorted(findings, key=lambda found: ORDER.index(found.severity))

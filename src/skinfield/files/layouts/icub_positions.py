@@ -7,21 +7,13 @@ A header (``name``, ``spatial_sampling``, ``taxel2Repr``), then ``[calibration]`
 """
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
-from skinfield.files.layouts.text import (
-    integer,
-    numbers,
-    read_lines,
-    spoilt,
-)
-from skinfield.files.pending import write_bytes
-from skinfield.skin.patch import Skin
+from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt
 
 NAME = "icub-positions"
 EXTENSIONS = (".txt",)
@@ -48,11 +40,12 @@ def parse(path: Path) -> Content:
     heads = (i for i, line in enumerate(lines) if line.strip().lower().startswith("[calibration]"))
     start = next(heads, len(lines))
     header = "\n".join(re.split("//|#", line)[0] for line in lines[:start])
-    rows = [
-        numbers(path, i + 1, _words(path, i + 1, lines[i]), ROW)
-        for i in range(start + 1, len(lines))
-        if lines[i].strip()
-    ]
+    rows = []
+    for i, line in enumerate(lines[start + 1 :], start + 2):
+        if words := line.split():
+            if len(words) != 6:
+                raise spoilt(path, i, line.strip(), ROW)
+            rows.append(numbers(path, i, words, ROW))
     if not rows:
         raise spoilt(path, len(lines), "the end", f"[calibration] and rows of {ROW}")
     table = np.array(rows)
@@ -76,48 +69,6 @@ def parse(path: Path) -> Content:
     return Content(path, path.stem, (draft,), tuple(findings))
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write the one patch of a skin; return what the format cannot hold, in sentences.
-
-    Raises
-    ------
-    InputError
-        When the skin has several patches, or two taxels of one channel.
-    """
-    patch = skin[0]
-    if len(skin) != 1 or len(np.unique(patch.channel)) < len(patch):
-        raise InputError(
-            f"skin has {len(skin)} patches and {patch.name!r} {len(np.unique(patch.channel))} "
-            f"channels for {len(patch)} taxels, expected one patch and a channel for each taxel: "
-            "the rows of an iCub position file are the channels of one port"
-        )
-    table = np.zeros((patch.n_channels, 6))
-    table[patch.channel] = np.hstack([patch.positions, patch.normals])
-    of_channel = np.full(patch.n_channels, ABSENT)
-    for board in np.unique(patch.channel // PADS):
-        mine = np.sort(patch.channel[patch.channel // PADS == board])
-        of_channel[mine] = mine[min(3, len(mine) - 1)]  # the pad in the middle of a board
-    head = [
-        f"name {'_'.join((patch.link or patch.name).split()) or 'skin'}",
-        "spatial_sampling taxel",
-        f"taxel2Repr ( {' '.join(map(str, of_channel.tolist()))} )",
-        "[calibration]",
-    ]
-    body = [" ".join(f"{value + 0.0:.9f}" for value in row) for row in table.round(9)]
-    write_bytes(path, "\n".join([*head, *body, ""]).encode())
-    return (
-        "an iCub position file holds no pad diameters, uids or poses; modules are channel // 12",
-        "positions are rounded to 1 nm",
-    )
-
-
-def _words(path: Path, line: int, text: str) -> Sequence[str]:
-    words = text.split()
-    if len(words) != 6:
-        raise spoilt(path, line, text.strip(), ROW)
-    return words
-
-
 def _taxel2repr(path: Path, header: str) -> Ints | None:
     found = re.search(r"taxel2Repr\s*\(([^)]*)(\)?)", header)
     if found is None:
@@ -138,7 +89,10 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
         findings.append(Finding("no-taxel2repr", "warning", text))
         stated = np.empty(0, np.int64)
     elif len(stated) != rows:
-        findings.append(_other_length(name, rows, len(stated)))
+        more = f"from row {len(stated)} on, a row with a place is taken as a taxel"
+        more = "entries beyond the rows are left out" if len(stated) > rows else more
+        text = f"{name}: taxel2Repr has {len(stated)} entries for {rows} rows; {more}"
+        findings.append(Finding("taxel2repr-length", "warning", text))
     role = np.zeros(rows, np.int64)
     role[: len(stated)] = stated[:rows]
     there = (role >= 0) & ~posed & (np.arange(rows) < len(stated))
@@ -157,12 +111,3 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
     keep = np.flatnonzero(posed & (role >= 0))
     text = f"{name}: {posed.sum()} of {rows} channels have a place, {len(keep)} of them are taxels"
     return keep, [*findings, Finding("channels", "info", text)]
-
-
-def _other_length(name: str, rows: int, entries: int) -> Finding:
-    text = f"{name}: taxel2Repr has {entries} entries for {rows} rows; "
-    if entries > rows:
-        text += "entries beyond the rows are left out"
-    else:
-        text += f"from row {entries} on, a row with a place is taken as a taxel"
-    return Finding("taxel2repr-length", "warning", text)

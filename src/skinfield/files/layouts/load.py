@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from skinfield.errors import FileError
+from skinfield.errors import FileError, InputError
 from skinfield.skin.patch import Patch, Skin
 
 
@@ -26,28 +26,32 @@ def load_layout(path: str | Path) -> Skin:
     return read_layout(Path(path))[0]
 
 
-def save_layout(skin: Skin | Patch, path: str | Path) -> tuple[str, ...]:
-    """Write a skin to a file; return what the format cannot hold, in sentences.
+def save_layout(skin: Skin | Patch, path: str | Path) -> None:
+    """Write a skin to a file of skinfield's own, from which all of it is read again.
 
     Parameters
     ----------
     skin : Skin or Patch
     path : str or Path
-        Ends in .toml or .npz, skinfield's own; .json, CySkin's; or .txt, iCub's positions.
+        Ends in .toml or .npz.
 
     Raises
     ------
     InputError
-        When the extension is of no format, or the format cannot hold the skin.
+        When it ends otherwise.
     FileError
         When the file cannot be written.
     """
-    from skinfield.files.layouts import format_by_extension
+    from skinfield.files.layouts import own_npz, own_toml
 
     path = Path(path)
-    if isinstance(skin, Patch):
-        skin = Skin((skin,), name=skin.name)
-    return format_by_extension(path).write(skin, path)
+    form = {".toml": own_toml, ".npz": own_npz}.get(path.suffix.lower())
+    if form is None:
+        raise InputError(
+            f"{path}: the extension {path.suffix!r} is of no layout format that is written, "
+            "expected .toml or .npz, skinfield's own"
+        )
+    form.write(Skin((skin,), name=skin.name) if isinstance(skin, Patch) else skin, path)
 
 
 def skin_from_text(text: str) -> Skin:
@@ -77,3 +81,17 @@ def skin_from_text(text: str) -> Skin:
             f"of {', '.join(GENERATORS)}"
         )
     return load_layout(text)
+
+
+def layout_format(text: str) -> str:
+    """Name of a layout file's format, which its makers write; "generator", or "" of neither."""
+    from skinfield.files.layouts import format_of
+    from skinfield.skin.generators import GENERATORS
+
+    path = Path(text)
+    try:
+        if path.is_file():
+            return format_of(path).NAME
+    except FileError:  # who reads it says why
+        return ""
+    return "generator" if text.partition(":")[0] in GENERATORS and not path.exists() else ""

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft
 from skinfield.files.layouts.text import read_bytes
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_npz
 from skinfield.skin.patch import Skin
 
 NAME = "skinfield-npz"
 EXTENSIONS = (".npz",)
 EXPECTED = "an NPZ archive with skinfield_layout = 1"
 VERSION = 1
-KINDS = {"f": "floats", "i": "integers", "u": "unsigned integers", "U": "text"}
+NUMBERS = {"module": np.int64, "uid": np.uint64, "channel": np.int64}
 
 
 def sniff(data: bytes) -> bool:
@@ -33,22 +33,26 @@ def parse(path: Path) -> Content:
     FileError
         When it is no archive, of another version, or an array is missing or of a wrong shape.
     """
-    arrays = _Arrays(path)
-    version = arrays.item("skinfield_layout", "iu")
-    if version != VERSION:
-        raise FileError(
-            f"{path}: skinfield_layout is {version!r}, expected {VERSION}: this program reads "
-            "that version only"
-        )
-    count = arrays.item("patches", "iu")
-    if not 1 <= count <= 10_000:
-        raise FileError(f"{path}: patches is {count}, expected 1 to 10000")
-    drafts = tuple(_draft(arrays, f"patch{i}/") for i in range(count))
-    notes = tuple(map(str, arrays.get("notes", (None,), "Uf").tolist()))
-    return Content(path, str(arrays.item("name", "U")), drafts, notes=notes)
+    try:
+        with np.load(io.BytesIO(read_bytes(path)), allow_pickle=False) as archive:
+            arrays = {key: archive[key] for key in archive.files}
+        version = arrays["skinfield_layout"].item()
+        if version == VERSION:
+            drafts = tuple(_draft(arrays, f"patch{i}/") for i in range(arrays["patches"].item()))
+            notes = tuple(map(str, arrays["notes"].tolist()))
+            return Content(path, str(arrays["name"]), drafts, notes=notes)
+    except FileError:
+        raise
+    except Exception as error:  # zip, zlib, headers and what misses each fail in ways of their own
+        reason = str(error)[:200] or type(error).__name__
+        raise FileError(f"{path}: no NPZ of a layout: {reason}, expected {EXPECTED}") from error
+    raise FileError(
+        f"{path}: skinfield_layout is {version!r:.40}, expected {VERSION}: this program reads that "
+        "version only"
+    )
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
+def write(skin: Skin, path: Path) -> None:
     """Write a skin; nothing is lost."""
     arrays: dict[str, Any] = {
         "skinfield_layout": VERSION,
@@ -61,67 +65,22 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         arrays |= {f"patch{index}/{name}": getattr(patch, name) for name in names}
         arrays[f"patch{index}/pad_diameter_m"] = patch.pad_diameter
         arrays[f"patch{index}/positions_m"] = patch.positions
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **arrays)
-    write_bytes(path, buffer.getvalue())
-    return ()
+    write_npz(path, arrays)
 
 
-class _Arrays:
-    """Arrays of an archive, each checked as it is taken; raises FileError."""
+def _draft(arrays: dict[str, NDArray[Any]], start: str) -> Draft:
+    def plain(name: str, kind: Any = np.float64) -> NDArray[Any]:
+        return arrays[start + name].astype(kind, casting="same_kind")
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        data = read_bytes(path)
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-                self._arrays = {key: archive[key] for key in archive.files}
-        except Exception as error:  # zip, zlib and the array headers each fail in ways of their own
-            reason = str(error)[:200] or type(error).__name__
-            raise FileError(f"{path}: no NPZ archive: {reason}, expected {EXPECTED}") from error
-
-    def get(self, key: str, shape: tuple[int | None, ...], kinds: str) -> NDArray[Any]:
-        """Array of such a shape, None for any length, and of such kinds of numbers."""
-        if key not in self._arrays:
-            raise FileError(f"{self.path}: no array {key!r}, expected it in {EXPECTED}")
-        found: NDArray[Any] = self._arrays[key]
-        wrong = len(shape) != found.ndim or any(
-            wanted not in (None, size) for wanted, size in zip(shape, found.shape, strict=True)
-        )
-        if wrong or found.dtype.kind not in kinds:
-            raise FileError(
-                f"{self.path}: {key} has shape {found.shape} of {found.dtype}, expected {shape} of "
-                f"{' or '.join(KINDS[kind] for kind in kinds)}"
-            )
-        return found
-
-    def item(self, key: str, kinds: str) -> Any:
-        """A single value."""
-        return self.get(key, (), kinds).item()
-
-
-def _draft(arrays: _Arrays, start: str) -> Draft:
-    positions = arrays.get(start + "positions_m", (None, 3), "f")
-    count = len(positions)
-    pose = arrays.get(start + "link_from_patch", (4, 4), "f")
-    channel = arrays.get(start + "channel", (count,), "iu").astype(np.int64)
-    channels = arrays.item(start + "n_channels", "iu")
-    if not np.isfinite(pose).all() or (channel < 0).any() or not 0 <= channels < 2**31:
-        raise FileError(
-            f"{arrays.path}: {start} has {channels} channels, the first {channel[:4]}, and the "
-            f"pose {pose.tolist()}, expected columns from 0 and finite numbers"
-        )
     return Draft(
-        positions.astype(np.float64),
-        np.arange(count),
-        arrays.get(start + "normals", (count, 3), "f").astype(np.float64),
-        module=arrays.get(start + "module", (count,), "iu").astype(np.int64),
-        uid=arrays.get(start + "uid", (count,), "u").astype(np.uint64),
-        channel=channel,
-        n_channels=channels,
-        pad_diameter=float(arrays.item(start + "pad_diameter_m", "fiu")),
-        name=arrays.item(start + "name", "U"),
-        link=arrays.item(start + "link", "U"),
-        link_from_patch=pose.astype(np.float64),
+        plain("positions_m"),
+        np.arange(len(arrays[start + "positions_m"])),
+        plain("normals"),
+        n_channels=int(plain("n_channels", np.int64)),
+        pad_diameter=float(plain("pad_diameter_m")),
+        name=str(arrays[start + "name"]),
+        link=str(arrays[start + "link"]),
+        link_from_patch=plain("link_from_patch"),
         stated=True,
+        **{name: plain(name, kind) for name, kind in NUMBERS.items()},
     )

@@ -1,11 +1,11 @@
 """skinfield's own layout as text: TOML, to be read and edited by people."""
 
 import tomllib
-from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
+import msgspec
 import numpy as np
 
 from skinfield.errors import FileError, Floats
@@ -20,6 +20,32 @@ EXPECTED = "a TOML file with skinfield_layout = 1"
 VERSION = 1
 HEADER = "# Layout of a robot skin. Lengths in millimetres, one row per taxel.\n"
 LARGEST_TOML = 2**63  # above it a uid is written as a string, as TOML's integers end there
+
+Number = int | Decimal  # exact: 4.75 mm is 0.00475 m, not its neighbour
+Row = Annotated[list[Number], msgspec.Meta(min_length=3, max_length=3)]
+Rotation = Annotated[list[Row], msgspec.Meta(min_length=3, max_length=3)]
+Whole = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
+
+
+class _Patch(msgspec.Struct, forbid_unknown_fields=True):
+    positions_mm: list[Annotated[list[Number], msgspec.Meta(min_length=2, max_length=3)]]
+    name: str | None = None
+    link: str = ""
+    pad_diameter_mm: Number | None = None
+    n_channels: Whole = 0
+    link_from_patch_rotation: Rotation | None = None
+    link_from_patch_translation_mm: Row | None = None
+    normals: list[Row] | None = None
+    module: list[Whole] | None = None
+    channel: list[Whole] | None = None
+    uid: list[int | str] | None = None
+
+
+class _File(msgspec.Struct, forbid_unknown_fields=True):
+    skinfield_layout: Literal[1]
+    patch: Annotated[list[_Patch], msgspec.Meta(min_length=1)]
+    name: str | None = None
+    notes: list[str] = []
 
 
 def sniff(data: bytes) -> bool:
@@ -36,159 +62,72 @@ def parse(path: Path) -> Content:
         When it is not TOML, of another version, or a key cannot be used.
     """
     try:
-        # exact decimals: 4.75 mm is 0.00475 m, not its neighbour
         table = tomllib.loads(read_bytes(path).decode("utf-8"), parse_float=Decimal)
     except (ValueError, RecursionError, ArithmeticError) as error:
         raise FileError(f"{path}: no TOML: {str(error)[:200]}, expected {EXPECTED}") from error
-    version = table.pop("skinfield_layout", None)
+    version = table.get("skinfield_layout")
     if version != VERSION:
         raise FileError(
-            f"{path}: skinfield_layout is {version!r}, expected {VERSION}: this program reads "
+            f"{path}: skinfield_layout is {version!r:.60}, expected {VERSION}: this program reads "
             "that version only"
         )
-    fields = _Fields(path, "the file", table)
-    name = fields.text("name", path.stem)
-    notes = fields.texts("notes")
-    patches = fields.tables("patch")
-    fields.finish()
-    drafts = tuple(_draft(_Fields(path, f"patch {i}", row)) for i, row in enumerate(patches))
-    return Content(path, name, drafts, notes=notes)
+    try:
+        found = msgspec.convert(table, _File)
+        drafts = tuple(_draft(i, patch) for i, patch in enumerate(found.patch))
+    except (msgspec.ValidationError, ValueError, ArithmeticError) as error:
+        why = str(error)[:300].replace("`$.", "`")
+        raise FileError(f"{path}: {why}; see the docs for all keys of a layout") from error
+    return Content(path, found.name or path.stem, drafts, notes=tuple(found.notes))
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
+def write(skin: Skin, path: Path) -> None:
     """Write a skin; nothing is lost."""
     head = [HEADER, f"skinfield_layout = {VERSION}\n", f"name = {_quoted(skin.name)}\n"]
     if skin.notes:
         head += ["notes = [\n", *(f"  {_quoted(note)},\n" for note in skin.notes), "]\n"]
     text = "".join(head + [_patch_text(patch) for patch in skin])
     write_bytes(path, text.encode("utf-8"))
-    return ()
 
 
-class _Fields:
-    """Keys of one table, taken one by one; what is left at the end is a typing error."""
-
-    def __init__(self, path: Path, where: str, table: dict[str, Any]) -> None:
-        self.path, self.where, self.table = path, where, dict(table)
-
-    def wrong(self, key: str, value: object, expected: str) -> FileError:
-        shown = repr(value) if len(repr(value)) < 60 else f"{repr(value)[:57]}..."
-        return FileError(f"{self.path}: {self.where}: {key} is {shown}, expected {expected}")
-
-    def text(self, key: str, default: str) -> str:
-        value = self.table.pop(key, default)
-        if not isinstance(value, str):
-            raise self.wrong(key, value, "text in quotes")
-        return value
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        value = self.table.pop(key, [])
-        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-            raise self.wrong(key, value, "a list of sentences")
-        return tuple(value)
-
-    def tables(self, key: str) -> list[dict[str, Any]]:
-        value = self.table.pop(key, None)
-        if not isinstance(value, list) or not value or not isinstance(value[0], dict):
-            raise self.wrong(key, value, f"one or more tables [[{key}]]")
-        return value
-
-    def numbers(self, key: str, shape: str, columns: Sequence[int], shift: int) -> Floats | None:
-        """Rows of numbers, times 10**shift; a single number where `columns` is empty."""
-        value = self.table.pop(key, None)
-        if value is None:
-            return None
-        try:
-            rows = [[_scaled(cell, shift) for cell in row] for row in value]
-            array = np.asarray(rows, dtype=np.float64)
-        except (TypeError, ValueError, ArithmeticError) as error:
-            raise self.wrong(key, value, f"{shape}, numbers only") from error
-        if array.ndim != 2 or array.shape[1] not in columns or not np.isfinite(array).all():
-            raise self.wrong(key, value, f"{shape}, finite numbers only")
-        return array
-
-    def number(self, key: str, shift: int) -> float | None:
-        if key not in self.table:
-            return None
-        value = self.table.pop(key)
-        try:
-            return _scaled(value, shift)
-        except (TypeError, ValueError, ArithmeticError) as error:
-            raise self.wrong(key, value, "a number") from error
-
-    def integers(self, key: str, length: int, highest: int) -> list[int] | None:
-        value = self.table.pop(key, None)
-        if value is None:
-            return None
-        try:
-            row = [int(item, 0) if isinstance(item, str) else item for item in value]
-        except (TypeError, ValueError) as error:
-            raise self.wrong(key, value, "a list of whole numbers") from error
-        if len(row) != length or not all(type(i) is int and 0 <= i < highest for i in row):
-            raise self.wrong(key, value, f"{length} whole numbers from 0, one per taxel")
-        return row
-
-    def finish(self) -> None:
-        if self.table:
-            unknown = ", ".join(sorted(self.table))
-            raise FileError(f"{self.path}: {self.where}: unknown keys {unknown}: see the docs")
-
-
-def _draft(fields: _Fields) -> Draft:
-    positions = fields.numbers("positions_mm", "rows of [x, y, z] or [x, y]", (2, 3), -3)
-    if positions is None:
-        raise fields.wrong("positions_mm", None, "rows of [x, y, z] or [x, y]")
-    count = len(positions)
-    flat = np.zeros((count, 3 - positions.shape[1]))
-    normals = fields.numbers("normals", "rows of [x, y, z]", (3,), 0)
-    if normals is not None and len(normals) != count:
-        raise fields.wrong("normals", f"{len(normals)} rows", f"{count}, one per taxel")
-    uid, module = fields.integers("uid", count, 2**64), fields.integers("module", count, 2**31)
-    channel = fields.integers("channel", count, 2**31)
-    n_channels = fields.integers("n_channels", 1, 2**31) if _box(fields, "n_channels") else None
-    draft = Draft(
-        np.hstack([positions, flat]),
-        np.arange(count),
-        normals,
-        module=None if module is None else np.array(module, np.int64),
-        uid=None if uid is None else np.array(uid, np.uint64),
-        channel=None if channel is None else np.array(channel, np.int64),
-        n_channels=0 if n_channels is None else n_channels[0],
-        pad_diameter=fields.number("pad_diameter_mm", -3),
-        name=fields.text("name", fields.where),
-        link=fields.text("link", ""),
-        link_from_patch=_pose(fields),
+def _draft(index: int, patch: _Patch) -> Draft:
+    positions = _scaled([[*row, 0][:3] for row in patch.positions_mm], -3)
+    pose, shift = np.eye(4), patch.link_from_patch_translation_mm
+    if patch.link_from_patch_rotation is not None:
+        pose[:3, :3] = _scaled(patch.link_from_patch_rotation, 0)
+    if shift is not None:
+        pose[:3, 3] = _scaled([shift], -3)[0]
+    uid = None
+    if patch.uid is not None:
+        numbers = [int(u, 0) if isinstance(u, str) else u for u in patch.uid]
+        if not all(0 <= u < 2**64 for u in numbers):
+            raise ValueError(f"uid of patch {index} is {numbers[:4]} ..., expected numbers from 0")
+        uid = np.array(numbers, np.uint64)
+    return Draft(
+        positions,
+        np.arange(len(positions)),
+        None if patch.normals is None else _scaled(patch.normals, 0),
+        module=None if patch.module is None else np.array(patch.module, np.int64),
+        uid=uid,
+        channel=None if patch.channel is None else np.array(patch.channel, np.int64),
+        n_channels=patch.n_channels,
+        pad_diameter=None if (size := patch.pad_diameter_mm) is None else _exact(size, -3),
+        name=f"patch {index}" if patch.name is None else patch.name,
+        link=patch.link,
+        link_from_patch=pose,
         stated=True,
     )
-    fields.finish()
-    return draft
 
 
-def _box(fields: _Fields, key: str) -> bool:
-    """Make a single value a list of one, to be checked as such; whether it is there."""
-    if key in fields.table:
-        fields.table[key] = [fields.table[key]]
-    return key in fields.table
+def _scaled(rows: list[list[Number]], shift: int) -> Floats:
+    """Rows of finite numbers, times 10**shift."""
+    found = np.array([[_exact(cell, shift) for cell in row] for row in rows], np.float64)
+    if not np.isfinite(found).all():
+        raise ValueError(f"rows {rows[:2]!r:.80} hold inf or nan, expected finite numbers")
+    return found.reshape(-1, 3)
 
 
-def _pose(fields: _Fields) -> Floats | None:
-    pose = np.eye(4)
-    rotation = fields.numbers("link_from_patch_rotation", "3 rows of 3", (3,), 0)
-    given = [rotation is not None, _box(fields, "link_from_patch_translation_mm")]
-    translation = fields.numbers("link_from_patch_translation_mm", "[x, y, z]", (3,), -3)
-    if rotation is not None:
-        if len(rotation) != 3:
-            raise fields.wrong("link_from_patch_rotation", rotation, "3 rows of 3 numbers")
-        pose[:3, :3] = rotation
-    if translation is not None:
-        pose[:3, 3] = translation[0]
-    return pose if any(given) else None
-
-
-def _scaled(cell: object, shift: int) -> float:
-    if isinstance(cell, bool) or not isinstance(cell, int | Decimal):
-        raise TypeError(f"{cell!r} is no number")
-    return float(Decimal(cell).scaleb(shift))
+def _exact(number: Number, shift: int) -> float:
+    return float(Decimal(number).scaleb(shift))
 
 
 def _decimal(value: float, shift: int) -> str:

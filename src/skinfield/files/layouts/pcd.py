@@ -1,5 +1,8 @@
 """Point clouds of the Point Cloud Library, `.pcd`: one point per taxel, normals if any."""
 
+import io
+import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +20,7 @@ NORMAL = ("normal_x", "normal_y", "normal_z")
 TYPES = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
 MOST = 10_000_000  # points
 MOST_EACH = 1000  # of SIZE and COUNT
+LONGEST = 100_000  # bytes of a header
 
 
 def sniff(data: bytes) -> bool:
@@ -58,34 +62,25 @@ def parse(path: Path) -> Content:
 
 
 class _Header:
-    """Lines of a header by their first words, up to DATA."""
+    """Words of a header by their first one, up to DATA."""
 
     def __init__(self, path: Path, data: bytes) -> None:
-        self.path, self.lines, self.start = path, 0, 0
-        self._entries: dict[str, tuple[int, list[str]]] = {}
-        while "DATA" not in self._entries:
-            end = data.find(b"\n", self.start)
-            if end < 0 or end - self.start > 10_000 or self.lines > 100:
-                raise spoilt(path, self.lines + 1, "no DATA line", EXPECTED)
-            words = data[self.start : end].decode("ascii", "replace").split()
-            self.lines, self.start = self.lines + 1, end + 1
-            if words and not words[0].startswith("#"):
-                self._entries[words[0]] = self.lines, words[1:]
-
-    def words(self, key: str) -> list[str]:
-        return self._entries.get(key, (1, []))[1]
+        self.path = path
+        found = re.search(rb"^DATA[^\n]*\n", data[:LONGEST], re.MULTILINE)
+        if found is None:
+            raise spoilt(path, None, "no DATA line", EXPECTED)
+        self.end = found.end()
+        lines = [line.split() for line in data[: self.end].decode("ascii", "replace").split("\n")]
+        self.words = {words[0]: words[1:] for words in lines if words}
 
     def wrong(self, key: str, expected: str) -> FileError:
-        line, words = self._entries.get(key, (1, []))
-        return spoilt(self.path, line, " ".join([key, *words]), expected)
+        return spoilt(self.path, None, " ".join([key, *self.words.get(key, [])]), expected)
 
     def numbers(self, key: str, count: int, highest: int = MOST) -> list[int]:
-        line, words = self._entries.get(key, (1, []))
+        words = self.words.get(key, [])
         expected = f"{key} and {count} numbers from 1 to {highest}"
-        if len(words) != count:
-            raise self.wrong(key, expected)
-        values = [integer(self.path, line, word, expected, 1) for word in words]
-        if max(values) > highest:
+        values = [integer(self.path, None, word, expected, 1) for word in words]
+        if len(values) != count or max(values) > highest:
             raise self.wrong(key, expected)
         return values
 
@@ -93,25 +88,25 @@ class _Header:
 def _columns(path: Path, data: bytes) -> dict[str, Floats]:
     """First element of every field, by its name, (N,)."""
     header = _Header(path, data)
-    fields, kinds = header.words("FIELDS"), header.words("TYPE")
+    fields, kinds = header.words.get("FIELDS", []), header.words.get("TYPE", [])
     if not set(POINT) <= set(fields):
         raise header.wrong("FIELDS", "FIELDS x y z ...")
     sizes, counts = header.numbers("SIZE", len(fields), MOST_EACH), [1] * len(fields)
-    if header.words("COUNT"):
+    if "COUNT" in header.words:
         counts = header.numbers("COUNT", len(fields), MOST_EACH)
     if len(kinds) != len(fields) or not all(
-        size in TYPES.get(kind, ()) for kind, size in zip(kinds, sizes, strict=False)
+        size in TYPES.get(kind, ()) for kind, size in zip(kinds, sizes, strict=True)
     ):
         raise header.wrong("TYPE", "TYPE F, I or U, and a SIZE, of each field")
-    if header.words("POINTS"):
+    if "POINTS" in header.words:
         (points,) = header.numbers("POINTS", 1)
     else:
         points = header.numbers("WIDTH", 1)[0] * header.numbers("HEIGHT", 1)[0]
     if points > MOST:
         raise header.wrong("HEIGHT", f"{MOST} points at most")
-    packing, body = " ".join(header.words("DATA")), data[header.start :]
+    packing, body = " ".join(header.words["DATA"]), data[header.end :]
     if packing == "ascii":
-        table = _ascii(path, header.lines, body, points, sum(counts))
+        table = _ascii(path, body, points, sum(counts))
         starts = np.cumsum([0, *counts[:-1]]).tolist()
         return {name: table[:, start] for name, start in zip(fields, starts, strict=True)}
     if packing != "binary":
@@ -124,7 +119,7 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
     )
     if len(body) < rows.itemsize * points:
         raise FileError(
-            f"{path}: {len(body)} bytes after line {header.lines}, expected "
+            f"{path}: {len(body)} bytes behind the header, expected "
             f"{rows.itemsize * points} for {points} points: the file is cut short"
         )
     found = np.frombuffer(body, rows, points)
@@ -132,18 +127,18 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
         return {n: found[f"f{i}"][:, 0].astype(np.float64) for i, n in enumerate(fields)}
 
 
-def _ascii(path: Path, before: int, body: bytes, points: int, width: int) -> Floats:
-    rows: list[list[float]] = []
-    for line, text in enumerate(body.decode("ascii", "replace").split("\n"), before + 1):
-        words = text.split()
-        if not words:
-            continue
-        try:
-            if len(words) != width or len(rows) == points:
-                raise ValueError
-            rows.append([float(word) for word in words])
-        except ValueError:
-            raise spoilt(path, line, text, f"{points} points of {width} numbers") from None
-    if len(rows) != points:
-        raise FileError(f"{path}: {len(rows)} points, expected {points}: it is cut short")
-    return np.array(rows)
+def _ascii(path: Path, body: bytes, points: int, width: int) -> Floats:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of nothing at all
+            table = np.loadtxt(io.BytesIO(body), comments=None, ndmin=2)
+    except ValueError as error:
+        raise FileError(
+            f"{path}: {str(error)[:200]} of the points, expected lines of {width} numbers"
+        ) from error
+    if table.shape != (points, width):
+        raise FileError(
+            f"{path}: points are {table.shape}, expected {points} of {width} numbers: it is cut "
+            "short"
+        )
+    return np.asarray(table, np.float64)

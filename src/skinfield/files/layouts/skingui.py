@@ -1,21 +1,15 @@
 """Drawings of iCub's skinGui, `.ini`: boards placed in a plane."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, Ints
+from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import (
-    integer,
-    listed,
-    many,
-    numbers,
-    read_lines,
-    spoilt,
-)
+from skinfield.files.layouts.text import integer, listed, many, numbers, read_lines, spoilt
 from skinfield.skin.generators import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
 
 PADS = 12  # channels of a board, thermal ones included
@@ -30,7 +24,7 @@ class Board:
     name : str
         Of the type in a drawing.
     template : ModuleTemplate
-        As drawn, a drawing unit taken as 1 mm.
+        As drawn, a drawing unit taken as 1 mm; turned, after it is mirrored in x.
     built : float
         Size of the real board over the drawn one.
     lattice : float, mm per drawing unit
@@ -41,23 +35,6 @@ class Board:
     template: ModuleTemplate
     built: float
     lattice: float
-
-    @property
-    def pads(self) -> Ints:
-        """Channels of the board that are taxels, (P,)."""
-        return np.array(self.template.channels)
-
-    @property
-    def pad_diameter(self) -> float:
-        """Of a real pad, m."""
-        return self.template.pad_diameter * self.built
-
-    def drawn(self, angle: float, mirrored: bool) -> Floats:
-        """Places (P, 2) m of the real pads, mirrored in x first, then turned by `angle` (rad)."""
-        cos, sin = np.cos(angle), np.sin(angle)
-        places = np.array(self.template.taxels) * self.built
-        places *= [-1.0 if mirrored else 1.0, 1.0]
-        return np.asarray(places @ np.array([[cos, sin], [-sin, cos]]))
 
 
 # Drawn in millimetres: 30 mm sides, pads 5.0 mm apart.
@@ -105,23 +82,40 @@ def parse(path: Path) -> Content:
         When a line cannot be read, or no triangle is left.
     """
     lines = read_lines(path)
-    placed, findings = _once([_sensor(path, line, text) for line, text in _sensor_lines(lines)])
-    boards = [item for item in placed if item.kind in BOARDS]
+    first: dict[int, _Placed] = {}
+    again, findings = [], []
+    for item in _sensors(path, lines):
+        if first.setdefault(item.number, item) is not item:
+            again.append(item)
+    if again:
+        text = (
+            f"boards {listed(sorted({item.number for item in again}))} are placed more than once "
+            f"(lines {listed([item.line for item in again])}): one board has one set of channels; "
+            "the first place is taken, as skinGui does"
+        )
+        findings.append(Finding("repeated-triangle", "error", text))
+    boards = [item for item in first.values() if item.kind in BOARDS]
     if not boards:
         raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
-    findings += _others([item for item in placed if item.kind not in BOARDS])
+    if others := [item for item in first.values() if item.kind not in BOARDS]:
+        text = (
+            f"{many(len(others), 'sensor')} of other types than triangles "
+            f"({listed(sorted({item.kind for item in others}))}), whose pads do not lie in the "
+            f"drawing's plane; left out (lines {listed([item.line for item in others])})"
+        )
+        findings.append(Finding("not-a-triangle", "warning", text))
     findings += _remarks(boards)
     part = " ".join(_header(lines, "robotPart")) or path.stem
     port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
-    first = boards[0].mirrored
+    mirrored = boards[0].mirrored
     drafts = [
         replace(
-            _draft(group, mirrored),
-            name=part if mirrored == first else f"{part}_other_side",
+            _draft(group, side),
+            name=part if side == mirrored else f"{part}_other_side",
             n_channels=max(port, PADS * (max(item.number for item in boards) + 1)),
         )
-        for mirrored in (first, not first)
-        if (group := [item for item in boards if item.mirrored == mirrored])
+        for side in (mirrored, not mirrored)
+        if (group := [item for item in boards if item.mirrored == side])
     ]
     return Content(path, path.stem, tuple(drafts), tuple(findings))
 
@@ -130,60 +124,28 @@ def _header(lines: list[str], key: str) -> list[str]:
     return next((line.split()[1:] for line in lines if line.split()[:1] == [key]), [])
 
 
-def _sensor_lines(lines: list[str]) -> list[tuple[int, str]]:
-    heads = (i for i, line in enumerate(lines) if line.strip().upper().startswith("[SENSORS]"))
-    start = next(heads, len(lines))
-    rows = []
-    for number, line in enumerate(lines[start + 1 :], start + 2):
-        text = re.split("#|//", line)[0].strip()
+def _sensors(path: Path, lines: list[str]) -> Iterator[_Placed]:
+    """What the lines of [SENSORS] place."""
+    inside = False
+    for line, row in enumerate(lines, 1):
+        text = re.split("#|//", row)[0].strip()
         if text.startswith("["):
-            break
-        if text:
-            rows.append((number, text))
-    return rows
-
-
-def _sensor(path: Path, line: int, text: str) -> _Placed:
-    words = text.split()
-    if not 5 <= len(words) <= 8:
-        raise spoilt(path, line, text, LINE)
-    number = integer(path, line, words[1], "the number of a board, 0 to 999")
-    if number > 999:
-        raise spoilt(path, line, words[1], "the number of a board, 0 to 999")
-    values = numbers(path, line, words[2:], LINE)
-    x, y, angle, _, mirror, layout = [*values, *[0.0] * (6 - len(values))]
-    if mirror not in (0.0, 1.0) or layout not in (0.0, 1.0):
-        raise spoilt(path, line, text, "mirror 0 or 1, and layout 0 or 1")
-    turn = float(np.radians(angle))
-    return _Placed(line, words[0], number, x, y, turn, mirror == 1.0, layout == 1.0)
-
-
-def _others(others: list[_Placed]) -> list[Finding]:
-    if not others:
-        return []
-    kinds, at = listed(sorted({item.kind for item in others})), listed([o.line for o in others])
-    text = (
-        f"{many(len(others), 'sensor')} of other types than triangles ({kinds}), whose pads do "
-        f"not lie in the drawing's plane; left out (lines {at})"
-    )
-    return [Finding("not-a-triangle", "warning", text)]
-
-
-def _once(placed: list[_Placed]) -> tuple[list[_Placed], list[Finding]]:
-    """Sensors without the later ones of a number that was used, as skinGui does."""
-    first: dict[int, _Placed] = {}
-    again = []
-    for item in placed:
-        if first.setdefault(item.number, item) is not item:
-            again.append(item)
-    if not again:
-        return placed, []
-    text = (
-        f"boards {listed(sorted({item.number for item in again}))} are placed more than once "
-        f"(lines {listed([item.line for item in again])}): one board has one set of channels; "
-        "the first place is taken, as skinGui does"
-    )
-    return list(first.values()), [Finding("repeated-triangle", "error", text)]
+            if inside:
+                return
+            inside = text.upper().startswith("[SENSORS]")
+        elif inside and text:
+            words = text.split()
+            if not 5 <= len(words) <= 8:
+                raise spoilt(path, line, text, LINE)
+            number = integer(path, line, words[1], "the number of a board, 0 to 999")
+            if number > 999:
+                raise spoilt(path, line, words[1], "the number of a board, 0 to 999")
+            values = numbers(path, line, words[2:], LINE)
+            x, y, angle, _, mirror, layout = [*values, *[0.0] * (6 - len(values))]
+            if mirror not in (0.0, 1.0) or layout not in (0.0, 1.0):
+                raise spoilt(path, line, text, "mirror 0 or 1, and layout 0 or 1")
+            turn = float(np.radians(angle))
+            yield _Placed(line, words[0], number, x, y, turn, mirror == 1.0, layout == 1.0)
 
 
 def _remarks(boards: list[_Placed]) -> list[Finding]:
@@ -200,9 +162,8 @@ def _remarks(boards: list[_Placed]) -> list[Finding]:
             "opposite ways, and become two patches"
         )
         findings.append(Finding("two-sides", "warning", text))
-    thermal = [2 * (item.kind == "triangle_10pad") for item in boards]
-    if sum(thermal):
-        text = f"{sum(thermal)} thermal pads (6 and 10 of each 10-pad board) are left out"
+    if thermal := 2 * sum(item.kind == "triangle_10pad" for item in boards):
+        text = f"{thermal} thermal pads (6 and 10 of each 10-pad board) are left out"
         findings.append(Finding("thermal", "info", text))
     return findings
 
@@ -210,13 +171,14 @@ def _remarks(boards: list[_Placed]) -> list[Finding]:
 def _draft(boards: list[_Placed], mirrored: bool) -> Draft:
     places, channels = [], []
     for item in boards:
-        board = BOARDS[item.kind]
+        board, cos, sin = BOARDS[item.kind], np.cos(item.angle), np.sin(item.angle)
+        pads = np.array(board.template.taxels) * board.built * [-1.0 if mirrored else 1.0, 1.0]
         centre = board.lattice * MM * np.array([item.x, item.y])
-        places.append(board.drawn(item.angle, mirrored) + centre)
-        pads = PADS - 1 - board.pads if item.backwards else board.pads
-        channels.append(PADS * item.number + pads)
+        places.append(pads @ np.array([[cos, sin], [-sin, cos]]) + centre)
+        its = np.array(board.template.channels)
+        channels.append(PADS * item.number + (PADS - 1 - its if item.backwards else its))
     plane, channel = np.vstack(places), np.concatenate(channels)
-    count = len(plane)
+    count, first = len(plane), BOARDS[boards[0].kind]
     return Draft(
         np.column_stack([plane, np.zeros(count)]),
         np.arange(count),
@@ -224,5 +186,5 @@ def _draft(boards: list[_Placed], mirrored: bool) -> Draft:
         module=channel // PADS,
         uid=channel.astype(np.uint64),
         channel=channel,
-        pad_diameter=BOARDS[boards[0].kind].pad_diameter,
+        pad_diameter=first.template.pad_diameter * first.built,
     )

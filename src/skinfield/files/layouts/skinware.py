@@ -43,22 +43,21 @@ def parse(path: Path) -> Content:
     """
     words = [(n, word) for n, line in enumerate(read_lines(path), 1) for word in line.split()]
     if len(words) < 2:
-        raise spoilt(
-            path, 1, " ".join(word for _, word in words), "the counts 'sensors neighbours'"
-        )
+        raise spoilt(path, 1, words[0][1] if words else "", "the counts 'sensors neighbours'")
     count = integer(path, *words[0], "the number of sensors", lowest=1)
     integer(path, *words[1], "the total number of neighbours")
     rows, links, at = [], [], 2
     for sensor in range(count):
-        if at + FIELDS + 2 > len(words):
-            raise _ends(path, words[-1][0], sensor, count)
-        part = words[at : at + FIELDS]
-        rows.append([numbers(path, line, [word], ROW)[0] for line, word in part])
-        links.append(integer(path, *words[at + FIELDS], "the index of a link"))
-        beside = integer(path, *words[at + FIELDS + 1], "the number of neighbours")
+        beside = 0
+        if at + FIELDS + 2 <= len(words):
+            rows.append([numbers(path, n, [word], ROW)[0] for n, word in words[at : at + FIELDS]])
+            links.append(integer(path, *words[at + FIELDS], "the index of a link"))
+            beside = integer(path, *words[at + FIELDS + 1], "the number of neighbours")
         at += FIELDS + 2
         if at + beside > len(words):
-            raise _ends(path, words[-1][0], sensor, count)
+            raise FileError(
+                f"{path}, line {words[-1][0]}: ends in sensor {sensor} of {count}, expected {ROW}"
+            )
         for line, word in words[at : at + beside]:
             if integer(path, line, word, "the index of a sensor") >= count:
                 raise spoilt(path, line, word, f"the index of a sensor below {count}")
@@ -66,10 +65,6 @@ def parse(path: Path) -> Content:
     if at < len(words):
         raise spoilt(path, *words[at], f"the end, after {count} sensors")
     return Content(path, path.stem, _drafts(np.array(rows), np.array(links), path.stem))
-
-
-def _ends(path: Path, line: int, sensor: int, count: int) -> FileError:
-    return FileError(f"{path}, line {line}: ends in sensor {sensor} of {count}, expected {ROW}")
 
 
 def _drafts(rows: Floats, links: Ints, name: str) -> tuple[Draft, ...]:

@@ -8,11 +8,9 @@ import os
 import zlib
 from array import array
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 from struct import Struct
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -35,26 +33,20 @@ from mcap.records import (
 from skinfield.errors import FileError, InputError
 
 MAGIC = b"\x89MCAP0\r\n"
-COMPRESSIONS = ("zstd", "lz4", "none")
 LEVEL = 1  # of zstandard: the quickest, a third smaller for 8-bit counts and little for 16-bit ones
+CHUNK_BYTES = 1 << 19  # a chunk is closed when it has as many
 Bytes = bytes | bytearray | memoryview
-Compression = Literal["zstd", "lz4", "none"]
 _FOOTER = Struct("<BQQQ")
 _MESSAGE = Struct("<BQHIQQ")
 _INDEX = Struct("<BQHI")
-
-
-def compressed(data: bytes, by: Compression) -> tuple[str, bytes]:
-    """A chunk's content as it stands in the file, and the name that the file has for how."""
-    if by == "zstd":
-        import zstandard
-
-        return "zstd", zstandard.ZstdCompressor(level=LEVEL).compress(data)
-    if by == "lz4":
-        import lz4.frame
-
-        return "lz4", lz4.frame.compress(data)
-    return "", data
+SUMMARY = (  # groups of records, in their order in the file
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.STATISTICS,
+    Opcode.CHUNK_INDEX,
+    Opcode.ATTACHMENT_INDEX,
+    Opcode.METADATA_INDEX,
+)
 
 
 def octets(record: Any) -> bytes:
@@ -88,9 +80,8 @@ class FileOutput:
 
     def __init__(self, path: Path, *, overwrite: bool = False) -> None:
         self.end = 0
-        flags = os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC | (os.O_TRUNC if overwrite else os.O_EXCL)
         try:
-            self._file = os.open(path, flags, 0o666)
+            self._file = path.open("wb" if overwrite else "xb", buffering=0)
         except FileExistsError as error:
             raise InputError(
                 f"{path} is there already, expected a new name: choose another, or allow to "
@@ -107,100 +98,20 @@ class FileOutput:
         left = memoryview(piece)
         try:
             while left:
-                left = left[os.pwrite(self._file, left, self.end + len(piece) - len(left)) :]
+                done = self.end + len(piece) - len(left)
+                left = left[os.pwrite(self._file.fileno(), left, done) :]
         except OSError:
-            os.ftruncate(self._file, self.end)  # what a full disk took of it
+            self._file.truncate(self.end)  # what a full disk took of it
             raise
         self.end += len(piece)
 
     def sync(self) -> None:
         """Have the system write everything to the disk."""
-        os.fdatasync(self._file)
+        os.fdatasync(self._file.fileno())
 
     def close(self) -> None:
         """Let go of the file."""
-        if self._file >= 0:
-            os.close(self._file)
-            self._file = -1
-
-
-SUMMARY = (  # groups of records, in their order in the file
-    Opcode.SCHEMA,
-    Opcode.CHANNEL,
-    Opcode.STATISTICS,
-    Opcode.CHUNK_INDEX,
-    Opcode.ATTACHMENT_INDEX,
-    Opcode.METADATA_INDEX,
-)
-
-
-@dataclass
-class Summary:
-    """Index and statistics of a file that is being written.
-
-    Attributes
-    ----------
-    groups : dict of Opcode to bytearray
-        Records of each kind.
-    counts : Counter of Opcode
-        How many these are.
-    messages : Counter of int
-        Of each channel.
-    first_ns, last_ns : int, ns
-        Of the messages.
-    """
-
-    groups: dict[Opcode, bytearray] = field(default_factory=lambda: defaultdict(bytearray))
-    counts: Counter[Opcode] = field(default_factory=Counter)
-    messages: Counter[int] = field(default_factory=Counter)
-    first_ns: int = 0
-    last_ns: int = 0
-
-    def add(self, opcode: Opcode, record: Any) -> None:
-        """Add a record of the index."""
-        self.groups[opcode] += octets(record)
-        self.counts[opcode] += 1
-
-    def add_chunk(self, index: ChunkIndex, messages: dict[int, int]) -> None:
-        """A chunk is in the file, with so many messages of each channel."""
-        first = index.message_start_time
-        self.first_ns = min(first, self.first_ns) if self.counts[Opcode.CHUNK_INDEX] else first
-        self.last_ns = max(index.message_end_time, self.last_ns)
-        self.messages.update(messages)
-        self.add(Opcode.CHUNK_INDEX, index)
-
-    def ending(self, start: int, crc: int) -> bytes:
-        """Everything after the data, for a file whose data ends at byte `start`.
-
-        Parameters
-        ----------
-        start : int, bytes
-        crc : int
-            CRC-32 of all bytes before; 0 if not known.
-        """
-        statistics = Statistics(
-            attachment_count=self.counts[Opcode.ATTACHMENT_INDEX],
-            channel_count=self.counts[Opcode.CHANNEL],
-            channel_message_counts=dict(self.messages),
-            chunk_count=self.counts[Opcode.CHUNK_INDEX],
-            message_count=self.messages.total(),
-            message_end_time=self.last_ns,
-            message_start_time=self.first_ns,
-            metadata_count=self.counts[Opcode.METADATA_INDEX],
-            schema_count=self.counts[Opcode.SCHEMA],
-        )
-        groups: dict[Opcode, Bytes] = {**self.groups, Opcode.STATISTICS: octets(statistics)}
-        data_end = octets(DataEnd(crc))
-        base = start + len(data_end)
-        body, offsets = bytearray(), bytearray()
-        for opcode in SUMMARY:
-            if group := groups.get(opcode):
-                offsets += octets(SummaryOffset(opcode, base + len(body), len(group)))
-                body += group
-        offset_start = base + len(body)
-        body += offsets
-        check = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, base, offset_start), zlib.crc32(body))
-        return data_end + bytes(body) + octets(Footer(base, offset_start, check)) + MAGIC
+        self._file.close()
 
 
 class OpenChunk:
@@ -232,28 +143,14 @@ class OpenChunk:
         for part in parts:
             self.data += part
 
-    def sealed(self, compression: Compression) -> tuple[bytes, ChunkIndex, dict[int, int]]:
-        """The chunk as bytes of the file with its index behind it.
+    def sealed(self) -> "Piece":
+        """The chunk as bytes of the file with its index behind it."""
+        import zstandard
 
-        Returns
-        -------
-        bytes
-        ChunkIndex
-            For the file's index, as if the chunk stood at byte 0.
-        dict of int to int
-            How many messages of each channel.
-        """
-        name, packed = compressed(bytes(self.data), compression)
-        chunk = octets(
-            Chunk(
-                compression=name,
-                data=packed,
-                message_start_time=self._first_ns,
-                message_end_time=self._last_ns,
-                uncompressed_crc=zlib.crc32(self.data),
-                uncompressed_size=len(self.data),
-            )
-        )
+        packed = zstandard.ZstdCompressor(level=LEVEL).compress(bytes(self.data))
+        times = {"message_start_time": self._first_ns, "message_end_time": self._last_ns}
+        size, crc = len(self.data), zlib.crc32(self.data)
+        chunk = octets(Chunk("zstd", packed, uncompressed_crc=crc, uncompressed_size=size, **times))
         piece, offsets = bytearray(chunk), {}
         for channel, pairs in self._index.items():
             offsets[channel] = len(piece)
@@ -262,23 +159,31 @@ class OpenChunk:
         entry = ChunkIndex(
             chunk_length=len(chunk),
             chunk_start_offset=0,
-            compression=name,
+            compression="zstd",
             compressed_size=len(packed),
-            message_end_time=self._last_ns,
             message_index_length=len(piece) - len(chunk),
             message_index_offsets=offsets,
-            message_start_time=self._first_ns,
-            uncompressed_size=len(self.data),
+            uncompressed_size=size,
+            **times,
         )
-        return bytes(piece), entry, {key: len(pairs) // 2 for key, pairs in self._index.items()}
+        counts = {channel: len(pairs) // 2 for channel, pairs in self._index.items()}
+        return Piece(bytes(piece), entry, counts)
 
 
 class Piece(NamedTuple):
-    """Bytes to be written, what to note then of the byte they begin at, and the messages in it."""
+    """Bytes to be written, their entry in the index as if they stood at byte 0, messages in them.
+
+    Attributes
+    ----------
+    data : bytes
+    entry : record of mcap, or None
+    messages : dict of int to int
+        How many of each channel.
+    """
 
     data: Bytes
-    written: Callable[[int], None]
-    messages: dict[int, int]
+    entry: Any = None
+    messages: dict[int, int] = {}  # noqa: RUF012 - nobody writes into it
 
 
 class Container:
@@ -287,64 +192,45 @@ class Container:
     Parameters
     ----------
     output : FileOutput
-    compression : Compression
-    chunk_bytes : int
-        A chunk is closed when it has as many.
     profile, library : str
         Of the header.
 
     Attributes
     ----------
-    summary : Summary
-        Of what is in the file.
+    messages : Counter of int
+        In the file, of each channel.
+    first_ns, last_ns : int, ns
+        Of these.
     """
 
-    def __init__(
-        self,
-        output: FileOutput,
-        compression: Compression,
-        chunk_bytes: int,
-        profile: str = "",
-        library: str = "",
-    ) -> None:
-        self._output, self._compression, self._chunk_bytes = output, compression, chunk_bytes
-        self.summary = Summary()
+    def __init__(self, output: FileOutput, profile: str = "", library: str = "") -> None:
+        self._output = output
+        self.messages: Counter[int] = Counter()
+        self.first_ns = self.last_ns = 0
+        self._groups: dict[Opcode, bytearray] = defaultdict(bytearray)  # of the index
+        self._counts: Counter[Opcode] = Counter()
         self._chunk = OpenChunk()
-        self._ready: deque[Piece] = deque()
-        self._channels = 0
+        self._ready = deque([Piece(MAGIC + octets(Header(profile, library)))])
         self._crc = 0
-        self._ready.append(Piece(MAGIC + octets(Header(profile, library)), lambda start: None, {}))
 
     @property
     def waiting(self) -> int:
         """Bytes that are not in the file yet."""
         return len(self._chunk) + sum(len(piece.data) for piece in self._ready)
 
-    def add_channel(
-        self,
-        topic: str,
-        encoding: str,
-        schema: tuple[str, str, bytes],
-        metadata: dict[str, str] | None = None,
-    ) -> int:
-        """Add a channel with its schema (name, encoding, text); its number."""
-        self._channels += 1
-        name, kind, text = schema
-        self.put(Schema(self._channels, text, kind, name))
-        self.put(Channel(self._channels, topic, encoding, metadata or {}, self._channels))
-        return self._channels
-
-    def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
-        """Add a file."""
-        self.put(Attachment(time_ns, time_ns, name, media_type, data))
-
     def put(self, record: Schema | Channel | Metadata | Attachment) -> None:
         """Add a record; schemas and channels have their numbers."""
         piece = octets(record)
+        entry: Any = record
+        if isinstance(record, Metadata):
+            entry = MetadataIndex(0, len(piece), record.name)
+        elif isinstance(record, Attachment):
+            entry = AttachmentIndex(
+                0, len(piece), record.log_time, record.create_time, len(record.data), record.name,
+                record.media_type,
+            )  # fmt: skip
         self._seal()
-        self._ready.append(
-            Piece(piece, lambda start: self.summary.add(*_entry(record, start, len(piece))), {})
-        )
+        self._ready.append(Piece(piece, entry))
 
     def add_message(self, channel: int, sequence: int, time_ns: int, *parts: Bytes) -> None:
         """Add a message that consists of `parts`.
@@ -355,7 +241,7 @@ class Container:
             If a chunk became full and could not be written: it waits, see `flush`.
         """
         self._chunk.add(channel, sequence, time_ns, parts)
-        if len(self._chunk) >= self._chunk_bytes:
+        if len(self._chunk) >= CHUNK_BYTES:
             self.flush()
 
     def flush(self) -> None:
@@ -368,11 +254,9 @@ class Container:
         """
         self._seal()
         while self._ready:
-            piece, start = self._ready[0], self._output.end
-            self._output.append(piece.data)
-            self._crc = zlib.crc32(piece.data, self._crc)
-            piece.written(start)
-            self._ready.popleft()
+            start = self._output.end
+            self._output.append(self._ready[0].data)
+            self._note(self._ready.popleft(), start)
 
     def sync(self) -> None:
         """Have the system write everything to the disk; raises OSError if it cannot."""
@@ -390,34 +274,56 @@ class Container:
     def finish(self) -> None:
         """Write what waits and the end of the file; raises OSError if that cannot be written."""
         self.flush()
-        self._output.append(self.summary.ending(self._output.end, self._crc))
+        self._output.append(self._ending())
         self._output.sync()
 
     def _seal(self) -> None:
-        if not self._chunk:
-            return
-        piece, entry, messages = self._chunk.sealed(self._compression)
-        self._chunk = OpenChunk()
+        if self._chunk:
+            self._ready.append(self._chunk.sealed())
+            self._chunk = OpenChunk()
 
-        def written(start: int) -> None:
+    def _note(self, piece: Piece, start: int) -> None:
+        """A piece is in the file, from byte `start` on."""
+        entry = piece.entry
+        self._crc = zlib.crc32(piece.data, self._crc)
+        if entry is None:
+            return
+        if isinstance(entry, ChunkIndex):
             entry.chunk_start_offset = start
             offsets = entry.message_index_offsets
             entry.message_index_offsets = {key: at + start for key, at in offsets.items()}
-            self.summary.add_chunk(entry, messages)
+            first = entry.message_start_time
+            self.first_ns = min(first, self.first_ns) if self.messages else first
+            self.last_ns = max(entry.message_end_time, self.last_ns)
+            self.messages.update(piece.messages)
+        elif isinstance(entry, AttachmentIndex | MetadataIndex):
+            entry.offset = start
+        data = octets(entry)
+        self._groups[Opcode(data[0])] += data
+        self._counts[Opcode(data[0])] += 1
 
-        self._ready.append(Piece(piece, written, messages))
-
-
-def _entry(
-    record: Schema | Channel | Metadata | Attachment, start: int, length: int
-) -> tuple[Opcode, Any]:
-    """Kind and record of the summary, of a record of so many bytes from byte `start`."""
-    if isinstance(record, Schema):
-        return Opcode.SCHEMA, record
-    if isinstance(record, Channel):
-        return Opcode.CHANNEL, record
-    if isinstance(record, Metadata):
-        return Opcode.METADATA_INDEX, MetadataIndex(start, length, record.name)
-    times, size = (record.log_time, record.create_time), len(record.data)
-    index = AttachmentIndex(start, length, *times, size, record.name, record.media_type)
-    return Opcode.ATTACHMENT_INDEX, index
+    def _ending(self) -> bytes:
+        """Everything after the data."""
+        statistics = Statistics(
+            attachment_count=self._counts[Opcode.ATTACHMENT_INDEX],
+            channel_count=self._counts[Opcode.CHANNEL],
+            channel_message_counts=dict(self.messages),
+            chunk_count=self._counts[Opcode.CHUNK_INDEX],
+            message_count=self.messages.total(),
+            message_end_time=self.last_ns,
+            message_start_time=self.first_ns,
+            metadata_count=self._counts[Opcode.METADATA_INDEX],
+            schema_count=self._counts[Opcode.SCHEMA],
+        )
+        groups: dict[Opcode, Bytes] = {**self._groups, Opcode.STATISTICS: octets(statistics)}
+        data_end = octets(DataEnd(self._crc))
+        base = self._output.end + len(data_end)
+        body, offsets = bytearray(), bytearray()
+        for opcode in SUMMARY:
+            if group := groups.get(opcode):
+                offsets += octets(SummaryOffset(opcode, base + len(body), len(group)))
+                body += group
+        offset_start = base + len(body)
+        body += offsets
+        check = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, base, offset_start), zlib.crc32(body))
+        return data_end + bytes(body) + octets(Footer(base, offset_start, check)) + MAGIC

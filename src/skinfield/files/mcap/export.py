@@ -1,18 +1,139 @@
-"""Export of a recording of a live skin: from its messages to the rows of tables and arrays."""
+"""Export of a recording of a live skin: from its messages to the rows of tables.
 
-from collections.abc import Iterator
+Everything comes in pieces and is written as it comes: memory does not grow with the recording.
+"""
+
+import json
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError
-from skinfield.files.live_export import Exported
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
+from skinfield.files.pending import Closing, explained, pending
+from skinfield.files.tables import Table, Values
 
 HELD = 4096  # cycles whose rows are written together
 TIMES = ("flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns", "done_ns", "log_position")
 CYCLE = np.dtype([(name, "<i8") for name in ("cycle", *TIMES, "contacts")])
+Rows = NDArray[np.void]
+
+
+class LiveExport(Closing):
+    """Takes the parts of a recording in any order of pieces."""
+
+    @abstractmethod
+    def add_counts(self, patch: int, stamp_ns: Ints, counts: Floats) -> None:
+        """Add readings (T, L) of a patch, in the order of its taxels; NaN where there was none."""
+
+    @abstractmethod
+    def add_rows(self, table: str, rows: Rows) -> None:
+        """Add rows of one of `Export.tables`."""
+
+    @abstractmethod
+    def add_happened(
+        self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
+    ) -> None:
+        """Add what was measured each second, and what happened."""
+
+
+def flat(rows: np.dtype[Any]) -> Iterator[tuple[str, np.dtype[Any], str, tuple[int, ...]]]:
+    """Columns of a table, where a field of n numbers becomes n: name, dtype, field and place."""
+    for field in rows.names or ():
+        for index in np.ndindex(rows[field].shape):
+            yield "_".join((field, *map(str, index))), rows[field].base, field, index
+
+
+class TableExport(LiveExport):
+    """Counts in the file that was asked for; contacts and the rest in files beside it.
+
+    Of one patch, the counts' columns are `uid_<uid>` (as `open_recording` reads them); of several,
+    `<patch>.<taxel>`, and a row has values of one patch only. Files are written as it comes, and
+    have their names once they are whole.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in .parquet or .csv.
+    export : Export
+
+    Raises
+    ------
+    InputError
+        For another ending.
+    SkinfieldError
+        If the package that writes it is not installed.
+    FileError
+        If it cannot be written there.
+    """
+
+    def __init__(self, path: str | Path, export: "Export") -> None:
+        path, source = Path(path), {"source": export.source}
+        self._files: dict[str, Table] = {}
+        self._happened = pending(path.with_suffix(".events.json"))
+        single = len(export.patches) == 1
+        names = [
+            f"uid_{uid}" if single else f"{patch.name}.{taxel}"
+            for patch in export.patches
+            for taxel, uid in enumerate(patch.uid.tolist())
+        ]
+        self._starts = np.cumsum([0, *map(len, export.patches)])
+        counts: list[tuple[str, np.dtype[Any]]] = [("stamp_ns", np.dtype(np.int64))]
+        counts += [(name, np.dtype("<f4")) for name in names]
+        try:
+            self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
+            for table, rows in export.tables.items():
+                beside = path.with_suffix(f".{table}{path.suffix}")
+                self._files[table] = Table(beside, [each[:2] for each in flat(rows)], source)
+        except BaseException:
+            self.discard()
+            raise
+
+    def add_counts(self, patch: int, stamp_ns: Ints, counts: Floats) -> None:
+        """See `LiveExport`."""
+        first, last = self._starts[patch], self._starts[patch + 1]
+        values: list[Values] = [None] * (1 + int(self._starts[-1]))
+        values[0] = stamp_ns
+        values[1 + first : 1 + last] = list(np.ascontiguousarray(counts.T.astype(np.float32)))
+        self._files["counts"].add(values, len(stamp_ns))
+
+    def add_rows(self, table: str, rows: Rows) -> None:
+        """See `LiveExport`."""
+        columns: list[Values] = []
+        for _, _, name, index in flat(rows.dtype):
+            field: Any = rows[name]
+            columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
+        self._files[table].add(columns, len(rows))
+
+    def add_happened(
+        self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
+    ) -> None:
+        """See `LiveExport`."""
+        with explained(self._happened.target):
+            text = json.dumps({"timing": list(timing), "events": list(events)}, indent=1)
+            self._happened.part.write_text(text, encoding="utf-8")
+
+    def close(self) -> None:
+        """See `Closing`."""
+        try:
+            for file in self._files.values():
+                file.close()
+            if self._happened.part.exists():
+                self._happened.commit()
+        except BaseException:
+            self.discard()
+            raise
+
+    def discard(self) -> None:
+        """See `Closing`."""
+        for file in self._files.values():
+            file.discard()
+        self._happened.discard()
 
 
 class Export:
@@ -26,7 +147,13 @@ class Export:
 
     Attributes
     ----------
-    what : Exported
+    source : str
+        File that it comes from.
+    patches : tuple of Patch
+    units : tuple of str
+        Of the patches' counts.
+    tables : dict of str to dtype
+        Fields of contacts, patch_cycles, cycles and, where there is a fit, fit_contacts.
     numbers : list of int
         Of the patches among all of the skin's.
     """
@@ -36,28 +163,29 @@ class Export:
         for name in names:
             skin[name]  # says which there are
         self._recording = recording
-        chosen = tuple(patch for patch in skin if not names or patch.name in names)
+        self.source = str(recording.path)
+        self.patches = tuple(patch for patch in skin if not names or patch.name in names)
         every = [patch.name for patch in skin]
-        self.numbers = [every.index(patch.name) for patch in chosen]
+        self.numbers = [every.index(patch.name) for patch in self.patches]
         total = sum(port.channels for port in ports)
-        its = [port_of(patch, ports) for patch in chosen]
+        its = [port_of(patch, ports) for patch in self.patches]
+        self.units = tuple(port.unit for port in its)
         self._scans = [
-            Scan(patch.channel + port.first, total) for patch, port in zip(chosen, its, strict=True)
+            Scan(patch.channel + port.first, total)
+            for patch, port in zip(self.patches, its, strict=True)
         ]
         layout = recording.cycle_layout
-        self._tables = {
+        self.tables = {
             "contacts": _with_cycle(layout.contact),
             "patch_cycles": _with_cycle(layout.patch, "patch"),
             "cycles": CYCLE,
         }
-        units = tuple(port.unit for port in its)
         self._fit = FitRows.of(recording)
         if self._fit is not None:
-            self._tables["fit_contacts"] = self._fit.fields
-        self.what = Exported(str(recording.path), chosen, units, self._tables)
+            self.tables["fit_contacts"] = self._fit.fields
         self._held: list[Any] = []
 
-    def into(self, sink: Any) -> Iterator[int]:
+    def into(self, sink: LiveExport) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
         recording, fit = self._recording, self._fit
         for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
@@ -90,22 +218,19 @@ class Export:
                 for place, number in enumerate(self.numbers):
                     bag.add_taxels(place, field.time_ns, parts[number])
 
-    def _put_cycles(self, sink: Any) -> None:
+    def _put_cycles(self, sink: LiveExport) -> None:
         held, self._held = self._held, []
         if not held:
             return
         sink.add_rows("cycles", _cycle_rows(held))
         for table in ("contacts", "patch_cycles"):
-            rows = _rows_of(held, table, self._tables[table])
+            rows = _rows_of(held, table, self.tables[table])
             if len(rows):
                 sink.add_rows(table, rows)
 
 
 def _with_cycle(rows: "np.dtype[Any]", place: str = "") -> "np.dtype[Any]":
     """The rows' fields behind the cycle's number and time, and the row's place if it is named."""
-    clash = {"cycle", "wall_ns", place} & set(rows.names or ())
-    if clash:
-        raise InputError(f"rows have the fields {sorted(clash)}, which stand for the cycle")
     more = [(place, "<i8")] if place else []
     return np.dtype([("cycle", "<i8"), ("wall_ns", "<i8"), *more, *rows.descr])
 
@@ -123,14 +248,13 @@ def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
     """Rows of all cycles, one after the other."""
     parts = [each.contacts if table == "contacts" else each.patches for each in cycles]
     counts = [len(part) for part in parts]
-    rows = np.zeros(sum(counts), kind)
+    rows, joined = np.zeros(sum(counts), kind), np.concatenate(parts)
+    for name in joined.dtype.names or ():
+        rows[name] = joined[name]
     rows["cycle"] = np.repeat([each.number for each in cycles], counts)
     rows["wall_ns"] = np.repeat([each.wall_ns for each in cycles], counts)
     if table == "patch_cycles":
         rows["patch"] = np.concatenate([np.arange(count) for count in counts])
-    joined = np.concatenate(parts)
-    for name in joined.dtype.names or ():
-        rows[name] = joined[name]
     return rows
 
 
@@ -143,20 +267,18 @@ class FitRows:
     """
 
     def __init__(self, recording: Any, layout: Any) -> None:
-        self._recording, self._layout = recording, layout
-        patch, contact, form = layout.patch.names, layout.contact.names, layout.form.names
-        self._of_patch = [name for name in ("cycle", "stamp_ns", "readings") if name in patch]
-        taken = {"wall_ns", *self._of_patch}
-        self._of_contact = [name for name in contact if name not in taken]
-        taken |= set(self._of_contact)
-        self._of_form = [name for name in form if name not in taken and name != "spare"]
-        self.fields = np.dtype(
-            [("wall_ns", "<i8")]
-            + [(name, layout.patch[name]) for name in self._of_patch]
-            + [(name, layout.contact[name]) for name in self._of_contact]
-            + [(name, layout.form[name]) for name in self._of_form]
-        )
-        self._told: dict[int, bytes] = {}
+        self._recording = recording
+        taken, fields = {"wall_ns", "spare"}, [("wall_ns", np.dtype("<i8"))]
+        self._of: dict[str, list[str]] = {}
+        of_patch = ("cycle", "stamp_ns", "readings")
+        for part in ("patch", "contact", "form"):
+            rows = getattr(layout, part)
+            names = [name for name in rows.names if name in of_patch or part != "patch"]
+            self._of[part] = [name for name in names if name not in taken]
+            taken.update(names)
+            fields += [(name, rows[name]) for name in self._of[part]]
+        self.fields = np.dtype(fields)
+        self._before: dict[int, bytes] = {}
 
     @classmethod
     def of(cls, recording: Any) -> Self | None:
@@ -173,17 +295,15 @@ class FitRows:
         found = self._recording.fit_of(at, data)
         if found is None:
             return np.zeros(0, self.fields)
-        told = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
-        fresh = np.array([self._told.get(place) != row for place, row in told.items()], bool)
-        self._told = told
+        now = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
+        fresh = np.array([self._before.get(place) != row for place, row in now.items()], bool)
+        self._before = now
         counts = found.patches["contacts"]
         new = np.repeat(fresh, counts)
         rows = np.zeros(int(new.sum()), self.fields)
         rows["wall_ns"] = found.time_ns
-        for name in self._of_patch:
-            rows[name] = np.repeat(found.patches[name], counts)[new]
-        for name in self._of_contact:
-            rows[name] = found.contacts[name][new]
-        for name in self._of_form:
-            rows[name] = found.forms[name][new]
+        parts = np.repeat(found.patches, counts), found.contacts, found.forms
+        for names, its in zip(self._of.values(), parts, strict=True):
+            for name in names:
+                rows[name] = its[name][new]
         return rows

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import njit
 from skinfield.errors import Floats, Ints
 from skinfield.signal.block import UNUSABLE, Octets, Words
 from skinfield.signal.blocks_kernel import (
@@ -15,6 +15,14 @@ from skinfield.signal.blocks_kernel import (
     count_at,
     payload_words,
 )
+
+
+@njit
+def put_row(row: Floats, fresh: Octets, status: Octets, out: Floats) -> None:
+    """Copy a row, and begin a new one."""
+    for k in range(len(row)):
+        out[k] = row[k] if fresh[k] and not status[k] & UNUSABLE else np.nan
+        fresh[k] = 0
 
 
 @njit
@@ -70,7 +78,11 @@ def scan(
             return -at - 1, rows
         count = max(min(count, len(column) - first), 0)
         if kind in (BYTES, SHORTS, FLOATS):
-            if is_again(column, fresh, first, count):
+            again = False
+            for i in range(count):
+                k = column[first + i]
+                again = again or (k >= 0 and fresh[k] > 0)
+            if again:
                 if rows == len(out):
                     return at, rows
                 put_row(row, fresh, status, out[rows])
@@ -79,33 +91,16 @@ def scan(
             payload = at + HEADER_WORDS
             for i in range(count):
                 k = column[first + i]
-                if k >= 0:
-                    row[k] = count_at(octets, shorts, singles, kind, payload, i)
-                    fresh[k] = 1
-                    newest[0] = words[at]
-                    if bits:
-                        status[k] = bits
+                if k < 0:
+                    continue
+                row[k] = count_at(octets, shorts, singles, kind, payload, i)
+                fresh[k] = 1
+                newest[0] = words[at]
+                if bits:
+                    status[k] = bits
         elif kind == STATUS:
             for i in range(count):
                 if column[first + i] >= 0:
                     status[column[first + i]] = bits
         at += HEADER_WORDS + size
     return at, rows
-
-
-@inner
-def is_again(column: Ints, fresh: Octets, first: int, count: int) -> bool:
-    """Whether one of the channels is in the row already."""
-    for i in range(count):
-        k = column[first + i]
-        if k >= 0 and fresh[k]:
-            return True
-    return False
-
-
-@njit
-def put_row(row: Floats, fresh: Octets, status: Octets, out: Floats) -> None:
-    """Copy a row, and begin a new one."""
-    for k in range(len(row)):
-        out[k] = row[k] if fresh[k] and not status[k] & UNUSABLE else np.nan
-        fresh[k] = 0

@@ -6,56 +6,21 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from struct import Struct
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+from typing import Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+
+from mcap.records import Attachment, Channel
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.mcap.records import (
-    Damage,
-    Damaged,
-    Message,
-    Op,
-    Outline,
-    Record,
-    attachment_of,
-    body_of,
-    entries_of,
-    message_of,
-    open_file,
-    outline_of,
-    parsed,
-)
-from skinfield.files.mcap.schema import (
-    BLOCKS,
-    CALIBRATION,
-    CONFIGURATION,
-    CYCLE_HEAD,
-    CYCLES,
-    DESCRIPTION,
-    EVENTS,
-    FIELDS,
-    FITS,
-    LAYOUT,
-    POSITION,
-    TIMING,
-    Cycle,
-    CycleFlag,
-    CycleLayout,
-    FieldRecord,
-    FitLayout,
-    FitRecord,
-)
+from skinfield.files.mcap import records, schema
 from skinfield.signal import Calibration
 from skinfield.skin import Skin
 
-if TYPE_CHECKING:
-    from mcap.records import Attachment, Channel
-
 T = TypeVar("T")
-L = TypeVar("L", CycleLayout, FitLayout)
+L = TypeVar("L", schema.CycleLayout, schema.FitLayout)
 HEAD = Struct("<4xIq32xq")  # of a cycle's head: flags, number, wall_ns
 PUBLISHED = Struct("<8xq")  # of the head of a field and of a fit: when it was
 
@@ -100,10 +65,10 @@ class LiveRecording:
     """
 
     path: Path
-    outline: Outline
-    channels: dict[int, "Channel"] = field(default_factory=dict)
-    attached: dict[str, "Attachment"] = field(default_factory=dict)
-    damage: list[Damage] = field(default_factory=list)
+    outline: records.Outline
+    channels: dict[int, Channel] = field(default_factory=dict)
+    attached: dict[str, Attachment] = field(default_factory=dict)
+    damage: list[records.Damage] = field(default_factory=list)
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -115,21 +80,22 @@ class LiveRecording:
             If the file cannot be read, is no MCAP file, or has no channel of ours.
         """
         path = Path(path)
-        with open_file(path) as file:
-            found = cls(path, outline_of(file))
+        with records.open_file(path) as file:
+            found = cls(path, records.outline_of(file))
             if found.outline.damage is not None:
                 found.damage.append(found.outline.damage)
             found._read_heads(file)
-            if not found._has_channels():
-                found._look_into_chunks(file)
+            for record in found.outline.records:  # other writers put channels into the first chunk
+                if record.opcode == records.Op.CHUNK and not found._has_channels():
+                    deque(found.messages_in(file, record), 0)
         if not found._has_channels():
             there = ", ".join(sorted(each.topic for each in found.channels.values())[:8])
             where = (
                 f"; it cannot be read from byte {found.damage[0].byte} on" if found.damage else ""
             )
             raise FileError(
-                f"{path} has the channels {there or 'none'}, expected {BLOCKS}: it is no recording "
-                f"of a skin{where}"
+                f"{path} has the channels {there or 'none'}, expected {schema.BLOCKS}: it is no "
+                f"recording of a skin{where}"
             )
         return found
 
@@ -143,14 +109,14 @@ class LiveRecording:
         """Layout of the skin; raises FileError if none is enclosed or it is damaged."""
         from skinfield.files.layouts import read_layout
 
-        return self._loaded(LAYOUT, lambda path: read_layout(path)[0])
+        return self._loaded(schema.LAYOUT, lambda path: read_layout(path)[0])
 
     @cached_property
     def calibrations(self) -> dict[str, Calibration]:
         """Calibrations by patch, as far as enclosed; raises FileError if one is damaged."""
         from skinfield.signal import load_calibration
 
-        start, end = CALIBRATION.split("{patch}")
+        start, end = schema.CALIBRATION.split("{patch}")
         return {
             name.removeprefix(start).removesuffix(end): self._loaded(name, load_calibration)
             for name in self.attached
@@ -160,34 +126,34 @@ class LiveRecording:
     @cached_property
     def configuration(self) -> dict[str, Any]:
         """How the engine was run; empty if not enclosed. Raises FileError if it is damaged."""
-        return self._json(CONFIGURATION)
+        return self._json(schema.CONFIGURATION)
 
     @cached_property
     def description(self) -> dict[str, Any]:
         """Of the ring; empty if not enclosed. Raises FileError if it is damaged."""
-        return self._json(DESCRIPTION)
+        return self._json(schema.DESCRIPTION)
 
     @cached_property
-    def cycle_layout(self) -> CycleLayout:
+    def cycle_layout(self) -> schema.CycleLayout:
         """Fields of the cycles' rows; raises FileError if the channel does not state them."""
-        found = self._layout(CYCLES, CycleLayout)
+        found = self._layout(schema.CYCLES, schema.CycleLayout)
         if found is None:
             raise FileError(
-                f"{self.path} has no channel {CYCLES}, expected one: its head is damaged"
+                f"{self.path} has no channel {schema.CYCLES}, expected one: its head is damaged"
             )
         return found
 
     @cached_property
-    def fit_layout(self) -> FitLayout | None:
+    def fit_layout(self) -> schema.FitLayout | None:
         """Fields of the rows of fits; None of a recording without such a channel.
 
         Raises FileError if the channel does not state them.
         """
-        return self._layout(FITS, FitLayout)
+        return self._layout(schema.FITS, schema.FitLayout)
 
     def messages(
         self, topics: Collection[str] = (), first: int = 0
-    ) -> Iterator[tuple[str, int, Message]]:
+    ) -> Iterator[tuple[str, int, records.Message]]:
         """Topic, byte in the file, and message, in the order of the file.
 
         Parameters
@@ -197,7 +163,7 @@ class LiveRecording:
         first : int
             Record to begin with, such as `Index.record_before` gives.
         """
-        with open_file(self.path) as file:
+        with records.open_file(self.path) as file:
             for record in self.outline.records[first:]:
                 for topic, message, _ in self.messages_in(file, record):
                     if not topics or topic in topics:
@@ -205,56 +171,53 @@ class LiveRecording:
 
     def blocks(self) -> Iterator[Logged]:
         """Runs of the ring's log, in order."""
-        for _, at, message in self.messages((BLOCKS,)):
+        for _, at, message in self.messages((schema.BLOCKS,)):
             if (logged := self.logged_of(at, message)) is not None:
                 yield logged
 
-    def cycles(self) -> Iterator[Cycle]:
+    def cycles(self) -> Iterator[schema.Cycle]:
         """Cycles of the engine, in order."""
-        return self._decoded(CYCLES, self.cycle_of)
+        return self._decoded(schema.CYCLES, self.cycle_of)
 
-    def fields(self) -> Iterator[FieldRecord]:
+    def fields(self) -> Iterator[schema.FieldRecord]:
         """What some cycles read, and their pressure, in order."""
-        return self._decoded(FIELDS, self.field_of)
+        return self._decoded(schema.FIELDS, self.field_of)
 
-    def fits(self) -> Iterator[FitRecord]:
+    def fits(self) -> Iterator[schema.FitRecord]:
         """Answers of the fit beside the engine, in order; raises as `fit_layout`."""
-        return self._decoded(FITS, self.fit_of) if self.fit_layout is not None else iter(())
+        return self._decoded(schema.FITS, self.fit_of) if self.fit_layout is not None else iter(())
 
     def timing(self) -> Iterator[dict[str, Any]]:
         """What was measured, second by second."""
-        return self._decoded(TIMING, self._object_of)
+        return self._decoded(schema.TIMING, partial(self._noted, _object))
 
     def events(self) -> Iterator[dict[str, Any]]:
         """What happened: `wall_ns`, `kind`, `text` and more, by kind."""
-        return self._decoded(EVENTS, self._object_of)
+        return self._decoded(schema.EVENTS, partial(self._noted, _object))
 
-    def logged_of(self, at: int, message: Message) -> Logged | None:
+    def logged_of(self, at: int, message: records.Message) -> Logged | None:
         """Blocks of a message at byte `at`; None, and a note, if it is too short."""
-        if len(message.data) < POSITION.size:
-            self.note(at, f"a message of {BLOCKS} of {len(message.data)} bytes")
+        if len(message.data) < schema.POSITION.size:
+            self.note(at, f"a message of {schema.BLOCKS} of {len(message.data)} bytes")
             return None
-        (position,) = POSITION.unpack_from(message.data)
-        return Logged(position, message.time_ns, message.data[POSITION.size :])
+        (position,) = schema.POSITION.unpack_from(message.data)
+        return Logged(position, message.time_ns, message.data[schema.POSITION.size :])
 
-    def cycle_of(self, at: int, data: bytes) -> Cycle | None:
+    def cycle_of(self, at: int, data: bytes) -> schema.Cycle | None:
         """Cycle of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(at, self.cycle_layout.decode, data)
+        return self._noted(self.cycle_layout.decode, at, data)
 
-    def field_of(self, at: int, data: bytes) -> FieldRecord | None:
+    def field_of(self, at: int, data: bytes) -> schema.FieldRecord | None:
         """Field of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(at, FieldRecord.decode, data)
+        return self._noted(schema.FieldRecord.decode, at, data)
 
-    def fit_of(self, at: int, data: bytes) -> FitRecord | None:
+    def fit_of(self, at: int, data: bytes) -> schema.FitRecord | None:
         """Answer of a fit of a message at byte `at`; None, and a note, if it cannot be read."""
         layout = self.fit_layout
         assert layout is not None  # else there is no such channel
-        return self._noted(at, layout.decode, data)
+        return self._noted(layout.decode, at, data)
 
-    def _object_of(self, at: int, data: bytes) -> dict[str, Any] | None:
-        return self._noted(at, _object, data)
-
-    def _noted(self, at: int, decode: Callable[[bytes], T], data: bytes) -> T | None:
+    def _noted(self, decode: Callable[[bytes], T], at: int, data: bytes) -> T | None:
         try:
             return decode(data)
         except InputError as error:
@@ -271,19 +234,21 @@ class LiveRecording:
         """When what was; found by one pass over the file. Raises FileError if it cannot be read."""
         return Index.of(self)
 
-    def messages_in(self, file: BinaryIO, record: Record) -> Iterator[tuple[str, Message, int]]:
+    def messages_in(
+        self, file: BinaryIO, record: records.Record
+    ) -> Iterator[tuple[str, records.Message, int]]:
         """Topic, message, and its place in the record; what cannot be read is noted."""
-        if record.opcode not in (Op.MESSAGE, Op.CHUNK):
+        if record.opcode not in (records.Op.MESSAGE, records.Op.CHUNK):
             return
         try:
-            for opcode, start, body in entries_of(file, record):
-                if opcode == Op.CHANNEL:
+            for opcode, start, body in records.entries_of(file, record):
+                if opcode == records.Op.CHANNEL:
                     self._add_channel(body)
-                elif opcode == Op.MESSAGE:
-                    message = message_of(body)
+                elif opcode == records.Op.MESSAGE:
+                    message = records.message_of(body)
                     if (channel := self.channels.get(message.channel)) is not None:
                         yield channel.topic, message, start
-        except Damaged as error:
+        except records.Damaged as error:
             self.note(record.start, str(error))
         except OSError as error:
             why = error.strerror or error
@@ -292,26 +257,20 @@ class LiveRecording:
     def _read_heads(self, file: BinaryIO) -> None:
         for record in self.outline.records:
             try:
-                if record.opcode == Op.CHANNEL:
-                    self._add_channel(body_of(file, record))
-                elif record.opcode == Op.ATTACHMENT:
-                    attached = attachment_of(body_of(file, record))
+                if record.opcode == records.Op.CHANNEL:
+                    self._add_channel(records.body_of(file, record))
+                elif record.opcode == records.Op.ATTACHMENT:
+                    attached = records.attachment_of(records.body_of(file, record))
                     self.attached[attached.name] = attached
-            except Damaged as error:
+            except records.Damaged as error:
                 self.note(record.start, str(error))
 
-    def _look_into_chunks(self, file: BinaryIO) -> None:
-        """Channels that other writers put into the first chunk."""
-        for record in self.outline.records:
-            if record.opcode == Op.CHUNK and not self._has_channels():
-                deque(self.messages_in(file, record), 0)
-
     def _add_channel(self, body: bytes) -> None:
-        channel = parsed(Op.CHANNEL, body)
+        channel = records.parsed(records.Op.CHANNEL, body)
         self.channels[channel.id] = channel
 
     def _has_channels(self) -> bool:
-        return any(channel.topic == BLOCKS for channel in self.channels.values())
+        return any(channel.topic == schema.BLOCKS for channel in self.channels.values())
 
     def _layout(self, topic: str, kind: type[L]) -> L | None:
         for channel in self.channels.values():
@@ -328,7 +287,7 @@ class LiveRecording:
             there = ", ".join(sorted(self.attached)[:8]) or "nothing"
             raise FileError(f"{self.path} encloses {there}, expected {name}")
         with TemporaryDirectory() as folder:
-            copy = Path(folder) / Path(LAYOUT).name
+            copy = Path(folder) / schema.LAYOUT
             copy.write_bytes(self.attached[name].data)
             try:
                 return load(copy)
@@ -345,7 +304,7 @@ class LiveRecording:
 
     def note(self, byte: int, why: str) -> None:
         """Keep in `damage` what cannot be read, and where."""
-        damage = Damage(byte, why)
+        damage = records.Damage(byte, why)
         if damage not in self.damage[-64:]:
             self.damage.append(damage)
 
@@ -401,7 +360,9 @@ class Index:
     last_ns: int = 0
     gaps: list[tuple[int, int]] = field(default_factory=list)
     starts: list[tuple[int, int]] = field(default_factory=list)
-    places: dict[str, list[Place]] = field(default_factory=lambda: {FIELDS: [], FITS: []})
+    places: dict[str, list[Place]] = field(
+        default_factory=lambda: {schema.FIELDS: [], schema.FITS: []}
+    )
     events: list[dict[str, Any]] = field(default_factory=list)
     _number: int = 0
 
@@ -409,10 +370,10 @@ class Index:
     def of(cls, recording: LiveRecording) -> Self:
         """Look through a recording; what cannot be read is passed over and noted there."""
         found = cls()
-        with open_file(recording.path) as file:
+        with records.open_file(recording.path) as file:
             for number, record in enumerate(recording.outline.records):
                 for topic, message, start in recording.messages_in(file, record):
-                    found._add(topic, message.data, Place(0, number, start))
+                    found._add(topic, message.data, number, start)
         return found
 
     def record_before(self, time_ns: int) -> int:
@@ -420,14 +381,13 @@ class Index:
         place = bisect_right(self.starts, (time_ns, len(self.starts) << 32))
         return self.starts[place - 1][1] if place else 0
 
-    def _add(self, topic: str, data: bytes, place: Place) -> None:
-        if topic == CYCLES and len(data) >= CYCLE_HEAD.size:
-            self._add_cycle(place.record, *HEAD.unpack_from(data))
+    def _add(self, topic: str, data: bytes, record: int, start: int) -> None:
+        if topic == schema.CYCLES and len(data) >= schema.CYCLE_HEAD.size:
+            self._add_cycle(record, *HEAD.unpack_from(data))
         elif topic in self.places and len(data) >= PUBLISHED.size:
-            its = self.places[topic]
-            (time_ns,) = PUBLISHED.unpack_from(data)
-            its.append(place._replace(time_ns=max(time_ns, its[-1].time_ns if its else time_ns)))
-        elif topic == EVENTS:
+            its, (time_ns,) = self.places[topic], PUBLISHED.unpack_from(data)
+            its.append(Place(max(time_ns, its[-1].time_ns if its else time_ns), record, start))
+        elif topic == schema.EVENTS:
             with suppress(InputError):
                 event = _object(data)
                 if isinstance(event.get("wall_ns"), int):
@@ -437,7 +397,7 @@ class Index:
         wall_ns = max(wall_ns, self.last_ns)  # a clock may be set back
         if not self.cycles:
             self.first_ns = wall_ns
-        elif number != self._number + 1 and not flags & CycleFlag.RESTARTED:
+        elif number != self._number + 1 and not flags & schema.CycleFlag.RESTARTED:
             self.gaps.append((self.last_ns, wall_ns))
         if not self.starts or self.starts[-1][1] != record:
             self.starts.append((wall_ns, record))
@@ -487,7 +447,7 @@ class Newest(Generic[T]):
         """Messages of a record by their places in it."""
         if number != self._content[0]:
             recording = self._recording
-            with open_file(recording.path) as file:
+            with records.open_file(recording.path) as file:
                 found = recording.messages_in(file, recording.outline.records[number])
                 self._content = number, {start: message.data for _, message, start in found}
         return self._content[1]

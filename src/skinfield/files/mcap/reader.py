@@ -5,8 +5,8 @@ last block. A channel that did not come in a scan, or whose board says that noth
 NaN there: earlier counts are never repeated. What else such a file holds, `LiveRecording` reads.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import BLOCKS
-from skinfield.files.recordings.head import Head, chosen
 from skinfield.signal.block import WORD
 from skinfield.skin import Patch
 from skinfield.skin.reading import UNITS, Recording
@@ -102,21 +100,13 @@ class Scan:
         from skinfield.files.mcap.kernel import scan
 
         words = np.frombuffer(data, "<i8", len(data) // WORD)
-        views = (words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
+        views = (words, words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
         at = 0
         while at < len(words):
             at, rows = scan(
-                words,
-                *views,
-                at,
-                self._column,
-                self._row,
-                self._fresh,
-                self._status,
-                self._newest,
-                self._out[self._used :],
-                self._stamps[self._used :],
-            )
+                *views, at, self._column, self._row, self._fresh, self._status, self._newest,
+                self._out[self._used :], self._stamps[self._used :],
+            )  # fmt: skip
             self._used += rows
             if at < 0:
                 self.words += len(words) + at + 1
@@ -156,8 +146,6 @@ class LiveStream:
         Complete once `blocks` is exhausted.
     skipped : int
         Places of the file that could not be read, likewise.
-    divisor : int
-        Always 1: stamps are ns.
     """
 
     recording: LiveRecording
@@ -167,7 +155,6 @@ class LiveStream:
     progress: Progress | None = None
     notes: tuple[str, ...] = ()
     skipped: int = 0
-    divisor: int = 1
 
     def blocks(self) -> Iterator[Recording]:
         """Rows as recordings of some thousand readings each, once.
@@ -177,14 +164,20 @@ class LiveStream:
         FileError
             If the file cannot be read any more, or holds no reading.
         """
-        total = sum(port.channels for port in ports_of(self.recording))
-        rows, empty = Scan(self.channel, total), True
+        recording, path = self.recording, str(self.recording.path)
+        rows = Scan(self.channel, sum(port.channels for port in ports_of(recording)))
+        empty = True
         for stamps, counts in self._pieces(rows):
             empty = False
-            yield Recording(stamps, counts, self.uid, self.unit, str(self.recording.path))
+            yield Recording(stamps, counts, self.uid, self.unit, path)
         if empty:
-            raise FileError(f"{self.recording.path} holds no reading of these channels")
-        self._finish(rows)
+            raise FileError(f"{path} holds no reading of these channels")
+        notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+        if rows.words:
+            notes.insert(0, f"{WORD * rows.words} bytes of readings are damaged: left out")
+        if not recording.finished:
+            notes.insert(0, "the recording was not finished: its end may be missing")
+        self.notes, self.skipped = tuple(notes), len(recording.damage)
 
     def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
         for _, at, message in self.recording.messages((BLOCKS,)):
@@ -193,15 +186,6 @@ class LiveStream:
             if self.progress is not None:
                 self.progress(at, self.recording.outline.size)
         yield from rows.finish()
-
-    def _finish(self, rows: Scan) -> None:
-        damage, notes = self.recording.damage, []
-        if rows.words:
-            notes.append(f"{WORD * rows.words} bytes of readings are damaged: left out")
-        notes += [f"byte {each.byte}: {each.why}: left out" for each in damage[:8]]
-        if not self.recording.finished:
-            notes.insert(0, "the recording was not finished: its end may be missing")
-        self.notes, self.skipped = tuple(notes), len(damage)
 
 
 def live_stream(recording: LiveRecording, progress: Progress | None = None) -> LiveStream:
@@ -239,18 +223,3 @@ def _width(recording: LiveRecording, port: PortOf) -> int:
         recording.note(0, str(error))
         return port.channels
     return widths.pop() if len(widths) == 1 else port.channels
-
-
-def matches(head: Head) -> bool:
-    """Whether the file is an MCAP file."""
-    return head.data.startswith(MAGIC)
-
-
-def stream(
-    head: Head, columns: Sequence[int | str] | None, progress: Progress | None
-) -> LiveStream:
-    """Open a file whose head `matches`, to be read piece by piece."""
-    found = live_stream(LiveRecording.open(head.path), progress)
-    keep = chosen(columns, len(found.channel), head.path)
-    uid = None if found.uid is None else found.uid[keep]
-    return replace(found, channel=found.channel[keep], uid=uid)

@@ -8,34 +8,22 @@ against its checksum; what stands in a record that is whole, mcap parses.
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from enum import IntEnum
 from io import BytesIO
 from pathlib import Path
 from struct import Struct
 from typing import Any, BinaryIO, NamedTuple
 
-from skinfield.errors import FileError
+from mcap import records
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
 
-MAGIC = b"\x89MCAP0\r\n"
+from skinfield.errors import FileError
+from skinfield.files.mcap.container import MAGIC
+
+Op = Opcode
 LARGEST = 1 << 28  # bytes of a record, or of a chunk's content: far more than is ever written
 HEAD = Struct("<BQ")
 MESSAGE_HEAD = Struct("<HIQQ")
-
-
-class Op(IntEnum):
-    """Opcodes that are looked at; see MCAP's specification."""
-
-    HEADER = 1
-    FOOTER = 2
-    SCHEMA = 3
-    CHANNEL = 4
-    MESSAGE = 5
-    CHUNK = 6
-    MESSAGE_INDEX = 7
-    CHUNK_INDEX = 8
-    ATTACHMENT = 9
-    METADATA = 12
-    DATA_END = 15
 
 
 class Damaged(ValueError):
@@ -51,13 +39,27 @@ class Message(NamedTuple):
     data: bytes
 
 
+def parsed(kind: Op, body: bytes) -> Any:
+    """A record as mcap has it, of a kind whose name is one word; raises Damaged."""
+    name = kind.name.lower()
+    try:
+        return getattr(records, name.capitalize()).read(ReadDataStream(BytesIO(body)))
+    except Exception as error:  # struct's, Unicode's and mcap's own
+        raise Damaged(f"a {name} that cannot be read ({type(error).__name__})") from error
+
+
 def chunk_content(body: bytes) -> bytes:
     """Unpacked content of a chunk; raises Damaged."""
     chunk = parsed(Op.CHUNK, body)
     size, crc = chunk.uncompressed_size, chunk.uncompressed_crc
     if size > LARGEST:
         raise Damaged(f"a chunk that claims {size} bytes unpacked")
-    content = _unpacked(chunk.compression, chunk.data, size)
+    try:
+        content = _unpacked(chunk.compression, chunk.data, size)
+    except Exception as error:  # zstandard and lz4 each have errors of their own
+        raise Damaged(
+            f"a chunk that {chunk.compression[:20]} cannot unpack ({str(error)[:80]})"
+        ) from error
     if len(content) != size:
         raise Damaged(f"a chunk that unpacks to {len(content)} of {size} bytes")
     if crc and zlib.crc32(content) != crc:
@@ -66,38 +68,21 @@ def chunk_content(body: bytes) -> bytes:
 
 
 def _unpacked(name: str, data: bytes, size: int) -> bytes:
-    try:
-        if name == "zstd":
-            import zstandard
+    """Content of `size` bytes; never makes room for more."""
+    if name == "zstd":
+        import zstandard
 
-            stated = zstandard.frame_content_size(data)
-            if stated > size:
-                raise Damaged(f"a chunk that would unpack to {stated} of {size} bytes")
-            return bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size or 1))
-        if name == "lz4":
-            import lz4.frame
+        stated = zstandard.frame_content_size(data)
+        if stated > size:
+            raise ValueError(f"it would unpack to {stated} of {size} bytes")
+        return bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size or 1))
+    if name == "lz4":
+        import lz4.frame
 
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1))
-    except Damaged:
-        raise
-    except Exception as error:  # zstandard and lz4 each have errors of their own
-        raise Damaged(f"a chunk that {name} cannot unpack ({str(error)[:80]})") from error
+        return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1))
     if name:
-        raise Damaged(f"a chunk that is compressed by {name[:20]!r}, which is not known")
+        raise ValueError("its compression is not known")
     return data
-
-
-def inner_records(content: bytes) -> Iterator[tuple[int, int, int]]:
-    """Opcode, first and last byte of each record within a chunk; raises Damaged at a wrong one."""
-    at = 0
-    while at < len(content):
-        if len(content) - at < HEAD.size:
-            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
-        opcode, length = HEAD.unpack_from(content, at)
-        start, at = at + HEAD.size, at + HEAD.size + length
-        if at > len(content):
-            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
-        yield opcode, start, at
 
 
 def message_of(body: bytes) -> Message:
@@ -108,21 +93,10 @@ def message_of(body: bytes) -> Message:
     return Message(channel, sequence, time_ns, body[MESSAGE_HEAD.size :])
 
 
-def parsed(kind: Op, body: bytes) -> Any:
-    """A record as mcap has it; raises Damaged."""
-    from mcap import records
-    from mcap.data_stream import ReadDataStream
-
-    name = kind.name.lower()
-    try:
-        return getattr(records, name.capitalize()).read(ReadDataStream(BytesIO(body)))
-    except Exception as error:  # struct's, Unicode's and mcap's own
-        raise Damaged(f"a {name} that cannot be read ({type(error).__name__})") from error
-
-
-def attachment_of(body: bytes) -> Any:
+def attachment_of(body: bytes) -> records.Attachment:
     """Attachment of a record's body, as mcap has it; raises Damaged."""
-    found, crc = parsed(Op.ATTACHMENT, body), int.from_bytes(body[-4:], "little")
+    found: records.Attachment = parsed(Op.ATTACHMENT, body)
+    crc = int.from_bytes(body[-4:], "little")
     if crc and zlib.crc32(body[:-4]) != crc:
         raise Damaged(f"an attachment {found.name[:40]!r} whose checksum is wrong")
     return found
@@ -134,11 +108,6 @@ class Record(NamedTuple):
     start: int
     opcode: int
     end: int
-
-    @property
-    def length(self) -> int:
-        """Bytes without opcode and length."""
-        return self.end - self.start - HEAD.size
 
 
 class Damage(NamedTuple):
@@ -223,8 +192,6 @@ def _conclude(file: BinaryIO, outline: Outline) -> None:
     """Find the end of the data and whether the file was finished."""
     kinds = [record.opcode for record in outline.records]
     data = kinds.index(Op.DATA_END) if Op.DATA_END in kinds else len(kinds)
-    if Op.FOOTER in kinds and kinds[-1] != Op.FOOTER:
-        data = min(data, kinds.index(Op.FOOTER))
     outline.end = outline.records[data - 1].end if data else len(MAGIC)
     if kinds and kinds[-1] == Op.FOOTER and data < len(kinds):
         last = outline.records[-1].end
@@ -237,18 +204,17 @@ def _conclude(file: BinaryIO, outline: Outline) -> None:
 
 def body_of(file: BinaryIO, record: Record) -> bytes:
     """Bytes of a record; raises OSError."""
-    file.seek(record.start + HEAD.size)
-    return file.read(record.length)
+    start = record.start + HEAD.size
+    file.seek(start)
+    return file.read(record.end - start)
 
 
-def header_of(file: BinaryIO) -> tuple[str, str]:
+def header_of(file: BinaryIO, outline: Outline) -> tuple[str, str]:
     """Profile and library of a file; empty where the header is damaged."""
-    file.seek(len(MAGIC))
-    opcode, length = HEAD.unpack(file.read(HEAD.size).ljust(HEAD.size, b"\0"))
     try:
-        known = opcode == Op.HEADER and length < LARGEST
-        header = parsed(Op.HEADER, file.read(length) if known else b"")
-    except Damaged:
+        (first,) = outline.records[:1]
+        header = parsed(Op.HEADER, body_of(file, first) if first.opcode == Op.HEADER else b"")
+    except ValueError:  # damaged, or there is none
         return "", ""
     return header.profile, header.library
 
@@ -262,14 +228,20 @@ def entries_of(file: BinaryIO, record: Record) -> Iterator[tuple[int, int, bytes
     if record.opcode != Op.CHUNK:
         yield record.opcode, 0, body
         return
-    content = chunk_content(body)
-    for opcode, start, end in inner_records(content):
-        yield opcode, start, content[start:end]
+    content, at = chunk_content(body), 0
+    while at < len(content):
+        if len(content) - at < HEAD.size:
+            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
+        opcode, length = HEAD.unpack_from(content, at)
+        start, at = at + HEAD.size, at + HEAD.size + length
+        if at > len(content):
+            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
+        yield opcode, start, content[start:at]
 
 
 def right_end(file: BinaryIO, outline: Outline) -> Damage | None:
     """Check a finished file's own checksums, of its data and of its summary; None if right."""
-    footer = outline.tail[-1]
+    data_end, footer = outline.tail[0], outline.tail[-1]
     try:
         found = parsed(Op.FOOTER, body_of(file, footer))
     except Damaged as error:
@@ -277,9 +249,8 @@ def right_end(file: BinaryIO, outline: Outline) -> Damage | None:
     summary = found.summary_start or footer.start
     if found.summary_crc and found.summary_crc != _crc(file, summary, footer.end - 4):
         return Damage(summary, "a summary whose checksum is wrong")
-    data_end = outline.tail[0]
     stated = int.from_bytes(body_of(file, data_end)[:4], "little")
-    if data_end.opcode == Op.DATA_END and stated and stated != _crc(file, 0, data_end.start):
+    if stated and stated != _crc(file, 0, data_end.start):
         return Damage(0, "data whose checksum as a whole is wrong")
     return None
 

@@ -51,9 +51,7 @@ POSITION = Struct("<q")  # before the blocks of a message
 CYCLE_HEAD = Struct("<HHI7q6IQ")
 FIELD_HEAD = Struct("<HHIqqIIII")
 FIT_HEAD = Struct("<HHIqqIIIIIIII")
-MOST = 1 << 20  # rows of one kind in one cycle: whatever says more is damaged
-MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # likewise, of a fit or a field
-MOST_SIDE = 1 << 10  # nodes along the sides of a grid
+MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # whatever says more is damaged
 Rows = NDArray[np.void]
 Words = NDArray[np.uint32]
 Singles = NDArray[np.float32]
@@ -204,15 +202,8 @@ class CycleLayout(RowLayout):
         size, flags, *numbers = _head_of("cycle", CYCLE_HEAD, data)
         rows, columns, contacts, contact_bytes, patches, patch_bytes, _ = numbers[7:]
         self.check_sizes((contact_bytes, patch_bytes))
-        size += 8 * rows * columns
-        _check_length("cycle", data, size + contacts * contact_bytes + patches * patch_bytes)
-        if max(rows, columns, contacts, patches) > MOST:
-            raise InputError(
-                f"a cycle's record has {contacts} contacts and {patches} patches, expected at most "
-                f"{MOST}: it is damaged"
-            )
-        cut = _Cutter(data, size)
-        found = cut.next(self.contact, contacts), cut.next(self.patch, patches)
+        parts = ("<i8", rows * columns), (self.contact, contacts), (self.patch, patches)
+        _, *found = _parts("cycle", data, size, *parts)
         number, due, wake, acquired, done, wall, position = numbers[:7]
         return Cycle(
             number, CycleFlag(flags), due, wake, acquired, done, wall, position, *found
@@ -259,24 +250,21 @@ def _head_of(what: str, head: Struct, data: bytes | memoryview) -> tuple[int, ..
     return (size, *numbers)
 
 
-def _check_length(what: str, data: bytes | memoryview, size: int) -> None:
-    if len(data) != size:
+def _parts(
+    what: str, data: bytes | memoryview, at: int, *parts: tuple[Any, int]
+) -> list[NDArray[Any]]:
+    """Arrays of a record from byte `at` on, by their types and lengths; raises InputError."""
+    sizes = [np.dtype(kind).itemsize * count for kind, count in parts]
+    if len(data) != at + sum(sizes):
         raise InputError(
-            f"a {what}'s record has {len(data)} bytes, expected {size} as its head says: it is "
-            "damaged"
+            f"a {what}'s record has {len(data)} bytes, expected {at + sum(sizes)} as its head "
+            "says: it is damaged"
         )
-
-
-class _Cutter:
-    """Arrays of a message, one after the other, from byte `at` on."""
-
-    def __init__(self, data: bytes | memoryview, at: int) -> None:
-        self._data, self._at = data, at
-
-    def next(self, kind: Any, count: int) -> NDArray[Any]:
-        found = np.frombuffer(self._data, kind, count, self._at)
-        self._at += found.nbytes
-        return found
+    found = []
+    for (kind, count), size in zip(parts, sizes, strict=True):
+        found.append(np.frombuffer(data, kind, count, at))
+        at += size
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,19 +323,16 @@ class FieldRecord:
         taxels : tuple of (L,) arrays
             Counts, values, valid.
         """
-        nodes, found = [np.zeros(0, np.uint32)], [np.zeros(0, np.float32)]
-        for field, side in zip(pressure, sides.tolist(), strict=True):
-            there = np.flatnonzero(field[: side * side]).astype(np.uint32)
-            nodes.append(there)
-            found.append(field[there])
+        inside = np.arange(pressure.shape[1]) < np.asarray(sides)[:, None] ** 2
+        patch, nodes = np.nonzero(inside & (pressure != 0))
         return cls(
             time_ns,
             number,
             pressure.shape[1],
             np.asarray(sides, np.uint32),
-            np.array([len(each) for each in nodes[1:]], np.uint32),
-            np.concatenate(nodes),
-            np.concatenate(found),
+            np.bincount(patch, minlength=len(sides)).astype(np.uint32),
+            nodes.astype(np.uint32),
+            pressure[patch, nodes],
             *taxels,
         )
 
@@ -373,21 +358,15 @@ class FieldRecord:
             go together.
         """
         head, patches, time_ns, number, taxels, grid, nodes, _ = _head_of("field", FIELD_HEAD, data)
-        _check_length("field", data, head + 8 * patches + 8 * nodes + 9 * taxels)
-        cut = _Cutter(data, head)
-        record = cls(
-            time_ns, number, grid,
-            cut.next("<u4", patches), cut.next("<u4", patches), cut.next("<u4", nodes),
-            cut.next("<f4", nodes), cut.next("<f4", taxels), cut.next("<f4", taxels),
-            cut.next("u1", taxels),
-        )  # fmt: skip
+        words, fields = (("<u4", patches), ("<u4", patches), ("<u4", nodes)), ("<f4", taxels)
+        parts = _parts("field", data, head, *words, ("<f4", nodes), fields, fields, ("u1", taxels))
+        record = cls(time_ns, number, grid, *parts)
         limits = record.sides.astype(np.int64) ** 2
         pressed = record.pressed.astype(np.int64)
         if (
             grid > MOST_NODES
             or pressed.sum() != nodes
-            or (record.sides > MOST_SIDE).any()
-            or (limits > grid).any()
+            or not ((limits >= 0) & (limits <= grid)).all()
             or (record.nodes >= np.repeat(limits, pressed)).any()
         ):
             raise InputError(
@@ -509,14 +488,12 @@ class FitLayout(RowLayout):
         head, whole, time_ns, number, grid, most, *counts = _head_of("fit", FIT_HEAD, data)
         patches, patch_bytes, contacts, contact_bytes, form_bytes, nodes = counts
         self.check_sizes((patch_bytes, contact_bytes, form_bytes))
-        size = head + patches * (8 + patch_bytes) + contacts * (contact_bytes + form_bytes)
-        _check_length("fit", data, size + 8 * nodes)
-        cut = _Cutter(data, head)
         record = FitRecord(
             time_ns, number, FitSizes(whole, grid, most),
-            cut.next("<u4", patches), cut.next("<u4", patches), cut.next(self.patch, patches),
-            cut.next(self.contact, contacts), cut.next(self.form, contacts),
-            cut.next("<u4", nodes), cut.next("<f4", nodes),
+            *_parts(
+                "fit", data, head, ("<u4", patches), ("<u4", patches), (self.patch, patches),
+                (self.contact, contacts), (self.form, contacts), ("<u4", nodes), ("<f4", nodes),
+            ),
         )  # fmt: skip
         _check(record)
         return record
@@ -526,28 +503,25 @@ def _check(record: FitRecord) -> None:
     """Raise InputError unless the parts of a record go together."""
     sizes, places, counts = record.sizes, record.places, record.patches["contacts"]
     limits = (MOST_PATCHES, MOST_NODES, MOST_ROWS)
-    if any(not 0 < size <= most for size, most in zip(sizes, limits, strict=True)):
-        raise InputError(
-            f"a fit's record is of {sizes.patches} patches with {sizes.nodes} nodes and "
-            f"{sizes.rows} contacts each, expected 1 to {limits}: it is damaged"
-        )
     rising = (np.diff(places.astype(np.int64)) > 0).all() and (places < sizes.patches).all()
-    if not rising or len(places) != len(record.patches):
-        raise InputError(
-            f"a fit's record tells of the patches {places[:8].tolist()}, expected rising numbers "
-            f"below {sizes.patches}: it is damaged"
-        )
     there = len(record.contacts), len(record.forms)
-    total = int(counts.sum(dtype=np.int64))
-    if ((counts < 0) | (counts > sizes.rows)).any() or there != (total, total):
-        raise InputError(
-            f"a fit's record has {there} contacts and forms, expected as many as its patches "
-            f"({counts[:8].tolist()}), each with {sizes.rows} at most: it is damaged"
+    total, pressed = (int(each.sum(dtype=np.int64)) for each in (counts, record.pressed))
+    if any(not 0 < size <= most for size, most in zip(sizes, limits, strict=True)):
+        why = f"is of {tuple(sizes)} patches, nodes and contacts of each, expected 1 to {limits}"
+    elif not rising or not len(places) == len(record.patches) == len(record.pressed):
+        why = f"names patches {places[:8].tolist()}, expected rising numbers below {sizes.patches}"
+    elif ((counts < 0) | (counts > sizes.rows)).any() or there != (total, total):
+        why = (
+            f"has {there} contacts and forms, expected as many as its patches "
+            f"({counts[:8].tolist()}), each with {sizes.rows} at most"
         )
-    pressed = int(record.pressed.sum(dtype=np.int64))
-    known = (record.nodes < sizes.nodes).all() and len(record.pressed) == len(places)
-    if not known or not len(record.nodes) == len(record.pressure) == pressed:
-        raise InputError(
-            f"a fit's record has pressure on {len(record.nodes)} nodes, expected {pressed} below "
-            f"{sizes.nodes} as its patches say: it is damaged"
+    elif (record.nodes >= sizes.nodes).any() or not (
+        len(record.nodes) == len(record.pressure) == pressed
+    ):
+        why = (
+            f"has pressure on {len(record.nodes)} nodes, expected {pressed} below {sizes.nodes} "
+            "as its patches say"
         )
+    else:
+        return
+    raise InputError(f"a fit's record {why}: it is damaged")

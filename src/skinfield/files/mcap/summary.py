@@ -50,14 +50,17 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         if progress is not None:
             progress(at, recording.outline.size)
     seconds = max(last - first, 0) * 1e-9
-    events = list(recording.events())
+    events, skin = list(recording.events()), None
+    with suppress(FileError):
+        skin = recording.skin
     return {
         "path": str(recording.path),
         "finished": recording.finished,
         "bytes": recording.outline.size,
         "began_ns": first if last else None,
         "seconds": seconds,
-        **_skin_of(recording),
+        "skin": None if skin is None else skin.name,
+        "taxels": None if skin is None else sum(map(len, skin)),
         "patches": list(blocks.patches(seconds)),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
@@ -86,14 +89,6 @@ def _lost(events: list[dict[str, Any]]) -> dict[str, int]:
         "dropped_bytes": total("dropped", "bytes"),
         "dropped_cycles": total("dropped", "cycles"),
     }
-
-
-def _skin_of(recording: LiveRecording) -> dict[str, Any]:
-    try:
-        skin = recording.skin
-    except FileError:
-        return {"skin": None, "taxels": None}
-    return {"skin": skin.name, "taxels": sum(map(len, skin))}
 
 
 class _Blocks:
@@ -142,34 +137,27 @@ class _Cycles:
     wake: list[int] = field(default_factory=list)
     ready: list[int] = field(default_factory=list)
     flags: Counter[CycleFlag] = field(default_factory=Counter)
-    count: int = 0
+    contacts: Counter[int] = field(default_factory=Counter)  # cycles, by how many they have
     first: int = 0
     last: int = 0
-    touched: int = 0
-    most: int = 0
     tracks: set[int] = field(default_factory=set)
 
     def add(self, cycle: Cycle) -> None:
         """Count one."""
-        if not self.count:
-            self.first = cycle.number
         self.last = cycle.number
-        self.count += 1
+        self.first = self.first if self.contacts else cycle.number
+        self.contacts[len(cycle.contacts)] += 1
         rows = cycle.patches  # an engine that starts has other times than later
         if "answered_ns" not in (rows.dtype.names or ()) or rows["answered_ns"].any():
             self.wake.append(cycle.wake_ns - cycle.due_ns)
             self.ready.append(cycle.done_ns - cycle.wake_ns)
-        for flag in CycleFlag:
-            self.flags[flag] += bool(cycle.flags & flag)
-        if len(cycle.contacts):
-            self.touched += 1
-            self.most = max(self.most, len(cycle.contacts))
-            if "track" in (cycle.contacts.dtype.names or ()):
-                self.tracks.update(cycle.contacts["track"].tolist())
+        self.flags.update(flag for flag in CycleFlag if cycle.flags & flag)
+        if "track" in (cycle.contacts.dtype.names or ()):
+            self.tracks.update(cycle.contacts["track"].tolist())
 
     def summary(self, seconds: float) -> dict[str, Any]:
         """All of it."""
-        count = self.count
+        count = self.contacts.total()
         expected = self.last - self.first + 1 if count else 0
         return {
             "cycles": count,
@@ -181,8 +169,8 @@ class _Cycles:
             "wake_us": _micros(self.wake),
             "ready_us": _micros(self.ready),
             "contacts": {
-                "cycles": self.touched,
-                "most_at_once": self.most,
+                "cycles": count - self.contacts[0],
+                "most_at_once": max(self.contacts, default=0),
                 "tracks": len(self.tracks),
             },
         }

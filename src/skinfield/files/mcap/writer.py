@@ -4,37 +4,17 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from skinfield.errors import FileError, InputError, check_choice, check_count
-from skinfield.files.mcap.container import (
-    COMPRESSIONS,
-    Bytes,
-    Compression,
-    Container,
-    FileOutput,
-)
-from skinfield.files.mcap.schema import (
-    BLOCKS,
-    CALIBRATION,
-    CYCLES,
-    DESCRIPTION,
-    EVENTS,
-    FIELDS,
-    FITS,
-    LAYOUT,
-    POSITION,
-    PROFILE,
-    TIMING,
-    CycleLayout,
-    Enclosed,
-    FitLayout,
-)
-from skinfield.files.mcap.schema import __doc__ as _RECORDED
+from mcap.records import Attachment, Channel, Schema
+
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.files.mcap import schema
+from skinfield.files.mcap.container import Bytes, Container, FileOutput
 from skinfield.files.summary import plain_json
 from skinfield.signal import Calibration
 from skinfield.signal.block import __doc__ as _BLOCKS
@@ -113,16 +93,16 @@ The fields of a patch, a contact and a form are in the channel's metadata as JSO
 
 def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
     """Schema of messages that are JSON."""
-    schema = {
+    described = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
         "type": "object",
         "properties": {name: {"type": kind} for name, kind in kinds.items()},
     }
-    return title, "jsonschema", json.dumps(schema).encode()
+    return title, "jsonschema", json.dumps(described).encode()
 
 
-BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
+BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{schema.__doc__}\n{_BLOCKS}\n{_KINDS}".encode())
 CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
 FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
 FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
@@ -131,28 +111,6 @@ TIMING_SCHEMA = _object(
     latency_us="object", counters="array",
 )  # fmt: skip
 EVENT_SCHEMA = _object("skinfield.Event", wall_ns="integer", kind="string", text="string")
-
-
-@dataclass(frozen=True)
-class RecordingSettings:
-    """How a recording is written.
-
-    Parameters
-    ----------
-    compression : "zstd", "lz4" or "none"
-    chunk_bytes : int
-        A chunk is closed when it has as many; 256 kB to 1 MB are usual.
-    overwrite : bool
-        Whether a file of this name may be replaced.
-    """
-
-    compression: Compression = "zstd"
-    chunk_bytes: int = 1 << 19
-    overwrite: bool = False
-
-    def __post_init__(self) -> None:
-        check_choice("compression", self.compression, COMPRESSIONS, "of the file's chunks")
-        check_count("chunk_bytes", self.chunk_bytes, 1, 1 << 28, "what is compressed together")
 
 
 class RecordingWriter:
@@ -168,7 +126,8 @@ class RecordingWriter:
         Of the cycles' rows.
     fit : FitLayout, optional
         Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
-    settings : RecordingSettings
+    overwrite : bool
+        Whether a file of this name may be replaced.
     output : FileOutput, optional
         Instead of a file of this path.
 
@@ -187,30 +146,33 @@ class RecordingWriter:
     def __init__(
         self,
         path: str | Path,
-        enclosed: Iterable[Enclosed] = (),
+        enclosed: Iterable[schema.Enclosed] = (),
         *,
-        layout: CycleLayout,
-        fit: FitLayout | None = None,
-        settings: RecordingSettings | None = None,
+        layout: schema.CycleLayout,
+        fit: schema.FitLayout | None = None,
+        overwrite: bool = False,
         output: FileOutput | None = None,
     ) -> None:
         self.path = Path(path)
-        settings = settings or RecordingSettings()
-        self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
-        library = f"skinfield {version('skinfield')}"
+        self._output = output or FileOutput(self.path, overwrite=overwrite)
         self.container = Container(
-            self._output, settings.compression, settings.chunk_bytes, PROFILE, library
+            self._output, schema.PROFILE, f"skinfield {version('skinfield')}"
         )
+        numbers = count(1)
 
-        def add(topic: str, kind: str, schema: tuple[str, str, bytes], rows: Any = None) -> int:
-            return self.container.add_channel(topic, kind, schema, rows and rows.metadata())
+        def add(topic: str, kind: str, form: tuple[str, str, bytes], rows: Any = None) -> int:
+            number, (name, encoding, text) = next(numbers), form
+            self.container.put(Schema(number, text, encoding, name))
+            metadata = {} if rows is None else rows.metadata()
+            self.container.put(Channel(number, topic, kind, metadata, number))
+            return number
 
-        self._blocks = add(BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
-        self._cycles = add(CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
-        self._fields = add(FIELDS, "x-skinfield-field", FIELD_SCHEMA)
-        self._timing = add(TIMING, "json", TIMING_SCHEMA)
-        self._events = add(EVENTS, "json", EVENT_SCHEMA)
-        self._fit = None if fit is None else add(FITS, "x-skinfield-fit", FIT_SCHEMA, fit)
+        self._blocks = add(schema.BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
+        self._cycles = add(schema.CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
+        self._fields = add(schema.FIELDS, "x-skinfield-field", FIELD_SCHEMA)
+        self._timing = add(schema.TIMING, "json", TIMING_SCHEMA)
+        self._events = add(schema.EVENTS, "json", EVENT_SCHEMA)
+        self._fit = None if fit is None else add(schema.FITS, "x-skinfield-fit", FIT_SCHEMA, fit)
         self._numbers: Counter[int] = Counter()
         self.open = True
         for each in enclosed:
@@ -244,7 +206,7 @@ class RecordingWriter:
         FileError
             If a chunk could not be written. Nothing is lost: it waits, see `flush`.
         """
-        self._add(self._blocks, time_ns, POSITION.pack(position), data)
+        self._add(self._blocks, time_ns, schema.POSITION.pack(position), data)
 
     def write_cycle(self, time_ns: int, record: Bytes) -> None:
         """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
@@ -257,17 +219,19 @@ class RecordingWriter:
     def write_fit(self, time_ns: int, record: Bytes) -> None:
         """Add an answer of a fit, as `FitLayout.encode` makes it; raises as `write_blocks`."""
         if self._fit is None:
-            raise InputError(f"{self.path} has no channel {FITS}, expected `fit` when it was made")
+            raise InputError(
+                f"{self.path} has no channel {schema.FITS}, expected `fit` when it was made"
+            )
         self._add(self._fit, time_ns, record)
 
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""
         self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
 
-    def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
+    def enclose(self, time_ns: int, enclosed: schema.Enclosed) -> None:
         """Add a small file."""
-        add = self.container.add_attachment
-        add(enclosed.name, enclosed.media_type, enclosed.data, time_ns)
+        name, kind, data = enclosed.name, enclosed.media_type, enclosed.data
+        self.container.put(Attachment(time_ns, time_ns, name, kind, data))
 
     def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
         """Add something that happened; raises as `write_blocks`.
@@ -348,7 +312,7 @@ def enclosures(
     skin: Skin | None = None,
     calibrations: Mapping[str, Calibration] | None = None,
     description: Mapping[str, Any] | None = None,
-) -> Iterator[Enclosed]:
+) -> Iterator[schema.Enclosed]:
     """Layout, calibrations and the ring's description as the files that a recording encloses.
 
     Parameters
@@ -367,9 +331,9 @@ def enclosures(
         path = Path(folder) / "enclosed.npz"
         if skin is not None:
             own_npz.write(skin, path)
-            yield Enclosed(LAYOUT, NPZ, path.read_bytes())
+            yield schema.Enclosed(schema.LAYOUT, NPZ, path.read_bytes())
         for patch, calibration in (calibrations or {}).items():
             save_calibration(calibration, path)
-            yield Enclosed(CALIBRATION.format(patch=patch), NPZ, path.read_bytes())
+            yield schema.Enclosed(schema.CALIBRATION.format(patch=patch), NPZ, path.read_bytes())
     if description is not None:
-        yield Enclosed(DESCRIPTION, JSON, json.dumps(description, indent=1).encode())
+        yield schema.Enclosed(schema.DESCRIPTION, JSON, json.dumps(description, indent=1).encode())

@@ -5,17 +5,15 @@ Keys: `stamp_ns` (T,) whole numbers or `time_s` (T,); `counts` (T, C); and if th
 """
 
 import warnings
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.head import Head, chosen
+from skinfield.files.recordings.head import Head
 from skinfield.files.recordings.lines import Progress
-from skinfield.files.recordings.stamp import order_notes
-from skinfield.files.recordings.stream import Missing
+from skinfield.files.recordings.stream import Doubts
 from skinfield.skin.reading import UNITS, Recording
 
 KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")
@@ -27,10 +25,10 @@ def matches(head: Head) -> bool:
     return head.data.startswith((b"PK\x03\x04", b"PK\x05\x06"))
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
+def read(head: Head, progress: Progress | None) -> Recording:
     """Read an archive whose head `matches`."""
     found = _load(head)
-    if "counts" not in found or not {"stamp_ns", "time_s"} & set(found):
+    if not {"stamp_ns", "time_s"} & set(found):
         raise FileError(f"{head.path} lacks keys: expected {LAYOUT}")
     counts = _floats(head, "counts", found["counts"])
     if counts.ndim != 2 or not counts.size:
@@ -40,12 +38,11 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         raise FileError(
             f"{head.path}: {stamps.shape} stamps for {len(counts)} rows of counts, expected as many"
         )
-    keep = chosen(columns, counts.shape[1], head.path)
     uid = _uids(head, found, counts.shape[1])
-    counts, rows = counts[:, keep], np.arange(len(counts))
-    missing = Missing()
-    missing.mend(counts, rows)
-    notes = missing.notes(head.path) + order_notes(stamps, head.path.name, rows)
+    rows = np.arange(len(counts))
+    doubts = Doubts(head.path)
+    doubts.add(stamps, counts, rows)
+    notes = doubts.notes()
     unit = str(found["unit"]) if "unit" in found else "count"
     if unit not in UNITS:
         raise FileError(
@@ -56,7 +53,7 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
     source = f"{head.path} ({found['source']})" if "source" in found else str(head.path)
     if progress is not None:
         progress(head.size, head.size)
-    return Recording(stamps, counts, None if uid is None else uid[keep], unit, source, notes)
+    return Recording(stamps, counts, uid, unit, source, notes)
 
 
 def _load(head: Head) -> dict[str, NDArray[Any]]:
@@ -72,15 +69,13 @@ def _load(head: Head) -> dict[str, NDArray[Any]]:
             f"{head.path} cannot be read as NPZ ({type(error).__name__}: {str(error)[:120]}), "
             f"expected {LAYOUT}"
         ) from error
-    if "counts" not in found:
-        hint = ""
-        if "positions" in names and "pressure" not in names:
-            hint = ": it looks like a layout, give it as one"
-        elif "pressure" in names:
-            hint = ": it looks like fields that were computed from a recording"
-        shown = ", ".join(names[:8])[:200]
-        raise FileError(f"{head.path} holds the keys {shown}, expected {LAYOUT}{hint}")
-    return found
+    if "counts" in found:
+        return found
+    hint = ": it looks like a layout, give it as one" if "positions" in names else ""
+    hint = ": it looks like fields that were computed" if "pressure" in names else hint
+    raise FileError(
+        f"{head.path} holds the keys {', '.join(names[:8])[:200]}, expected {LAYOUT}{hint}"
+    )
 
 
 def _floats(head: Head, key: str, values: NDArray[Any]) -> Floats:

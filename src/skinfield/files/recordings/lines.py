@@ -10,20 +10,21 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
 from skinfield.files.recordings.head import decimals_of
-from skinfield.files.recordings.stamp import ns_from_text
 
 Progress = Callable[[int, int], None]
 BLOCK = 4 << 20  # bytes read at once
 WORST = 0.2  # of the lines may be bad; beyond, the file is not what it was taken for
 SHOWN = 3  # bad lines that a note names
+LIMIT = 2**63 - 1  # ns
 
 
 @dataclass(frozen=True, kw_only=True)
-class Grammar:
-    """What one line of a file holds.
+class Contents:
+    """What the lines of a file hold, as its first ones tell.
 
     Attributes
     ----------
+    path : Path
     width : int
         Numbers on a line.
     stamp : int
@@ -31,7 +32,9 @@ class Grammar:
     scale : int
         Nanoseconds in the time's unit.
     expected : str
-        The same in words, for messages.
+        What a line holds in words, for messages.
+    keep : (C,) int array
+        Columns that are readings.
     delimiter : str or None
         None stands for any space; with a delimiter, nothing between two of them is a missing value.
     blank : bytes
@@ -40,16 +43,35 @@ class Grammar:
         Of the last number on every line, where they agree; tells a cut number from a whole one.
     skip : int
         Lines before the data.
+    check : callable, optional
+        Mends or drops the lines of a block.
+    uid : (C,) uint64 array, optional
+        Of the columns.
+    channel : (C,) int array, optional
+        Of the columns; channels without one are missing. Default their order.
+    unit, source : str
+    notes : tuple of str
+    sequenced : bool
+        Whether the first column counts messages, so that gaps are lost ones.
     """
 
+    path: Path
     width: int
-    stamp: int
     expected: str
+    keep: NDArray[np.int64]
+    stamp: int = 1
     scale: int = 10**9
     delimiter: str | None = None
     blank: bytes = b""
     decimals: int = 0
     skip: int = 0
+    check: "Callable[[Block, Tally], Block] | None" = None
+    uid: NDArray[np.uint64] | None = None
+    channel: NDArray[np.int64] | None = None
+    unit: str = "count"
+    source: str = ""
+    notes: tuple[str, ...] = ()
+    sequenced: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,21 +120,19 @@ class Tally:
         return (f"{self.skipped} of {self.lines} lines skipped: {where}{more}", *notes)
 
 
-def blocks(
-    path: Path, grammar: Grammar, tally: Tally, progress: Progress | None
-) -> Iterator[Block]:
+def blocks(what: Contents, tally: Tally, progress: Progress | None) -> Iterator[Block]:
     """Good lines of a file, block by block; bad ones go to `tally`."""
-    for number, lines, ended in _stretches(path, grammar.blank, progress):
+    for number, lines, ended in _stretches(what.path, what.blank, progress):
         kept = [
             (number + k, line)
             for k, line in enumerate(lines)
-            if number + k > grammar.skip and line and not line.startswith("#")
+            if number + k > what.skip and line and not line.startswith("#")
         ]
         tally.lines += len(kept)
         if kept and not ended:
-            _check_end(kept, grammar, tally)
+            _check_end(kept, what, tally)
         if kept:
-            yield _numbers(kept, grammar, tally)
+            yield _numbers(kept, what, tally)
 
 
 def _stretches(
@@ -141,30 +161,30 @@ def _split(data: bytes, spaces: bytes) -> list[str]:
     return [line.strip() for line in data.translate(spaces).decode("latin-1").split("\n")]
 
 
-def _check_end(kept: list[tuple[int, str]], grammar: Grammar, tally: Tally) -> None:
+def _check_end(kept: list[tuple[int, str]], what: Contents, tally: Tally) -> None:
     """Drop a last line without an end where it is not whole."""
     number, line = kept[-1]
-    tokens, why = line.split(grammar.delimiter), ""
-    if len(tokens) < grammar.width:
-        why = f"the file ends after {len(tokens)} of {grammar.width} numbers"
-    elif decimals_of(tokens[-1]) < grammar.decimals:
+    tokens, why = line.split(what.delimiter), ""
+    if len(tokens) < what.width:
+        why = f"the file ends after {len(tokens)} of {what.width} numbers"
+    elif decimals_of(tokens[-1]) < what.decimals:
         why = f"the file ends within the number {tokens[-1]!r}"
     if why:
         tally.skip(number, why)
         tally.cut += 1
         kept.pop()
-    tally.open_end = not why and not grammar.decimals
+    tally.open_end = not why and not what.decimals
 
 
-def _numbers(kept: list[tuple[int, str]], grammar: Grammar, tally: Tally) -> Block:
-    table = _all_at_once([line for _, line in kept], grammar)
+def _numbers(kept: list[tuple[int, str]], what: Contents, tally: Tally) -> Block:
+    table = _all_at_once([line for _, line in kept], what)
     if table is None:
-        kept, table = _one_by_one(kept, grammar, tally)
+        kept, table = _one_by_one(kept, what, tally)
     stamps, good = np.zeros(len(kept), np.int64), np.ones(len(kept), bool)
     for row, (number, line) in enumerate(kept):
-        token = line.split(grammar.delimiter, grammar.stamp + 1)[grammar.stamp]
+        token = line.split(what.delimiter, what.stamp + 1)[what.stamp]
         try:
-            stamps[row] = ns_from_text(token, grammar.scale)
+            stamps[row] = ns_from_text(token, what.scale)
         except ValueError as error:
             tally.skip(number, str(error))
             good[row] = False
@@ -172,31 +192,31 @@ def _numbers(kept: list[tuple[int, str]], grammar: Grammar, tally: Tally) -> Blo
     return Block(numbers[good], stamps[good], table if good.all() else table[good])
 
 
-def _all_at_once(lines: list[str], grammar: Grammar) -> Floats | None:
+def _all_at_once(lines: list[str], what: Contents) -> Floats | None:
     """Table of the lines, or None if one of them is not as expected."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            table = np.loadtxt(lines, comments=None, delimiter=grammar.delimiter, ndmin=2)
+            table = np.loadtxt(lines, comments=None, delimiter=what.delimiter, ndmin=2)
     except (ValueError, Warning):
         return None
-    return table if table.shape == (len(lines), grammar.width) else None
+    return table if table.shape == (len(lines), what.width) else None
 
 
 def _one_by_one(
-    kept: list[tuple[int, str]], grammar: Grammar, tally: Tally
+    kept: list[tuple[int, str]], what: Contents, tally: Tally
 ) -> tuple[list[tuple[int, str]], Floats]:
     good, rows = [], []
     for number, line in kept:
-        tokens = line.split(grammar.delimiter)
+        tokens = line.split(what.delimiter)
         try:
-            if len(tokens) != grammar.width:
-                raise ValueError(f"holds {len(tokens)} numbers, not {grammar.width}")
+            if len(tokens) != what.width:
+                raise ValueError(f"holds {len(tokens)} numbers, not {what.width}")
             rows.append([_number(token) for token in tokens])
             good.append((number, line))
         except ValueError as error:
             tally.skip(number, str(error))
-    return good, np.array(rows, np.float64).reshape(len(rows), grammar.width)
+    return good, np.array(rows, np.float64).reshape(len(rows), what.width)
 
 
 def _number(token: str) -> float:
@@ -207,3 +227,27 @@ def _number(token: str) -> float:
         pass
     shown = token if len(token) <= 20 else token[:20] + "..."
     raise ValueError(f"{shown!r} is not a number")
+
+
+def ns_from_text(token: str, scale: int) -> int:
+    """Nanoseconds from a decimal number of `scale` ns; exact, where a float would round to 200 ns.
+
+    Raises
+    ------
+    ValueError
+        If `token` is no number, not finite, or beyond 292 years.
+    """
+    whole, _, part = token.strip().partition(".")
+    digits = whole[1:] if whole[:1] in "+-" else whole
+    try:
+        if (digits + part).isdecimal() and len(part) <= 9 and len(digits) <= 20:
+            sign = -1 if whole.startswith("-") else 1
+            fraction = int(part.ljust(9, "0")) * scale // 10**9 if part else 0
+            stamp = sign * (int(digits or "0") * scale + fraction)
+        else:
+            stamp = round(float(token) * scale)
+    except (ValueError, OverflowError):
+        raise ValueError(f"the time {token.strip()[:20]!r} is not a finite number") from None
+    if abs(stamp) > LIMIT:
+        raise ValueError(f"the time {token.strip()[:20]!r} is beyond 292 years: is it in seconds?")
+    return stamp

@@ -80,23 +80,14 @@ def _by_uid(
         )
     counts = np.full((len(recording), len(patch)), np.nan)
     counts[:, found] = recording.counts[:, first[place[found]]]
-    return counts, _left_out(patch, uid, found)
-
-
-def _left_out(patch: Patch, uid: NDArray[np.uint64], found: NDArray[np.bool_]) -> tuple[str, ...]:
-    notes = []
-    if not found.all():
-        missing = patch.uid[~found]
-        notes.append(f"{len(missing)} taxels of {patch.name!r} have no column: {_few(missing)}")
-    surplus = uid[~np.isin(uid, patch.uid)]
-    is_temperature = surplus & np.uint64(15) == 0  # sensor 0 of a CySkin module
-    for columns, what in (
-        (surplus[is_temperature], "of sensor 0 (CySkin: temperature)"),
-        (surplus[~is_temperature], "of uids that the layout lacks"),
-    ):
-        if len(columns):
-            notes.append(f"{len(columns)} columns {what} left out: {_few(columns)}")
-    return tuple(notes)
+    surplus, missing = uid[~np.isin(uid, patch.uid)], patch.uid[~found]
+    thermal = surplus & np.uint64(15) == 0  # sensor 0 of a CySkin module
+    said = (
+        (missing, f"taxels of {patch.name!r} have no column"),
+        (surplus[thermal], "columns of sensor 0 (CySkin: temperature) left out"),
+        (surplus[~thermal], "columns of uids that the layout lacks left out"),
+    )
+    return counts, tuple(f"{len(its)} {text}: {_few(its)}" for its, text in said if len(its))
 
 
 def _few(uid: NDArray[np.uint64]) -> str:

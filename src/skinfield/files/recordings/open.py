@@ -1,41 +1,44 @@
 """Open a recording, whatever its format."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
-from typing import Protocol
 
 from skinfield.errors import FileError
-from skinfield.files.mcap import reader as mcap
-from skinfield.files.recordings import archive, cyskin_recorder, cyskin_text, table, yarp
-from skinfield.files.recordings.head import Head, read_head
-from skinfield.files.recordings.lines import Progress
-from skinfield.files.recordings.mistaken import is_binary, verdict
-from skinfield.files.recordings.stream import Contents, RecordingStream, collected
+from skinfield.files.mcap.container import MAGIC
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.reader import LiveStream, live_stream
+from skinfield.files.recordings import archive, cyskin, table, yarp
+from skinfield.files.recordings.head import Head, is_whole, read_head
+from skinfield.files.recordings.lines import Contents, Progress
+from skinfield.files.recordings.stream import RecordingStream, collected
 from skinfield.skin.reading import Recording
 
+KNOWN = (
+    "a recording: a yarpdatadumper log (sequence time values), CySkin text (a line of uids, then "
+    "sample time values), CySkin SkinRecorder text (devices, taxels, then sample time n uid value "
+    "...), CSV with a line of names (time_s,taxel_0,...), or NPZ (stamp_ns, counts)"
+)
+OTHERS = {  # first bytes of files that are taken for recordings
+    b"\x1f\x8b": "compressed by gzip: unpack it first",
+    b"\x93NUMPY": "one NumPy array without times: save it as NPZ with stamp_ns and counts",
+    b"PAR1": "a Parquet table: save it as CSV with a column time_s",
+    b"\x89HDF": "an HDF5 or MATLAB file: save it as NPZ or CSV",
+    b"MATLAB 5.0": "a MATLAB file: save it as NPZ or CSV",
+    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
+}
+INFO = r"(Type|Stamp|Source): |\[\d+\.\d+\] /"  # how an info.log begins
+FORMATS: tuple[Callable[[Head], Contents | None], ...] = (  # the strictest first
+    table.contents,
+    cyskin.recorder,
+    cyskin.text,
+    yarp.contents,
+)
 
-class Format(Protocol):
-    """What every module of a format offers."""
 
-    def matches(self, head: Head, /) -> bool:
-        """Whether the file is of this format."""
-        ...
-
-    def contents(self, head: Head, columns: Sequence[int | str] | None, /) -> Contents:
-        """What its lines hold."""
-        ...
-
-
-FORMATS: tuple[Format, ...] = (table, cyskin_recorder, cyskin_text, yarp)  # the strictest first
-
-
-def open_recording(
-    path: str | Path,
-    *,
-    columns: Sequence[int | str] | None = None,
-    progress: Progress | None = None,
-) -> Recording:
+def open_recording(path: str | Path, *, progress: Progress | None = None) -> Recording:
     """Read a recording; its content says which format it has.
 
     Parameters
@@ -43,8 +46,6 @@ def open_recording(
     path : str or Path
         A recording of a live skin (MCAP), a yarpdatadumper log (the folder or its `data.log`),
         CySkin text of either kind, CSV or NPZ: see the modules of this package for each.
-    columns : sequence of int or str, optional
-        Value columns to keep, by place from 0, or by name where the file has names. Default all.
     progress : callable, optional
         Called with bytes done and bytes in all, every few megabytes.
 
@@ -59,19 +60,14 @@ def open_recording(
     ------
     FileError
         If the file is no recording, or more than a fifth of its lines cannot be read.
-    InputError
-        If `columns` names one that is not there.
     """
-    found = stream_recording(path, columns=columns, progress=progress)
+    found = stream_recording(path, progress=progress)
     return found if isinstance(found, Recording) else collected(found)
 
 
 def stream_recording(
-    path: str | Path,
-    *,
-    columns: Sequence[int | str] | None = None,
-    progress: Progress | None = None,
-) -> RecordingStream | mcap.LiveStream | Recording:
+    path: str | Path, *, progress: Progress | None = None
+) -> RecordingStream | LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
 
     Returns
@@ -82,17 +78,16 @@ def stream_recording(
     """
     head = read_head(_file(Path(path)))
     if archive.matches(head):
-        return archive.read(head, columns, progress)
-    if mcap.matches(head):
-        return mcap.stream(head, columns, progress)
-    return RecordingStream(_contents(head, columns), progress)
+        return archive.read(head, progress)
+    if head.data.startswith(MAGIC):
+        return live_stream(LiveRecording.open(head.path), progress)
+    return RecordingStream(_contents(head), progress)
 
 
-def _contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
-    if not is_binary(head):
-        for fmt in FORMATS:
-            if fmt.matches(head):
-                return fmt.contents(head, columns)
+def _contents(head: Head) -> Contents:
+    for form in () if is_binary(head) else FORMATS:
+        if (found := form(head)) is not None:
+            return found
     raise FileError(verdict(head))
 
 
@@ -103,12 +98,42 @@ def _file(path: Path) -> Path:
             return path
         if (path / "data.log").is_file():
             return path / "data.log"
-        inner = [
-            str(log.parent)
-            for depth in ("*", "*/*", "*/*/*", "*/*/*/*", "*/*/*/*/*")
-            for log in islice(path.glob(f"{depth}/data.log"), 5)
-        ]
+        logs = (log for depth in range(1, 6) for log in path.glob("*/" * depth + "data.log"))
+        inner = [str(log.parent) for log in islice(logs, 5)]
     except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError
         raise FileError(f"{path!s} cannot be opened: {error}; expected a recording") from error
-    hint = f"; logs lie in {', '.join(inner[:5])}" if inner else ""
+    hint = f"; logs lie in {', '.join(inner)}" if inner else ""
     raise FileError(f"{path} is a folder without data.log, expected a yarpdatadumper log{hint}")
+
+
+def verdict(head: Head) -> str:
+    """One sentence on what a file that is no recording is, and what was expected."""
+    from skinfield.files.layouts import fitting_formats
+
+    what = next((what for start, what in OTHERS.items() if head.data.startswith(start)), "")
+    if layouts := fitting_formats(head.data):
+        what = f"a layout ({layouts[0].NAME}), not a recording: give it as the layout"
+    elif not what and is_binary(head):
+        what = "a binary file"
+    elif re.match(INFO, head.lines[0]):
+        what = "the info.log of a yarpdatadumper log: give the data.log beside it"
+    if what or not head.numbered():
+        return f"{head.path} is {what or 'nothing but comments'}; expected {KNOWN}"
+    number, line = head.numbered()[0]
+    tokens, shown = line.split(), repr(line if len(line) <= 60 else line[:60] + "...")
+    if len(tokens) > 1 and all(map(is_whole, tokens)):
+        why = f"starts with {len(tokens)} whole numbers, but no lines of {len(tokens) + 2} follow"
+    elif table.looks_like_numbers(head):
+        why = "holds numbers, but no line of names stands above them"
+    elif re.search("[,;\t]", line):
+        why = f"its names {shown} hold neither time_s nor stamp_ns"
+    else:
+        why = f"{shown} is no line of a known recording"
+    return f"{head.path}:{number}: {why}; expected {KNOWN}"
+
+
+def is_binary(head: Head) -> bool:
+    """Whether control characters are there that no text has."""
+    sample = head.data[:65536]
+    control = sum(sample.count(bytes([byte])) for byte in (*range(9), *range(14, 32), 127))
+    return b"\0" in sample or control * 50 > len(sample)

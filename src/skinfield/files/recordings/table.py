@@ -14,15 +14,13 @@ comment says it.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.files.recordings.head import Head, is_number, usual_decimals
-from skinfield.files.recordings.lines import Grammar
-from skinfield.files.recordings.stream import Contents
+from skinfield.files.recordings.lines import Contents
 from skinfield.skin.reading import UNITS
 
 TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
@@ -32,53 +30,29 @@ CHANNELS = 1 << 20  # more than any robot has: a typing error, not a port
 LAYOUT = "a line of names such as time_s,taxel_0,taxel_1 above lines of numbers"
 
 
-@dataclass(frozen=True)
-class Names:
-    """The line of names: its line number, the delimiter, and the names without quotes."""
-
-    line: int
-    delimiter: str | None
-    names: tuple[str, ...]
-
-
-def names_of(head: Head) -> Names | None:
-    """The line of names, if the first data line holds a time's name."""
+def contents(head: Head) -> Contents | None:
+    """What a table holds; None of a file whose first line that is no comment names no time."""
     lines = head.numbered()
-    if not lines:
-        return None
-    number, text = lines[0]
+    line, text = lines[0] if lines else (1, "")
     delimiter = next((d for d in (",", ";", "\t") if d in text), None)
     names = tuple(name.strip().strip("\"'").strip() for name in text.split(delimiter))
-    return Names(number, delimiter, names) if set(names) & set(TIMES) else None
-
-
-def matches(head: Head) -> bool:
-    """Whether the first line that is no comment names a time."""
-    return names_of(head) is not None
-
-
-def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
-    """What a table holds whose head `matches`."""
-    header = names_of(head)
-    assert header is not None  # the caller asked `matches`
-    time = next(name for name in TIMES if name in header.names)
-    at, uid, channel = _columns(head, header, columns)
-    grammar = Grammar(
-        width=len(header.names),
-        stamp=header.names.index(time),
-        scale=TIMES[time],
-        expected=f"{len(header.names)} numbers, as line {header.line} names them",
-        delimiter=header.delimiter,
-        decimals=usual_decimals(head.rows(header.line, header.delimiter)),
-        skip=header.line,
-    )
-    unit, source, notes = _comments(head, header.line)
-    if _is_wrench([header.names[place] for place in at]):
+    if not set(names) & set(TIMES):
+        return None
+    time = next(name for name in TIMES if name in names)
+    at, uid, channel = _columns(f"{head.path}:{line}", names)
+    unit, source, notes = _comments(head, line)
+    if _is_wrench([names[place] for place in at]):
         unit, notes = "N, N m", ()
     in_order = channel is None or np.array_equal(channel, np.arange(len(channel)))
     return Contents(
         path=head.path,
-        grammar=grammar,
+        width=len(names),
+        stamp=names.index(time),
+        scale=TIMES[time],
+        expected=f"{len(names)} numbers, as line {line} names them",
+        delimiter=delimiter,
+        decimals=usual_decimals(head.rows(line, delimiter)),
+        skip=line,
         keep=at,
         uid=uid,
         channel=None if in_order else channel,
@@ -89,53 +63,36 @@ def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
 
 
 def _columns(
-    head: Head, header: Names, columns: Sequence[int | str] | None
+    where: str, names: tuple[str, ...]
 ) -> tuple[NDArray[np.int64], NDArray[np.uint64] | None, NDArray[np.int64] | None]:
     """Places of the value columns, and their uids or their channels."""
-    where = f"{head.path}:{header.line}"
-    for name in header.names:
-        if name.lower() not in IGNORED and header.names.count(name) > 1:
+    for name in names:
+        if name.lower() not in IGNORED and names.count(name) > 1:
             raise FileError(f"{where}: column {name!r} stands there twice, expected each name once")
-    values = [n for n in header.names if n.lower() not in IGNORED and n not in TIMES]
-    if columns is not None:
-        names = [_named(column, values, where) for column in columns]
-        return np.array([header.names.index(n) for n in names], np.int64), _all_uids(names), None
+    values = [n for n in names if n.lower() not in IGNORED and n not in TIMES]
     if not values:
         raise FileError(f"{where}: no column of values, expected {LAYOUT}")
-    at = np.array([header.names.index(name) for name in values], np.int64)
+    at = np.array([names.index(name) for name in values], np.int64)
     if _is_wrench(values):
         return at, None, None
-    channels = [_channel(name) for name in values]
-    if all(channel is not None for channel in channels):
+    channels, uids = [_channel(name) for name in values], [_uid(name) for name in values]
+    if None not in channels:
         rows = np.array(channels, np.int64)
         if len(np.unique(rows)) < len(rows) or rows.max() >= CHANNELS:
             raise FileError(f"{where}: channels up to {rows.max()}, expected each once below 2**20")
         return at, None, rows
-    uid = _all_uids(values)
-    if uid is None:
-        odd = next(n for n in values if _channel(n) is None and _uid(n) is None)
-        odd = odd if len(odd) <= 40 else odd[:40] + "..."
-        raise FileError(
-            f"{where}: column {odd!r} is not a time, taxel_<channel> or uid_<uid>, expected "
-            f"{LAYOUT}, or time_s,fx,fy,fz of a force sensor; "
-            "to read other columns name them: columns=[...]"
-        )
-    return at, uid, None
+    if None not in uids:
+        return at, np.array(uids, np.uint64), None
+    odd = next((n for n in values if _channel(n) is None and _uid(n) is None), values[0])
+    odd = odd if len(odd) <= 40 else odd[:40] + "..."
+    raise FileError(
+        f"{where}: column {odd!r} is not a time, taxel_<channel> or uid_<uid>, expected {LAYOUT}, "
+        "or time_s,fx,fy,fz of a force sensor"
+    )
 
 
 def _is_wrench(values: Sequence[str]) -> bool:
     return tuple(name.lower() for name in values) in (WRENCH, WRENCH[:3])
-
-
-def _named(column: int | str, values: list[str], where: str) -> str:
-    if isinstance(column, str) and column in values:
-        return column
-    if not isinstance(column, str) and 0 <= int(column) < len(values):
-        return values[int(column)]
-    shown = ", ".join(values[:8]) + (", ..." if len(values) > 8 else "")
-    raise InputError(
-        f"columns holds {column!r}, expected names or places of value columns of {where}: {shown}"
-    )
 
 
 def _channel(name: str) -> int | None:
@@ -149,11 +106,6 @@ def _uid(name: str) -> int | None:
         return None
     uid = int(match.group(1), 16) if match.group(1) else int(match.group(2))
     return uid if uid < 2**64 else None
-
-
-def _all_uids(names: list[str]) -> NDArray[np.uint64] | None:
-    uids = [uid for name in names if (uid := _uid(name)) is not None]
-    return np.array(uids, np.uint64) if len(uids) == len(names) else None
 
 
 def _comments(head: Head, header_line: int) -> tuple[str, str, tuple[str, ...]]:

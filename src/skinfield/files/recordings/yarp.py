@@ -6,58 +6,45 @@ six numbers named `analog:o` is a force and torque.
 """
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
 from skinfield.errors import FileError
-from skinfield.files.recordings.head import (
-    Head,
-    chosen,
-    is_number,
-    is_whole,
-    usual_decimals,
-    usual_width,
-)
-from skinfield.files.recordings.lines import Grammar
-from skinfield.files.recordings.stream import Contents
+from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.lines import Contents
 
 BRACKETS = "()"
 WRENCH = "N, N m"
 
 
-def matches(head: Head) -> bool:
-    """Whether most lines start with a whole number and a time, and hold a value."""
-    rows = head.rows(_preamble(head), None, BRACKETS)
+def contents(head: Head) -> Contents | None:
+    """What a log holds.
+
+    None of a file where not most lines begin with a whole number and a time, and hold a value.
+    """
+    skip = _preamble(head)
+    rows = head.rows(skip, None, BRACKETS)
     width = usual_width(rows)
     good = [r for r in rows if len(r) == width and is_whole(r[0]) and all(map(is_number, r[1:4]))]
-    return width >= 3 and 2 * len(good) > len(rows)
-
-
-def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
-    """What a log holds whose head `matches`."""
+    if width < 3 or 2 * len(good) <= len(rows):
+        return None
     port, kind = _info(head)
     if kind and not kind.startswith(("bottle", "vector")):
         raise FileError(
             f"{head.path} is a yarpdatadumper log of type {kind!r}, expected Bottle: "
             "a recording holds numbers, not pictures"
         )
-    rows = head.rows(_preamble(head), None, BRACKETS)
-    width, lead = usual_width(rows), 3 if _has_both_times(rows) else 2
-    _check_first(head, rows[0], width, lead)
-    grammar = Grammar(
-        width=width,
-        stamp=1,
-        expected=f"a sequence number, {lead - 1} time(s) and {width - lead} values",
-        blank=BRACKETS.encode(),
-        decimals=usual_decimals(rows),
-        skip=_preamble(head),
-    )
+    lead = 3 if _has_both_times(rows) else 2
+    _check_first(head, rows[0], width)
     is_wrench = port.endswith("analog:o") and width - lead == 6
     return Contents(
         path=head.path,
-        grammar=grammar,
-        keep=lead + chosen(columns, width - lead, head.path),
+        width=width,
+        expected=f"a sequence number, {lead - 1} time(s) and {width - lead} values",
+        keep=np.arange(lead, width),
+        blank=BRACKETS.encode(),
+        decimals=usual_decimals(rows),
+        skip=skip,
         unit=WRENCH if is_wrench else "count",
         source=f"{head.path} (port {port})" if port else str(head.path),
         sequenced=True,
@@ -89,7 +76,7 @@ def _has_both_times(rows: list[list[str]]) -> bool:
     return len(times) > 0 and bool((since_2001 & (np.abs(np.ptp(times, axis=1)) < 60)).all())
 
 
-def _check_first(head: Head, first: list[str], width: int, lead: int) -> None:
+def _check_first(head: Head, first: list[str], width: int) -> None:
     """Uids cannot be mistaken for a bad line: without them the columns have no meaning."""
     if len(first) != width and len(first) > 2 and all(map(is_whole, first)):
         raise FileError(

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
-from skinfield.files.live_export import LiveExport, Rows
+from skinfield.files.mcap.export import LiveExport, Rows
 from skinfield.files.pending import explained, pending
 from skinfield.files.ros.kinds import TIME, RosbagKinds
 from skinfield.files.ros.messages import Outgoing, SkinMessages, of_contacts
@@ -140,10 +140,7 @@ class BagExport(LiveExport):
         with explained(self._place.target):
             if topic not in self._connections:
                 self._connections[topic] = self._writer.add_connection(
-                    topic,
-                    kind,
-                    msgdef=self._kinds.text_of(kind),
-                    rihs01=self._kinds.hash_of(kind),
+                    topic, kind, msgdef=self._kinds.text_of(kind), rihs01=self._kinds.hash_of(kind)
                 )
             self._writer.write(self._connections[topic], out.stamp_ns, data)
 

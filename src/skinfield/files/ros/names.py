@@ -90,9 +90,6 @@ class Topics:
 
     def __post_init__(self) -> None:
         check_prefix(self.prefix)
-        for token in self.patches:
-            if not TOKEN.fullmatch(token):
-                raise InputError(f"patches has {token!r:.80}, expected tokens as of `tokens_of`")
 
     @classmethod
     def of(cls, skin: Skin, prefix: str = "/skin") -> "Topics":
