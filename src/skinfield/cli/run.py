@@ -350,7 +350,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
 
     name = wanted.loop.name
     local, chosen = LocalSource(name), [wanted.model.solver or "nonnegative"]
-    recorders = ReadyRecorders(name, lambda text: controller.say("warn", text))
+    recorders = ReadyRecorders(name)
 
     def choose(solver: Any) -> None:
         supervisor.reconfigure(solver=live_solver(solver))

@@ -18,8 +18,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
-from skinfield.errors import InputError, SkinfieldError, check_count, check_range
+from skinfield.errors import SkinfieldError, check_count, check_range
 from skinfield.files.mcap import RecordingSettings, RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
@@ -51,7 +52,6 @@ TOTALS = (
     "dropped_bytes",
     "dropped_cycles",
 )
-READY = b"ready\n"  # told on the standard output by one that waits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +107,6 @@ class Recorder:
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
         where that is permitted.
-    rehearsal : bool
-        Whether this is only to load what is needed: nobody is told.
 
     Raises
     ------
@@ -130,9 +128,8 @@ class Recorder:
         output: FileOutput | None = None,
         *,
         first: bool = False,
-        rehearsal: bool = False,
     ) -> None:
-        self.settings, self._say, self._rehearsal = settings, say, rehearsal
+        self.settings, self._say = settings, say
         self._reader = RingReader(settings.name)
         self._began = time.monotonic()
         self._live = live = RecorderState(os.getpid(), str(settings.path), time.time_ns())
@@ -165,10 +162,6 @@ class Recorder:
         self._next = self._began
         self.state = self._state()
 
-    def _write_state(self) -> None:
-        if not self._rehearsal:
-            self.state.write(self.settings.name)
-
     def run(
         self,
         stop: threading.Event,
@@ -177,7 +170,7 @@ class Recorder:
     ) -> RecorderState:
         """Record until `stop` is set, the time is over, or the ring is taken away.
 
-        `told` gets each new state, once a second.
+        Each new state, once a second, is told beside the ring, and to `told`.
         """
         end = None if seconds is None else self._began + seconds
         known = self.state
@@ -185,12 +178,15 @@ class Recorder:
             self.step()
             if self.state is not known:
                 known = self.state
+                known.write(self.settings.name)
                 told(known)
             if stop.wait(PAUSE):
                 self._live.ended = "it was told to stop"
             elif end is not None and time.monotonic() >= end:
                 self._live.ended = "its time is over"
-        return self.close()
+        self.close()
+        self.state.write(self.settings.name)
+        return self.state
 
     def step(self) -> None:
         """Take what is new; once a second, look at all else and tell of it."""
@@ -201,7 +197,6 @@ class Recorder:
         self._drain.tell_lost()
         self._watch.look()
         self.state = self._state()
-        self._write_state()
         self._say_changes()
         if self._disk.crashed:
             self._live.ended = "the thread that writes has failed"
@@ -223,7 +218,6 @@ class Recorder:
             self._reader.close()
         self._live.ended = self._live.ended or "closed"
         self.state = self._state()
-        self._write_state()
         self._say_changes()
         return self.state
 
@@ -287,107 +281,50 @@ def come_first() -> str:
     return "ordinary"
 
 
-def order_of(path: Path, since_ns: int) -> bytes:
-    """What a recorder that waits is told on its standard input.
-
-    Parameters
-    ----------
-    path : Path
-    since_ns : int, ns
-        As of `RecorderSettings`.
-    """
-    return json.dumps({"path": str(path.absolute()), "since_ns": since_ns}).encode() + b"\n"
-
-
 def main() -> None:
-    """Record until SIGTERM or Ctrl-C."""
-    given = _arguments()
+    """Record until SIGTERM or Ctrl-C; without a path, stand by until one comes."""
+    parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
+    parser.add_argument("name")
+    parser.add_argument("path", type=Path, nargs="?", help="Default: wait for an order on stdin.")
+    parser.add_argument("--parent", type=int, help="Process with which it ends.")
+    given = parser.parse_args()
     if given.parent is not None:
         end_with(given.parent)
     try:
-        path, since_ns = given.path, given.since_ns
-        if given.wait:
-            if rehearse(given.name):
-                come_first()  # now, as all is loaded: on a busy machine the order is read at once
-            ordered = _wait()
-            if ordered is None:
-                return  # it is not wanted any more
-            path, since_ns = ordered
-        settings = RecorderSettings(name=given.name, path=path, since_ns=since_ns)
-        good = _record(settings, given.seconds)
+        order = {"path": given.path, "since_ns": 0} if given.path else _stand_by(given.name)
+        if order is None:
+            return  # it is not wanted any more
+        since_ns = order["since_ns"]
+        settings = RecorderSettings(name=given.name, path=Path(order["path"]), since_ns=since_ns)
+        good = _record(settings)
     except SkinfieldError as error:
         raise SystemExit(f"recorder: {error}") from error
     raise SystemExit(0 if good else 1)
 
 
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
-    parser.add_argument("name")
-    parser.add_argument("path", type=Path, nargs="?")
-    parser.add_argument("--seconds", type=float)
-    parser.add_argument(
-        "--since-ns",
-        type=int,
-        default=0,
-        help="Time since the epoch to begin at, if the ring goes back.",
-    )
-    parser.add_argument(
-        "--wait", action="store_true", help="Get ready; the path comes on the standard input."
-    )
-    parser.add_argument("--parent", type=int, help="Process with which it ends.")
-    given = parser.parse_args()
-    if given.wait == (given.path is not None):
-        parser.error("expected either a path or --wait")
-    return given
+def _stand_by(name: str) -> dict[str, Any] | None:
+    """Load what a recording needs, and wait for its `path` and `since_ns`, a line of JSON on stdin.
 
-
-def rehearse(name: str) -> bool:
-    """Record a moment into a file that goes: all that a recording needs is loaded afterwards.
-
-    Nothing of the ring is kept, as it may be another one until a recording is wanted.
-
-    Returns
-    -------
-    bool
-        False if there is no such ring now: less is loaded then.
+    It records a moment into a file that goes. Nothing of the ring is kept, as it may be another one
+    until a recording is wanted. None if whoever would have said so is gone.
     """
-    with TemporaryDirectory() as folder:
-        settings = RecorderSettings(name=name, path=Path(folder) / "rehearsal.mcap", since_ns=1)
-        try:
-            recorder = Recorder(settings, rehearsal=True)
-        except SkinfieldError:  # it is being made anew
-            return False
-        try:
-            recorder.step()
-        finally:
-            recorder.close()
-    return True
-
-
-def _wait() -> tuple[Path, int] | None:
-    """Where to record, and since when; None if whoever would have said so is gone."""
-    with contextlib.suppress(BrokenPipeError):  # nobody waits for that any more
-        os.write(sys.stdout.fileno(), READY)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing has begun that would have to be finished
+    with TemporaryDirectory() as folder, contextlib.suppress(SkinfieldError):  # of no ring now
+        path = Path(folder) / "rehearsal.mcap"
+        rehearsal = Recorder(RecorderSettings(name=name, path=path, since_ns=1))
+        rehearsal.step()
+        rehearsal.close()
+    come_first()  # now, as all is loaded: on a busy machine the order is read at once
     line = sys.stdin.buffer.readline()
-    return read_order(line) if line else None
+    order: dict[str, Any] | None = json.loads(line) if line else None
+    return order
 
 
-def read_order(line: bytes) -> tuple[Path, int]:
-    """The path and the time, ns, of `order_of`; raises InputError."""
-    try:
-        order = json.loads(line)
-        return Path(order["path"]), int(order["since_ns"])
-    except (ValueError, TypeError, KeyError) as error:
-        raise InputError(f"order is {line[:80]!r}, expected JSON of path and since_ns") from error
-
-
-def _record(settings: RecorderSettings, seconds: float | None) -> bool:
+def _record(settings: RecorderSettings) -> bool:
     """Record until told to stop; whether all that was taken is in the file, and it is whole."""
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
-    state = Recorder(settings, _say, first=True).run(stop, seconds)
+    state = Recorder(settings, _say, first=True).run(stop)
     forget_state(settings.name)
     return state.finished and not state.given_up
 
