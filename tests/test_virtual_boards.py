@@ -248,7 +248,7 @@ class Solved:
     """Stands for a process that solves a table."""
 
     def __init__(self, words: list[str], **_: object) -> None:
-        self.radius, self.done = float(words[3]), False
+        self.script, self.done = words[2], False
 
     def poll(self) -> int | None:
         return 0 if self.done else None
@@ -267,13 +267,15 @@ def test_tools_wait_for_their_turn_the_newest_first(monkeypatch) -> None:
     ]
     for tool in tools[:-1]:
         mine.start(tool, 4e-3)
-    assert [each.radius for each in begun] == [tools[0].radius, tools[1].radius]
+    for tool, each in zip(tools, begun, strict=False):
+        assert repr(tool) in each.script
+    assert len(begun) == press_tables.AT_ONCE
     with pytest.raises(InputError, match="others wait to be prepared"):
         mine.start(tools[-1], 4e-3)
     begun[0].done = True
     assert mine.poll()
     assert mine.get(tools[0], 4e-3) == tools[0]
-    assert begun[-1].radius == tools[-2].radius
+    assert repr(tools[-2]) in begun[-1].script
 
 
 def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
@@ -294,14 +296,12 @@ def test_fates_of_messages_can_be_counted_from_what_arrives(seed):
     """Numbers that are missing, doubled, or behind a later one: a second count, in plain Python."""
     rng = np.random.default_rng(seed)
     fates = Fates(Wires(lose=0.1, duplicate=0.1, swap=0.1), rng)
-    out, first, kept = [], 0, None
+    out, first = [], 0
     for burst in rng.integers(0, 50, 200):
-        out += [kept if index == -1 else first + index for index in fates.draw(int(burst))]
-        if fates.waiting >= 0:
-            kept, fates.waiting = first + fates.waiting, -1
+        out += fates.draw(range(first, first + int(burst)))
         first += int(burst)
     numbers = np.array(out)
-    missing = first - len(set(out)) - int(fates.waiting == -1)
+    missing = first - len(set(out)) - len(fates.waiting)
     behind = (numbers < np.maximum.accumulate(numbers)).sum()
     lost, doubled, swapped = fates.counts.values()
     assert (lost, doubled, swapped) == (missing, len(out) - len(set(out)), behind)
@@ -372,7 +372,6 @@ def test_the_truth_has_the_end_of_every_movement(tmp_path):
 
 def test_memory_does_not_grow_while_something_moves(monkeypatch):
     monkeypatch.setattr(truth_module, "LINES", 100)
-    monkeypatch.setattr(truth_module, "PRESSES", 150)
     with Stepped(scene="slide", at_once=True) as stepped:
         stepped.step()
 
@@ -395,17 +394,6 @@ def test_memory_does_not_grow_while_something_moves(monkeypatch):
         assert made > 900
         lines = stepped.skin.truth.after(0, 1000)
         assert [line["number"] for line in lines] == list(range(made - 100, made))
-
-
-def test_lines_whose_presses_are_overwritten_are_left_out(monkeypatch):
-    monkeypatch.setattr(truth_module, "PRESSES", 10)
-    truth = Truth(SKIN)
-    touches = [(Touch(str(i), 0, Tool(), 0.0, 0.0, 1.0), 2e-3) for i in range(4)]
-    for step in range(6):
-        truth.note(touches[: 1 + step % 4], step * MS)
-    lines = truth.after(0, 100)
-    assert [line["number"] for line in lines] == [2, 3, 4, 5]
-    assert [press["id"] for press in lines[1]["presses"]] == ["0", "1", "2", "3"]
 
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12)

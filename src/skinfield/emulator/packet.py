@@ -6,9 +6,9 @@ from time import monotonic_ns
 
 import numpy as np
 
-from skinfield.emulator.electronics import Converters, converters_from, starts_of
+from skinfield.emulator.electronics import converters_for, manufacture, starts_of
 from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
-from skinfield.emulator.settings import VirtualSettings, numbers_of
+from skinfield.emulator.settings import VirtualSettings
 from skinfield.emulator.transports import Link, open_link
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Patch, Skin
@@ -52,7 +52,6 @@ class Device:
     values: Floats
     period: float = PERIOD
     sending: bool = True
-    unplugged: set[int] = field(default_factory=set)
     booted_ns: int = field(default_factory=monotonic_ns)
 
     @property
@@ -70,11 +69,6 @@ def device_of(patch: Patch, number: int) -> Device:
         )
     encoder = PacketEncoder(patch.n_channels, device=number)
     return Device(patch, number, encoder, np.full(patch.n_channels, REST))
-
-
-def packet_converters(skin: Skin, settings: VirtualSettings) -> Converters:
-    """Counts of the taxels of all patches."""
-    return converters_from(skin, settings, REST, 65535.0)
 
 
 class Ear:
@@ -112,14 +106,13 @@ class Ear:
         return len(self._bytes) < whole <= LONGEST
 
 
-class PacketWire(Wire):
+class PacketWire(Wire[bytes]):
     """The link of all devices; `made` has the packets to send."""
 
-    def __init__(self, link: Link, fates: Fates) -> None:
+    def __init__(self, link: Link, fates: Fates[bytes]) -> None:
         super().__init__(fates)
         self.link = link
         self.made: list[bytes] = []
-        self._waiting = b""
 
     @property
     def address(self) -> str:
@@ -130,9 +123,15 @@ class PacketWire(Wire):
         """See `Wire`."""
         return self.link.filenos()
 
-    def _put(self, order: Sequence[int]) -> None:
-        for index in order:
-            self.say(self.made[index] if index >= 0 else self._waiting)
+    def _message(self, row: int) -> bytes:
+        return self.made[row]
+
+    def _put_all(self, count: int) -> None:
+        self._put(self.made[:count])
+
+    def _put(self, messages: Sequence[bytes]) -> None:
+        for message in messages:
+            self.say(message)
 
     def say(self, packet: bytes) -> None:
         """Send a packet."""
@@ -140,9 +139,6 @@ class PacketWire(Wire):
             self.sent += 1
         else:
             self.refused += 1
-
-    def _remember(self, index: int) -> None:
-        self._waiting = self.made[index]
 
     def _let_go(self) -> None:
         self.link.close()
@@ -161,11 +157,15 @@ class PacketDevices(Hardware):
         rng = np.random.default_rng([settings.seed, 2])
         self.devices = [device_of(patch, n) for n, patch in enumerate(skin, 1)]
         self._starts = starts_of(skin)
-        converters = packet_converters(skin, settings)
+        level = np.full(self._starts[-1], REST)
+        arrays = manufacture(skin, settings)
+        converters = converters_for(arrays, settings, level, (0.0, 65535.0))
         self._base = converters.level.copy()
         self._wire = PacketWire(open_link(settings), Fates(settings.wires, rng))
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(len(self.devices), converters, schedule, [self._wire], settings.rate)
+        self._modules = [np.unique(patch.module) for patch in skin]
+        parts = [len(modules) for modules in self._modules]
+        super().__init__(parts, converters, schedule, [self._wire], settings.rate)
         self._ear = Ear()
 
     def start(self, now_ns: int) -> None:
@@ -239,8 +239,10 @@ class PacketDevices(Hardware):
         for board in members:
             device = self.devices[board]
             device.values[device.patch.channel] = self.converters.counts[self._rows(board)]
-            for module in device.unplugged:
-                device.values[device.patch.channel[device.patch.module == module]] = 0.0
+            for number, part in self.unplugged:
+                if number == board:
+                    gone = device.patch.module == self._modules[board][part]
+                    device.values[device.patch.channel[gone]] = 0.0
             made += device.encoder.encode(device.values, device.clock_us)
         self.readings += len(members)
         self._wire.send(len(made))
@@ -255,15 +257,3 @@ class PacketDevices(Hardware):
         device.encoder.sequence = device.encoder.reading = 0
         self.converters.level[rows] = self._base[rows]
         self._hello(device)
-
-    def _plug(self, what: str, plugged: bool | None) -> None:
-        """Modules of device 0, as ``"3"``, or of the named one, as ``"1.3"``."""
-        first, dot, second = what.partition(".")
-        boards = numbers_of(first, len(self.devices), "device") if dot else [0]
-        for device in (self.devices[board] for board in boards):
-            modules = np.unique(device.patch.module)
-            numbers = numbers_of(second if dot else first, len(modules), "module")
-            if plugged:
-                device.unplugged.difference_update(modules[numbers].tolist())
-            elif plugged is not None:
-                device.unplugged.update(modules[numbers].tolist())

@@ -33,8 +33,7 @@ from skinfield.emulator.scenes import (
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Skin
 
-LINES = 20_000  # in memory: 200 s of a press that moves all the time
-PRESSES = 40_000  # of these lines
+LINES = 10_000  # in memory: 100 s of a press that moves all the time
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
 Line = dict[str, Any]
 Touches = list[tuple[Touch, float]]
@@ -66,8 +65,7 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._lines: deque[tuple[int, Touches]] = deque()
-        self._presses = 0  # of these lines
+        self._lines: deque[tuple[int, Touches]] = deque(maxlen=LINES)
         self._ids: list[str] | None = None
         self._last_ns = 0
         self._waiting: tuple[Touches, int] | None = None
@@ -96,9 +94,6 @@ class Truth:
     def _write(self, touches: Touches, stamp_ns: int) -> None:
         self._ids, self._last_ns = [touch.id for touch, _ in touches], stamp_ns
         self._lines.append((stamp_ns, touches))
-        self._presses += len(touches)
-        while len(self._lines) > LINES or self._presses > PRESSES:
-            self._presses -= len(self._lines.popleft()[1])
         if self._file is not None:
             self._file.write(json.dumps(self._line(self.made, stamp_ns, touches)) + "\n")
         self.made += 1
@@ -148,12 +143,10 @@ Key = tuple[Tool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
 QUEUED = 16  # that wait for their turn
 SCRIPT = """
-import sys
 from skinfield.elastic import Layer
-from skinfield.emulator.world import table_for
 from skinfield.emulator.scenes import Tool
-radius, shape, pad, *layer = sys.argv[1:]
-table_for(Tool(float(radius), shape), Layer(*map(float, layer)), float(pad))
+from skinfield.emulator.world import table_for
+table_for({tool!r}, {layer!r}, {pad_diameter!r})
 """
 
 
@@ -340,14 +333,12 @@ class Solving:
             self._solve(self._queue.pop())
 
     def _solve(self, key: Key) -> None:
-        (tool, pad_diameter), layer = key, self.layer
-        numbers = (layer.thickness, layer.young_modulus, layer.poisson_ratio)
-        words = [str(tool.radius), tool.shape, str(pad_diameter), *map(str, numbers)]
-        words.append(str(layer.relative_permittivity))
+        tool, pad_diameter = key
+        script = SCRIPT.format(tool=tool, layer=self.layer, pad_diameter=pad_diameter)
+        quiet = subprocess.DEVNULL
         self._running[key] = subprocess.Popen(
-            [sys.executable, "-c", SCRIPT, *words],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            [sys.executable, "-c", script], stdin=quiet, stdout=quiet, stderr=quiet
+        )
 
     def poll(self) -> bool:
         """Take in what is solved; whether there was some.
