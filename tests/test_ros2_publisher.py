@@ -60,7 +60,7 @@ class Child:
     """The bridge; settings on top of the usual ones."""
 
     def __init__(self, name: str, address: str, **more) -> None:
-        session = {"mode": "client", "connect": [address]}
+        session = {"connect": [address]}
         self.process = subprocess.Popen(
             [sys.executable, "-m", "skinfield.bridges.ros2", name],
             stdin=subprocess.PIPE,

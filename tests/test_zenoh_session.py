@@ -162,7 +162,8 @@ def test_without_the_right_certificate_there_is_nothing(folder) -> None:
         bare.write_text(re.sub(r"connect_(certificate|private_key):.*\n", "", text))
         plain = ZenohSettings(connect=(f"tcp/localhost:{port}",))
         found = [
-            ends.enter_context(reader(each)) for each in (stranger, ZenohSettings(config=bare), plain)
+            ends.enter_context(reader(each))
+            for each in (stranger, ZenohSettings(config=bare), plain)
         ]
         wait_for(found[0].session.info.peers_zid, LONG)  # is let in, and denied all
         time.sleep(QUIET)  # long enough for it to arrive, if it could

@@ -175,11 +175,6 @@ def bridges(given: BridgeSettings, ring_name: str) -> Iterator[Bridges]:
 
     One that ends is started again.
 
-    Parameters
-    ----------
-    given : BridgeSettings
-    ring_name : str
-
     Raises
     ------
     InputError

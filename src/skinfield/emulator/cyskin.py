@@ -26,13 +26,7 @@ PLAIN_NOISE = 20.0  # counts of it, as recordings have
 
 
 class CySkinBoards(CanBoards[CySkinBoardState]):
-    """See `Hardware`. All boards are on one bus.
-
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    """See `Hardware`. All boards are on one bus."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         placed, self.boards = on_enough_boards(skin)

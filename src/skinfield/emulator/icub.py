@@ -153,13 +153,7 @@ class Line:
 
 
 class ICubBoards(CanBoards[BoardState]):
-    """See `Hardware`.
-
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    """See `Hardware`."""
 
     part = "triangle"
 

@@ -145,13 +145,7 @@ class PacketWire(Wire[bytes]):
 
 
 class PacketDevices(Hardware):
-    """See `Hardware`.
-
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    """See `Hardware`."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         rng = np.random.default_rng([settings.seed, 2])

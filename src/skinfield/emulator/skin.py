@@ -53,11 +53,6 @@ MOST = 10_000  # to come
 class FaultClock:
     """Begins and ends faults when their time comes.
 
-    Parameters
-    ----------
-    skin : Skin
-    hardware : Hardware
-
     Attributes
     ----------
     begun : Counter
@@ -238,13 +233,6 @@ class VirtualSkin:
     settings : VirtualSettings
     clock : function
         Gives the time, ns since the epoch.
-
-    Attributes
-    ----------
-    skin : Skin
-    hardware : Hardware
-    world : World
-    truth : Truth
 
     Raises
     ------

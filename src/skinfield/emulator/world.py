@@ -280,12 +280,7 @@ def _store(path: Path, table: PressTable) -> None:
 
 @dataclass
 class Solving:
-    """Tables that are there, and those that are on their way.
-
-    Parameters
-    ----------
-    layer : Layer
-    """
+    """Tables that are there, and those that are on their way."""
 
     layer: Layer
     _there: dict[Key, PressTable] = field(default_factory=dict)

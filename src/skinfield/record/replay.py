@@ -290,10 +290,6 @@ class ReplayFit:
 
     What cannot be read of them is told in the recording's `damage`, and the engine's own contacts
     are left.
-
-    Parameters
-    ----------
-    replay : Replay
     """
 
     def __init__(self, replay: Replay) -> None:

@@ -28,11 +28,6 @@ NUMBERS = 1 << 31  # of messages, after which they begin anew
 class Publisher:
     """Sends each new reading's contacts to whoever reads the port.
 
-    Parameters
-    ----------
-    live : Live
-    settings : YarpSettings
-
     Attributes
     ----------
     events : Port

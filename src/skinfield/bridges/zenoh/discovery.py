@@ -40,10 +40,6 @@ class ZenohSources:
 
     An engine that went away stays, as one that is gone, and goes on when it comes back.
 
-    Parameters
-    ----------
-    session : zenoh.Session
-
     Attributes
     ----------
     notes : dict of str to str

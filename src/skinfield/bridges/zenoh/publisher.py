@@ -38,12 +38,6 @@ class Outlets:
 
     All drop what cannot be sent at once: each message is whole, so the next makes up for it, and a
     reader that hangs holds up nobody.
-
-    Parameters
-    ----------
-    session : zenoh.Session
-    part : Part
-    patches : sequence of str
     """
 
     def __init__(self, session: Any, part: Part, patches: Sequence[str]) -> None:

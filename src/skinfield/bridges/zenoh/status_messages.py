@@ -138,11 +138,6 @@ RECENT = 1.0  # s that the status calls the last
 class StatusEncoder:
     """Makes what is sent about one ring.
 
-    Parameters
-    ----------
-    live : Live
-    part : Part
-
     Attributes
     ----------
     description : bytes
