@@ -31,7 +31,7 @@ def one_input(data: bytes) -> None:
 def hear(data: bytes, now_ns: int) -> None:
     """The bytes as what a host sends to a device."""
     devices = DEVICE.hardware
-    link = devices._wire.link  # type: ignore[attr-defined]
+    link = devices._wire  # type: ignore[attr-defined]
     link.receive = lambda: data
     devices.listen(now_ns, 0.0)
     del link.receive

@@ -52,7 +52,7 @@ def test_a_press_reads_as_the_forward_model_says():
     with Stepped(at_once=True) as stepped:
         stepped.step()
         patch = stepped.skin.skin.patches[0]
-        place = patch.plane[40] + [1.3e-3, -0.7e-3]
+        place = (patch.plane[40] + [1.3e-3, -0.7e-3]).tolist()
         stepped.skin.world.press({"x": place[0], "y": place[1], "force": 5.0})
         found = bytes_by_channel(stepped.step())[patch.channel]
     made = press(Layer(), [Sphere(radius=10e-3, force=5.0)], cell=0.25e-3, extent=30e-3)

@@ -419,7 +419,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
 
     def check() -> None:
         page.check()
-        for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
+        beside = [*bridged, *([] if fit is None else [fit])]
+        for text in (text for each in beside for text in each.notices()):
             page.controller.say("warn", text)
             note(text, "yellow", console)
 

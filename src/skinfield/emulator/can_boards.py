@@ -1,7 +1,7 @@
 """Boards on CAN buses in software: their buses, and listening to hosts."""
 
 from collections.abc import Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from skinfield.errors import InputError
 from skinfield.signal import CanMessages
 from skinfield.wire.can import Bus, BusSettings, open_bus
 from skinfield.wire.can.bus import can_interface, host_and_port
+
+if TYPE_CHECKING:
+    from skinfield.wire.cyskin import CySkinBoardState
+    from skinfield.wire.icub.commands import BoardState
 
 HEARD = 256  # messages of hosts that are taken at once
 ROUNDS = 16  # of them in one poll of a bus
@@ -26,19 +30,14 @@ class CanWire(Wire[Message]):
 
     def __init__(self, bus: Bus, room: int, fates: Fates[Message]) -> None:
         super().__init__(fates)
-        self.bus = bus
+        self.bus, known = bus, bus.settings
+        place = getattr(bus, "address", None)
+        port = dict(known.options).get("port")
+        if place is None:
+            place = (known.channel,) if port is None else (known.channel, port)
+        self.address = ":".join(map(str, place))
         self.made = CanMessages(room)
         self._out = CanMessages(2 * room + 2)
-
-    @property
-    def address(self) -> str:
-        """Where a host finds it."""
-        place = getattr(self.bus, "address", None)
-        if place is not None:
-            return f"{place[0]}:{place[1]}"
-        known = self.bus.settings
-        port = dict(known.options).get("port")
-        return known.channel if port is None else f"{known.channel}:{port}"
 
     def filenos(self) -> Sequence[int]:
         """See `Wire`."""
@@ -108,21 +107,7 @@ def _bus(settings: VirtualSettings, channel: str, number: int) -> BusSettings:
     return can_interface(settings.bus, channel, number)
 
 
-class State(Protocol):
-    """What a board of any kind was set to by its host."""
-
-    @property
-    def sending(self) -> bool:
-        """Whether it sends by itself."""
-        ...
-
-    @property
-    def period_ms(self) -> int:
-        """Between its readings."""
-        ...
-
-
-StateT = TypeVar("StateT", bound=State)
+StateT = TypeVar("StateT", "BoardState", "CySkinBoardState")  # what a host set a board to
 
 
 class CanBoards(Hardware, Generic[StateT]):
@@ -130,7 +115,7 @@ class CanBoards(Hardware, Generic[StateT]):
 
     Parameters
     ----------
-    fresh : sequence of State
+    fresh : sequence of states
         Of the boards, as after switching on.
     parts : sequence of int
     converters : Converters
@@ -151,7 +136,8 @@ class CanBoards(Hardware, Generic[StateT]):
     ) -> None:
         super().__init__(parts, converters, schedule, wires, rate)
         self._buses = tuple(wires)
-        self._fresh, self.states = tuple(fresh), list(fresh)
+        self._fresh: tuple[StateT, ...] = tuple(fresh)
+        self.states: list[StateT] = list(fresh)
         self._heard = CanMessages(HEARD)
 
     def listen(self, now_ns: int, warmth: float) -> None:

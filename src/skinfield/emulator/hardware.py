@@ -159,11 +159,15 @@ class Wire(Generic[MessageT]):
 
     Attributes
     ----------
+    address : str
+        Where a host finds it.
     fates : Fates
     sent, refused, withheld : int
         Messages that went out, that the system did not take, and that met a bus that was off.
     off : bool
     """
+
+    address: str
 
     def __init__(self, fates: Fates[MessageT]) -> None:
         self.fates = fates
@@ -178,11 +182,6 @@ class Wire(Generic[MessageT]):
             self._put_all(count)
         else:
             self._put(self.fates.draw(self._message(row) for row in range(count)))
-
-    @property
-    def address(self) -> str:
-        """Where a host finds it."""
-        raise NotImplementedError
 
     def filenos(self) -> Sequence[int]:
         """File descriptors that become readable when a host says something."""

@@ -7,9 +7,9 @@ from time import monotonic_ns
 import numpy as np
 
 from skinfield.emulator.electronics import converters_for, manufacture, starts_of
-from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
+from skinfield.emulator.hardware import Fates, Hardware, Schedule
 from skinfield.emulator.settings import VirtualSettings
-from skinfield.emulator.transports import Link, open_link
+from skinfield.emulator.transports import open_link
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Patch, Skin
 from skinfield.wire.packet import (
@@ -106,44 +106,6 @@ class Ear:
         return len(self._bytes) < whole <= LONGEST
 
 
-class PacketWire(Wire[bytes]):
-    """The link of all devices; `made` has the packets to send."""
-
-    def __init__(self, link: Link, fates: Fates[bytes]) -> None:
-        super().__init__(fates)
-        self.link = link
-        self.made: list[bytes] = []
-
-    @property
-    def address(self) -> str:
-        """See `Wire`."""
-        return self.link.address
-
-    def filenos(self) -> Sequence[int]:
-        """See `Wire`."""
-        return self.link.filenos()
-
-    def _message(self, row: int) -> bytes:
-        return self.made[row]
-
-    def _put_all(self, count: int) -> None:
-        self._put(self.made[:count])
-
-    def _put(self, messages: Sequence[bytes]) -> None:
-        for message in messages:
-            self.say(message)
-
-    def say(self, packet: bytes) -> None:
-        """Send a packet."""
-        if self.link.send(packet):
-            self.sent += 1
-        else:
-            self.refused += 1
-
-    def _let_go(self) -> None:
-        self.link.close()
-
-
 class PacketDevices(Hardware):
     """See `Hardware`."""
 
@@ -155,7 +117,7 @@ class PacketDevices(Hardware):
         arrays = manufacture(skin, settings)
         converters = converters_for(arrays, settings, level, (0.0, 65535.0))
         self._base = converters.level.copy()
-        self._wire = PacketWire(open_link(settings), Fates(settings.wires, rng))
+        self._wire = open_link(settings, Fates(settings.wires, rng))
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
         self._modules = [np.unique(patch.module) for patch in skin]
         parts = [len(modules) for modules in self._modules]
@@ -170,16 +132,16 @@ class PacketDevices(Hardware):
 
     def _period(self, board: int) -> float | None:
         device = self.devices[board]
-        return device.period if device.sending and self._wire.link.heard else None
+        return device.period if device.sending and self._wire.heard else None
 
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
-        before = self._wire.link.heard
-        for packet in self._ear.packets(self._wire.link.receive()):
+        before = self._wire.heard
+        for packet in self._ear.packets(self._wire.receive()):
             for board, device in enumerate(self.devices):
                 if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
                     self._obey(board, packet, warmth)
-        if self._wire.link.heard and not before:
+        if self._wire.heard and not before:
             for device in self.devices:
                 self._hello(device)
         self._reschedule(now_ns)
@@ -223,7 +185,7 @@ class PacketDevices(Hardware):
             payload=payload,
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
-        if not self._wire.off and self._wire.link.heard:
+        if not self._wire.off and self._wire.heard:
             self._wire.say(encode_packet(packet))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:

@@ -10,27 +10,19 @@ import sys
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Annotated, Any
 
 import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.scenes import (
-    FINGER,
-    PLACE_KEYS,
-    Scene,
-    Tool,
-    Touch,
-    Track,
-    number,
-    patch_index,
-    place_of,
-)
+from skinfield.emulator.scenes import FINGER, Place, Scene, Tool, Touch, Track, patch_index
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.settings import from_plain
+from skinfield.settings.tree import Range
 from skinfield.skin import Skin
 
 LINES = 10_000  # in memory: 100 s of a press that moves all the time
@@ -362,6 +354,35 @@ KEPT = 20  # notes
 LONGEST_ID = 64  # characters
 
 
+Newtons = Range(1e-6, 1e4, "newtons")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressCommand(Place):
+    """See `World.press`."""
+
+    id: str | None = None
+    patch: str | int | None = None
+    force: Annotated[float, Newtons] = 1.0
+    radius: float = FINGER
+    shape: str = "ball"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveCommand(Place):
+    """See `World.move`."""
+
+    id: str | None = None
+    force: Annotated[float | None, Newtons] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReleaseCommand:
+    """See `World.release`."""
+
+    id: str | None = None
+
+
 class World:
     """A scene, presses by hand, and the tables that tell what taxels read of them.
 
@@ -494,16 +515,12 @@ class World:
 
     def press(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
-        patch = patch_index(self.skin, fields.get("patch"))
-        x, y = place_of(self.skin.patches[patch], fields)
-        shape = fields.get("shape", "ball")
-        if not isinstance(shape, str):
-            raise InputError(f"shape is {shape!r:.40}, expected 'ball' or 'flat'")
-        radius = number(fields, "radius", FINGER, 0.5e-3, 30e-3, "of the body, in metres")
-        tool = Tool(radius, shape)
-        force = number(fields, "force", 1.0, 1e-6, 1e4, "newtons")
-        name = fields.get("id") or f"press-{next(self._numbers)}"
-        if not isinstance(name, str) or len(name) > LONGEST_ID:
+        wanted = from_plain(PressCommand, fields)
+        patch = patch_index(self.skin, wanted.patch)
+        x, y = wanted.on(self.skin.patches[patch])
+        tool, force = Tool(wanted.radius, wanted.shape), wanted.force
+        name = wanted.id or f"press-{next(self._numbers)}"
+        if len(name) > LONGEST_ID:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
@@ -518,30 +535,28 @@ class World:
 
     def move(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Move a press by hand, or change its force."""
-        touch = self._named(fields.get("id"))
-        x, y, force = touch.x, touch.y, touch.force
-        if any(key in fields for key in PLACE_KEYS):
-            x, y = place_of(self.skin.patches[touch.patch], {"x": x, "y": y, **fields})
-        if "force" in fields:
-            force = number(fields, "force", None, 1e-6, 1e4, "newtons")
-            table = self._solving.get(touch.tool, self._pad(touch.patch))
-            if table is not None:
-                table.check_force(force, touch.tool)
+        wanted = from_plain(MoveCommand, fields)
+        touch = self._named(wanted.id)
+        x = touch.x if wanted.x is None else wanted.x
+        y = touch.y if wanted.y is None else wanted.y
+        x, y = replace(wanted, x=x, y=y).on(self.skin.patches[touch.patch])
+        force = touch.force if wanted.force is None else wanted.force
+        table = self._solving.get(touch.tool, self._pad(touch.patch))
+        if wanted.force is not None and table is not None:
+            table.check_force(force, touch.tool)
         self._by_hand[touch.id] = Touch(touch.id, touch.patch, touch.tool, x, y, force)
         return {"id": touch.id, "x": x, "y": y, "force": force}
 
     def release(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Lift off one press by hand, or all."""
-        if fields.get("id") is None:
-            names = list(self._by_hand)
-        else:
-            names = [self._named(fields.get("id")).id]
+        wanted = from_plain(ReleaseCommand, fields)
+        names = list(self._by_hand) if wanted.id is None else [self._named(wanted.id).id]
         for name in names:
             del self._by_hand[name]
         return {"released": names}
 
-    def _named(self, name: Any) -> Touch:
-        if not isinstance(name, str) or name not in self._by_hand:
+    def _named(self, name: str | None) -> Touch:
+        if name not in self._by_hand:
             known = ", ".join(self._by_hand) or "none is there"
             raise InputError(f"id is {name!r:.80}, expected that of a press by hand: {known}")
         return self._by_hand[name]

@@ -20,7 +20,6 @@ from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.ring import State
 from skinfield.ring.reader import Slot as Copy
-from skinfield.settings import from_plain
 
 JSON, BYTES = "application/json", "application/octet-stream"
 WHOLE = {  # what is published of an engine: kind of bytes, and priority
@@ -297,7 +296,7 @@ def check_free(session: Any, part: Part) -> None:
         time.sleep(0.2)
 
 
-def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
+def serve(name: str, settings: PublisherSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`.
 
     Raises
@@ -305,7 +304,6 @@ def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
     InputError
         If zenoh cannot start, or there is no such skin.
     """
-    settings = from_plain(PublisherSettings, plain)
     part = Part(settings.robot, name)
     with open_session(settings.session) as session, connect(name, timeout=HERE) as live:
         check_free(session, part)
