@@ -23,7 +23,7 @@ def one_input(data: bytes) -> None:
             identifier = data[at] | (data[at + 1] & 7) << 8
             skin.hardware._obey(0, identifier, data[at + 3 : at + 3 + length], 0.0)  # type: ignore[attr-defined]
             at += 3 + length
-        skin.hardware.start(now_ns)
+        skin.hardware.reschedule(now_ns)
         assert skin.hardware.schedule.next_ns > now_ns - 10**9
     hear(data, now_ns)
 

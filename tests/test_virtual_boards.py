@@ -5,6 +5,7 @@ import json
 import math
 import tomllib
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -253,34 +254,29 @@ class Solved:
         return 0 if self.done else None
 
 
-def test_tools_wait_for_their_turn_the_newest_first(monkeypatch) -> None:
+def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) -> None:
     begun: list[Solved] = []
     monkeypatch.setattr(
         press_tables.subprocess, "Popen", lambda *a, **k: begun.append(Solved(*a, **k)) or begun[-1]
     )
-    monkeypatch.setattr(press_tables, "is_stored", lambda *_: False)
+    monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path("nowhere"))
     monkeypatch.setattr(press_tables, "table_for", lambda tool, *_: tool)
     mine = press_tables.Solving(Layer())
-    tools = [
-        Tool(1e-3 * radius) for radius in range(1, 2 + press_tables.QUEUED + press_tables.AT_ONCE)
-    ]
-    for tool in tools[:-1]:
-        mine.start(tool, 4e-3)
-    for tool, each in zip(tools, begun, strict=False):
-        assert repr(tool) in each.script
-    assert len(begun) == press_tables.AT_ONCE
-    with pytest.raises(InputError, match="others wait to be prepared"):
-        mine.start(tools[-1], 4e-3)
+    keys = [(Tool(1e-3 * radius), 4e-3) for radius in range(1, 6)]
+    assert not mine.poll(keys)
+    assert [repr(tool) in each.script for (tool, _), each in zip(keys[:2:-1], begun, strict=True)]
     begun[0].done = True
-    assert mine.poll()
-    assert mine.get(tools[0], 4e-3) == tools[0]
-    assert repr(tools[-2]) in begun[-1].script
+    assert mine.poll(keys[:1])
+    assert mine.get(keys[-1]) == keys[-1][0]
+    assert mine.get(keys[0]) is None
+    assert repr(keys[0][0]) in begun[-1].script
+    assert len(begun) == 1 + press_tables.AT_ONCE
 
 
 def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
     world = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
     hard = table_for(Tool(), Layer(), 4e-3)  # what is stored for any tool
-    monkeypatch.setattr(press_tables, "is_stored", lambda *_: True)
+    monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path(__file__))
     monkeypatch.setattr(press_tables, "table_for", lambda *_: hard)
     with pytest.raises(InputError, match="press lighter"):
         world.press({"x": 0.0, "y": 0.0, "radius": 2e-3, "force": 1e3})
@@ -410,7 +406,7 @@ COMMAND = st.dictionaries(st.sampled_from(KEYS.split()), VALUE, max_size=7)
 @pytest.fixture(scope="module")
 def skin():
     made = VirtualSkin(VirtualSettings(**QUIET, control="", at_once=True))
-    made.world._solving.start = lambda *_: None  # nothing is solved beside
+    made.world._solving._solve = lambda _: None  # nothing is solved beside
     yield made
     made.close()
 

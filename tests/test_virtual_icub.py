@@ -257,6 +257,6 @@ def test_patches_are_on_boards_of_their_own(tmp_path):
         second = bytes_by_channel(messages, board=2)[other.channel]
         assert second[0] == 240  # dead
         assert second[3] < 200
-        stepped.skin.hardware.check("unplug", "1.0")
+        stepped.skin.hardware.places("unplug", "1.0")
         with pytest.raises(InputError, match="triangle is '1', expected a number from 0 to 0"):
-            stepped.skin.hardware.check("unplug", "1.1")
+            stepped.skin.hardware.places("unplug", "1.1")

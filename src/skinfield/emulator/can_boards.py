@@ -153,7 +153,7 @@ class CanBoards(Hardware, Generic[StateT]):
                 if count < HEARD:
                     break
         if changed:
-            self._reschedule(now_ns)
+            self.reschedule(now_ns)
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         """Obey one message; whether a board of ours was meant."""

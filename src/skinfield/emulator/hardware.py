@@ -254,20 +254,6 @@ class Hardware:
         """Where a host finds each bus."""
         return [wire.address for wire in self.wires]
 
-    @property
-    def chances(self) -> dict[str, float]:
-        """Probabilities of `lose`, `duplicate` and `swap`, per message."""
-        return dict(self.wires[0].fates.chances)
-
-    def set_chances(self, chances: dict[str, float]) -> None:
-        """Change what happens to messages from now on."""
-        for wire in self.wires:
-            wire.fates.chances.update(chances)
-
-    def start(self, now_ns: int) -> None:
-        """Send from now on what sends without being told."""
-        self._reschedule(now_ns)
-
     def filenos(self) -> list[int]:
         """File descriptors that become readable when a host says something."""
         return [number for wire in self.wires for number in wire.filenos()]
@@ -291,7 +277,8 @@ class Hardware:
     def _awake(self, board: int, warmth: float) -> None:
         """Begin anew as a board that has booted."""
 
-    def _reschedule(self, now_ns: int) -> None:
+    def reschedule(self, now_ns: int) -> None:
+        """Send from now on what is to be sent."""
         periods = {}
         for board in set(range(self._boards)) - self.quiet:
             period = self._period(board)
@@ -299,13 +286,9 @@ class Hardware:
                 periods[board] = round(1e9 * (1.0 / self._rate if self._rate else period))
         self.schedule.set(periods, self._boards, now_ns)
 
-    def check(self, kind: str, what: str) -> None:
-        """Raise InputError if there is no such triangle, board or bus."""
-        self._numbers(kind, what)
-
     def begin(self, kind: str, what: str, now_ns: int) -> None:
         """Begin a fault of a triangle, board or bus."""
-        for board, part in self._numbers(kind, what):
+        for board, part in self.places(kind, what):
             if kind == "unplug":
                 self.unplugged.add((board, part))
             elif kind == "bus-off":
@@ -314,11 +297,11 @@ class Hardware:
                 self.quiet.add(board)
                 self._reset(board)
                 self.reboots += 1
-        self._reschedule(now_ns)
+        self.reschedule(now_ns)
 
     def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
         """End it."""
-        for board, part in self._numbers(kind, what):
+        for board, part in self.places(kind, what):
             if kind == "unplug":
                 self.unplugged.discard((board, part))
             elif kind == "bus-off":
@@ -326,10 +309,16 @@ class Hardware:
             else:
                 self.quiet.discard(board)
                 self._awake(board, warmth)
-        self._reschedule(now_ns)
+        self.reschedule(now_ns)
 
-    def _numbers(self, kind: str, what: str) -> list[tuple[int, int]]:
-        """Boards and their parts of ``"1.3"`` or, of board 0, ``"3"``; or boards, or buses."""
+    def places(self, kind: str, what: str) -> list[tuple[int, int]]:
+        """Boards and their parts of ``"1.3"`` or, of board 0, ``"3"``; or boards, or buses.
+
+        Raises
+        ------
+        InputError
+            If there is no such triangle, board or bus.
+        """
         if kind != "unplug":
             each = ("bus", len(self.wires)) if kind == "bus-off" else ("board", self._boards)
             return [(number, 0) for number in numbers_of(what, each[1], each[0])]

@@ -257,7 +257,7 @@ class ICubBoards(CanBoards[BoardState]):
         """See `Hardware`; a triangle that is plugged in again reads its base at first."""
         super().end(kind, what, now_ns, warmth)
         if kind == "unplug":
-            for number, part in self._numbers(kind, what):
+            for number, part in self.places(kind, what):
                 board = self.boards[number]
                 encoder = self._lines[board.bus].encoder
                 encoder.raw[board.row + part] = encoder.base[board.row + part]

@@ -123,12 +123,7 @@ class PacketDevices(Hardware):
         parts = [len(modules) for modules in self._modules]
         super().__init__(parts, converters, schedule, [self._wire], settings.rate)
         self._ear = Ear()
-
-    def start(self, now_ns: int) -> None:
-        """See `Hardware`; each device says what it is first."""
-        for device in self.devices:
-            self._hello(device)
-        super().start(now_ns)
+        self._greeted = False
 
     def _period(self, board: int) -> float | None:
         device = self.devices[board]
@@ -136,15 +131,19 @@ class PacketDevices(Hardware):
 
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
-        before = self._wire.heard
         for packet in self._ear.packets(self._wire.receive()):
             for board, device in enumerate(self.devices):
                 if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
                     self._obey(board, packet, warmth)
-        if self._wire.heard and not before:
+        self.reschedule(now_ns)
+
+    def reschedule(self, now_ns: int) -> None:
+        """See `Hardware`; each device says first what it is to who has come."""
+        if self._wire.heard and not self._greeted:
             for device in self.devices:
                 self._hello(device)
-        self._reschedule(now_ns)
+        self._greeted = self._wire.heard
+        super().reschedule(now_ns)
 
     def _obey(self, board: int, packet: Packet, warmth: float) -> None:
         self.commands += 1

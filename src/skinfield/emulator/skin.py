@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from skinfield.emulator.electronics import Converters, starts_of
+from skinfield.emulator.electronics import starts_of
 from skinfield.emulator.hardware import NEVER, Hardware
 from skinfield.emulator.scenes import Touch, patch_index, scene_from_text
 from skinfield.emulator.settings import (
@@ -77,17 +77,13 @@ class FaultClock:
         InputError
             If there is no such triangle, board, bus or taxel.
         """
-        self.check(fault)
-        if len(self._queue) >= MOST:
-            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
-        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
-
-    def check(self, fault: Fault) -> None:
-        """Raise InputError if what should fail is not there."""
         if KINDS[fault.kind] == "taxel":
             self._rows(fault.what)
         else:
-            self.hardware.check(fault.kind, fault.what)
+            self.hardware.places(fault.kind, fault.what)
+        if len(self._queue) >= MOST:
+            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
+        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
 
     @property
     def next_time(self) -> float:
@@ -116,7 +112,7 @@ class FaultClock:
         self.begun[fault.kind] += 1
         self.active.append(fault)
         if KINDS[fault.kind] == "taxel":
-            self._converters.set_fault(fault.kind, self._rows(fault.what))
+            self.hardware.converters.set_fault(fault.kind, self._rows(fault.what))
         else:
             self.hardware.begin(fault.kind, fault.what, now_ns)
         if fault.end != FOREVER:
@@ -125,13 +121,9 @@ class FaultClock:
     def _end(self, fault: Fault, now_ns: int, warmth: float) -> None:
         self.active.remove(fault)
         if KINDS[fault.kind] == "taxel":
-            self._converters.clear_fault(fault.kind, self._rows(fault.what))
+            self.hardware.converters.clear_fault(fault.kind, self._rows(fault.what))
         else:
             self.hardware.end(fault.kind, fault.what, now_ns, warmth)
-
-    @property
-    def _converters(self) -> Converters:
-        return self.hardware.converters
 
     def _rows(self, what: str) -> Ints:
         """Taxels of ``"7"``, ``"3-5"`` or ``"palm/7"``, among those of all patches."""
@@ -236,7 +228,7 @@ class VirtualSkin:
             self.world.close()
             raise
         self._update(self.clock())
-        self.hardware.start(self.clock())
+        self.hardware.reschedule(self.clock())
 
     @property
     def control_address(self) -> str:
@@ -410,8 +402,9 @@ class VirtualSkin:
     def _wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
         wanted = vars(from_plain(WiresCommand, fields))
         chances = {name: chance for name, chance in wanted.items() if chance is not None}
-        self.hardware.set_chances(chances)
-        return self.hardware.chances
+        for wire in self.hardware.wires:
+            wire.fates.chances.update(chances)
+        return dict(self.hardware.wires[0].fates.chances)
 
     def _scene(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         self.play(from_plain(SceneCommand, fields).scene)

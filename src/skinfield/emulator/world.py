@@ -9,8 +9,8 @@ import subprocess
 import sys
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import IO, Annotated, Any
@@ -133,7 +133,6 @@ FORCES = 128  # rows of a table
 REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
 Key = tuple[Tool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
-QUEUED = 16  # that wait for their turn
 SCRIPT = """
 from skinfield.elastic import Layer
 from skinfield.emulator.scenes import Tool
@@ -232,11 +231,6 @@ def cache_path(tool: Tool, layer: Layer, pad_diameter: float) -> Path:
     return Path(root) / "skinfield" / f"press-{name}.npz"
 
 
-def is_stored(tool: Tool, layer: Layer, pad_diameter: float) -> bool:
-    """Whether a table need not be solved."""
-    return cache_path(tool, layer, pad_diameter).is_file()
-
-
 @cache
 def _code() -> str:
     """Digest of the sources that a table comes from, so that no change of them is missed."""
@@ -270,75 +264,46 @@ def _store(path: Path, table: PressTable) -> None:
         partial.unlink(missing_ok=True)
 
 
-@dataclass
 class Solving:
-    """Tables that are there, and those that are on their way."""
+    """Tables that are there, and those that are on their way, of presses on one layer."""
 
-    layer: Layer
-    _there: dict[Key, PressTable] = field(default_factory=dict)
-    _running: dict[Key, subprocess.Popen[bytes]] = field(default_factory=dict)
-    _queue: list[Key] = field(default_factory=list)
+    def __init__(self, layer: Layer) -> None:
+        self._layer = layer
+        self._there: dict[Key, PressTable] = {}
+        self._running: dict[Key, subprocess.Popen[bytes]] = {}
 
-    def get(self, tool: Tool, pad_diameter: float) -> PressTable | None:
-        """A table, if it is there."""
-        return self._there.get((tool, pad_diameter))
+    def get(self, key: Key) -> PressTable | None:
+        """A table, if it is there or was solved before."""
+        if key not in self._there and cache_path(key[0], self._layer, key[1]).is_file():
+            return self.now(key)
+        return self._there.get(key)
 
-    def now(self, tool: Tool, pad_diameter: float) -> PressTable:
+    def now(self, key: Key) -> PressTable:
         """A table, solved here if it must be."""
-        key = (tool, pad_diameter)
         if key not in self._there:
-            self._there[key] = table_for(tool, self.layer, pad_diameter)
+            self._there[key] = table_for(key[0], self._layer, key[1])
         return self._there[key]
 
-    def start(self, tool: Tool, pad_diameter: float) -> None:
-        """Have a table solved, at once or in its turn; one that was solved before is there.
+    def poll(self, wanted: Sequence[Key]) -> bool:
+        """Take in what is solved, and have others solved, the last first; whether there was some.
 
-        Raises
-        ------
-        InputError
-            If too many wait.
+        Where nothing could be stored, it is solved here after all.
         """
-        key = (tool, pad_diameter)
-        if key in self._running:
-            return
-        if is_stored(tool, self.layer, pad_diameter):
-            self.now(tool, pad_diameter)
-            return
-        if key in self._queue:
-            self._queue.remove(key)  # it is wanted now: before others
-        if len(self._queue) >= QUEUED:
-            raise InputError(
-                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {QUEUED} others wait to "
-                "be prepared, expected it some seconds later"
-            )
-        self._queue.append(key)
-        self._begin()
-
-    def _begin(self) -> None:
-        """Begin the newest that wait: what was asked for last is looked at now."""
-        while self._queue and len(self._running) < AT_ONCE:
-            self._solve(self._queue.pop())
+        done = [key for key, process in self._running.items() if process.poll() is not None]
+        for key in done:
+            del self._running[key]
+            self.now(key)
+        for key in reversed(wanted):
+            if len(self._running) < AT_ONCE and key not in self._there | self._running:
+                self._solve(key)
+        return bool(done)
 
     def _solve(self, key: Key) -> None:
-        tool, pad_diameter = key
-        script = SCRIPT.format(tool=tool, layer=self.layer, pad_diameter=pad_diameter)
+        script = SCRIPT.format(tool=key[0], layer=self._layer, pad_diameter=key[1])
         quiet = subprocess.DEVNULL
         self._running[key] = subprocess.Popen(
             [sys.executable, "-c", script], stdin=quiet, stdout=quiet, stderr=quiet
         )
-
-    def poll(self) -> bool:
-        """Take in what is solved; whether there was some.
-
-        Where nothing could be stored, it is solved here after all.
-        """
-        before = len(self._there)
-        for key, process in list(self._running.items()):
-            if process.poll() is not None:
-                del self._running[key]
-                self.now(*key)
-        self._begin()
-        return len(self._there) > before
 
     def close(self) -> None:
         """End what runs."""
@@ -346,7 +311,6 @@ class Solving:
             process.kill()
             process.wait()
         self._running.clear()
-        self._queue.clear()
 
 
 MOST = 64  # presses at once, by hand
@@ -408,7 +372,7 @@ class World:
         self.notes: list[str] = []
         self._warm()
         self.play(scene)
-        self._table(skin.patches[0].pad_diameter, Tool())
+        self._solving.now(self._key(0, Tool()))
 
     def _warm(self) -> None:
         """Compile before the first press."""
@@ -428,15 +392,18 @@ class World:
         for (patch, tool), force in scene.tools.items():
             if not 0 <= patch < len(self.skin):
                 raise InputError(f"patch is {patch}, expected one below {len(self.skin)}")
-            self._table(self.skin.patches[patch].pad_diameter, tool).check_force(force, tool)
+            self._solving.now(self._key(patch, tool)).check_force(force, tool)
         tracks = sorted(scene.tracks, key=lambda track: track.points[0].time)
         self._tracks = [(f"{scene.name}-{i}", track) for i, track in enumerate(tracks)]
         self._begins = [track.points[0].time for track in tracks]
         self._longest = max((t.points[-1].time - t.points[0].time for t in tracks), default=0.0)
         self.scene = scene
 
-    def _table(self, pad_diameter: float, tool: Tool) -> PressTable:
-        return self._solving.now(tool, pad_diameter)
+    def _key(self, patch: int, tool: Tool) -> Key:
+        return tool, self.skin.patches[patch].pad_diameter
+
+    def _table(self, touch: Touch) -> PressTable | None:
+        return self._solving.get(self._key(touch.patch, touch.tool))
 
     def touches(self, time: float) -> list[Touch]:
         """Presses at a time, s, of the scene."""
@@ -448,7 +415,7 @@ class World:
                 if at is not None:
                     found.append(Touch(name, track.patch, track.tool, *at))
         for touch in self._by_hand.values():
-            if self._solving.get(touch.tool, self._pad(touch.patch)) is not None:
+            if self._table(touch) is not None:
                 found.append(touch)
         return found
 
@@ -477,7 +444,7 @@ class World:
         change[:] = 0.0
         told = []
         for touch in touches:
-            table = self._table(self._pad(touch.patch), touch.tool)
+            table = self._solving.now(self._key(touch.patch, touch.tool))
             row = min((touch.force / table.highest_force) ** 0.5, 1.0) * (FORCES - 1)
             first, last = self._starts[touch.patch], self._starts[touch.patch + 1]
             add_press(
@@ -487,15 +454,12 @@ class World:
             told.append((touch, table.radius_at(touch.force)))
         return told
 
-    def _pad(self, patch: int) -> float:
-        return self.skin.patches[patch].pad_diameter
-
     def poll(self) -> None:
         """Take in tables that are solved by now; a press that is too hard for its own is let go."""
-        if not self._solving.poll():
+        if not self._solve():
             return
         for touch in list(self._by_hand.values()):
-            table = self._solving.get(touch.tool, self._pad(touch.patch))
+            table = self._table(touch)
             try:
                 if table is not None:
                     table.check_force(touch.force, touch.tool)
@@ -504,14 +468,14 @@ class World:
                 self.notes.append(f"press {touch.id} was let go: {error}")
                 del self.notes[:-KEPT]
 
+    def _solve(self) -> bool:
+        presses = self._by_hand.values()
+        return self._solving.poll([self._key(each.patch, each.tool) for each in presses])
+
     @property
     def waits(self) -> list[str]:
         """Presses by hand whose body is still being solved."""
-        return [
-            touch.id
-            for touch in self._by_hand.values()
-            if self._solving.get(touch.tool, self._pad(touch.patch)) is None
-        ]
+        return [touch.id for touch in self._by_hand.values() if self._table(touch) is None]
 
     def press(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
@@ -524,13 +488,13 @@ class World:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
-        pad = self._pad(patch)
-        if self._solving.get(tool, pad) is None:
-            self._solving.start(tool, pad)
-        table = self._solving.get(tool, pad)  # one that was stored is there at once
+        touch = Touch(name, patch, tool, x, y, force)
+        table = self._table(touch)
         if table is not None:
             table.check_force(force, tool)
-        self._by_hand[name] = Touch(name, patch, tool, x, y, force)
+        self._by_hand.pop(name, None)  # the newest is the last
+        self._by_hand[name] = touch
+        self._solve()
         return {"id": name, "x": x, "y": y, "radius": tool.radius, "solving": table is None}
 
     def move(self, fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -541,7 +505,7 @@ class World:
         y = touch.y if wanted.y is None else wanted.y
         x, y = replace(wanted, x=x, y=y).on(self.skin.patches[touch.patch])
         force = touch.force if wanted.force is None else wanted.force
-        table = self._solving.get(touch.tool, self._pad(touch.patch))
+        table = self._table(touch)
         if wanted.force is not None and table is not None:
             table.check_force(force, touch.tool)
         self._by_hand[touch.id] = Touch(touch.id, touch.patch, touch.tool, x, y, force)

@@ -260,25 +260,18 @@ class Recorder:
                 self._say("the file can be written again")
 
 
-def come_first() -> str:
+def come_first() -> None:
     """Have this thread come before ordinary work, where that is permitted.
 
     The ring holds a limited number of cycles, and on a busy machine an ordinary process may wait
     longer than that for a processor. It sleeps most of the time, and the engine's priority is far
     above.
-
-    Returns
-    -------
-    str
-        What was granted.
     """
-    with contextlib.suppress(OSError, AttributeError):
+    try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOWEST))
-        return f"SCHED_FIFO {LOWEST}"
-    with contextlib.suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
-        return f"nice {NICE}"
-    return "ordinary"
+    except (OSError, AttributeError):
+        with contextlib.suppress(OSError, AttributeError):
+            os.setpriority(os.PRIO_PROCESS, 0, NICE)
 
 
 def main() -> None:
