@@ -392,8 +392,6 @@ class FitDrain:
 
     Attributes
     ----------
-    answers : int
-        That were taken.
     missed : int
         That were overwritten unread, damaged, or too much for the disk.
     """
@@ -403,8 +401,7 @@ class FitDrain:
         self._patches, self._nodes = patches, nodes
         self._sizes = FitSizes(max(len(patches), 1), nodes, 1)
         self._before = b""  # what the file says last, without its head
-        self.answers = self.missed = 0
-        self._told_missed = 0
+        self.missed = self._told_missed = 0
 
     def take(self) -> None:
         """Take all that is new."""
@@ -448,7 +445,6 @@ class FitDrain:
         write = partial(RecordingWriter.write_fit, time_ns=now, record=data)
         if self._queue.offer(Item(now, len(data), write)):
             self._before = said
-            self.answers += 1
         else:
             self.missed += 1
 

@@ -11,6 +11,8 @@ from skinfield.errors import FileError
 from skinfield.files.mcap import RecordingWriter
 from skinfield.record.state import RecorderState
 
+FLUSH = 0.15  # s after which what was read is handed to the system, and survives a `kill -9`
+SYNC = 1.5  # s after which it is on the disk, and survives power loss
 RETRY = 0.2  # s between attempts to write to a disk that refuses
 LAST_CHANCE = 1.0  # s that a full disk gets at the end
 SLOW = 0.5  # s that one write or sync may take before it is told
@@ -172,7 +174,6 @@ class Disk(threading.Thread):
     ----------
     writer : RecordingWriter
     queue : Queue
-    flush, sync : float, s
 
     Attributes
     ----------
@@ -182,9 +183,9 @@ class Disk(threading.Thread):
         Monotonic time.
     """
 
-    def __init__(self, writer: RecordingWriter, queue: Queue, flush: float, sync: float) -> None:
+    def __init__(self, writer: RecordingWriter, queue: Queue) -> None:
         super().__init__(name="disk", daemon=True)
-        self._writer, self._queue, self._flush_every, self._sync_every = writer, queue, flush, sync
+        self._writer, self._queue = writer, queue
         now = time.monotonic()
         self._state, self.failing_since = queue.state, 0.0
         self.last_flush = self.last_sync = now
@@ -217,11 +218,11 @@ class Disk(threading.Thread):
         if self.failing_since:
             time.sleep(RETRY)
         else:
-            due = self.last_flush + self._flush_every - time.monotonic()
+            due = self.last_flush + FLUSH - time.monotonic()
             self._put_all(max(due, 0.0))
-        if self.failing_since or time.monotonic() - self.last_flush >= self._flush_every:
+        if self.failing_since or time.monotonic() - self.last_flush >= FLUSH:
             self._flush()
-        if not self.failing_since and time.monotonic() - self.last_sync >= self._sync_every:
+        if not self.failing_since and time.monotonic() - self.last_sync >= SYNC:
             self._sync()
 
     def _put_all(self, timeout: float) -> None:

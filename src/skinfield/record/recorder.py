@@ -67,10 +67,6 @@ class RecorderSettings:
     file : RecordingSettings
     since_ns : int, ns
         Time since the epoch from which on to record, as far as the ring still has it; 0: now.
-    flush : float, s
-        After so long what was read is handed to the system, and survives a `kill -9`.
-    sync : float, s
-        After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
     view_rate : float, 1/s
@@ -81,15 +77,11 @@ class RecorderSettings:
     path: Path
     file: RecordingSettings = field(default_factory=RecordingSettings)
     since_ns: int = 0
-    flush: float = 0.15
-    sync: float = 1.5
     queue_bytes: int = 1 << 26
     view_rate: float = 20.0
 
     def __post_init__(self) -> None:
         check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
-        check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
-        check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
         check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
         check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")
 
@@ -152,7 +144,7 @@ class Recorder:
         self._drain = Drain(
             self._reader, self._queue, layout, model_config, settings.view_rate, begin
         )
-        self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
+        self._disk = Disk(self._writer, self._queue)
         self._said: dict[str, str] = {}
         text = f"recording {settings.name} of process {self._reader.pid}"
         self._queue.event("recording_started", text)

@@ -179,5 +179,5 @@ def serve(name: str, settings: RosSettings, stop: threading.Event) -> None:
         )
         talker = Talker(live, speaker, settings.rates, publisher.send)
         ends.callback(talker.close)
-        while not stop.wait(talker.pace.wait(time.monotonic())):
+        while not stop.wait(talker.wait()):
             talker.step(LOOKS)

@@ -3,7 +3,7 @@
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -43,6 +43,7 @@ class Outlets:
         self._session, self._part = session, part
         self._token: Any = None
         self._publishers: dict[str, Any] = {}
+        self._answers: list[Any] = []
         self._patches = {
             what: [self._declare(part.patch_key(name, what), what) for name in patches]
             for what in OF_PATCH
@@ -82,24 +83,19 @@ class Outlets:
             self._token.undeclare()
             self._token = None
 
-    @contextmanager
-    def answering(self, answers: Mapping[str, Callable[[], bytes]]) -> Iterator[None]:
-        """Answer queries of these keys as long as the block lasts.
+    def answer(self, what: str, make: Callable[[], bytes]) -> None:
+        """Answer queries of the key that ends so, in a thread of zenoh."""
+        key = self._part.key(what)
+        encoding = "application/toml" if what.endswith("layout") else JSON
 
-        Parameters
-        ----------
-        answers : mapping from what follows the engine's name in the key to a function
-            Called in a thread of zenoh.
-        """
-        made = []
-        try:
-            for what, answer in answers.items():
-                key = self._part.key(what)
-                made.append(self._session.declare_queryable(key, _Answer(key, what, answer)))
-            yield
-        finally:
-            for each in made:
-                each.undeclare()
+        def reply(query: Any) -> None:
+            with query:
+                try:
+                    query.reply(key, make(), encoding=encoding)
+                except Exception as error:  # whatever it is, who asked must not wait for ever
+                    query.reply_err(str(error).encode())
+
+        self._answers.append(self._session.declare_queryable(key, reply))
 
     def close(self) -> None:
         """Take everything back."""
@@ -107,25 +103,8 @@ class Outlets:
         self.live(False)
         several = [each for row in self._patches.values() for each in row]
         with suppress(zenoh.ZError):  # of a session that is closed already
-            for publisher in (*self._publishers.values(), *several):
-                publisher.undeclare()
-
-
-class _Answer:
-    """Answers one key."""
-
-    def __init__(self, key: str, what: str, make: Callable[[], bytes]) -> None:
-        self._key, self._make = key, make
-        self._encoding = "application/toml" if what.endswith("layout") else JSON
-
-    def __call__(self, query: Any) -> None:
-        with query:
-            try:
-                data = self._make()
-            except Exception as error:  # whatever it is, whoever asked must not wait for ever
-                query.reply_err(str(error).encode())
-                return
-            query.reply(self._key, data, encoding=self._encoding)
+            for each in (*self._answers, *self._publishers.values(), *several):
+                each.undeclare()
 
 
 SLICE = 0.1  # s at most without a look whether to stop
@@ -203,9 +182,10 @@ class Publisher:
             key = part.patch_key(patch.name, "layout").removeprefix(part.key(""))
             answers[key] = partial(layout_text, patch)
         try:
-            with self._outlets.answering(answers):
-                self._tell(time.monotonic())
-                yield
+            for what, answer in answers.items():
+                self._outlets.answer(what, answer)
+            self._tell(time.monotonic())
+            yield
         finally:
             self._outlets.close()
             self._fit.close()
