@@ -126,19 +126,14 @@ class Recorder:
         self._began = time.monotonic()
         self._live = live = RecorderState(os.getpid(), str(settings.path), time.time_ns())
         model_config = model_config_of(self._reader)
-        layout, skin = layout_of(self._reader), model_config.skin
+        layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
-        enclosed = enclosed_of(self._reader, skin)
+        enclosed = enclosed_of(self._reader, model_config)
         self._writer = RecordingWriter(
-            settings.path,
-            enclosed,
-            layout=layout,
-            fit=FIT,
-            settings=settings.file,
-            output=output,
+            settings.path, enclosed, layout=layout, fit=FIT, settings=settings.file, output=output
         )
         self._queue = Queue(settings.queue_bytes, live)
-        self._watch = StatusWatch(self._reader, self._queue, skin, tares)
+        self._watch = StatusWatch(self._reader, self._queue, model_config, tares)
         since_ns = settings.since_ns
         begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
         self._drain = Drain(
