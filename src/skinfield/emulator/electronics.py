@@ -36,7 +36,6 @@ def electronics_of(settings: VirtualSettings) -> Electronics:
     return Electronics(
         board=known.board if icub else CySkinBoard(gain=CYSKIN_GAIN),
         gain_spread=settings.gain_spread,
-        converter_gain_spread=settings.converter_gain_spread,
         drift=known.drift,
         noise=noise,
     )

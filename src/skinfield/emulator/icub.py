@@ -88,15 +88,14 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
     drift = size * np.concatenate([array.drift for array in arrays])
     first = 0
     for patch, array in zip(skin, arrays, strict=True):
-        if settings.pads and kind_for(patch) == SkinType.COMPENSATED:
+        if kind_for(patch) == SkinType.COMPENSATED:
             gains = np.array(pads.gains, float)[array.wiring.stage]
             drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
         first += len(patch)
     extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
     rng = np.random.default_rng([settings.seed, 3])
     level = np.rint(MIDDLE + rng.uniform(-APART, APART, len(drift) + extra))
-    warm = pads.per_kelvin if settings.pads else 0.0
-    others = Others(warm, pads.noise * settings.noise, len(THERMAL))
+    others = Others(pads.per_kelvin, pads.noise * settings.noise, len(THERMAL))
     return converters_for(
         arrays, settings, level, (LOW, HIGH), size=size, drift=drift, others=others
     )

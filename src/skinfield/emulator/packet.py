@@ -10,7 +10,7 @@ from skinfield.emulator.electronics import converters_for, manufacture, starts_o
 from skinfield.emulator.hardware import Fates, Hardware, Schedule
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.emulator.transports import open_link
-from skinfield.errors import Floats, InputError
+from skinfield.errors import InputError
 from skinfield.skin import Patch, Skin
 from skinfield.wire.packet import (
     COMMANDS,
@@ -41,7 +41,6 @@ class Device:
     patch : Patch
     number : int
     encoder : PacketEncoder
-    values : (n_channels,) array
     period : float, s
     sending : bool
     """
@@ -49,7 +48,6 @@ class Device:
     patch: Patch
     number: int
     encoder: PacketEncoder
-    values: Floats
     period: float = PERIOD
     sending: bool = True
     booted_ns: int = field(default_factory=monotonic_ns)
@@ -67,8 +65,7 @@ def device_of(patch: Patch, number: int) -> Device:
             f"patch {patch.name!r} has {patch.n_channels} channels, expected up to 65535 for "
             "packets: split it up"
         )
-    encoder = PacketEncoder(patch.n_channels, device=number)
-    return Device(patch, number, encoder, np.full(patch.n_channels, REST))
+    return Device(patch, number, PacketEncoder(patch.n_channels, device=number))
 
 
 class Ear:
@@ -193,12 +190,13 @@ class PacketDevices(Hardware):
         made.clear()
         for board in members:
             device = self.devices[board]
-            device.values[device.patch.channel] = self.converters.counts[self._rows(board)]
+            values = np.full(device.patch.n_channels, REST)
+            values[device.patch.channel] = self.converters.counts[self._rows(board)]
             for number, part in self.unplugged:
                 if number == board:
                     gone = device.patch.module == self._modules[board][part]
-                    device.values[device.patch.channel[gone]] = 0.0
-            made += device.encoder.encode(device.values, device.clock_us)
+                    values[device.patch.channel[gone]] = 0.0
+            made += device.encoder.encode(values, device.clock_us)
         self.readings += len(members)
         self._wire.send(len(made))
 

@@ -42,7 +42,6 @@ STREAMS = ("udp", "tcp", "serial")
 PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
 Chance = Annotated[float, PROBABILITY]
 Late = Annotated[float, Range(0.0, 60.0, "seconds; 0 is off")]
-Spread = Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1 is about 10 %")]
 
 
 @dataclass(frozen=True)
@@ -233,12 +232,10 @@ class VirtualSettings(Section):
         Times that of real boards, see `electronics_of`. 0: none.
     common_noise : float, counts
         Of white noise that the taxels of one converter share.
-    gain_spread, converter_gain_spread : float
-        Of the logarithm of gains, per taxel and shared by a converter.
+    gain_spread : float
+        Of the logarithm of the taxels' gains.
     temperature : Temperature
         Of the surroundings over time.
-    pads : bool
-        Whether an iCub's thermal pads feel the warmth as the taxels do.
     mtb3 : bool
         Boards of iCub's older generation, which round negative drifts otherwise.
     spread : bool
@@ -270,10 +267,8 @@ class VirtualSettings(Section):
     layer: Layer = field(default_factory=Layer)
     noise: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0 is off")] = 0.3
     common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0 is off")] = 0.0
-    gain_spread: Spread = 0.0
-    converter_gain_spread: Spread = 0.0
+    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1 is about 10 %")] = 0.0
     temperature: Temperature = field(default_factory=Temperature)
-    pads: bool = True
     mtb3: bool = False
     spread: bool = False
     wires: Wires = field(default_factory=Wires)

@@ -147,14 +147,10 @@ SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class FaultCommand(Section):
-    """A fault as text, or its parts, with the seconds from now after which it begins."""
+class FaultCommand:
+    """A fault as text, whose times count from now."""
 
     fault: str = ""
-    kind: str = ""
-    what: str | int = "0"
-    after: Annotated[float, Range(0.0, 1e9, "seconds from now")] = 0.0
-    seconds: Annotated[float | None, Range(1e-3, 1e9, "for how long")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -381,12 +377,7 @@ class VirtualSkin:
         }
 
     def _fault(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        wanted = from_plain(FaultCommand, fields)
-        if wanted.fault:
-            fault = fault_from_text(wanted.fault)
-        else:
-            lasting = FOREVER if wanted.seconds is None else wanted.seconds
-            fault = Fault(wanted.kind, str(wanted.what), wanted.after, lasting)
+        fault = fault_from_text(from_plain(FaultCommand, fields).fault)
         now_ns = self.clock()
         fault = fault_to_start(fault, self.time(now_ns))
         self.faults.add(fault)

@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import IO, Annotated, Any
 
@@ -130,6 +130,7 @@ CELL = 0.5e-3  # m
 LINE = 0.25e-3  # m between the distances that are solved
 SPACING = 0.05e-3  # m between the distances of a table
 FORCES = 128  # rows of a table
+ROWS = np.arange(FORCES)
 REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
 Key = tuple[Tool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
@@ -167,16 +168,13 @@ class PressTable:
                 f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
             )
 
+    def row(self, force: float) -> float:
+        """Row of a force, between two of them as a rule."""
+        return math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
+
     def radius_at(self, force: float) -> float:
         """Radius of the touch, m."""
-        row = math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
-        lower = min(int(row), FORCES - 2)
-        low, high = self._radii[lower], self._radii[lower + 1]
-        return low + (row - lower) * (high - low)
-
-    @cached_property
-    def _radii(self) -> list[float]:
-        return [float(each) for each in self.contact_radius]
+        return float(np.interp(self.row(force), ROWS, self.contact_radius))
 
 
 def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
@@ -204,7 +202,7 @@ def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
     read = np.array([each.readings(line, pad_diameter, "capacitance") for each in solved])
     radius = np.array([math.sqrt(each.contact_area / math.pi) for each in solved])
     fine = np.arange(0.0, reach, SPACING)
-    rows = (np.arange(FORCES) / (FORCES - 1)) ** 2 * highest
+    rows = (ROWS / (FORCES - 1)) ** 2 * highest
     # What is read per newton hardly changes with the force: that is what is interpolated.
     slope = CubicSpline(np.log(forces), read / forces[:, None])
     known = np.maximum(rows, forces[0])
@@ -445,7 +443,7 @@ class World:
         told = []
         for touch in touches:
             table = self._solving.now(self._key(touch.patch, touch.tool))
-            row = min((touch.force / table.highest_force) ** 0.5, 1.0) * (FORCES - 1)
+            row = table.row(touch.force)
             first, last = self._starts[touch.patch], self._starts[touch.patch + 1]
             add_press(
                 change, self._plane, int(first), int(last), table.change, SPACING, row, touch.x,

@@ -73,20 +73,21 @@ class Queue:
     most : int, bytes
     state : RecorderState
         Counts what is dropped.
+
+    Attributes
+    ----------
+    waiting : int, bytes
+        In it.
+    ended : bool
+        Whether nothing more comes; something may still be there.
     """
 
     def __init__(self, most: int, state: RecorderState) -> None:
         self._most, self.state = most, state
         self._items: deque[Item] = deque()
-        self._bytes = 0
+        self.waiting, self.ended = 0, False
         self._ready = threading.Condition()
-        self._ended = False
         self._dropped = Dropped()
-
-    @property
-    def waiting(self) -> int:
-        """Bytes in it."""
-        return self._bytes
 
     @property
     def oldest_ns(self) -> int:
@@ -102,7 +103,7 @@ class Queue:
         """
         with self._ready:
             room = self._most // 2 if self._dropped.since_ns else self._most
-            if self._bytes + item.size > room:
+            if self.waiting + item.size > room:
                 self._dropped.add(item)
                 self.state.dropped_bytes += 0 if item.cycle else item.size
                 self.state.dropped_cycles += item.cycle
@@ -110,7 +111,7 @@ class Queue:
             if self._dropped.since_ns:
                 self._tell_dropped()
             self._items.append(item)
-            self._bytes += item.size
+            self.waiting += item.size
             self._ready.notify()
             return True
 
@@ -127,20 +128,20 @@ class Queue:
     def offer(self, item: Item) -> bool:
         """Append something that comes after all readings, if there is room enough for those."""
         with self._ready:
-            if self._dropped.since_ns or self._bytes + item.size > self._most // 2:
+            if self._dropped.since_ns or self.waiting + item.size > self._most // 2:
                 return False
             self._items.append(item)
-            self._bytes += item.size
+            self.waiting += item.size
             return True
 
     def take(self, timeout: float) -> list[Item]:
         """Everything that is there, as soon as there is something; empty after `timeout` s."""
         with self._ready:
-            if not self._items and not self._ended:
+            if not self._items and not self.ended:
                 self._ready.wait(timeout)
             found = list(self._items)
             self._items.clear()
-            self._bytes = 0
+            self.waiting = 0
             return found
 
     def end(self) -> None:
@@ -148,13 +149,8 @@ class Queue:
         with self._ready:
             if self._dropped.since_ns:
                 self._tell_dropped()
-            self._ended = True
+            self.ended = True
             self._ready.notify()
-
-    @property
-    def ended(self) -> bool:
-        """Whether nothing more comes; something may still be there."""
-        return self._ended
 
     def _tell_dropped(self) -> None:
         """Leave a word where the gap is."""
@@ -181,6 +177,8 @@ class Disk(threading.Thread):
         Monotonic time; 0 while writing works.
     last_flush, last_sync : float, s
         Monotonic time.
+    crash : BaseException or None
+        Why it ended too early.
     """
 
     def __init__(self, writer: RecordingWriter, queue: Queue) -> None:
@@ -190,7 +188,7 @@ class Disk(threading.Thread):
         self._state, self.failing_since = queue.state, 0.0
         self.last_flush = self.last_sync = now
         self._slow_told = 0.0
-        self._crash: BaseException | None = None
+        self.crash: BaseException | None = None
 
     def run(self) -> None:
         """Work until the queue has ended."""
@@ -199,19 +197,14 @@ class Disk(threading.Thread):
                 self._round()
             self._finish()
         except BaseException as error:
-            self._crash = error
+            self.crash = error
 
     def stop(self) -> None:
         """Wait for its end; raises what went wrong with it."""
         self._queue.end()
         self.join()
-        if self._crash is not None:
-            raise self._crash
-
-    @property
-    def crashed(self) -> bool:
-        """Whether it ended too early."""
-        return self._crash is not None
+        if self.crash is not None:
+            raise self.crash
 
     def _round(self) -> None:
         """Write what came, unless the disk refuses: then what comes waits in the queue."""

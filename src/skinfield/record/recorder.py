@@ -185,7 +185,7 @@ class Recorder:
         self._watch.look()
         self.state = self._state()
         self._say_changes()
-        if self._disk.crashed:
+        if self._disk.crash is not None:
             self._live.ended = "the thread that writes has failed"
         elif self._reader.replaced():
             self._live.ended = "the ring was taken away: the skin was stopped"

@@ -71,7 +71,7 @@ class RingInfo(NamedTuple):
     state : State or None
         As the writer last said; None if the file is damaged.
     alive : bool
-        Whether its writer lives.
+        Whether its writer lives; False if the file is damaged.
     generation, number : int
         Of writers so far; of the newest slot.
     problem : str
@@ -101,19 +101,7 @@ def _look(path: Path) -> RingInfo:
             now = reader.pid, reader.state, reader.alive, reader.generation, reader.number
             return RingInfo(name, path, *now)
     except FileError as error:
-        return RingInfo(name, path, 0, None, _written(path), 0, 0, str(error))
-
-
-def _written(path: Path) -> bool:
-    """Whether a living process writes a file that is damaged."""
-    try:
-        descriptor = files.open_ring(path, write=False)
-    except FileError:
-        return False
-    try:
-        return files.locked(descriptor)
-    finally:
-        os.close(descriptor)
+        return RingInfo(name, path, 0, None, False, 0, 0, str(error))
 
 
 _TRIES = 64  # to copy the newest slot before the writer comes round

@@ -175,8 +175,8 @@ class Publisher:
             "description": lambda: encoder.description,
             "layout": lambda: encoder.layout,
             "calibration": encoder.calibration,
-            "status": encoder.newest_status,
-            "health": encoder.health,
+            "status": lambda: encoder.status,
+            "health": lambda: encoder.health,
         }
         for patch in self._live.skin:
             key = part.patch_key(patch.name, "layout").removeprefix(part.key(""))
@@ -209,8 +209,9 @@ class Publisher:
     def _tell(self, now: float) -> None:
         self._status = now + STATUS
         self._outlets.live(self._reader.alive and self._reader.state < State.STOPPED)
-        self._outlets.put("status", self._encoder.status())
-        self._outlets.put("health", self._encoder.health())
+        self._encoder.look()
+        self._outlets.put("status", self._encoder.status)
+        self._outlets.put("health", self._encoder.health)
 
     def _take(self, number: int, now: float) -> bool:
         """Take the newest cycle with a new reading; another only if none went out for long."""

@@ -115,6 +115,8 @@ class StatusEncoder:
     fingerprint : bytes
     layout : bytes
         The skin as skinfield's own layout in TOML.
+    status, health : bytes
+        What `skinfield status --json` tells, and counters of what goes wrong, of the last `look`.
     """
 
     def __init__(self, live: Live, part: Part) -> None:
@@ -125,18 +127,18 @@ class StatusEncoder:
         self.description = described(part.robot, part.name, reader.description, reader.slot_fields)
         self.fingerprint = fingerprint_of(self.description)
         self.layout = layout_text(live.skin)
-        self._look()
+        self.look()
 
-    def _look(self) -> None:
+    def look(self) -> None:
         """Look at the state once for both, status and health."""
         plain = self._observer.look().as_dict()
         recorder = (plain.get("beside") or {}).get("recorder")
         if isinstance(recorder, dict):  # where it writes to is nobody's business elsewhere
             recorder.pop("path", None)
         tares = int(self._reader.status_view["tares"][0])
-        self._status = strict_json(plain | {"tares": tares})
+        self.status = strict_json(plain | {"tares": tares})
         patches = plain["patches"]
-        self._health = strict_json(
+        self.health = strict_json(
             {
                 "state": plain["state"],
                 "rate": plain["rate"],
@@ -152,19 +154,6 @@ class StatusEncoder:
                 "restarts": plain["generation"] - 1,
             }
         )
-
-    def status(self) -> bytes:
-        """What `skinfield status --json` tells, now."""
-        self._look()
-        return self._status
-
-    def health(self) -> bytes:
-        """Counters of what goes wrong, of the moment of `status`."""
-        return self._health
-
-    def newest_status(self) -> bytes:
-        """The status that was made last."""
-        return self._status
 
     def calibration(self) -> bytes:
         """Noise of all taxels and solver, by which a reader makes uncertainties."""
