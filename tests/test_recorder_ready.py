@@ -11,6 +11,7 @@ from live_skins import unique_name
 from recorder_ring import FakeEngine
 
 from skinfield.files.mcap.live import LiveRecording
+from skinfield.record import launch
 from skinfield.record.launch import ReadyRecorders
 from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
 
@@ -85,7 +86,8 @@ def test_not_before_readings_that_are_gone(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def recorders(engine: FakeEngine) -> Iterator[ReadyRecorders]:
+def recorders(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> Iterator[ReadyRecorders]:
+    monkeypatch.setattr(launch, "PAUSE", 600.0)  # s: however busy the machine is
     made = ReadyRecorders(engine.ring.name)
     yield made
     made.close()

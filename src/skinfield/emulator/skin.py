@@ -8,7 +8,7 @@ import select
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -132,13 +132,6 @@ class FaultClock:
         patch = patch_index(self.skin, key) if slash else 0
         rows = numbers_of(rest, len(self.skin.patches[patch]), "taxel")
         return np.array(rows, np.int64) + int(starts_of(self.skin)[patch])
-
-
-def fault_to_start(fault: Fault, time: float) -> Fault:
-    """The fault, at the earliest at `time`, which is now; for those that come by hand."""
-    if fault.seconds <= 0.0:
-        raise InputError(f"seconds is {fault.seconds!r}, expected more than 0")
-    return Fault(fault.kind, fault.what, max(time, 0.0) + fault.start, fault.seconds)
 
 
 LINES = 100  # of truth in one answer, at most
@@ -379,7 +372,7 @@ class VirtualSkin:
     def _fault(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         fault = fault_from_text(from_plain(FaultCommand, fields).fault)
         now_ns = self.clock()
-        fault = fault_to_start(fault, self.time(now_ns))
+        fault = replace(fault, start=max(self.time(now_ns), 0.0) + fault.start)
         self.faults.add(fault)
         if self.stream_ns:
             self.faults.advance(self.time(now_ns), now_ns, self.warmth(now_ns))

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import signal
 import subprocess
@@ -61,11 +62,15 @@ class ReadyRecorders:
         """Record into a file, from now on, as long as it is entered."""
         since_ns = time.time_ns()
         with self._lock:
-            child, self._child, self._next = self._child, None, time.monotonic() + PAUSE
-        if child is None or child.poll() is not None:
-            child = start_recorder(self._name)
-        with recording(self._name, path, child, since_ns):
-            yield
+            child, self._child, self._next = self._child, None, math.inf
+        try:
+            if child is None or child.poll() is not None:
+                child = start_recorder(self._name)
+            with recording(self._name, path, child, since_ns):
+                self._next = time.monotonic() + PAUSE
+                yield
+        finally:
+            self._next = min(self._next, time.monotonic() + PAUSE)
 
     def close(self) -> None:
         """End the one that waits, if there is one."""
