@@ -4,7 +4,6 @@ import json
 from typing import Any
 
 from skinfield.emulator import VirtualSettings, VirtualSkin
-from skinfield.emulator.skin import commands_of
 from skinfield.emulator.transports import answer_to, encoded
 
 SEEDS = [
@@ -22,7 +21,7 @@ SEEDS = [
     b'{"do": "describe"}',
 ]
 SKIN = VirtualSkin(VirtualSettings(bus="udp", scene="idle", control="", at_once=True))
-COMMANDS = commands_of(SKIN)
+COMMANDS = SKIN.commands()
 STEP_NS = 50_000_000
 
 
@@ -30,7 +29,7 @@ def nothing(*_: Any) -> None:
     """In place of solving a table in another process."""
 
 
-SKIN.world._solving.start = nothing  # type: ignore[method-assign]
+SKIN.world._solving._solve = nothing  # type: ignore[method-assign]
 NOW = [SKIN.started_ns]
 
 

@@ -23,7 +23,7 @@ def one_input(data: bytes) -> None:
             identifier = data[at] | (data[at + 1] & 7) << 8
             skin.hardware._obey(0, identifier, data[at + 3 : at + 3 + length], 0.0)  # type: ignore[attr-defined]
             at += 3 + length
-        skin.hardware.start(now_ns)
+        skin.hardware.reschedule(now_ns)
         assert skin.hardware.schedule.next_ns > now_ns - 10**9
     hear(data, now_ns)
 
@@ -31,7 +31,7 @@ def one_input(data: bytes) -> None:
 def hear(data: bytes, now_ns: int) -> None:
     """The bytes as what a host sends to a device."""
     devices = DEVICE.hardware
-    link = devices._wire.link  # type: ignore[attr-defined]
+    link = devices._wire  # type: ignore[attr-defined]
     link.receive = lambda: data
     devices.listen(now_ns, 0.0)
     del link.receive

@@ -50,7 +50,7 @@ class Skin:
 def started(parts: ExitStack) -> Skin:
     """A skin whose engine answers."""
     virtual = VirtualSettings(rate=RATE, scene="idle", lead_in=0.0)
-    boards = parts.enter_context(start(virtual, STARTS))
+    boards = parts.enter_context(start(virtual))
     made = settings(rungs=(10, 20))
     source = source_from_options("icub", "udp", tuple(boards.channels), made.skin)
     made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.5, stale_after=STALE)

@@ -1,4 +1,4 @@
-"""A recorder that stands ready, and a recording that begins before it was asked for."""
+"""A recorder that stands by, and a recording that begins before it was asked for."""
 
 import subprocess
 import sys
@@ -7,21 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from live_skins import unique_name, wait_for
+from live_skins import unique_name
 from recorder_ring import FakeEngine
 
-from skinfield.errors import InputError
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.record.launch import LOADING, NOT_READY, ReadyRecorders
-from skinfield.record.recorder import (
-    READY,
-    Recorder,
-    RecorderSettings,
-    forget_state,
-    order_of,
-    read_order,
-    read_state,
-)
+from skinfield.record import launch
+from skinfield.record.launch import ReadyRecorders
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 PERIOD = 0.01  # s
@@ -94,26 +86,20 @@ def test_not_before_readings_that_are_gone(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def recorders(engine: FakeEngine) -> Iterator[ReadyRecorders]:
-    made = ReadyRecorders(engine.ring.name, said.append)
-    said.clear()
+def recorders(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> Iterator[ReadyRecorders]:
+    monkeypatch.setattr(launch, "PAUSE", 600.0)  # s: however busy the machine is
+    made = ReadyRecorders(engine.ring.name)
     yield made
     made.close()
 
 
-said: list[str] = []
-
-
-def test_one_that_stands_ready_records_from_the_click_on(
+def test_one_that_stands_by_records_from_the_click_on(
     recorders: ReadyRecorders, engine: FakeEngine, tmp_path: Path
 ) -> None:
-    assert recorders.pid is None
     recorders.tend()
-    assert recorders.pid is None  # nobody wants one yet
+    assert recorders._child is None  # nobody wants one yet
     recorders.prepare()
-    pid, path = recorders.pid, tmp_path / "a.mcap"
-    wait_for(lambda: recorders.stands_ready)
-    assert read_state(engine.ring.name) is None  # a rehearsal is no recording
+    pid, path = recorders._child.pid, tmp_path / "a.mcap"
     engine.close()
     engine.__init__(engine.ring.name)  # another ring of the name  # type: ignore[misc]
     cycles(engine, 5)
@@ -123,19 +109,16 @@ def test_one_that_stands_ready_records_from_the_click_on(
         assert (state.pid, Path(state.path)) == (pid, path)
         cycles(engine, 5)
         recorders.tend()
-        assert recorders.pid is None  # the next comes later
+        assert recorders._child is None  # the next comes later
     assert numbers(path) == list(range(5, 11))
-    assert said == []
     recorders._next = 0.0
     recorders.tend()
-    assert recorders.pid not in (None, pid)
+    assert recorders._child.pid != pid
 
 
 def killed(recorders: ReadyRecorders) -> None:
-    child = recorders._child
-    assert child is not None
-    child.kill()
-    child.wait()
+    recorders._child.kill()
+    recorders._child.wait()
 
 
 def test_one_that_dies_is_replaced_and_a_click_before_begins_afresh(
@@ -143,42 +126,18 @@ def test_one_that_dies_is_replaced_and_a_click_before_begins_afresh(
 ) -> None:
     recorders.prepare()
     killed(recorders)
-    assert not recorders.stands_ready
     recorders.tend()
-    assert recorders.pid is None  # not at once: it may die again
+    assert recorders._child is None  # not at once: it may die again
     recorders._next = 0.0
     recorders.tend()
     killed(recorders)
     with recorders(path := tmp_path / "a.mcap"):
         assert path.exists()
-    assert said[-1] == NOT_READY
-    assert LiveRecording.open(path).finished
-
-
-def test_a_click_while_it_is_being_loaded_waits_for_it(
-    recorders: ReadyRecorders, tmp_path: Path
-) -> None:
-    recorders.prepare()
-    pid = recorders.pid
-    with recorders(path := tmp_path / "a.mcap"):
-        state = read_state(recorders._name)
-        assert state is not None
-        assert state.pid == pid
-    assert said == [LOADING]
     assert LiveRecording.open(path).finished
 
 
 def test_one_that_waits_ends_with_whoever_would_tell_it() -> None:
     """On a skin that is not there yet."""
-    command = [sys.executable, "-m", "skinfield.record.recorder", unique_name(), "--wait"]
+    command = [sys.executable, "-m", "skinfield.record.recorder", unique_name()]
     found = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
-    assert (found.returncode, found.stdout, found.stderr) == (0, READY, b"")
-
-
-def test_orders_come_back_as_they_were_given(tmp_path: Path) -> None:
-    path = tmp_path / "a\nb.mcap"
-    order = order_of(path, 5)
-    assert order.count(b"\n") == 1
-    assert read_order(order) == (path, 5)
-    with pytest.raises(InputError, match="expected JSON of path and since_ns"):
-        read_order(b"nonsense\n")
+    assert (found.returncode, found.stdout, found.stderr) == (0, b"", b"")

@@ -75,7 +75,7 @@ def check(lines: list[list[str]], reader: RingReader) -> None:
 
 
 def test_c_sees_nothing_torn_at_full_speed(program: Path) -> None:
-    count = 60_000
+    count = 20_000
     with own_name() as name:
         Ring.create(name, SLOT, slots=SLOTS, log_bytes=LOG_BYTES).close()
         with worker("write", name, count) as writer:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from ring_scenes import SLOT, bytes_of, write
+from ring_scenes import SLOT, write
 
 from skinfield.errors import FileError, InputError
 from skinfield.ring import Field, Ring, RingReader, State, files
@@ -57,60 +57,6 @@ def test_header(ring: Ring) -> None:
     assert [word(data, at) for at in (128, 192, 256, 264, 320)] == [0, 0, 0, 0, 123456789]
     assert struct.unpack_from("<III", data, 384) == (os.getpid(), 2, 1)
     assert ring.path.stat().st_mode & 0o777 == 0o600
-
-
-def test_table_of_fields_says_where_they_are(ring: Ring) -> None:
-    slot = ring.begin()
-    slot["stamp"][...] = -5
-    slot["place"][:] = np.arange(12).reshape(3, 4)
-    slot["pressure"][:] = np.linspace(0, 1, 10)
-    slot["valid"][:] = [1, 0, 1, 1, 0]
-    ring.publish()
-    ring.status["late"][:] = range(6)
-    ring.status["load"][...] = 0.25
-    data = ring.path.read_bytes()
-    found = {}
-    for i in range(6):
-        name, kind, *numbers = struct.unpack_from("<48s8s9Q", data, word(data, 24) + 128 * i)
-        offset, size, dimensions, *shape = numbers
-        start = word(data, 80) + word(data, 88) if i < 4 else word(data, 64)
-        array = np.frombuffer(data[start + offset :][:size], np.dtype(kind.rstrip(b"\0").decode()))
-        found[name.rstrip(b"\0").decode()] = array.reshape(shape[:dimensions])
-        assert offset % 8 == 0
-        assert offset % 64 == 0 or size < 64
-    assert list(found) == NAMES
-    for name in ("place", "pressure", "valid"):
-        assert np.array_equal(found[name], slot[name])
-    assert found["stamp"] == -5
-    assert found["late"].tolist() == list(range(6))
-    assert found["load"] == 0.25
-
-
-def test_slot_and_log(ring: Ring) -> None:
-    data = ring.path.read_bytes()
-    size, log = word(data, 88), word(data, 104)
-    starts = [word(data, 80) + i * size for i in range(4)]
-    for number in range(1, 7):
-        ring.begin()
-        assert word(ring.path.read_bytes(), starts[number % 4]) == 2 * number + 1
-        ring.log(bytes_of(b"abc"))
-        ring.publish()
-        data = ring.path.read_bytes()
-        assert struct.unpack_from("<3Q", data, starts[number % 4]) == (
-            2 * number + 2,
-            3 * number,
-            1,
-        )
-        assert (word(data, 128), word(data, 192)) == (number, number)
-        assert (word(data, 256), word(data, 264)) == (3 * number, 3 * number)
-    assert data[log:][:18] == b"abc" * 6
-    batch = np.arange(8192, dtype=np.uint64).view(np.uint8)[:5000]
-    ring.log(batch)
-    ring.log(batch)  # round the end
-    data = ring.path.read_bytes()[log:]
-    twice = b"abc" * 6 + 2 * batch.tobytes()
-    assert data[: len(twice) - 8192] == twice[8192:]
-    assert data[len(twice) - 8192 :] == twice[len(twice) - 8192 : 8192]
 
 
 def test_marks_are_the_first_ends_in_a_64th(ring: Ring) -> None:

@@ -13,7 +13,7 @@ from ring_worker import LOG_BYTES, SLOTS
 from skinfield.errors import InputError
 from skinfield.ring import Ring, RingReader, State
 
-COUNT = 120_000
+COUNT = 40_000
 
 
 @pytest.fixture
@@ -73,6 +73,8 @@ def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int
         writer.wait(60)
         assert not reader.alive
         assert numbers(reader) == before
+        (found,) = (each for each in Ring.names() if each.name == name)
+        assert (found.alive, found.pid, found.state) == (False, writer.pid, State.STARTING)
         with again(name) as ring:
             assert (ring.number, ring.generation, ring.log_end) == (10, 4, 5)
             assert numbers(reader) == before
@@ -85,7 +87,7 @@ def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int
 
 def test_a_writer_killed_anywhere_leaves_a_good_ring(name: str) -> None:
     with RingReader(name) as reader:
-        for _ in range(4):
+        for _ in range(2):
             newest = reader.number
             with worker("write", name, 10**9) as writer:
                 writer.stdout.readline()
@@ -104,16 +106,6 @@ def test_a_writer_killed_anywhere_leaves_a_good_ring(name: str) -> None:
                 ring.log(bytes_of(b"12345678"))
             assert numbers(reader) == list(range(newest + SLOTS + 1, newest + 2 * SLOTS + 1))
             assert log.read() == (b"12345678", 0)
-
-
-def test_state_of_a_killed_writer_is_what_it_said_last(name: str) -> None:
-    with worker("stop", name, 0) as writer, RingReader(name) as reader:
-        assert [writer.stdout.readline() for _ in range(2)] == ["ready\n", "half\n"]
-        assert reader.state == State.STARTING
-        writer.kill()
-        writer.wait(60)
-        (found,) = (each for each in Ring.names() if each.name == name)
-        assert (found.alive, found.pid, found.state) == (False, writer.pid, State.STARTING)
 
 
 def test_a_reader_cannot_write_even_past_python(name: str) -> None:

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import threading
 import time
 import uuid
 from collections import Counter
@@ -13,11 +12,11 @@ from ros2_ring import TwoPatches, contact
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from skinfield.bridges.launch import bridge_settings
-from skinfield.bridges.ros2.publisher import serve
+from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.ros2.rmw_zenoh import ATTACHMENT, gid_of
 from skinfield.errors import InputError
 from skinfield.files.ros import interface_package
-from skinfield.settings import BridgeSettings
+from skinfield.settings import BridgeSettings, from_plain
 
 zenoh = pytest.importorskip("zenoh")
 PATIENCE = 120.0  # s
@@ -60,7 +59,7 @@ class Child:
     """The bridge; settings on top of the usual ones."""
 
     def __init__(self, name: str, address: str, **more) -> None:
-        session = {"mode": "client", "connect": [address]}
+        session = {"connect": [address]}
         self.process = subprocess.Popen(
             [sys.executable, "-m", "skinfield.bridges.ros2", name],
             stdin=subprocess.PIPE,
@@ -208,7 +207,7 @@ def test_humble_and_a_named_robot(engine, router):
 )
 def test_what_is_wrong_is_said(plain, why):
     with pytest.raises(InputError, match=why):
-        serve("none", plain, threading.Event())
+        from_plain(RosSettings, plain)
 
 
 @pytest.mark.parametrize(

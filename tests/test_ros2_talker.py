@@ -2,6 +2,7 @@
 
 import uuid
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ros2_ring import TwoPatches, contact
 
-from skinfield.bridges.ros2.messages import LOOKS, Pace, Speaker, Talker
+from skinfield.bridges.ros2 import messages
+from skinfield.bridges.ros2.messages import LOOKS, Speaker, Talker
 from skinfield.files.ros import RosbagKinds
 from skinfield.loop.client import Live, NotRunning
 from skinfield.ring import State
@@ -92,16 +94,21 @@ def test_another_skin_of_that_name(engine):
 @given(st.lists(st.floats(1e-4, 0.5), min_size=1, max_size=60), st.floats(0.5, 500.0))
 def test_pace(steps, rate):
     """Never more than the rate over any time, but for one more; nothing due is forgotten."""
-    pace, now, done = Pace({"a": rate, "never": 0.0}), 100.0, []
-    for step in steps:
-        assert 0.0 <= pace.wait(now) <= LOOKS
-        if pace.due(now):
-            assert pace.due(now) == ["a"]
-            pace.mark("a", now)
-            done.append(now)
-        else:
-            assert now < done[-1] + 1.0 / rate + 1e-9
-        now += step
+    live = SimpleNamespace(
+        reader=SimpleNamespace(replaced=lambda: False), name="n", state=State.STOPPED
+    )
+    now, done = [100.0], []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(messages, "Observer", lambda *_, **__: SimpleNamespace(look=lambda: None))
+        patch.setattr(messages, "FitReader", lambda _: None)
+        patch.setattr(messages.time, "monotonic", lambda: now[0])
+        speaker = SimpleNamespace(of_status=lambda *_: now[0])
+        talker = Talker(live, speaker, {"diagnostics": rate, "wrench": 0.0}, done.append)
+        for step in steps:
+            assert 0.0 <= talker.wait() <= LOOKS
+            talker.step()
+            assert now[0] < done[-1] + 1.0 / rate + 1e-9
+            now[0] += step
     times = np.array(done)
     for first in range(len(times)):
         passed = times[first:] - times[first]

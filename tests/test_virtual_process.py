@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -216,20 +216,22 @@ def test_the_command_says_what_it_sent(tmp_path):
     assert [json.loads(line)["number"] for line in truth.read_text().splitlines()] == [0]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_the_command_ends_with_a_summary_when_it_is_told_to(number):
+def test_the_command_ends_with_a_summary_when_it_is_told_to():
     words = [sys.executable, "-c", "from skinfield.cli.main import main; main()"]
     words += ["emulate", "--channel", "127.0.0.1:0", "--scene", "idle"]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as command:
-        said = [command.stderr.readline()]
-        while "JSON by UDP" not in said[-1]:
-            assert said[-1]
-            said.append(command.stderr.readline())
-        command.send_signal(number)
-        rest = command.stderr.read()
-    assert command.returncode == 0
-    assert "0 messages of 0 readings sent" in rest
-    assert "Traceback" not in rest
+    with ExitStack() as ends:
+        commands = [
+            ends.enter_context(subprocess.Popen(words, stderr=subprocess.PIPE, text=True))
+            for _ in range(2)
+        ]
+        for command, number in zip(commands, (signal.SIGINT, signal.SIGTERM), strict=True):
+            said = iter(command.stderr.readline, "")
+            assert any("JSON by UDP" in line for line in said)
+            command.send_signal(number)
+            rest = command.stderr.read()
+            assert command.wait() == 0
+            assert "0 messages of 0 readings sent" in rest
+            assert "Traceback" not in rest
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from yarp_peers import NameServer, Sender, values_of
 
 import skinfield as sf
 from skinfield.bridges.yarp import YarpSettings, publisher
-from skinfield.bridges.yarp.publisher import serve
 from skinfield.errors import InputError
 from skinfield.loop.client import connect
 from skinfield.loop.supervisor import Supervisor
@@ -177,7 +176,7 @@ def check_contacts(contacts: list[list]) -> float:
 
 def test_what_cannot_be_is_said() -> None:
     with pytest.raises(InputError, match="name of a port is 'no slash'"):
-        serve(unique_name(), {"port": "no slash"}, threading.Event())
+        from_plain(YarpSettings, {"port": "no slash"})
     for wrong in ({"rate": 0}, {"name_server": "x:y"}, {"nothing": 1}, {"parts": []}):
         with pytest.raises(InputError, match="expected"):
             from_plain(YarpSettings, wrong)

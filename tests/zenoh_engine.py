@@ -1,6 +1,5 @@
 """A process with a ring that is filled, and published: zenoh_engine.py NAME ROBOT ADDRESS."""
 
-import json
 import signal
 import sys
 import threading
@@ -9,9 +8,8 @@ import time
 import numpy as np
 from live_skins import fill, settings, skin_ring
 
-from skinfield.bridges.zenoh.publisher import serve
+from skinfield.bridges.zenoh.publisher import PublisherSettings, serve
 from skinfield.bridges.zenoh.session import ZenohSettings
-from skinfield.settings import json_from_value
 
 FORCE = 1.5  # N
 
@@ -28,9 +26,9 @@ def main() -> None:
 
         worker = threading.Thread(target=work)
         worker.start()
-        session = json.loads(json_from_value(ZenohSettings(connect=(address,))))
+        session = ZenohSettings(connect=(address,))
         try:
-            serve(name, {"robot": robot, "session": session}, stop)
+            serve(name, PublisherSettings(robot=robot, session=session), stop)
         finally:
             stop.set()
             worker.join()

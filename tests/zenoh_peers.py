@@ -19,14 +19,13 @@ def free_port() -> int:
 
 
 @contextmanager
-def listening(**values: Any) -> Iterator[tuple[Any, str]]:
+def listening() -> Iterator[tuple[Any, str]]:
     """A session that listens, and its address; another port if one was taken meanwhile."""
-    protocol = "tls" if "tls" in values else "tcp"
     with ExitStack() as ends:
         for attempt in range(20):
-            address = f"{protocol}/localhost:{free_port()}"
+            address = f"tcp/localhost:{free_port()}"
             try:
-                made = ends.enter_context(open_session(ZenohSettings(listen=(address,), **values)))
+                made = ends.enter_context(open_session(ZenohSettings(listen=(address,))))
                 break
             except InputError:
                 if attempt == 19:

@@ -11,20 +11,23 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypeVar
 
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import SkinfieldError
 from skinfield.loop.process_supervisor import end_with
+from skinfield.settings import value_from_json
 
 MOST = 1 << 20  # bytes of settings
-Serve = Callable[[str, Mapping[str, Any], threading.Event], None]
+T = TypeVar("T")
 
 
-def run_child(serve: Serve) -> int:
+def run_child(kind: type[T], serve: Callable[[str, T, threading.Event], None]) -> int:
     """Run a bridge to its end; the exit status.
 
     Parameters
     ----------
+    kind : type
+        Of its settings.
     serve : function (name of the ring, settings, event)
         Calls `say_ready` when it is there, and returns soon after the event is set.
     """
@@ -39,21 +42,11 @@ def run_child(serve: Serve) -> int:
     if given.parent is not None:
         end_with(given.parent)
     try:
-        serve(given.name, _settings(sys.stdin.buffer.read(MOST)), stop)
+        serve(given.name, value_from_json(kind, sys.stdin.buffer.read(MOST)), stop)
     except SkinfieldError as error:
         _say({"ready": False, "error": str(error)})
         return 2
     return 0
-
-
-def _settings(data: bytes) -> Mapping[str, Any]:
-    try:
-        plain = json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"settings are {data[:60]!r}, expected a JSON object: {error}") from error
-    if not isinstance(plain, dict):
-        raise InputError(f"settings are {data[:60]!r}, expected a JSON object")
-    return plain
 
 
 def say_ready(**facts: object) -> None:

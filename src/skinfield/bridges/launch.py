@@ -73,16 +73,6 @@ class Bridge(SupervisedProcess):
         self.facts = told
 
 
-class Bridges(tuple[Bridge, ...]):
-    """The bridges that run."""
-
-    __slots__ = ()
-
-    def notices(self) -> list[str]:
-        """What happened to any of them since the last time, in sentences."""
-        return [text for bridge in self for text in bridge.notices()]
-
-
 def _first_line(child: Child, seconds: float, stop: threading.Event) -> dict[str, Any]:
     """What a bridge says when it is there; `error` if it does not say so in time, or `stop` is set.
 
@@ -170,15 +160,10 @@ def zenoh_sources(given: ZenohAddresses) -> Iterator[Any]:
 
 
 @contextmanager
-def bridges(given: BridgeSettings, ring_name: str) -> Iterator[Bridges]:
+def bridges(given: BridgeSettings, ring_name: str) -> Iterator[list[Bridge]]:
     """The bridges that the options ask for, as long as the block lasts.
 
     One that ends is started again.
-
-    Parameters
-    ----------
-    given : BridgeSettings
-    ring_name : str
 
     Raises
     ------
@@ -186,7 +171,7 @@ def bridges(given: BridgeSettings, ring_name: str) -> Iterator[Bridges]:
         If one does not start, with the reason that it gave.
     """
     wanted = bridge_settings(given)
-    made = Bridges(Bridge(kind, ring_name, settings) for kind, settings in wanted.items())
+    made = [Bridge(kind, ring_name, settings) for kind, settings in wanted.items()]
     with ExitStack() as ends:
         for bridge in made:
             ends.enter_context(bridge)

@@ -348,8 +348,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
     from skinfield.record.launch import ReadyRecorders
 
     name = wanted.loop.name
-    local = LocalSource(name)
-    recorders = ReadyRecorders(name, lambda text: controller.say("warn", text))
+    local, recorders = LocalSource(name), ReadyRecorders(name)
 
     controller = LiveController(
         lambda: local.source,
@@ -418,7 +417,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
 
     def check() -> None:
         page.check()
-        for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
+        beside = [*bridged, *([] if fit is None else [fit])]
+        for text in (text for each in beside for text in each.notices()):
             page.controller.say("warn", text)
             note(text, "yellow", console)
 

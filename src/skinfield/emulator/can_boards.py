@@ -1,65 +1,68 @@
 """Boards on CAN buses in software: their buses, and listening to hosts."""
 
 from collections.abc import Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.emulator.electronics import Converters
-from skinfield.emulator.hardware import WAITING, Fates, Hardware, Schedule, Wire
+from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.signal import CanMessages
 from skinfield.wire.can import Bus, BusSettings, open_bus
 from skinfield.wire.can.bus import can_interface, host_and_port
 
+if TYPE_CHECKING:
+    from skinfield.wire.cyskin import CySkinBoardState
+    from skinfield.wire.icub.commands import BoardState
+
 HEARD = 256  # messages of hosts that are taken at once
 ROUNDS = 16  # of them in one poll of a bus
 
 
-class CanWire(Wire):
+Message = tuple[int, int, NDArray[np.uint8]]  # identifier, length and octets
+
+
+class CanWire(Wire[Message]):
     """One CAN bus; `made` has the messages to send."""
 
-    def __init__(self, bus: Bus, room: int, fates: Fates) -> None:
+    def __init__(self, bus: Bus, room: int, fates: Fates[Message]) -> None:
         super().__init__(fates)
-        self.bus = bus
+        self.bus, known = bus, bus.settings
+        place = getattr(bus, "address", None)
+        port = dict(known.options).get("port")
+        if place is None:
+            place = (known.channel,) if port is None else (known.channel, port)
+        self.address = ":".join(map(str, place))
         self.made = CanMessages(room)
         self._out = CanMessages(2 * room + 2)
-        self._waiting = CanMessages(1)
-
-    @property
-    def address(self) -> str:
-        """Where a host finds it."""
-        place = getattr(self.bus, "address", None)
-        if place is not None:
-            return f"{place[0]}:{place[1]}"
-        known = self.bus.settings
-        port = dict(known.options).get("port")
-        return known.channel if port is None else f"{known.channel}:{port}"
 
     def filenos(self) -> Sequence[int]:
         """See `Wire`."""
         return self.bus.filenos()
 
-    def _put(self, order: Sequence[int]) -> None:
-        count, messages = len(order), self.made
-        if not isinstance(order, range):
-            rows, messages = np.array(order, np.int64), self._out
-            before = rows == WAITING
-            for name in ("ids", "lengths", "data"):
-                chosen = getattr(self.made, name)[rows]
-                chosen[before] = getattr(self._waiting, name)[0]
-                getattr(messages, name)[:count] = chosen
+    def _message(self, row: int) -> Message:
+        made = self.made
+        return int(made.ids[row]), int(made.lengths[row]), made.data[row].copy()
+
+    def _put_all(self, count: int) -> None:
+        self._send(self.made, count)
+
+    def _put(self, messages: Sequence[Message]) -> None:
+        out = self._out
+        for row, message in enumerate(messages):
+            out.ids[row], out.lengths[row], out.data[row] = message
+        self._send(out, len(messages))
+
+    def _send(self, messages: CanMessages, count: int) -> None:
         if not self.bus.up and not self.bus.reopen():
             self.refused += count
             return
         taken = self.bus.send_many(messages, count)
         self.sent += taken
         self.refused += count - taken
-
-    def _remember(self, index: int) -> None:
-        for name in ("ids", "lengths", "data"):
-            getattr(self._waiting, name)[0] = getattr(self.made, name)[index]
 
     def _let_go(self) -> None:
         self.bus.close()
@@ -104,21 +107,7 @@ def _bus(settings: VirtualSettings, channel: str, number: int) -> BusSettings:
     return can_interface(settings.bus, channel, number)
 
 
-class State(Protocol):
-    """What a board of any kind was set to by its host."""
-
-    @property
-    def sending(self) -> bool:
-        """Whether it sends by itself."""
-        ...
-
-    @property
-    def period_ms(self) -> int:
-        """Between its readings."""
-        ...
-
-
-StateT = TypeVar("StateT", bound=State)
+StateT = TypeVar("StateT", "BoardState", "CySkinBoardState")  # what a host set a board to
 
 
 class CanBoards(Hardware, Generic[StateT]):
@@ -126,8 +115,9 @@ class CanBoards(Hardware, Generic[StateT]):
 
     Parameters
     ----------
-    fresh : sequence of State
+    fresh : sequence of states
         Of the boards, as after switching on.
+    parts : sequence of int
     converters : Converters
     schedule : Schedule
     wires : sequence of CanWire
@@ -138,14 +128,16 @@ class CanBoards(Hardware, Generic[StateT]):
     def __init__(
         self,
         fresh: Sequence[StateT],
+        parts: Sequence[int],
         converters: Converters,
         schedule: Schedule,
         wires: Sequence[CanWire],
         rate: float | None,
     ) -> None:
-        super().__init__(len(fresh), converters, schedule, wires, rate)
+        super().__init__(parts, converters, schedule, wires, rate)
         self._buses = tuple(wires)
-        self._fresh, self.states = tuple(fresh), list(fresh)
+        self._fresh: tuple[StateT, ...] = tuple(fresh)
+        self.states: list[StateT] = list(fresh)
         self._heard = CanMessages(HEARD)
 
     def listen(self, now_ns: int, warmth: float) -> None:
@@ -161,7 +153,7 @@ class CanBoards(Hardware, Generic[StateT]):
                 if count < HEARD:
                     break
         if changed:
-            self._reschedule(now_ns)
+            self.reschedule(now_ns)
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         """Obey one message; whether a board of ours was meant."""

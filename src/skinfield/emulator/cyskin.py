@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
-from skinfield.emulator.electronics import Converters, converters_of, joined, manufacture
+from skinfield.emulator.electronics import Converters, Others, converters_for, manufacture
 from skinfield.emulator.hardware import Fates, Schedule
-from skinfield.emulator.settings import VirtualSettings, numbers_of
+from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError, Ints
 from skinfield.skin import Skin
 from skinfield.wire.cyskin import (
@@ -26,13 +26,7 @@ PLAIN_NOISE = 20.0  # counts of it, as recordings have
 
 
 class CySkinBoards(CanBoards[CySkinBoardState]):
-    """See `Hardware`. All boards are on one bus.
-
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    """See `Hardware`. All boards are on one bus."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         placed, self.boards = on_boards(skin)
@@ -43,8 +37,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
             for board in self.boards
         ]
         self._channel = _channels(placed, self.boards)
-        self._module_of = self._channel // SENSORS
-        self._unplugged: set[int] = set()
+        self._first = np.cumsum([0, *(len(board.modules) for board in self.boards)])
         self._assembler = Assembler(self.wire)
         converters = _converters(skin, settings, len(self._channel))
         (bus,) = open_buses(settings, 1)
@@ -52,7 +45,8 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         room = self._encoder.messages_per_reading
         self._can = CanWire(bus, room, Fates(settings.wires, rng))
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(fresh, converters, schedule, [self._can], settings.rate)
+        parts = [len(board.modules) for board in self.boards]
+        super().__init__(fresh, parts, converters, schedule, [self._can], settings.rate)
         self._synced: list[int] = []
         self._encode(0)  # compiles before the first reading
 
@@ -102,28 +96,10 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
 
         encoder = self._encoder
         scatter(self.converters.counts, self._channel, encoder.counts)
-        for module in self._unplugged:
+        for board, part in self.unplugged:
+            module = self._first[board] + part
             encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
         return encoder.encode(self._can.made, 0, now_ns)
-
-    def _plug(self, what: str, plugged: bool | None) -> None:
-        modules = self._modules(what)
-        if plugged:
-            self._unplugged.difference_update(modules)
-        elif plugged is not None:
-            self._unplugged.update(modules)
-
-    def _modules(self, what: str) -> list[int]:
-        """Modules, counted over all boards, of ``"3"`` or, of one board, ``"1.3"``."""
-        first, dot, second = what.partition(".")
-        counts = [len(board.modules) for board in self.boards]
-        if not dot:
-            return numbers_of(first, sum(counts), "module")
-        found = []
-        for number in numbers_of(first, len(self.boards), "board"):
-            before = sum(counts[:number])
-            found += [before + m for m in numbers_of(second, counts[number], "module")]
-        return found
 
 
 def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:
@@ -136,19 +112,8 @@ def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:
 
 def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Converters:
     """Responses of all taxels, clipped at 0 as the boards do, and the temperatures."""
+    level = np.full(channels, TEMPERATURE)
+    level[: sum(len(patch) for patch in skin)] = 0.0
+    others = Others(PER_KELVIN, PLAIN_NOISE * settings.noise)
     arrays = manufacture(skin, settings)
-    gain, converter = joined(arrays, "gain"), converters_of(arrays)
-    extra = channels - len(gain)
-    plain = np.zeros(extra)
-    last = int(converter.max()) + 1
-    return Converters(
-        np.concatenate([np.zeros(len(gain)), plain + TEMPERATURE]),
-        np.concatenate([gain, plain]),
-        np.concatenate([joined(arrays, "drift"), plain + PER_KELVIN]),
-        np.concatenate([joined(arrays, "white_noise"), plain + PLAIN_NOISE * settings.noise]),
-        np.concatenate([converter, last + np.arange(extra)]),
-        common=settings.common_noise,
-        low=0.0,
-        high=65535.0,
-        seed=settings.seed,
-    )
+    return converters_for(arrays, settings, level, (0.0, 65535.0), others=others)

@@ -1,7 +1,9 @@
 """Taxels as made, and their counts at one moment, at full speed."""
 
 import random
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,7 +36,6 @@ def electronics_of(settings: VirtualSettings) -> Electronics:
     return Electronics(
         board=known.board if icub else CySkinBoard(gain=CYSKIN_GAIN),
         gain_spread=settings.gain_spread,
-        converter_gain_spread=settings.converter_gain_spread,
         drift=known.drift,
         noise=noise,
     )
@@ -130,32 +131,68 @@ def starts_of(skin: Skin) -> Ints:
     return np.cumsum([0, *(len(patch) for patch in skin)], dtype=np.int64)
 
 
-def joined(arrays: list[TaxelArray], name: str) -> Floats:
-    """One column of all taxels."""
-    return np.concatenate([getattr(array, name) for array in arrays])
+class Others(NamedTuple):
+    """Channels behind those of the taxels, which feel only warmth.
+
+    Attributes
+    ----------
+    drift : float, counts/K
+    white : float, counts
+        Standard deviation of their noise.
+    shared : int
+        How many are on one converter.
+    """
+
+    drift: float = 0.0
+    white: float = 0.0
+    shared: int = 1
 
 
-def converters_of(arrays: list[TaxelArray]) -> Ints:
-    """Number of the converter of each taxel, over all patches."""
-    parts, first = [], 0
-    for array in arrays:
-        parts.append(array.wiring.converter + first)
-        first += array.wiring.converters
-    return np.concatenate(parts)
+def converters_for(
+    arrays: Sequence[TaxelArray],
+    settings: VirtualSettings,
+    level: Floats,
+    limits: tuple[float, float],
+    *,
+    size: float = 1.0,
+    drift: Floats | None = None,
+    others: Others = Others(),  # noqa: B008 - it never changes
+) -> Converters:
+    """Converters of the taxels of all patches.
 
+    Parameters
+    ----------
+    arrays : sequence of TaxelArray
+    settings : VirtualSettings
+    level : (C,) array, counts
+        At rest, of the taxels and then of the others.
+    limits : (lowest, highest), counts
+    size : float
+        Counts per count in which the electronics are given; below 0: a press lowers them.
+    drift : (L,) array, counts/K, optional
+        Of the taxels; default that of the electronics.
+    others : Others
+    """
 
-def converters_from(skin: Skin, settings: VirtualSettings, rest: float, high: float) -> Converters:
-    """Converters of the taxels of all patches, that read `rest` at rest and 0 to `high` counts."""
-    arrays = manufacture(skin, settings)
-    gain = joined(arrays, "gain")
+    def joined(name: str, other: float) -> Floats:
+        return np.concatenate([*(getattr(each, name) for each in arrays), np.full(spare, other)])
+
+    spare, scale = len(level) - sum(len(each.gain) for each in arrays), abs(size)
+    converter, first = [], 0
+    for each in arrays:
+        converter.append(each.wiring.converter + first)
+        first += each.wiring.converters
+    drifts = joined("drift", others.drift / size) * size
+    if drift is not None:
+        drifts[: len(drift)] = drift
     return Converters(
-        np.full(len(gain), rest),
-        gain,
-        joined(arrays, "drift"),
-        joined(arrays, "white_noise"),
-        converters_of(arrays),
-        common=settings.common_noise,
-        low=0.0,
-        high=high,
+        level,
+        size * joined("gain", 0.0),
+        drifts,
+        scale * joined("white_noise", others.white / scale),
+        np.concatenate([*converter, first + np.arange(spare) // others.shared]),
+        common=scale * settings.common_noise,
+        low=limits[0],
+        high=limits[1],
         seed=settings.seed,
     )

@@ -1,9 +1,9 @@
 """Hardware of a virtual skin: schedules of boards, what becomes of messages, faults of boards."""
 
 import random
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -12,8 +12,8 @@ from skinfield.emulator.settings import Wires, numbers_of
 
 NEVER = 1 << 62
 LATEST = 0.9  # of a period, that jitter can make a reading late
-WAITING, NONE_WAITING = -1, -2
 CHANCES = {"lose": "lost", "duplicate": "duplicated", "swap": "swapped"}  # and what is counted
+MessageT = TypeVar("MessageT")
 
 
 @dataclass
@@ -109,7 +109,7 @@ class Schedule:
         return found
 
 
-class Fates:
+class Fates(Generic[MessageT]):
     """Draws what happens to each message of one bus.
 
     Attributes
@@ -118,59 +118,58 @@ class Fates:
         Of `CHANCES`; may be written at any time.
     counts : dict of str to int
         How many were lost, duplicated, swapped.
-    waiting : int
-        The message that waits for the next one: its index, `WAITING` of the burst before, or
-        `NONE_WAITING`.
+    waiting : list
+        The message that waits for the next one, if there is one.
     """
 
     def __init__(self, wires: Wires, rng: np.random.Generator) -> None:
         self.chances = {name: float(getattr(wires, name)) for name in CHANCES}
         self.counts = dict.fromkeys(CHANCES.values(), 0)
         self._random = random.Random(int(rng.integers(0, 1 << 63))).random
-        self.waiting = NONE_WAITING
+        self.waiting: list[MessageT] = []
 
-    def draw(self, count: int) -> list[int]:
-        """Messages 0 to `count` - 1 in the order in which they go out.
-
-        An entry is the index of a message, or `WAITING` for the one that the burst before left.
-        """
+    def draw(self, messages: Iterable[MessageT]) -> list[MessageT]:
+        """Messages in the order in which they go out."""
         lose, duplicate, swap = self.chances.values()
-        order: list[int] = []
-        for message in range(count):
+        order: list[MessageT] = []
+        for message in messages:
             if lose and self._random() < lose:
                 self.counts["lost"] += 1
                 continue
-            if swap and self.waiting == NONE_WAITING and self._random() < swap:
-                self.waiting = message
+            if swap and not self.waiting and self._random() < swap:
+                self.waiting.append(message)
                 continue
             order.append(message)
             if duplicate and self._random() < duplicate:
                 order.append(message)
                 self.counts["duplicated"] += 1
-            if self.waiting != NONE_WAITING:
-                order.append(self.waiting)
-                self.waiting = NONE_WAITING
+            if self.waiting:
+                order.append(self.waiting.pop())
                 self.counts["swapped"] += 1
         return order
 
     @property
     def idle(self) -> bool:
         """Whether nothing can happen to the next messages."""
-        return not any(self.chances.values()) and self.waiting == NONE_WAITING
+        return not self.waiting and not any(self.chances.values())
 
 
-class Wire:
+class Wire(Generic[MessageT]):
     """One bus as the boards see it; what is sent over it lies in a store of the subclass.
 
     Attributes
     ----------
+    address : str
+        Where a host finds it.
     fates : Fates
     sent, refused, withheld : int
         Messages that went out, that the system did not take, and that met a bus that was off.
     off : bool
     """
 
-    def __init__(self, fates: Fates) -> None:
+    address: str
+
+    def __init__(self, fates: Fates[MessageT]) -> None:
         self.fates = fates
         self.sent = self.refused = self.withheld = 0
         self.off = False
@@ -180,27 +179,24 @@ class Wire:
         if self.off:
             self.withheld += count
         elif self.fates.idle:
-            self._put(range(count))
+            self._put_all(count)
         else:
-            self._put(self.fates.draw(count))
-            if self.fates.waiting >= 0:
-                self._remember(self.fates.waiting)
-                self.fates.waiting = WAITING
-
-    @property
-    def address(self) -> str:
-        """Where a host finds it."""
-        raise NotImplementedError
+            self._put(self.fates.draw(self._message(row) for row in range(count)))
 
     def filenos(self) -> Sequence[int]:
         """File descriptors that become readable when a host says something."""
         raise NotImplementedError
 
-    def _put(self, order: Sequence[int]) -> None:
-        """Send messages by their index; `WAITING` is the one that is remembered."""
+    def _message(self, row: int) -> MessageT:
+        """A copy of a message that was made."""
         raise NotImplementedError
 
-    def _remember(self, index: int) -> None:
+    def _put_all(self, count: int) -> None:
+        """Send the first `count` messages as they are."""
+        raise NotImplementedError
+
+    def _put(self, messages: Sequence[MessageT]) -> None:
+        """Send copies of messages."""
         raise NotImplementedError
 
     def _let_go(self) -> None:
@@ -208,8 +204,8 @@ class Wire:
 
     def close(self) -> None:
         """Send what waits, which then is not swapped, and close the bus."""
-        if self.fates.waiting == WAITING and not self.off:
-            self._put([WAITING])
+        if self.fates.waiting and not self.off:
+            self._put(self.fates.waiting)
         self._let_go()
 
 
@@ -218,8 +214,8 @@ class Hardware:
 
     Parameters
     ----------
-    boards : int
-        How many.
+    parts : sequence of int
+        Triangles or modules of each board.
     converters : Converters
         Its first channels are the taxels of all patches.
     schedule : Schedule
@@ -233,18 +229,23 @@ class Hardware:
         Of boards, that were made, obeyed and undergone so far.
     quiet : set of int
         Boards that are booting.
+    unplugged : set of (int, int)
+        Boards, and their parts that are not there.
     """
+
+    part = "module"
 
     def __init__(
         self,
-        boards: int,
+        parts: Sequence[int],
         converters: Converters,
         schedule: Schedule,
-        wires: Sequence[Wire],
+        wires: Sequence[Wire[Any]],
         rate: float | None,
     ) -> None:
         self.converters, self.schedule, self.wires = converters, schedule, tuple(wires)
-        self._boards, self._rate = boards, rate
+        self._parts, self._boards, self._rate = tuple(parts), len(parts), rate
+        self.unplugged: set[tuple[int, int]] = set()
         self.readings = self.commands = self.reboots = 0
         self.quiet: set[int] = set()
 
@@ -252,20 +253,6 @@ class Hardware:
     def addresses(self) -> list[str]:
         """Where a host finds each bus."""
         return [wire.address for wire in self.wires]
-
-    @property
-    def chances(self) -> dict[str, float]:
-        """Probabilities of `lose`, `duplicate` and `swap`, per message."""
-        return dict(self.wires[0].fates.chances)
-
-    def set_chances(self, chances: dict[str, float]) -> None:
-        """Change what happens to messages from now on."""
-        for wire in self.wires:
-            wire.fates.chances.update(chances)
-
-    def start(self, now_ns: int) -> None:
-        """Send from now on what sends without being told."""
-        self._reschedule(now_ns)
 
     def filenos(self) -> list[int]:
         """File descriptors that become readable when a host says something."""
@@ -283,10 +270,6 @@ class Hardware:
         """Seconds between the readings of a board; None while it sends none."""
         raise NotImplementedError
 
-    def _plug(self, what: str, plugged: bool | None) -> None:
-        """Plug parts of boards in or out; None: only look whether they are there."""
-        raise NotImplementedError
-
     def _reset(self, board: int) -> None:
         """Make a board as it is after switching on."""
         raise NotImplementedError
@@ -294,7 +277,8 @@ class Hardware:
     def _awake(self, board: int, warmth: float) -> None:
         """Begin anew as a board that has booted."""
 
-    def _reschedule(self, now_ns: int) -> None:
+    def reschedule(self, now_ns: int) -> None:
+        """Send from now on what is to be sent."""
         periods = {}
         for board in set(range(self._boards)) - self.quiet:
             period = self._period(board)
@@ -302,43 +286,48 @@ class Hardware:
                 periods[board] = round(1e9 * (1.0 / self._rate if self._rate else period))
         self.schedule.set(periods, self._boards, now_ns)
 
-    def check(self, kind: str, what: str) -> None:
-        """Raise InputError if there is no such triangle, board or bus."""
-        if kind == "unplug":
-            self._plug(what, None)
-        elif kind == "bus-off":
-            numbers_of(what, len(self.wires), "bus")
-        else:
-            numbers_of(what, self._boards, "board")
-
     def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """Begin a fault that was checked, of a triangle, board or bus."""
-        if kind == "unplug":
-            self._plug(what, False)
-        elif kind == "bus-off":
-            self._switch(what, off=True)
-        else:
-            for board in numbers_of(what, self._boards, "board"):
+        """Begin a fault of a triangle, board or bus."""
+        for board, part in self.places(kind, what):
+            if kind == "unplug":
+                self.unplugged.add((board, part))
+            elif kind == "bus-off":
+                self.wires[board].off = True
+            else:
                 self.quiet.add(board)
                 self._reset(board)
                 self.reboots += 1
-            self._reschedule(now_ns)
+        self.reschedule(now_ns)
 
     def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
         """End it."""
-        if kind == "unplug":
-            self._plug(what, True)
-        elif kind == "bus-off":
-            self._switch(what, off=False)
-        else:
-            for board in numbers_of(what, self._boards, "board"):
+        for board, part in self.places(kind, what):
+            if kind == "unplug":
+                self.unplugged.discard((board, part))
+            elif kind == "bus-off":
+                self.wires[board].off = False
+            else:
                 self.quiet.discard(board)
                 self._awake(board, warmth)
-            self._reschedule(now_ns)
+        self.reschedule(now_ns)
 
-    def _switch(self, what: str, off: bool) -> None:
-        for number in numbers_of(what, len(self.wires), "bus"):
-            self.wires[number].off = off
+    def places(self, kind: str, what: str) -> list[tuple[int, int]]:
+        """Boards and their parts of ``"1.3"`` or, of board 0, ``"3"``; or boards, or buses.
+
+        Raises
+        ------
+        InputError
+            If there is no such triangle, board or bus.
+        """
+        if kind != "unplug":
+            each = ("bus", len(self.wires)) if kind == "bus-off" else ("board", self._boards)
+            return [(number, 0) for number in numbers_of(what, each[1], each[0])]
+        board, dot, part = what.rpartition(".")
+        return [
+            (number, place)
+            for number in (numbers_of(board, self._boards, "board") if dot else [0])
+            for place in numbers_of(part, self._parts[number], self.part)
+        ]
 
     def counts(self) -> dict[str, Any]:
         """What was sent and what was done to it: whole numbers."""

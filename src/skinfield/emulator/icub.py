@@ -1,14 +1,14 @@
 """Skin boards of an iCub: they obey the host's messages, and send two messages per triangle."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
-from skinfield.emulator.electronics import Converters, converters_of, joined, manufacture
+from skinfield.emulator.electronics import Converters, Others, converters_for, manufacture
 from skinfield.emulator.hardware import Fates, Schedule
-from skinfield.emulator.settings import VirtualSettings, numbers_of
+from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
 from skinfield.simulate.electronics import ThermalPads
 from skinfield.skin import Skin
@@ -83,40 +83,22 @@ def boards_of(skin: Skin) -> list[Board]:
 
 def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) -> Converters:
     """Counts of the taxels of all patches, and then of two thermal pads for each triangle."""
-    arrays = manufacture(skin, settings)
-    size = 1 << 2  # converter counts per count of a byte, in which the electronics are given
-    gain, white = -size * joined(arrays, "gain"), size * joined(arrays, "white_noise")
-    drift = -size * joined(arrays, "drift")
-    pads = ThermalPads()
-    if settings.pads:
-        first = 0
-        for patch, array in zip(skin, arrays, strict=True):
-            if kind_for(patch) == SkinType.COMPENSATED:
-                gains = np.array(pads.gains, float)[array.wiring.stage]
-                drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
-            first += len(patch)
-    extra = _pads_of(boards)
+    arrays, pads = manufacture(skin, settings), ThermalPads()
+    size = -4.0  # converter counts per count of a byte, in which the electronics are given
+    drift = size * np.concatenate([array.drift for array in arrays])
+    first = 0
+    for patch, array in zip(skin, arrays, strict=True):
+        if kind_for(patch) == SkinType.COMPENSATED:
+            gains = np.array(pads.gains, float)[array.wiring.stage]
+            drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
+        first += len(patch)
+    extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
     rng = np.random.default_rng([settings.seed, 3])
-    level = np.rint(MIDDLE + rng.uniform(-APART, APART, len(gain) + extra))
-    zeros = np.zeros(extra)
-    warm = pads.per_kelvin if settings.pads else 0.0
-    converter = converters_of(arrays)
-    last = int(converter.max()) + 1
-    return Converters(
-        level,
-        np.concatenate([gain, zeros]),
-        np.concatenate([drift, zeros + warm]),
-        np.concatenate([white, zeros + pads.noise * settings.noise]),
-        np.concatenate([converter, last + np.arange(extra) // len(THERMAL)]),
-        common=size * settings.common_noise,
-        low=LOW,
-        high=HIGH,
-        seed=settings.seed,
+    level = np.rint(MIDDLE + rng.uniform(-APART, APART, len(drift) + extra))
+    others = Others(pads.per_kelvin, pads.noise * settings.noise, len(THERMAL))
+    return converters_for(
+        arrays, settings, level, (LOW, HIGH), size=size, drift=drift, others=others
     )
-
-
-def _pads_of(boards: list[Board]) -> int:
-    return sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
 
 
 def slots_of(skin: Skin, boards: list[Board], bus: int) -> Ints:
@@ -162,24 +144,17 @@ class Line:
     encoder : ICubEncoder
     slots : (C,) int64 array
         See `slots_of`.
-    unplugged : set of int
-        Rows of the encoder.
     """
 
     wire: CanWire
     encoder: ICubEncoder
     slots: Ints
-    unplugged: set[int] = field(default_factory=set)
 
 
 class ICubBoards(CanBoards[BoardState]):
-    """See `Hardware`.
+    """See `Hardware`."""
 
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    part = "triangle"
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         self.boards = boards_of(skin)
@@ -193,7 +168,8 @@ class ICubBoards(CanBoards[BoardState]):
         ]
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
         wires = [line.wire for line in self._lines]
-        super().__init__(fresh, converters, schedule, wires, settings.rate)
+        parts = [len(board.triangles) for board in self.boards]
+        super().__init__(fresh, parts, converters, schedule, wires, settings.rate)
         for board in range(len(self.boards)):
             self._base(board, settings.temperature.warmth(0.0))
             self._configure(board)
@@ -270,34 +246,24 @@ class ICubBoards(CanBoards[BoardState]):
         for bus in buses:
             line = self._lines[bus]
             scatter(self.converters.counts, line.slots, line.encoder.raw.reshape(-1))
-            for row in line.unplugged:
-                line.encoder.raw[row] = UNPLUGGED
+            for board, part in self.unplugged:
+                if self.boards[board].bus == bus:
+                    line.encoder.raw[self.boards[board].row + part] = UNPLUGGED
             counts.append(line.encoder.encode(line.wire.made, 0, now_ns))
         return counts
 
-    def _plug(self, what: str, plugged: bool | None) -> None:
-        for bus, row in self._triangles(what):
-            line = self._lines[bus]
-            if plugged:
-                line.unplugged.discard(row)
-                line.encoder.raw[row] = line.encoder.base[row]
-            elif plugged is not None:
-                line.unplugged.add(row)
+    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
+        """See `Hardware`; a triangle that is plugged in again reads its base at first."""
+        super().end(kind, what, now_ns, warmth)
+        if kind == "unplug":
+            for number, part in self.places(kind, what):
+                board = self.boards[number]
+                encoder = self._lines[board.bus].encoder
+                encoder.raw[board.row + part] = encoder.base[board.row + part]
 
     def _awake(self, number: int, warmth: float) -> None:
         self._base(number, warmth)
         self._configure(number)
-
-    def _triangles(self, what: str) -> list[tuple[int, int]]:
-        """Bus and row of triangles from ``"3"`` or ``"1.3"``: of board 0, or of the named one."""
-        first, dot, second = what.partition(".")
-        boards = numbers_of(first, len(self.boards), "board") if dot else [0]
-        found = []
-        for number in boards:
-            board = self.boards[number]
-            for place in numbers_of(second if dot else first, len(board.triangles), "triangle"):
-                found.append((board.bus, board.row + place))
-        return found
 
 
 def _fresh(board: Board, firmware: Firmware, settings: VirtualSettings) -> BoardState:

@@ -6,11 +6,11 @@ from time import monotonic_ns
 
 import numpy as np
 
-from skinfield.emulator.electronics import Converters, converters_from, starts_of
-from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
-from skinfield.emulator.settings import VirtualSettings, numbers_of
-from skinfield.emulator.transports import Link, open_link
-from skinfield.errors import Floats, InputError
+from skinfield.emulator.electronics import converters_for, manufacture, starts_of
+from skinfield.emulator.hardware import Fates, Hardware, Schedule
+from skinfield.emulator.settings import VirtualSettings
+from skinfield.emulator.transports import open_link
+from skinfield.errors import InputError
 from skinfield.skin import Patch, Skin
 from skinfield.wire.packet import (
     COMMANDS,
@@ -41,7 +41,6 @@ class Device:
     patch : Patch
     number : int
     encoder : PacketEncoder
-    values : (n_channels,) array
     period : float, s
     sending : bool
     """
@@ -49,10 +48,8 @@ class Device:
     patch: Patch
     number: int
     encoder: PacketEncoder
-    values: Floats
     period: float = PERIOD
     sending: bool = True
-    unplugged: set[int] = field(default_factory=set)
     booted_ns: int = field(default_factory=monotonic_ns)
 
     @property
@@ -68,13 +65,7 @@ def device_of(patch: Patch, number: int) -> Device:
             f"patch {patch.name!r} has {patch.n_channels} channels, expected up to 65535 for "
             "packets: split it up"
         )
-    encoder = PacketEncoder(patch.n_channels, device=number)
-    return Device(patch, number, encoder, np.full(patch.n_channels, REST))
-
-
-def packet_converters(skin: Skin, settings: VirtualSettings) -> Converters:
-    """Counts of the taxels of all patches."""
-    return converters_from(skin, settings, REST, 65535.0)
+    return Device(patch, number, PacketEncoder(patch.n_channels, device=number))
 
 
 class Ear:
@@ -112,83 +103,44 @@ class Ear:
         return len(self._bytes) < whole <= LONGEST
 
 
-class PacketWire(Wire):
-    """The link of all devices; `made` has the packets to send."""
-
-    def __init__(self, link: Link, fates: Fates) -> None:
-        super().__init__(fates)
-        self.link = link
-        self.made: list[bytes] = []
-        self._waiting = b""
-
-    @property
-    def address(self) -> str:
-        """See `Wire`."""
-        return self.link.address
-
-    def filenos(self) -> Sequence[int]:
-        """See `Wire`."""
-        return self.link.filenos()
-
-    def _put(self, order: Sequence[int]) -> None:
-        for index in order:
-            self.say(self.made[index] if index >= 0 else self._waiting)
-
-    def say(self, packet: bytes) -> None:
-        """Send a packet."""
-        if self.link.send(packet):
-            self.sent += 1
-        else:
-            self.refused += 1
-
-    def _remember(self, index: int) -> None:
-        self._waiting = self.made[index]
-
-    def _let_go(self) -> None:
-        self.link.close()
-
-
 class PacketDevices(Hardware):
-    """See `Hardware`.
-
-    Parameters
-    ----------
-    skin : Skin
-    settings : VirtualSettings
-    """
+    """See `Hardware`."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         rng = np.random.default_rng([settings.seed, 2])
         self.devices = [device_of(patch, n) for n, patch in enumerate(skin, 1)]
         self._starts = starts_of(skin)
-        converters = packet_converters(skin, settings)
+        level = np.full(self._starts[-1], REST)
+        arrays = manufacture(skin, settings)
+        converters = converters_for(arrays, settings, level, (0.0, 65535.0))
         self._base = converters.level.copy()
-        self._wire = PacketWire(open_link(settings), Fates(settings.wires, rng))
+        self._wire = open_link(settings, Fates(settings.wires, rng))
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(len(self.devices), converters, schedule, [self._wire], settings.rate)
+        self._modules = [np.unique(patch.module) for patch in skin]
+        parts = [len(modules) for modules in self._modules]
+        super().__init__(parts, converters, schedule, [self._wire], settings.rate)
         self._ear = Ear()
-
-    def start(self, now_ns: int) -> None:
-        """See `Hardware`; each device says what it is first."""
-        for device in self.devices:
-            self._hello(device)
-        super().start(now_ns)
+        self._greeted = False
 
     def _period(self, board: int) -> float | None:
         device = self.devices[board]
-        return device.period if device.sending and self._wire.link.heard else None
+        return device.period if device.sending and self._wire.heard else None
 
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
-        before = self._wire.link.heard
-        for packet in self._ear.packets(self._wire.link.receive()):
+        for packet in self._ear.packets(self._wire.receive()):
             for board, device in enumerate(self.devices):
                 if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
                     self._obey(board, packet, warmth)
-        if self._wire.link.heard and not before:
+        self.reschedule(now_ns)
+
+    def reschedule(self, now_ns: int) -> None:
+        """See `Hardware`; each device says first what it is to who has come."""
+        if self._wire.heard and not self._greeted:
             for device in self.devices:
                 self._hello(device)
-        self._reschedule(now_ns)
+        self._greeted = self._wire.heard
+        super().reschedule(now_ns)
 
     def _obey(self, board: int, packet: Packet, warmth: float) -> None:
         self.commands += 1
@@ -229,7 +181,7 @@ class PacketDevices(Hardware):
             payload=payload,
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
-        if not self._wire.off and self._wire.link.heard:
+        if not self._wire.off and self._wire.heard:
             self._wire.say(encode_packet(packet))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
@@ -238,10 +190,13 @@ class PacketDevices(Hardware):
         made.clear()
         for board in members:
             device = self.devices[board]
-            device.values[device.patch.channel] = self.converters.counts[self._rows(board)]
-            for module in device.unplugged:
-                device.values[device.patch.channel[device.patch.module == module]] = 0.0
-            made += device.encoder.encode(device.values, device.clock_us)
+            values = np.full(device.patch.n_channels, REST)
+            values[device.patch.channel] = self.converters.counts[self._rows(board)]
+            for number, part in self.unplugged:
+                if number == board:
+                    gone = device.patch.module == self._modules[board][part]
+                    values[device.patch.channel[gone]] = 0.0
+            made += device.encoder.encode(values, device.clock_us)
         self.readings += len(members)
         self._wire.send(len(made))
 
@@ -255,15 +210,3 @@ class PacketDevices(Hardware):
         device.encoder.sequence = device.encoder.reading = 0
         self.converters.level[rows] = self._base[rows]
         self._hello(device)
-
-    def _plug(self, what: str, plugged: bool | None) -> None:
-        """Modules of device 0, as ``"3"``, or of the named one, as ``"1.3"``."""
-        first, dot, second = what.partition(".")
-        boards = numbers_of(first, len(self.devices), "device") if dot else [0]
-        for device in (self.devices[board] for board in boards):
-            modules = np.unique(device.patch.module)
-            numbers = numbers_of(second if dot else first, len(modules), "module")
-            if plugged:
-                device.unplugged.difference_update(modules[numbers].tolist())
-            elif plugged is not None:
-                device.unplugged.update(modules[numbers].tolist())

@@ -2,12 +2,10 @@
 
 import contextlib
 import json
-import select
 import socket
 import subprocess
 import sys
 import threading
-import time
 from types import TracebackType
 from typing import Any
 
@@ -17,17 +15,12 @@ from skinfield.errors import InputError
 from skinfield.settings import json_from_value
 from skinfield.wire.can.bus import host_and_port
 
-READY = 600.0  # s: presses may have to be solved first, and kernels compiled
 ANSWER = 5.0  # s
 TRIES = 3
 DATAGRAM = 65536
 
 
-class Silent(InputError):
-    """A virtual skin that has ended, or does not answer."""
-
-
-def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "VirtualProcess":
+def start(settings: VirtualSettings | None = None) -> "VirtualProcess":
     """Start a virtual skin as ``python -m skinfield.emulator``; it is there when this returns.
 
     It ends by itself when this process does, however that happens.
@@ -36,8 +29,6 @@ def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "V
     ----------
     settings : VirtualSettings, optional
         Default an iCub's boards with a hexagon of 72 taxels.
-    timeout : float, s
-        To wait for it to be there.
 
     Raises
     ------
@@ -52,50 +43,19 @@ def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "V
         process_group=0,  # a terminal's Ctrl-C is meant for whoever started it, and ends it
     )
     assert child.stdin is not None
+    assert child.stdout is not None
     try:
         child.stdin.write(json_from_value(settings).encode() + b"\n")
         child.stdin.flush()
-        reply = _line(child, timeout)
+        reply = json.loads(child.stdout.readline() or b"{}")
     except BaseException:
-        _end(child)
+        child.kill()
+        child.communicate()
         raise
     if not reply.get("ready"):
-        _end(child)
-        raise InputError(f"virtual skin did not start: {reply.get('error', 'it reply nothing')}")
+        child.communicate()
+        raise InputError(f"virtual skin did not start: {reply.get('error', 'it ended')}")
     return VirtualProcess(child, settings, reply)
-
-
-def _line(child: "subprocess.Popen[bytes]", timeout: float) -> dict[str, Any]:
-    """Next line of a child, as JSON; empty where it has ended or says something else."""
-    assert child.stdout is not None
-    data, until = b"", time.monotonic() + timeout
-    while not data.endswith(b"\n"):
-        left = until - time.monotonic()
-        if left <= 0.0 or not select.select([child.stdout], [], [], left)[0]:
-            raise Silent(f"virtual skin says nothing for {timeout:g} s, expected a line")
-        more = child.stdout.read1(DATAGRAM)  # type: ignore[attr-defined]
-        if not more:
-            return {}
-        data += more
-    try:
-        reply = json.loads(data.splitlines()[0])
-    except ValueError:
-        return {}
-    return reply if isinstance(reply, dict) else {}
-
-
-def _end(child: "subprocess.Popen[bytes]") -> None:
-    """End a child, by asking first."""
-    if child.stdin is not None:
-        with contextlib.suppress(OSError):
-            child.stdin.close()
-    try:
-        child.wait(ANSWER)
-    except subprocess.TimeoutExpired:
-        child.kill()
-        child.wait()
-    if child.stdout is not None:
-        child.stdout.close()
 
 
 class VirtualProcess:
@@ -116,10 +76,11 @@ class VirtualProcess:
         self._tag = 0
         self._asking = threading.Lock()  # one question at a time, from any thread
         self._socket: socket.socket | None = None
-        if reply.get("control"):
+        if reply["control"]:
             place = host_and_port(reply["control"], "127.0.0.1", 0)
             family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
             self._socket = socket.socket(family, socket.SOCK_DGRAM)
+            self._socket.settimeout(ANSWER)
             self._socket.connect(place)
 
     def __enter__(self) -> "VirtualProcess":
@@ -157,36 +118,23 @@ class VirtualProcess:
             With the skin's own words if it refuses, or if it does not answer.
         """
         with self._asking:
-            return self._ask(command)
-
-    def _ask(self, command: dict[str, Any]) -> dict[str, Any]:
-        if self._socket is None:
-            raise Silent("virtual skin has no control socket, expected settings with control")
-        self._tag += 1
-        data = json.dumps({**command, "tag": self._tag}).encode()
-        for _ in range(TRIES):
-            with contextlib.suppress(ConnectionError):
-                self._socket.send(data)
-                answer = self._answer(ANSWER)
-                if answer is not None:
-                    return answer
-            if not self.running:
-                break
-        raise Silent(f"virtual skin {self.pid} does not answer {command!r:.80}: it has ended")
-
-    def _answer(self, timeout: float) -> dict[str, Any] | None:
-        assert self._socket is not None
-        until = time.monotonic() + timeout
-        while (left := until - time.monotonic()) > 0.0:
-            if not select.select([self._socket], [], [], left)[0]:
-                break
-            reply = json.loads(self._socket.recv(DATAGRAM))
-            if reply.pop("tag", None) != self._tag:
-                continue  # of a command that was given up
-            if not reply.pop("ok"):
-                raise InputError(reply["error"])
-            return dict(reply)
-        return None
+            self._tag += 1
+            data = json.dumps({**command, "tag": self._tag}).encode()
+            for _ in range(TRIES):
+                if self._socket is None or not self.running:
+                    break
+                with contextlib.suppress(OSError):  # nobody is there, or answers in time
+                    self._socket.send(data)
+                    reply: dict[str, Any] = {}
+                    while reply.pop("tag", None) != self._tag:  # of a command that was given up
+                        reply = json.loads(self._socket.recv(DATAGRAM))
+                    if not reply.pop("ok"):
+                        raise InputError(reply["error"])
+                    return reply
+        raise InputError(
+            f"virtual skin {self.pid} does not answer {command!r:.80}: it has ended, or has no "
+            "control socket"
+        )
 
     def press(
         self,
@@ -255,10 +203,11 @@ class VirtualProcess:
         if self._socket is not None:
             self._socket.close()
             self._socket = None
-        if self._child.stdin is not None and not self._child.stdin.closed:
-            with contextlib.suppress(OSError):
-                self._child.stdin.close()
-            with contextlib.suppress(Silent):
-                self._final = dict(_line(self._child, ANSWER).get("counts", {}))
-            _end(self._child)
+        if self._child.stdout is not None and not self._child.stdout.closed:
+            try:
+                said, _ = self._child.communicate(timeout=ANSWER)
+            except subprocess.TimeoutExpired:
+                self._child.kill()
+                said, _ = self._child.communicate()
+            self._final = json.loads(said or b"{}").get("counts", {})
         return self._final

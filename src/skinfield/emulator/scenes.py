@@ -3,15 +3,23 @@
 import json
 import math
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError, check_choice, check_positive, check_range
+from skinfield.errors import (
+    FileError,
+    InputError,
+    check_choice,
+    check_count,
+    check_positive,
+    check_range,
+)
+from skinfield.settings import from_plain
+from skinfield.settings.tree import Range, Section
 from skinfield.simulate import Cylinder, Sphere
 from skinfield.skin import Patch, Skin
 
@@ -22,18 +30,17 @@ LARGEST = 30e-3  # m
 STEP = 0.1e-3  # m: radii are rounded to it, so that a dragged slider makes no thousand tables
 
 FARTHEST = 10.0  # m: no skin is larger
-PLACE_KEYS = ("x", "y", "taxel", "face", "weights")
 SCENES = ("idle", "press", "slide", "two-balls", "tap", "random")
 RANDOM_SECONDS = 600.0  # after which the random scene begins again
 RANDOM_FORCES = (0.2, 3.0)  # N
 OFFSET = (-2e-3, 2e-3)  # m: from the taxel, in x and y
-RAMP = 0.1  # s of pressing and of lifting off
 LATEST = 1e7  # s
-PRESS_KEYS = {
-    "patch", "shape", "radius_mm", "force_n", "x_mm", "y_mm", "taxel", "face", "weights", "start_s",
-    "seconds", "ramp_s", "path",
-}  # fmt: skip
-POINT_KEYS = {"time_s", "x_mm", "y_mm", "taxel", "face", "weights", "force_n"}
+Metres = Annotated[
+    float | None, Range(-FARTHEST, FARTHEST, "metres in the patch's plane, or give a taxel")
+]
+Millimetres = Annotated[float | None, Range(-1e4, 1e4, "millimetres in the patch's plane")]
+Seconds = Annotated[float | None, Range(0.0, LATEST, "seconds since the scene began")]
+THIRDS = (1 / 3, 1 / 3, 1 / 3)
 
 
 @dataclass(frozen=True)
@@ -181,74 +188,132 @@ class Touch:
     force: float
 
 
-def patch_index(skin: Skin, key: Any) -> int:
+def patch_index(skin: Skin, key: str | int | None) -> int:
     """Index of a patch from its name or number; 0 for None."""
-    if key is None:
-        return 0
-    if isinstance(key, bool) or not isinstance(key, int | str):
-        raise InputError(f"patch is {key!r:.60}, expected its name, or its number from 0")
-    patch = skin[key]
+    patch = skin[0 if key is None else key]
     return next(i for i, each in enumerate(skin.patches) if each is patch)
 
 
-def number(
-    fields: Mapping[str, Any], key: str, default: float | None, low: float, high: float, why: str
-) -> float:
-    """Finite number of a command.
+@dataclass(frozen=True, kw_only=True)
+class Place(Section):
+    """Place on a patch: a point of its plane, a taxel, or a point of a triangle.
 
-    Raises
-    ------
-    InputError
-        If there is none where one is needed, or it is out of range.
+    Parameters
+    ----------
+    x, y : float, m
+    taxel : int
+        Row of the patch.
+    face : int
+        Of the patch's triangles.
+    weights : three floats
+        Of its corners.
     """
-    value = fields.get(key, default)
-    plain = isinstance(value, int | float) and not isinstance(value, bool)
-    if not plain or not low <= value <= high:
-        raise InputError(
-            f"{key} is {value!r:.60}, expected a number from {low:g} to {high:g}: {why}"
-        )
-    return float(value)
+
+    x: Metres = None
+    y: Metres = None
+    taxel: int | None = None
+    face: int | None = None
+    weights: tuple[float, float, float] = THIRDS
+
+    def on(self, patch: Patch) -> tuple[float, float]:
+        """Point of the patch's plane, m.
+
+        Raises
+        ------
+        InputError
+            If it is nowhere on this patch.
+        """
+        if self.face is not None:
+            weights = np.array(self.weights)
+            if not (weights >= 0).all() or not 0 < weights.sum() < math.inf:
+                raise self.wrong("weights", "three numbers from 0, of the corners")
+            check_count("face", self.face, 0, len(patch.triangles) - 1, "of the patch")
+            x, y = weights / weights.sum() @ patch.plane[patch.triangles[self.face]]
+        elif self.taxel is not None:
+            check_count("taxel", self.taxel, 0, len(patch) - 1, "a row of the patch")
+            x, y = patch.plane[self.taxel]
+        elif self.x is None or self.y is None:
+            missing = "x" if self.x is None else "y"
+            raise self.wrong(missing, "a number: metres in the patch's plane, or a taxel")
+        else:
+            x, y = self.x, self.y
+        return float(x), float(y)
 
 
-def whole(fields: Mapping[str, Any], key: str, count: int, why: str) -> int:
-    """Whole number of a command, from 0 to `count` - 1."""
-    value = fields.get(key)
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < count:
-        raise InputError(
-            f"{key} is {value!r}, expected a whole number from 0 to {count - 1}: {why}"
-        )
-    return value
+@dataclass(frozen=True, kw_only=True)
+class PathPoint(Section):
+    """Point of a path in a scene's file; what it does not say is as at the point before."""
+
+    time_s: Seconds = None
+    x_mm: Millimetres = None
+    y_mm: Millimetres = None
+    taxel: int | None = None
+    face: int | None = None
+    weights: tuple[float, float, float] | None = None
+    force_n: Annotated[float | None, Range(0.0, 1e4, "newtons")] = None
+
+    def after(self, before: "PathPoint") -> "PathPoint":
+        """A point with what this one does not say."""
+        if self.x_mm is not None or self.y_mm is not None:
+            before = replace(before, taxel=None, face=None)
+        mine = {key: value for key, value in vars(self).items() if value is not None}
+        return replace(before, **mine)
+
+    def on(self, patch: Patch) -> tuple[float, float]:
+        """Place on a patch, m."""
+        x, y = (None if each is None else 1e-3 * each for each in (self.x_mm, self.y_mm))
+        its = {"x": x, "y": y, "taxel": self.taxel, "face": self.face}
+        return Place(**its, weights=self.weights or THIRDS).on(patch)  # type: ignore[arg-type]
 
 
-def place_of(patch: Patch, fields: Mapping[str, Any]) -> tuple[float, float]:
-    """Point of the patch's plane, m, from `x` and `y`, or `taxel`, or `face` and `weights`.
+@dataclass(frozen=True, kw_only=True)
+class PressEntry(PathPoint):
+    """Press in a scene's file; see docs/virtual-skin.md."""
 
-    Raises
-    ------
-    InputError
-        If none of them is given, or not as it must be.
-    """
-    if "face" in fields:
-        corners = patch.plane[patch.triangles[whole(fields, "face", len(patch.triangles), "of it")]]
-        x, y = _weights(fields.get("weights", (1 / 3, 1 / 3, 1 / 3))) @ corners
-    elif "taxel" in fields:
-        x, y = patch.plane[whole(fields, "taxel", len(patch), "a row of the patch")]
-    else:
-        x = number(fields, "x", None, -FARTHEST, FARTHEST, "metres in the patch's plane")
-        y = number(fields, "y", None, -FARTHEST, FARTHEST, "metres in the patch's plane")
-    return float(x), float(y)
+    patch: str | int | None = None
+    shape: str = "ball"
+    radius_mm: float = FINGER * 1e3
+    start_s: Seconds = 0.0
+    seconds: Annotated[float, Range(1e-3, LATEST, "for how long")] = 1.0
+    ramp_s: Annotated[float, Range(0.0, LATEST, "of pressing")] = 0.1
+    path: tuple[PathPoint, ...] = ()
+
+    def track(self, skin: Skin) -> Track:
+        """What presses when and where."""
+        place = patch_index(skin, self.patch)
+        patch, tool = skin.patches[place], Tool(1e-3 * self.radius_mm, self.shape)
+        now = PathPoint(**{each.name: getattr(self, each.name) for each in fields(PathPoint)})
+        if not self.path:
+            force = 1.0 if self.force_n is None else self.force_n
+            return _held(place, tool, self.on(patch), force, self.start_s or 0.0, self.seconds,
+                         min(self.ramp_s, self.seconds / 2.0))  # fmt: skip
+        points = []
+        for each in self.path:
+            now = each.after(now)
+            if now.time_s is None:
+                raise now.wrong("time_s", "seconds since the scene began")
+            points.append(
+                Point(now.time_s, *now.on(patch), 1.0 if now.force_n is None else now.force_n)
+            )
+        return Track(place, tool, tuple(points))
 
 
-def _weights(fields: Any) -> Any:
-    try:
-        weights = np.array([float(each) for each in fields])
-    except (TypeError, ValueError, OverflowError):
-        weights = np.zeros(0)
-    if weights.shape != (3,) or not (weights >= 0).all() or not 0 < weights.sum() < math.inf:
-        raise InputError(
-            f"weights is {fields!r:.60}, expected three numbers from 0, of the corners"
-        )
-    return weights / weights.sum()
+@dataclass(frozen=True, kw_only=True)
+class SceneFile(Section):
+    """A scene's file; see docs/virtual-skin.md."""
+
+    repeat_s: Annotated[float | None, Range(1e-3, LATEST, "seconds")] = None
+    press: tuple[PressEntry, ...] = ()
+
+    def scene(self, name: str, skin: Skin) -> Scene:
+        """The scene on a skin."""
+        tracks = []
+        for index, entry in enumerate(self.press):
+            try:
+                tracks.append(entry.track(skin))
+            except InputError as error:
+                raise InputError(f"press[{index}]: {error}") from error
+        return Scene(name, tuple(tracks), self.repeat_s or math.inf)
 
 
 def scene_by_name(name: str, skin: Skin, seed: int) -> Scene:
@@ -264,60 +329,36 @@ def scene_by_name(name: str, skin: Skin, seed: int) -> Scene:
         return Scene(name)
     if name == "random":
         return _random(skin, np.random.default_rng(seed))
-    make = {"press": _press, "slide": _slide, "two-balls": _two_balls, "tap": _tap}[name]
-    tracks, period = make(skin.patches[0])
-    return Scene(name, tracks, period)
+    patch = skin.patches[0]
+    x, y = _taxel_near(patch, *np.median(patch.plane, axis=0))
+    if name == "press":
+        return Scene(name, (_held(0, Tool(), (x, y), 1.0, 1.0, 3.0),), 5.0)
+    if name == "tap":
+        return Scene(name, (_held(0, Tool(), (x, y), 0.8, 0.5, 0.08, 0.02),), 1.0)
+    width = float(np.ptp(patch.plane[:, 0]))
+    if name == "slide":
+        there = ((0.5, -1, 0.0), (0.8, -1, 1.0), (4.8, 1, 1.0), (8.8, -1, 1.0), (9.1, -1, 0.0))
+        points = (Point(time, x + 0.3 * width * side, y, force) for time, side, force in there)
+        return Scene(name, (Track(0, Tool(), tuple(points)),), 10.0)
+    half = max(0.25 * width, 10e-3)
+    one = _held(0, Tool(), _taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
+    other = _held(0, Tool(), _taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
+    return Scene(name, (one, other), 6.5)
 
 
-def middle_of(patch: Patch) -> tuple[float, float]:
-    """Place of the taxel nearest to the middle of all, m."""
-    x, y = np.median(patch.plane, axis=0)
-    return taxel_near(patch, float(x), float(y))
-
-
-def taxel_near(patch: Patch, x: float, y: float) -> tuple[float, float]:
+def _taxel_near(patch: Patch, x: float, y: float) -> tuple[float, float]:
     """Place of the taxel nearest to a point of the plane, m."""
     near = patch.plane[np.argmin(np.hypot(*(patch.plane - [x, y]).T))]
     return float(near[0]), float(near[1])
 
 
-def _press_and_lift(patch: int, tool: Tool, x: float, y: float, force: float, start: float,
-          seconds: float, ramp: float = RAMP) -> Track:  # fmt: skip
+def _held(patch: int, tool: Tool, place: tuple[float, float], force: float, start: float,
+          seconds: float, ramp: float = 0.1) -> Track:  # fmt: skip
     """Pressed at one place: up, held, and down again."""
     times = (start, start + ramp, start + seconds - ramp, start + seconds)
     forces = (0.0, force, force, 0.0)
-    points = (Point(t, x, y, f) for t, f in zip(times, forces, strict=True))
+    points = (Point(t, *place, f) for t, f in zip(times, forces, strict=True))
     return Track(patch, tool, tuple(points))
-
-
-def _press(patch: Patch) -> tuple[tuple[Track, ...], float]:
-    x, y = middle_of(patch)
-    return (_press_and_lift(0, Tool(), x, y, 1.0, 1.0, 3.0),), 5.0
-
-
-def _tap(patch: Patch) -> tuple[tuple[Track, ...], float]:
-    x, y = middle_of(patch)
-    return (_press_and_lift(0, Tool(), x, y, 0.8, 0.5, 0.08, 0.02),), 1.0
-
-
-def _slide(patch: Patch) -> tuple[tuple[Track, ...], float]:
-    x, y = middle_of(patch)
-    half = 0.3 * float(np.ptp(patch.plane[:, 0]))
-    there = [
-        Point(0.5, x - half, y, 0.0),
-        Point(0.8, x - half, y, 1.0),
-        Point(4.8, x + half, y, 1.0),
-    ]
-    back = [Point(8.8, x - half, y, 1.0), Point(9.1, x - half, y, 0.0)]
-    return (Track(0, Tool(), (*there, *back)),), 10.0
-
-
-def _two_balls(patch: Patch) -> tuple[tuple[Track, ...], float]:
-    x, y = middle_of(patch)
-    half = max(0.25 * float(np.ptp(patch.plane[:, 0])), 10e-3)
-    one = _press_and_lift(0, Tool(), *taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
-    other = _press_and_lift(0, Tool(), *taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
-    return (one, other), 6.5
 
 
 def _random(skin: Skin, rng: np.random.Generator) -> Scene:
@@ -331,9 +372,8 @@ def _random(skin: Skin, rng: np.random.Generator) -> Scene:
             tool = tools[rng.integers(len(tools))]
             x, y = skin.patches[patch].plane[rng.integers(taxels[patch])] + rng.uniform(*OFFSET, 2)
             force = math.exp(rng.uniform(*np.log(RANDOM_FORCES)))
-            tracks.append(
-                _press_and_lift(patch, tool, float(x), float(y), force, time + late, seconds)
-            )
+            place = float(x), float(y)
+            tracks.append(_held(patch, tool, place, force, time + late, seconds))
         time += seconds + 0.2 + rng.exponential(0.4)
     return Scene("random", tuple(tracks), RANDOM_SECONDS)
 
@@ -374,83 +414,6 @@ def scene_from_bytes(data: bytes, path: str, skin: Skin) -> Scene:
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} cannot be read: {error}, expected TOML or JSON") from error
     try:
-        return _scene(content, Path(path).stem, skin)
+        return from_plain(SceneFile, content).scene(Path(path).stem, skin)
     except InputError as error:
         raise FileError(f"{path}: {error}") from error
-
-
-def _scene(content: Any, name: str, skin: Skin) -> Scene:
-    _check_keys(content, {"repeat_s", "press"}, "the file")
-    presses = content.get("press", [])
-    if not isinstance(presses, list):
-        raise InputError("press is no list, expected [[press]] tables")
-    tracks = tuple(_track(each, f"press[{i}]", skin) for i, each in enumerate(presses))
-    if "repeat_s" not in content:
-        return Scene(name, tracks)
-    return Scene(name, tracks, number(content, "repeat_s", None, 1e-3, LATEST, "seconds"))
-
-
-def _track(fields: Any, where: str, skin: Skin) -> Track:
-    _check_keys(fields, PRESS_KEYS, where)
-    try:
-        patch = patch_index(skin, fields.get("patch"))
-        shape = fields.get("shape", "ball")
-        if not isinstance(shape, str):
-            raise InputError(f"shape is {shape!r}, expected 'ball' or 'flat'")
-        radius = number(fields, "radius_mm", FINGER * 1e3, 0.5, 30.0, "millimetres") * 1e-3
-        tool = Tool(radius, shape)
-        path = fields.get("path")
-        if path is not None:
-            return Track(patch, tool, _points(path, fields, skin, patch))
-        return Track(patch, tool, _points_at_one_place(fields, skin, patch))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-
-
-def _points_at_one_place(fields: Mapping[str, Any], skin: Skin, patch: int) -> tuple[Point, ...]:
-    """Pressed at one place from `start_s` for `seconds`."""
-    x, y = _place(fields, skin, patch)
-    force = number(fields, "force_n", 1.0, 1e-6, 1e4, "newtons")
-    start = number(fields, "start_s", 0.0, 0.0, LATEST, "seconds since the scene began")
-    seconds = number(fields, "seconds", 1.0, 1e-3, LATEST, "for how long")
-    ramp = min(number(fields, "ramp_s", RAMP, 0.0, LATEST, "of pressing"), seconds / 2.0)
-    return _press_and_lift(patch, Tool(), x, y, force, start, seconds, ramp).points
-
-
-def _points(path: Any, fields: Mapping[str, Any], skin: Skin, patch: int) -> tuple[Point, ...]:
-    """Points of `path`; what one does not say is as at the point before."""
-    if not isinstance(path, list) or len(path) > 100_000:
-        raise InputError("path is no list, expected points such as {time_s = 0, x_mm = 1, ...}")
-    now: dict[str, Any] = {key: fields[key] for key in POINT_KEYS & set(fields)}
-    points = []
-    for index, each in enumerate(path):
-        _check_keys(each, POINT_KEYS, f"path[{index}]")
-        if {"x_mm", "y_mm"} & set(each):
-            now = {key: value for key, value in now.items() if key not in ("taxel", "face")}
-        now.update(each)
-        x, y = _place(now, skin, patch)
-        time = number(now, "time_s", None, 0.0, LATEST, "seconds since the scene began")
-        points.append(Point(time, x, y, number(now, "force_n", 1.0, 0.0, 1e4, "newtons")))
-    return tuple(points)
-
-
-def _place(fields: Mapping[str, Any], skin: Skin, patch: int) -> tuple[float, float]:
-    metres: dict[str, Any] = {
-        key: fields[key] for key in ("taxel", "face", "weights") if key in fields
-    }
-    for key in ("x", "y"):
-        if f"{key}_mm" in fields:
-            millimetres = number(fields, f"{key}_mm", None, -1e4, 1e4, "in the patch's plane")
-            metres[key] = millimetres * 1e-3
-    x, y = place_of(skin.patches[patch], metres)
-    return (x, y) if math.isfinite(x + y) else (0.0, 0.0)
-
-
-def _check_keys(fields: Any, known: set[str], where: str) -> None:
-    if not isinstance(fields, Mapping):
-        raise InputError(f"{where} is no table, expected one with {', '.join(sorted(known))}")
-    unknown = sorted(set(fields) - known)
-    if unknown:
-        raise InputError(
-            f"{where} has {unknown[0]!r:.60}, expected only {', '.join(sorted(known))}"
-        )

@@ -3,16 +3,11 @@
 import math
 import re
 from dataclasses import dataclass, field
+from typing import Annotated
 
 from skinfield.elastic import Layer
-from skinfield.errors import (
-    InputError,
-    check_choice,
-    check_count,
-    check_positive,
-    check_range,
-    check_type,
-)
+from skinfield.errors import InputError, check_choice, check_type
+from skinfield.settings.tree import Positive, Range, Section
 
 ROOM = 25.0
 NUMBER = r"[+-]?\d+(?:\.\d*)?"
@@ -44,8 +39,13 @@ HARDWARE = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
 
 
+PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
+Chance = Annotated[float, PROBABILITY]
+Late = Annotated[float, Range(0.0, 60.0, "seconds; 0 is off")]
+
+
 @dataclass(frozen=True)
-class Temperature:
+class Temperature(Section):
     """Constant, rising once, or a sine.
 
     Parameters
@@ -59,15 +59,10 @@ class Temperature:
     sine : bool
     """
 
-    start: float = ROOM
-    change: float = 0.0
-    seconds: float = 1.0
+    start: Annotated[float, Range(-60.0, 150.0, "degrees Celsius")] = ROOM
+    change: Annotated[float, Range(-200.0, 200.0, "kelvin")] = 0.0
+    seconds: Annotated[float, Positive("of the rise, or of the sine's period")] = 1.0
     sine: bool = False
-
-    def __post_init__(self) -> None:
-        check_range("start", self.start, -60.0, 150.0, "degrees Celsius")
-        check_range("change", self.change, -200.0, 200.0, "kelvin")
-        check_positive("seconds", self.seconds, "of the rise, or of the sine's period")
 
     def warmth(self, time: float) -> float:
         """K above 25 °C at a time, s, since the stream began."""
@@ -99,7 +94,7 @@ def temperature_from_text(text: str) -> Temperature:
 
 
 @dataclass(frozen=True)
-class Fault:
+class Fault(Section):
     """A fault that begins and, perhaps, ends.
 
     Parameters
@@ -117,13 +112,12 @@ class Fault:
 
     kind: str
     what: str = "0"
-    start: float = 0.0
-    seconds: float = FOREVER
+    start: Annotated[float, Range(0.0, 1e9, "seconds since the stream began")] = 0.0
+    seconds: Annotated[float, Range(0.0, FOREVER, "for how long the fault lasts")] = FOREVER
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """See `Section`."""
         check_choice("kind", self.kind, KINDS, "of a fault")
-        check_range("start", self.start, 0.0, 1e9, "seconds since the stream began")
-        check_range("seconds", self.seconds, 0.0, FOREVER, "for how long the fault lasts")
         if not isinstance(self.what, str) or len(self.what) > 100:
             raise InputError(f"what is {self.what!r:.120}, expected the number of what fails")
 
@@ -183,7 +177,7 @@ def numbers_of(text: str, count: int, name: str) -> list[int]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wires:
+class Wires(Section):
     """What happens to messages on their way.
 
     Parameters
@@ -197,21 +191,15 @@ class Wires:
         board never overtake each other by it.
     """
 
-    lose: float = 0.0
-    duplicate: float = 0.0
-    swap: float = 0.0
-    delay: float = 0.0
-    jitter: float = 20e-6
-
-    def __post_init__(self) -> None:
-        for name in ("lose", "duplicate", "swap"):
-            check_range(name, getattr(self, name), 0.0, 1.0, "a probability per message; 0 is off")
-        for name in ("delay", "jitter"):
-            check_range(name, getattr(self, name), 0.0, 60.0, "seconds; 0 is off")
+    lose: Chance = 0.0
+    duplicate: Chance = 0.0
+    swap: Chance = 0.0
+    delay: Late = 0.0
+    jitter: Late = 20e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class VirtualSettings:
+class VirtualSettings(Section):
     """Settings of a `VirtualSkin`; text, numbers and tables, which another process can be sent.
 
     Parameters
@@ -244,12 +232,10 @@ class VirtualSettings:
         Times that of real boards, see `electronics_of`. 0: none.
     common_noise : float, counts
         Of white noise that the taxels of one converter share.
-    gain_spread, converter_gain_spread : float
-        Of the logarithm of gains, per taxel and shared by a converter.
+    gain_spread : float
+        Of the logarithm of the taxels' gains.
     temperature : Temperature
         Of the surroundings over time.
-    pads : bool
-        Whether an iCub's thermal pads feel the warmth as the taxels do.
     mtb3 : bool
         Boards of iCub's older generation, which round negative drifts otherwise.
     spread : bool
@@ -273,49 +259,30 @@ class VirtualSettings:
     skin: str = "hexagon72"
     bus: str = "udp"
     channels: tuple[str, ...] = ()
-    port: int = 0
-    rate: float | None = None
+    port: Annotated[int, Range(0, 65000, "of UDP; 0 takes those that are free")] = 0
+    rate: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None
     at_once: bool = False
     scene: str = "press"
-    lead_in: float = 3.0
+    lead_in: Annotated[float, Range(0.0, 1e6, "seconds; 0 is off")] = 3.0
     layer: Layer = field(default_factory=Layer)
-    noise: float = 0.3
-    common_noise: float = 0.0
-    gain_spread: float = 0.0
-    converter_gain_spread: float = 0.0
+    noise: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0 is off")] = 0.3
+    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0 is off")] = 0.0
+    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1 is about 10 %")] = 0.0
     temperature: Temperature = field(default_factory=Temperature)
-    pads: bool = True
     mtb3: bool = False
     spread: bool = False
     wires: Wires = field(default_factory=Wires)
     faults: tuple[Fault, ...] = ()
-    seed: int = 0
+    seed: Annotated[int, Range(0, 1 << 63, "of all that is random")] = 0
     control: str = "127.0.0.1:0"
     truth: str = ""
-    duration: float | None = None
-    priority: int = 0
+    duration: Annotated[float | None, Positive("in seconds")] = None
+    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0 is not asked for")] = 0
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """See `Section`."""
         check_choice("hardware", self.hardware, HARDWARE, "whose boards it plays")
         if self.hardware == "packet":
             check_choice("bus", self.bus, STREAMS, "what packets travel by")
         for name in ("skin", "bus", "scene", "control", "truth"):
             check_type(name, getattr(self, name), str, "text")
-        object.__setattr__(self, "channels", tuple(self.channels))
-        object.__setattr__(
-            self,
-            "faults",
-            tuple(f if isinstance(f, Fault) else fault_from_text(f) for f in self.faults),
-        )
-        if self.rate is not None:
-            check_range("rate", self.rate, 0.01, 20e3, "readings per second")
-        if self.duration is not None:
-            check_positive("duration", self.duration, "in seconds")
-        check_range("lead_in", self.lead_in, 0.0, 1e6, "seconds; 0 is off")
-        check_range("noise", self.noise, 0.0, 1e3, "times that of real boards; 0 is off")
-        check_range("common_noise", self.common_noise, 0.0, 1e6, "counts; 0 is off")
-        for name in ("gain_spread", "converter_gain_spread"):
-            check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
-        check_count("port", self.port, 0, 65000, "of UDP; 0 takes those that are free")
-        check_count("priority", self.priority, 0, 99, "of SCHED_FIFO; 0 is not asked for")
-        check_count("seed", self.seed, 0, 1 << 63, "of all that is random")

@@ -8,26 +8,29 @@ import select
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
 import numpy as np
 
-from skinfield.emulator.electronics import Converters, starts_of
+from skinfield.emulator.electronics import starts_of
 from skinfield.emulator.hardware import NEVER, Hardware
-from skinfield.emulator.scenes import Touch, number, patch_index, scene_from_text
+from skinfield.emulator.scenes import Touch, patch_index, scene_from_text
 from skinfield.emulator.settings import (
     FOREVER,
     KINDS,
+    PROBABILITY,
     Fault,
     VirtualSettings,
     fault_from_text,
     numbers_of,
 )
-from skinfield.emulator.transports import Control
+from skinfield.emulator.transports import Command, Control
 from skinfield.emulator.world import Truth, World
 from skinfield.errors import InputError, Ints
 from skinfield.files.layouts.load import skin_from_text
+from skinfield.settings import from_plain
+from skinfield.settings.tree import Range, Section
 from skinfield.skin import Skin
 
 
@@ -53,11 +56,6 @@ MOST = 10_000  # to come
 class FaultClock:
     """Begins and ends faults when their time comes.
 
-    Parameters
-    ----------
-    skin : Skin
-    hardware : Hardware
-
     Attributes
     ----------
     begun : Counter
@@ -79,17 +77,13 @@ class FaultClock:
         InputError
             If there is no such triangle, board, bus or taxel.
         """
-        self.check(fault)
-        if len(self._queue) >= MOST:
-            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
-        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
-
-    def check(self, fault: Fault) -> None:
-        """Raise InputError if what should fail is not there."""
         if KINDS[fault.kind] == "taxel":
             self._rows(fault.what)
         else:
-            self.hardware.check(fault.kind, fault.what)
+            self.hardware.places(fault.kind, fault.what)
+        if len(self._queue) >= MOST:
+            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
+        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
 
     @property
     def next_time(self) -> float:
@@ -118,7 +112,7 @@ class FaultClock:
         self.begun[fault.kind] += 1
         self.active.append(fault)
         if KINDS[fault.kind] == "taxel":
-            self._converters.set_fault(fault.kind, self._rows(fault.what))
+            self.hardware.converters.set_fault(fault.kind, self._rows(fault.what))
         else:
             self.hardware.begin(fault.kind, fault.what, now_ns)
         if fault.end != FOREVER:
@@ -127,13 +121,9 @@ class FaultClock:
     def _end(self, fault: Fault, now_ns: int, warmth: float) -> None:
         self.active.remove(fault)
         if KINDS[fault.kind] == "taxel":
-            self._converters.clear_fault(fault.kind, self._rows(fault.what))
+            self.hardware.converters.clear_fault(fault.kind, self._rows(fault.what))
         else:
             self.hardware.end(fault.kind, fault.what, now_ns, warmth)
-
-    @property
-    def _converters(self) -> Converters:
-        return self.hardware.converters
 
     def _rows(self, what: str) -> Ints:
         """Taxels of ``"7"``, ``"3-5"`` or ``"palm/7"``, among those of all patches."""
@@ -144,90 +134,46 @@ class FaultClock:
         return np.array(rows, np.int64) + int(starts_of(self.skin)[patch])
 
 
-def fault_to_start(fault: Fault, time: float) -> Fault:
-    """The fault, at the earliest at `time`, which is now; for those that come by hand."""
-    if fault.seconds <= 0.0:
-        raise InputError(f"seconds is {fault.seconds!r}, expected more than 0")
-    return Fault(fault.kind, fault.what, max(time, 0.0) + fault.start, fault.seconds)
-
-
 LINES = 100  # of truth in one answer, at most
-LONGEST_TEXT = 200
 LONGEST_WAIT = 0.05  # s: how often it looks for signals and for tables that are solved
 SECOND = 1_000_000_000
 
 
-def commands_of(skin: "VirtualSkin") -> Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
-    """Functions by the value of `do`; each takes the command's object and gives the answer's."""
+@dataclass(frozen=True, kw_only=True)
+class FaultCommand:
+    """A fault as text, whose times count from now."""
 
-    def stop(_: Mapping[str, Any]) -> dict[str, Any]:
-        skin.stop()
-        return {}
-
-    return {
-        "press": skin.world.press,
-        "move": skin.world.move,
-        "release": skin.world.release,
-        "fault": lambda fields: _fault(skin, fields),
-        "clear": lambda fields: _clear(skin, fields),
-        "wires": skin.set_wires,
-        "scene": lambda fields: _scene(skin, fields),
-        "counts": lambda _: skin.counts(),
-        "truth": lambda fields: _truth(skin, fields),
-        "describe": lambda _: skin.description(),
-        "quit": stop,
-    }
+    fault: str = ""
 
 
-def _text(fields: Mapping[str, Any], key: str) -> str:
-    value = fields.get(key)
-    if not isinstance(value, str) or not 0 < len(value) <= LONGEST_TEXT:
-        raise InputError(f"{key} is {value!r:.80}, expected text")
-    return value
+@dataclass(frozen=True, kw_only=True)
+class ClearCommand:
+    """The kind of the faults that end; None: of all."""
+
+    kind: str | None = None
 
 
-def _fault(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
-    """``{"do": "fault", "fault": "unplug 3+5s"}``, or `kind`, `what`, `after` and `seconds`."""
-    if "fault" in fields:
-        fault = fault_from_text(_text(fields, "fault"))
-    else:
-        lasting = FOREVER
-        if fields.get("seconds") is not None:
-            lasting = number(fields, "seconds", None, 1e-3, 1e9, "for how long")
-        after = number(fields, "after", 0.0, 0.0, 1e9, "seconds from now")
-        what = str(fields.get("what", "0"))
-        fault = Fault(_text(fields, "kind"), what, after, lasting)
-    now_ns = skin.clock()
-    fault = fault_to_start(fault, skin.time(now_ns))
-    skin.faults.add(fault)
-    if skin.stream_ns:
-        skin.faults.advance(skin.time(now_ns), now_ns, skin.warmth(now_ns))
-    until = fault.end if math.isfinite(fault.end) else None
-    return {"kind": fault.kind, "what": fault.what, "start": fault.start, "end": until}
+@dataclass(frozen=True, kw_only=True)
+class SceneCommand:
+    """A scene by its name, or a file."""
+
+    scene: str = ""
 
 
-def _clear(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
-    kind = _text(fields, "kind") if fields.get("kind") is not None else None
-    now_ns = skin.clock()
-    return {"cleared": skin.faults.clear(kind, now_ns, skin.warmth(now_ns))}
+@dataclass(frozen=True, kw_only=True)
+class TruthCommand(Section):
+    """Number of the first line that is wanted; None: of the newest."""
+
+    after: Annotated[int | None, Range(0, 1 << 50, "number of a line")] = None
 
 
-def _scene(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
-    skin.play(_text(fields, "scene"))
-    return {"scene": skin.world.scene.name}
+@dataclass(frozen=True, kw_only=True)
+class WiresCommand(Section):
+    """Probabilities from now on; None: as they are."""
 
-
-def _truth(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Lines from `after` on; the newest alone without it."""
-    made = skin.truth.made
-    after = int(number(fields, "after", max(made - 1, 0), 0, 1e15, "number of a line"))
-    lines = skin.truth.after(after, LINES)
-    while lines and sum(len(line["presses"]) for line in lines) > LINES:
-        lines = lines[: len(lines) // 2] or lines[:1]
-        if len(lines) == 1:
-            break
-    told = {"lines": lines, "made": made, "stamp_ns": skin.clock()}
-    return {**told, "waits": skin.world.waits, "notes": skin.world.notes}
+    lose: Annotated[float | None, PROBABILITY] = None
+    duplicate: Annotated[float | None, PROBABILITY] = None
+    swap: Annotated[float | None, PROBABILITY] = None
 
 
 class VirtualSkin:
@@ -238,13 +184,6 @@ class VirtualSkin:
     settings : VirtualSettings
     clock : function
         Gives the time, ns since the epoch.
-
-    Attributes
-    ----------
-    skin : Skin
-    hardware : Hardware
-    world : World
-    truth : Truth
 
     Raises
     ------
@@ -271,14 +210,14 @@ class VirtualSkin:
             for fault in settings.faults:
                 self.faults.add(fault)
             if settings.control:
-                self._control = Control(settings.control, commands_of(self))
+                self._control = Control(settings.control, self.commands())
             self.truth = Truth(self.skin, settings.truth)
         except BaseException:
             self.hardware.close()
             self.world.close()
             raise
         self._update(self.clock())
-        self.hardware.start(self.clock())
+        self.hardware.reschedule(self.clock())
 
     @property
     def control_address(self) -> str:
@@ -414,14 +353,59 @@ class VirtualSkin:
             "scene": self.world.scene.name,
         }
 
-    def set_wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
-        """Change probabilities of losing, doubling and swapping from now on."""
-        chances = {
-            name: number(fields, name, chance, 0.0, 1.0, "a probability")
-            for name, chance in self.hardware.chances.items()
+    def commands(self) -> Mapping[str, Command]:
+        """What `do` can be; each takes the command's other fields and gives the answer's."""
+        return {
+            "press": self.world.press,
+            "move": self.world.move,
+            "release": self.world.release,
+            "fault": self._fault,
+            "clear": self._clear,
+            "wires": self._wires,
+            "scene": self._scene,
+            "counts": lambda _: self.counts(),
+            "truth": self._truth,
+            "describe": lambda _: self.description(),
+            "quit": self._quit,
         }
-        self.hardware.set_chances(chances)
-        return chances
+
+    def _fault(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        fault = fault_from_text(from_plain(FaultCommand, fields).fault)
+        now_ns = self.clock()
+        fault = replace(fault, start=max(self.time(now_ns), 0.0) + fault.start)
+        self.faults.add(fault)
+        if self.stream_ns:
+            self.faults.advance(self.time(now_ns), now_ns, self.warmth(now_ns))
+        until = fault.end if math.isfinite(fault.end) else None
+        return {"kind": fault.kind, "what": fault.what, "start": fault.start, "end": until}
+
+    def _clear(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        kind, now_ns = from_plain(ClearCommand, fields).kind, self.clock()
+        return {"cleared": self.faults.clear(kind, now_ns, self.warmth(now_ns))}
+
+    def _wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
+        wanted = vars(from_plain(WiresCommand, fields))
+        chances = {name: chance for name, chance in wanted.items() if chance is not None}
+        for wire in self.hardware.wires:
+            wire.fates.chances.update(chances)
+        return dict(self.hardware.wires[0].fates.chances)
+
+    def _scene(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        self.play(from_plain(SceneCommand, fields).scene)
+        return {"scene": self.world.scene.name}
+
+    def _truth(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        """Lines from `after` on, as many as one answer holds; the newest alone without it."""
+        after, made = from_plain(TruthCommand, fields).after, self.truth.made
+        lines = self.truth.after(max(made - 1, 0) if after is None else after, LINES)
+        while len(lines) > 1 and sum(len(line["presses"]) for line in lines) > LINES:
+            lines = lines[: len(lines) // 2]
+        found = {"lines": lines, "made": made, "stamp_ns": self.clock()}
+        return {**found, "waits": self.world.waits, "notes": self.world.notes}
+
+    def _quit(self, _: Mapping[str, Any]) -> dict[str, Any]:
+        self.stop()
+        return {}
 
     def close(self) -> None:
         """Let go of everything."""

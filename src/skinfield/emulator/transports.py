@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from skinfield.emulator.hardware import Fates, Wire
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.wire.can.bus import host_and_port
@@ -20,13 +21,44 @@ SEND_BUFFER = 1 << 20  # bytes
 DATAGRAMS = 64
 
 
-class Link:
-    """Takes whole packets; never waits."""
+class Link(Wire[bytes]):
+    """The bus of devices that send packets; never waits.
 
-    address: str  # where a host finds it
-    heard: bool  # whether somebody is there to send to, as far as is known
+    Attributes
+    ----------
+    made : list of bytes
+        Packets to send.
+    address : str
+        Where a host finds it.
+    heard : bool
+        Whether somebody is there to send to, as far as is known.
+    """
 
-    def send(self, packet: bytes) -> bool:
+    address: str
+    heard: bool
+
+    def __init__(self, fates: Fates[bytes]) -> None:
+        super().__init__(fates)
+        self.made: list[bytes] = []
+
+    def _message(self, row: int) -> bytes:
+        return self.made[row]
+
+    def _put_all(self, count: int) -> None:
+        self._put(self.made[:count])
+
+    def _put(self, messages: Sequence[bytes]) -> None:
+        for message in messages:
+            if self._take(message):
+                self.sent += 1
+            else:
+                self.refused += 1
+
+    def say(self, packet: bytes) -> None:
+        """Send a packet whatever else may happen on the way."""
+        self._put([packet])
+
+    def _take(self, packet: bytes) -> bool:
         """Send a packet; False if it was not taken, and then none of it was."""
         raise NotImplementedError
 
@@ -34,16 +66,8 @@ class Link:
         """What hosts have said."""
         raise NotImplementedError
 
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when one says something."""
-        raise NotImplementedError
 
-    def close(self) -> None:
-        """Let go of it."""
-        raise NotImplementedError
-
-
-def open_link(settings: VirtualSettings) -> Link:
+def open_link(settings: VirtualSettings, fates: Fates[bytes]) -> Link:
     """The link of the settings; their first channel says where.
 
     Raises
@@ -54,10 +78,9 @@ def open_link(settings: VirtualSettings) -> Link:
     if len(settings.channels) > 1:
         raise InputError(f"channels are {list(settings.channels)}, expected one: all devices share")
     channel = settings.channels[0] if settings.channels else ""
+    kind = {"udp": UdpLink, "tcp": TcpLink, "serial": TerminalLink}[settings.bus]
     try:
-        if settings.bus == "udp":
-            return UdpLink(channel)
-        return TcpLink(channel) if settings.bus == "tcp" else TerminalLink(channel)
+        return kind(fates, channel)
     except (OSError, UnicodeError) as error:
         raise InputError(
             f"{settings.bus} cannot be opened at {channel!r}: {error}, expected an address that "
@@ -80,7 +103,8 @@ class UdpLink(Link):
         ``host:port`` of a host that listens; or ``listen:host:port`` to be asked there.
     """
 
-    def __init__(self, channel: str) -> None:
+    def __init__(self, fates: Fates[bytes], channel: str) -> None:
+        super().__init__(fates)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._peer: tuple[str, int] | None = None
         word, _, rest = channel.partition(":")
@@ -98,8 +122,7 @@ class UdpLink(Link):
             raise
         self.address, self.heard = place_of(self._socket), self._peer is not None
 
-    def send(self, packet: bytes) -> bool:
-        """See `Link`."""
+    def _take(self, packet: bytes) -> bool:
         if self._peer is None:
             return False
         try:
@@ -121,26 +144,23 @@ class UdpLink(Link):
         return received
 
     def filenos(self) -> Sequence[int]:
-        """See `Link`."""
+        """See `Wire`."""
         return (self._socket.fileno(),)
 
-    def close(self) -> None:
-        """See `Link`."""
+    def _let_go(self) -> None:
         self._socket.close()
 
 
 class _Bytes(Link):
     """A stream of bytes that takes whole packets; what does not fit goes before the next."""
 
-    def __init__(self) -> None:
-        self._rest = b""
+    _rest = b""
 
     def _write(self, data: bytes) -> int:
         """Bytes taken, 0 if none; raises BrokenPipeError when the other side is gone."""
         raise NotImplementedError
 
-    def send(self, packet: bytes) -> bool:
-        """See `Link`."""
+    def _take(self, packet: bytes) -> bool:
         if self._rest:
             self._rest = self._rest[self._write(self._rest) :]
         if self._rest:
@@ -155,8 +175,8 @@ class _Bytes(Link):
 class TcpLink(_Bytes):
     """A server with one host at a time; who comes later takes over."""
 
-    def __init__(self, channel: str) -> None:
-        super().__init__()
+    def __init__(self, fates: Fates[bytes], channel: str) -> None:
+        super().__init__(fates)
         self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._client: socket.socket | None = None
         try:
@@ -206,12 +226,11 @@ class TcpLink(_Bytes):
         return received
 
     def filenos(self) -> Sequence[int]:
-        """See `Link`."""
+        """See `Wire`."""
         client = () if self._client is None else (self._client.fileno(),)
         return (self._server.fileno(), *client)
 
-    def close(self) -> None:
-        """See `Link`."""
+    def _let_go(self) -> None:
         self._drop()
         self._server.close()
 
@@ -225,8 +244,8 @@ class TerminalLink(_Bytes):
         Path of a link to it, which must not be there; empty for none.
     """
 
-    def __init__(self, channel: str) -> None:
-        super().__init__()
+    def __init__(self, fates: Fates[bytes], channel: str) -> None:
+        super().__init__(fates)
         self._near, self._far = os.openpty()
         self._link = Path(channel) if channel else None
         tty.setraw(self._far)
@@ -239,7 +258,7 @@ class TerminalLink(_Bytes):
                 self.address = channel
             except OSError as error:
                 self._link = None
-                self.close()
+                self._let_go()
                 raise FileError(f"{channel} cannot be made: {error.strerror}") from error
 
     def _write(self, data: bytes) -> int:
@@ -256,11 +275,10 @@ class TerminalLink(_Bytes):
             return b""
 
     def filenos(self) -> Sequence[int]:
-        """See `Link`."""
+        """See `Wire`."""
         return (self._near,)
 
-    def close(self) -> None:
-        """See `Link`."""
+    def _let_go(self) -> None:
         for number in (self._near, self._far):
             with suppress(OSError):
                 os.close(number)
@@ -272,7 +290,6 @@ class TerminalLink(_Bytes):
 LONGEST = 4096  # bytes of a command
 ANSWER = 60_000  # bytes of an answer: one datagram
 PER_POLL = 64  # commands, so that a flood of them delays no reading for long
-DEEP = 8  # levels that a command's JSON may have
 
 Command = Callable[[Mapping[str, Any]], dict[str, Any]]
 
@@ -291,34 +308,21 @@ def answer_to(data: bytes, commands: Mapping[str, Command]) -> dict[str, Any]:
     """
     tag: Any = None
     try:
-        fields = _parsed(data)
-        tag = fields.get("tag")
-        name = fields.get("do")
+        if len(data) > LONGEST:
+            raise InputError(f"command has {len(data)} bytes, expected at most {LONGEST}")
+        try:
+            fields = json.loads(data.decode())
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"command is no JSON: {error}, expected an object") from error
+        if not isinstance(fields, dict):
+            raise InputError("command is no plain object, expected one such as {'do': 'counts'}")
+        tag, name = fields.pop("tag", None), fields.pop("do", None)
         if not isinstance(name, str) or name not in commands:
             raise InputError(f"do is {name!r:.60}, expected one of {', '.join(sorted(commands))}")
         answer = {"ok": True, **commands[name](fields)}
     except SkinfieldError as error:
         answer = {"ok": False, "error": str(error)[:2000]}
     return answer if tag is None else {"tag": tag, **answer}
-
-
-def _parsed(data: bytes) -> Mapping[str, Any]:
-    if len(data) > LONGEST:
-        raise InputError(f"command has {len(data)} bytes, expected at most {LONGEST}")
-    try:
-        fields = json.loads(data.decode())
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"command is no JSON: {error}, expected an object with 'do'") from error
-    if not isinstance(fields, dict) or _depth(fields) > DEEP:
-        raise InputError("command is no plain object, expected one such as {'do': 'counts'}")
-    return fields
-
-
-def _depth(value: Any, level: int = 1) -> int:
-    if level > DEEP:
-        return level
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return max((_depth(each, level + 1) for each in inner), default=level)
 
 
 class Control:

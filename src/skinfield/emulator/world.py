@@ -9,32 +9,23 @@ import subprocess
 import sys
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cache, cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Annotated, Any
 
 import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.scenes import (
-    FINGER,
-    PLACE_KEYS,
-    Scene,
-    Tool,
-    Touch,
-    Track,
-    number,
-    patch_index,
-    place_of,
-)
+from skinfield.emulator.scenes import FINGER, Place, Scene, Tool, Touch, Track, patch_index
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.settings import from_plain
+from skinfield.settings.tree import Range
 from skinfield.skin import Skin
 
-LINES = 20_000  # in memory: 200 s of a press that moves all the time
-PRESSES = 40_000  # of these lines
+LINES = 10_000  # in memory: 100 s of a press that moves all the time
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
 Line = dict[str, Any]
 Touches = list[tuple[Touch, float]]
@@ -66,8 +57,7 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._lines: deque[tuple[int, Touches]] = deque()
-        self._presses = 0  # of these lines
+        self._lines: deque[tuple[int, Touches]] = deque(maxlen=LINES)
         self._ids: list[str] | None = None
         self._last_ns = 0
         self._waiting: tuple[Touches, int] | None = None
@@ -96,9 +86,6 @@ class Truth:
     def _write(self, touches: Touches, stamp_ns: int) -> None:
         self._ids, self._last_ns = [touch.id for touch, _ in touches], stamp_ns
         self._lines.append((stamp_ns, touches))
-        self._presses += len(touches)
-        while len(self._lines) > LINES or self._presses > PRESSES:
-            self._presses -= len(self._lines.popleft()[1])
         if self._file is not None:
             self._file.write(json.dumps(self._line(self.made, stamp_ns, touches)) + "\n")
         self.made += 1
@@ -143,17 +130,15 @@ CELL = 0.5e-3  # m
 LINE = 0.25e-3  # m between the distances that are solved
 SPACING = 0.05e-3  # m between the distances of a table
 FORCES = 128  # rows of a table
+ROWS = np.arange(FORCES)
 REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
 Key = tuple[Tool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
-QUEUED = 16  # that wait for their turn
 SCRIPT = """
-import sys
 from skinfield.elastic import Layer
-from skinfield.emulator.world import table_for
 from skinfield.emulator.scenes import Tool
-radius, shape, pad, *layer = sys.argv[1:]
-table_for(Tool(float(radius), shape), Layer(*map(float, layer)), float(pad))
+from skinfield.emulator.world import table_for
+table_for({tool!r}, {layer!r}, {pad_diameter!r})
 """
 
 
@@ -183,16 +168,13 @@ class PressTable:
                 f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
             )
 
+    def row(self, force: float) -> float:
+        """Row of a force, between two of them as a rule."""
+        return math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
+
     def radius_at(self, force: float) -> float:
         """Radius of the touch, m."""
-        row = math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
-        lower = min(int(row), FORCES - 2)
-        low, high = self._radii[lower], self._radii[lower + 1]
-        return low + (row - lower) * (high - low)
-
-    @cached_property
-    def _radii(self) -> list[float]:
-        return [float(each) for each in self.contact_radius]
+        return float(np.interp(self.row(force), ROWS, self.contact_radius))
 
 
 def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
@@ -220,7 +202,7 @@ def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
     read = np.array([each.readings(line, pad_diameter, "capacitance") for each in solved])
     radius = np.array([math.sqrt(each.contact_area / math.pi) for each in solved])
     fine = np.arange(0.0, reach, SPACING)
-    rows = (np.arange(FORCES) / (FORCES - 1)) ** 2 * highest
+    rows = (ROWS / (FORCES - 1)) ** 2 * highest
     # What is read per newton hardly changes with the force: that is what is interpolated.
     slope = CubicSpline(np.log(forces), read / forces[:, None])
     known = np.maximum(rows, forces[0])
@@ -245,11 +227,6 @@ def cache_path(tool: Tool, layer: Layer, pad_diameter: float) -> Path:
     asked = f"{tool!r} {layer!r} {pad_diameter!r} {_code()}"
     name = hashlib.sha256(asked.encode()).hexdigest()[:24]
     return Path(root) / "skinfield" / f"press-{name}.npz"
-
-
-def is_stored(tool: Tool, layer: Layer, pad_diameter: float) -> bool:
-    """Whether a table need not be solved."""
-    return cache_path(tool, layer, pad_diameter).is_file()
 
 
 @cache
@@ -285,82 +262,46 @@ def _store(path: Path, table: PressTable) -> None:
         partial.unlink(missing_ok=True)
 
 
-@dataclass
 class Solving:
-    """Tables that are there, and those that are on their way.
+    """Tables that are there, and those that are on their way, of presses on one layer."""
 
-    Parameters
-    ----------
-    layer : Layer
-    """
+    def __init__(self, layer: Layer) -> None:
+        self._layer = layer
+        self._there: dict[Key, PressTable] = {}
+        self._running: dict[Key, subprocess.Popen[bytes]] = {}
 
-    layer: Layer
-    _there: dict[Key, PressTable] = field(default_factory=dict)
-    _running: dict[Key, subprocess.Popen[bytes]] = field(default_factory=dict)
-    _queue: list[Key] = field(default_factory=list)
+    def get(self, key: Key) -> PressTable | None:
+        """A table, if it is there or was solved before."""
+        if key not in self._there and cache_path(key[0], self._layer, key[1]).is_file():
+            return self.now(key)
+        return self._there.get(key)
 
-    def get(self, tool: Tool, pad_diameter: float) -> PressTable | None:
-        """A table, if it is there."""
-        return self._there.get((tool, pad_diameter))
-
-    def now(self, tool: Tool, pad_diameter: float) -> PressTable:
+    def now(self, key: Key) -> PressTable:
         """A table, solved here if it must be."""
-        key = (tool, pad_diameter)
         if key not in self._there:
-            self._there[key] = table_for(tool, self.layer, pad_diameter)
+            self._there[key] = table_for(key[0], self._layer, key[1])
         return self._there[key]
 
-    def start(self, tool: Tool, pad_diameter: float) -> None:
-        """Have a table solved, at once or in its turn; one that was solved before is there.
-
-        Raises
-        ------
-        InputError
-            If too many wait.
-        """
-        key = (tool, pad_diameter)
-        if key in self._running:
-            return
-        if is_stored(tool, self.layer, pad_diameter):
-            self.now(tool, pad_diameter)
-            return
-        if key in self._queue:
-            self._queue.remove(key)  # it is wanted now: before others
-        if len(self._queue) >= QUEUED:
-            raise InputError(
-                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {QUEUED} others wait to "
-                "be prepared, expected it some seconds later"
-            )
-        self._queue.append(key)
-        self._begin()
-
-    def _begin(self) -> None:
-        """Begin the newest that wait: what was asked for last is looked at now."""
-        while self._queue and len(self._running) < AT_ONCE:
-            self._solve(self._queue.pop())
-
-    def _solve(self, key: Key) -> None:
-        (tool, pad_diameter), layer = key, self.layer
-        numbers = (layer.thickness, layer.young_modulus, layer.poisson_ratio)
-        words = [str(tool.radius), tool.shape, str(pad_diameter), *map(str, numbers)]
-        words.append(str(layer.relative_permittivity))
-        self._running[key] = subprocess.Popen(
-            [sys.executable, "-c", SCRIPT, *words],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-
-    def poll(self) -> bool:
-        """Take in what is solved; whether there was some.
+    def poll(self, wanted: Sequence[Key]) -> bool:
+        """Take in what is solved, and have others solved, the last first; whether there was some.
 
         Where nothing could be stored, it is solved here after all.
         """
-        before = len(self._there)
-        for key, process in list(self._running.items()):
-            if process.poll() is not None:
-                del self._running[key]
-                self.now(*key)
-        self._begin()
-        return len(self._there) > before
+        done = [key for key, process in self._running.items() if process.poll() is not None]
+        for key in done:
+            del self._running[key]
+            self.now(key)
+        for key in reversed(wanted):
+            if len(self._running) < AT_ONCE and key not in self._there | self._running:
+                self._solve(key)
+        return bool(done)
+
+    def _solve(self, key: Key) -> None:
+        script = SCRIPT.format(tool=key[0], layer=self._layer, pad_diameter=key[1])
+        quiet = subprocess.DEVNULL
+        self._running[key] = subprocess.Popen(
+            [sys.executable, "-c", script], stdin=quiet, stdout=quiet, stderr=quiet
+        )
 
     def close(self) -> None:
         """End what runs."""
@@ -368,12 +309,40 @@ class Solving:
             process.kill()
             process.wait()
         self._running.clear()
-        self._queue.clear()
 
 
 MOST = 64  # presses at once, by hand
 KEPT = 20  # notes
 LONGEST_ID = 64  # characters
+
+
+Newtons = Range(1e-6, 1e4, "newtons")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressCommand(Place):
+    """See `World.press`."""
+
+    id: str | None = None
+    patch: str | int | None = None
+    force: Annotated[float, Newtons] = 1.0
+    radius: float = FINGER
+    shape: str = "ball"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveCommand(Place):
+    """See `World.move`."""
+
+    id: str | None = None
+    force: Annotated[float | None, Newtons] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReleaseCommand:
+    """See `World.release`."""
+
+    id: str | None = None
 
 
 class World:
@@ -401,7 +370,7 @@ class World:
         self.notes: list[str] = []
         self._warm()
         self.play(scene)
-        self._table(skin.patches[0].pad_diameter, Tool())
+        self._solving.now(self._key(0, Tool()))
 
     def _warm(self) -> None:
         """Compile before the first press."""
@@ -421,15 +390,18 @@ class World:
         for (patch, tool), force in scene.tools.items():
             if not 0 <= patch < len(self.skin):
                 raise InputError(f"patch is {patch}, expected one below {len(self.skin)}")
-            self._table(self.skin.patches[patch].pad_diameter, tool).check_force(force, tool)
+            self._solving.now(self._key(patch, tool)).check_force(force, tool)
         tracks = sorted(scene.tracks, key=lambda track: track.points[0].time)
         self._tracks = [(f"{scene.name}-{i}", track) for i, track in enumerate(tracks)]
         self._begins = [track.points[0].time for track in tracks]
         self._longest = max((t.points[-1].time - t.points[0].time for t in tracks), default=0.0)
         self.scene = scene
 
-    def _table(self, pad_diameter: float, tool: Tool) -> PressTable:
-        return self._solving.now(tool, pad_diameter)
+    def _key(self, patch: int, tool: Tool) -> Key:
+        return tool, self.skin.patches[patch].pad_diameter
+
+    def _table(self, touch: Touch) -> PressTable | None:
+        return self._solving.get(self._key(touch.patch, touch.tool))
 
     def touches(self, time: float) -> list[Touch]:
         """Presses at a time, s, of the scene."""
@@ -441,7 +413,7 @@ class World:
                 if at is not None:
                     found.append(Touch(name, track.patch, track.tool, *at))
         for touch in self._by_hand.values():
-            if self._solving.get(touch.tool, self._pad(touch.patch)) is not None:
+            if self._table(touch) is not None:
                 found.append(touch)
         return found
 
@@ -470,8 +442,8 @@ class World:
         change[:] = 0.0
         told = []
         for touch in touches:
-            table = self._table(self._pad(touch.patch), touch.tool)
-            row = min((touch.force / table.highest_force) ** 0.5, 1.0) * (FORCES - 1)
+            table = self._solving.now(self._key(touch.patch, touch.tool))
+            row = table.row(touch.force)
             first, last = self._starts[touch.patch], self._starts[touch.patch + 1]
             add_press(
                 change, self._plane, int(first), int(last), table.change, SPACING, row, touch.x,
@@ -480,15 +452,12 @@ class World:
             told.append((touch, table.radius_at(touch.force)))
         return told
 
-    def _pad(self, patch: int) -> float:
-        return self.skin.patches[patch].pad_diameter
-
     def poll(self) -> None:
         """Take in tables that are solved by now; a press that is too hard for its own is let go."""
-        if not self._solving.poll():
+        if not self._solve():
             return
         for touch in list(self._by_hand.values()):
-            table = self._solving.get(touch.tool, self._pad(touch.patch))
+            table = self._table(touch)
             try:
                 if table is not None:
                     table.check_force(touch.force, touch.tool)
@@ -497,65 +466,59 @@ class World:
                 self.notes.append(f"press {touch.id} was let go: {error}")
                 del self.notes[:-KEPT]
 
+    def _solve(self) -> bool:
+        presses = self._by_hand.values()
+        return self._solving.poll([self._key(each.patch, each.tool) for each in presses])
+
     @property
     def waits(self) -> list[str]:
         """Presses by hand whose body is still being solved."""
-        return [
-            touch.id
-            for touch in self._by_hand.values()
-            if self._solving.get(touch.tool, self._pad(touch.patch)) is None
-        ]
+        return [touch.id for touch in self._by_hand.values() if self._table(touch) is None]
 
     def press(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
-        patch = patch_index(self.skin, fields.get("patch"))
-        x, y = place_of(self.skin.patches[patch], fields)
-        shape = fields.get("shape", "ball")
-        if not isinstance(shape, str):
-            raise InputError(f"shape is {shape!r:.40}, expected 'ball' or 'flat'")
-        radius = number(fields, "radius", FINGER, 0.5e-3, 30e-3, "of the body, in metres")
-        tool = Tool(radius, shape)
-        force = number(fields, "force", 1.0, 1e-6, 1e4, "newtons")
-        name = fields.get("id") or f"press-{next(self._numbers)}"
-        if not isinstance(name, str) or len(name) > LONGEST_ID:
+        wanted = from_plain(PressCommand, fields)
+        patch = patch_index(self.skin, wanted.patch)
+        x, y = wanted.on(self.skin.patches[patch])
+        tool, force = Tool(wanted.radius, wanted.shape), wanted.force
+        name = wanted.id or f"press-{next(self._numbers)}"
+        if len(name) > LONGEST_ID:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
-        pad = self._pad(patch)
-        if self._solving.get(tool, pad) is None:
-            self._solving.start(tool, pad)
-        table = self._solving.get(tool, pad)  # one that was stored is there at once
+        touch = Touch(name, patch, tool, x, y, force)
+        table = self._table(touch)
         if table is not None:
             table.check_force(force, tool)
-        self._by_hand[name] = Touch(name, patch, tool, x, y, force)
+        self._by_hand.pop(name, None)  # the newest is the last
+        self._by_hand[name] = touch
+        self._solve()
         return {"id": name, "x": x, "y": y, "radius": tool.radius, "solving": table is None}
 
     def move(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Move a press by hand, or change its force."""
-        touch = self._named(fields.get("id"))
-        x, y, force = touch.x, touch.y, touch.force
-        if any(key in fields for key in PLACE_KEYS):
-            x, y = place_of(self.skin.patches[touch.patch], {"x": x, "y": y, **fields})
-        if "force" in fields:
-            force = number(fields, "force", None, 1e-6, 1e4, "newtons")
-            table = self._solving.get(touch.tool, self._pad(touch.patch))
-            if table is not None:
-                table.check_force(force, touch.tool)
+        wanted = from_plain(MoveCommand, fields)
+        touch = self._named(wanted.id)
+        x = touch.x if wanted.x is None else wanted.x
+        y = touch.y if wanted.y is None else wanted.y
+        x, y = replace(wanted, x=x, y=y).on(self.skin.patches[touch.patch])
+        force = touch.force if wanted.force is None else wanted.force
+        table = self._table(touch)
+        if wanted.force is not None and table is not None:
+            table.check_force(force, touch.tool)
         self._by_hand[touch.id] = Touch(touch.id, touch.patch, touch.tool, x, y, force)
         return {"id": touch.id, "x": x, "y": y, "force": force}
 
     def release(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Lift off one press by hand, or all."""
-        if fields.get("id") is None:
-            names = list(self._by_hand)
-        else:
-            names = [self._named(fields.get("id")).id]
+        wanted = from_plain(ReleaseCommand, fields)
+        names = list(self._by_hand) if wanted.id is None else [self._named(wanted.id).id]
         for name in names:
             del self._by_hand[name]
         return {"released": names}
 
-    def _named(self, name: Any) -> Touch:
-        if not isinstance(name, str) or name not in self._by_hand:
+    def _named(self, name: str | None) -> Touch:
+        if name not in self._by_hand:
             known = ", ".join(self._by_hand) or "none is there"
             raise InputError(f"id is {name!r:.80}, expected that of a press by hand: {known}")
         return self._by_hand[name]

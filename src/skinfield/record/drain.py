@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap import RecordingWriter, enclosures
 from skinfield.files.mcap.schema import (
     CONFIGURATION,
@@ -29,13 +28,12 @@ from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fit
 from skinfield.loop.model_config import FIELD as SETTINGS
 from skinfield.loop.model_config import ModelConfig, configuration_of
 from skinfield.loop.realtime.timing import Timing
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CONTACT, Head, Slot
 from skinfield.loop.status_text import HEAD as CHECKED
 from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
 from skinfield.signal import Calibration
 from skinfield.signal.block import HEADER, WORD, Kind, block_bytes
-from skinfield.skin import Skin
 
 SILENT = 1.0  # s without a sign of life of the engine until it is told
 JSON, NPZ = "application/json", "application/x-npz"
@@ -58,39 +56,30 @@ def layout_of(reader: RingReader) -> CycleLayout:
     return CycleLayout.from_metadata(rows)
 
 
-def enclosed_of(reader: RingReader, skin: Skin) -> tuple[Enclosed, ...]:
+def enclosed_of(reader: RingReader, model_config: ModelConfig) -> tuple[Enclosed, ...]:
     """Everything that makes the recording self-contained."""
     description, status = dict(reader.description), reader.status
     configuration = Enclosed(CONFIGURATION, JSON, description.pop("model_config").encode())
-    calibrated = calibration_of(skin, status) if int(status["tares"][0]) > 0 else ()
-    return (*enclosures(skin, description=description), configuration, *calibrated)
+    calibrated = calibration_of(model_config, status) if int(status["tares"][0]) > 0 else ()
+    return (*enclosures(model_config.skin, description=description), configuration, *calibrated)
 
 
-def calibration_of(skin: Skin, status: dict[str, Array]) -> Iterator[Enclosed]:
+def calibration_of(model_config: ModelConfig, status: dict[str, Array]) -> Iterator[Enclosed]:
     """The engine's calibration, patch by patch and as it is in the ring's status."""
-    yield from enclosures(calibrations=calibrations_of(skin, status["calibration"]))
-    yield tare_of(status)
-
-
-def tare_of(status: dict[str, Array]) -> Enclosed:
-    """The engine's own calibration, as it is in the ring's status."""
-    buffer = io.BytesIO()
-    names = ("calibration", "noise_std", "stale_ns", "tares")
-    np.savez(buffer, allow_pickle=False, **{name: status[name] for name in names})
-    return Enclosed(TARE.format(number=int(status["tares"][0])), NPZ, buffer.getvalue())
-
-
-def calibrations_of(skin: Skin, table: Array) -> dict[str, Calibration]:
-    """Calibrations by patch, of rows baseline, gain, noise_std and alive for all taxels."""
     calibrations, start = {}, 0
-    for patch in skin:
-        baseline, gain, noise_std, alive = table[start : start + len(patch)].T.copy()
+    for patch in model_config.skin:
+        rows = status["calibration"][start : start + len(patch)]
+        baseline, gain, noise_std, alive = rows.T.copy()
         start += len(patch)
         with contextlib.suppress(InputError):  # a patch that never answered has no baseline
             calibrations[patch.name] = Calibration(
                 baseline, gain, noise_std, alive > 0, patch.uid, patch_name=patch.name
             )
-    return calibrations
+    yield from enclosures(calibrations=calibrations)
+    buffer = io.BytesIO()
+    names = ("calibration", "noise_std", "stale_ns", "tares")
+    np.savez(buffer, allow_pickle=False, **{name: status[name] for name in names})
+    yield Enclosed(TARE.format(number=int(status["tares"][0])), NPZ, buffer.getvalue())
 
 
 class StatusWatch:
@@ -100,13 +89,16 @@ class StatusWatch:
     ----------
     reader : RingReader
     queue : Queue
-    skin : Skin
+    model_config : ModelConfig
     tares : int
         Calibrations so far that are enclosed already.
     """
 
-    def __init__(self, reader: RingReader, queue: Queue, skin: Skin, tares: int) -> None:
-        self._reader, self._queue, self._skin, self._tares = reader, queue, skin, tares
+    def __init__(
+        self, reader: RingReader, queue: Queue, model_config: ModelConfig, tares: int
+    ) -> None:
+        self._reader, self._queue, self._tares = reader, queue, tares
+        self._model_config = model_config
         status = reader.status
         self._before = (status["times"], status["totals"])
         Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
@@ -124,7 +116,7 @@ class StatusWatch:
         self._queue.tell(Item(now, 0, lambda writer: writer.timing(now, values)))
         if int(status["tares"][0]) != self._tares:
             self._tares = int(status["tares"][0])
-            for each in calibration_of(self._skin, status):
+            for each in calibration_of(self._model_config, status):
                 enclose = partial(RecordingWriter.enclose, time_ns=now, enclosed=each)
                 self._queue.tell(Item(now, 0, enclose))
             self._queue.event("calibrated", "the baseline was taken anew", tares=self._tares)
@@ -356,13 +348,8 @@ class Drain:
         before, self.generation = self.generation, self._reader.generation
         pid = self._reader.pid
         text = f"the engine was started again: process {pid} goes on with the ring"
-        self._queue.event(
-            "engine_restarted",
-            text,
-            generation=self.generation,
-            before=before,
-            pid=pid,
-        )
+        values = {"generation": self.generation, "before": before, "pid": pid}
+        self._queue.event("engine_restarted", text, **values)
 
 
 class FitDrain:
@@ -380,8 +367,6 @@ class FitDrain:
 
     Attributes
     ----------
-    answers : int
-        That were taken.
     missed : int
         That were overwritten unread, damaged, or too much for the disk.
     """
@@ -391,8 +376,7 @@ class FitDrain:
         self._patches, self._nodes = patches, nodes
         self._sizes = FitSizes(max(len(patches), 1), nodes, 1)
         self._before = b""  # what the file says last, without its head
-        self.answers = self.missed = 0
-        self._told_missed = 0
+        self.missed = self._told_missed = 0
 
     def take(self) -> None:
         """Take all that is new."""
@@ -400,32 +384,26 @@ class FitDrain:
             if self._fit.names == self._patches:
                 for number, found in self._fit.following():
                     self._take(number, found)
-            else:
-                self._end()
+            elif self._before:  # there is no fit any more, and it knew of something
+                now, none = time.time_ns(), NOTHING
+                rows = np.zeros(0, PATCH), np.zeros(0, CONTACT), np.zeros(0, FORM)
+                field = none, np.zeros(0, np.float32)
+                self._put(LAYOUT.encode(FitRecord(now, 0, self._sizes, none, none, *rows, *field)))
         except (SkinfieldError, ValueError, LookupError, OSError):  # of a ring that is damaged
             self.missed += 1
             self._fit.close()
 
     def _take(self, number: int, found: FitSlot | None) -> None:
-        if found is None or found.sizes.nodes != self._nodes:
-            self.missed += 1
-            return
         try:
+            if found is None or found.sizes.nodes != self._nodes:
+                raise InputError("it was overwritten, or is of another skin")
             record = record_of(found, number)
             data = LAYOUT.encode(record)
-        except InputError:  # its numbers cannot be
+        except InputError:  # or its numbers cannot be
             self.missed += 1
             return
         self._sizes = record.sizes
         self._put(data)
-
-    def _end(self) -> None:
-        """Say that there is no fit any more, if there was one that knew something."""
-        if self._before:
-            now, none = time.time_ns(), NOTHING
-            rows = np.zeros(0, PATCH), np.zeros(0, CONTACT), np.zeros(0, FORM)
-            field = none, np.zeros(0, np.float32)
-            self._put(LAYOUT.encode(FitRecord(now, 0, self._sizes, none, none, *rows, *field)))
 
     def _put(self, data: bytes) -> None:
         """Hand it over unless it is what was said last; what is not taken is said with the next."""
@@ -436,7 +414,6 @@ class FitDrain:
         write = partial(RecordingWriter.write_fit, time_ns=now, record=data)
         if self._queue.offer(Item(now, len(data), write)):
             self._before = said
-            self.answers += 1
         else:
             self.missed += 1
 

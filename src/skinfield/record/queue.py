@@ -11,6 +11,8 @@ from skinfield.errors import FileError
 from skinfield.files.mcap import RecordingWriter
 from skinfield.record.state import RecorderState
 
+FLUSH = 0.15  # s after which what was read is handed to the system, and survives a `kill -9`
+SYNC = 1.5  # s after which it is on the disk, and survives power loss
 RETRY = 0.2  # s between attempts to write to a disk that refuses
 LAST_CHANCE = 1.0  # s that a full disk gets at the end
 SLOW = 0.5  # s that one write or sync may take before it is told
@@ -71,20 +73,21 @@ class Queue:
     most : int, bytes
     state : RecorderState
         Counts what is dropped.
+
+    Attributes
+    ----------
+    waiting : int, bytes
+        In it.
+    ended : bool
+        Whether nothing more comes; something may still be there.
     """
 
     def __init__(self, most: int, state: RecorderState) -> None:
         self._most, self.state = most, state
         self._items: deque[Item] = deque()
-        self._bytes = 0
+        self.waiting, self.ended = 0, False
         self._ready = threading.Condition()
-        self._ended = False
         self._dropped = Dropped()
-
-    @property
-    def waiting(self) -> int:
-        """Bytes in it."""
-        return self._bytes
 
     @property
     def oldest_ns(self) -> int:
@@ -100,7 +103,7 @@ class Queue:
         """
         with self._ready:
             room = self._most // 2 if self._dropped.since_ns else self._most
-            if self._bytes + item.size > room:
+            if self.waiting + item.size > room:
                 self._dropped.add(item)
                 self.state.dropped_bytes += 0 if item.cycle else item.size
                 self.state.dropped_cycles += item.cycle
@@ -108,7 +111,7 @@ class Queue:
             if self._dropped.since_ns:
                 self._tell_dropped()
             self._items.append(item)
-            self._bytes += item.size
+            self.waiting += item.size
             self._ready.notify()
             return True
 
@@ -125,20 +128,20 @@ class Queue:
     def offer(self, item: Item) -> bool:
         """Append something that comes after all readings, if there is room enough for those."""
         with self._ready:
-            if self._dropped.since_ns or self._bytes + item.size > self._most // 2:
+            if self._dropped.since_ns or self.waiting + item.size > self._most // 2:
                 return False
             self._items.append(item)
-            self._bytes += item.size
+            self.waiting += item.size
             return True
 
     def take(self, timeout: float) -> list[Item]:
         """Everything that is there, as soon as there is something; empty after `timeout` s."""
         with self._ready:
-            if not self._items and not self._ended:
+            if not self._items and not self.ended:
                 self._ready.wait(timeout)
             found = list(self._items)
             self._items.clear()
-            self._bytes = 0
+            self.waiting = 0
             return found
 
     def end(self) -> None:
@@ -146,13 +149,8 @@ class Queue:
         with self._ready:
             if self._dropped.since_ns:
                 self._tell_dropped()
-            self._ended = True
+            self.ended = True
             self._ready.notify()
-
-    @property
-    def ended(self) -> bool:
-        """Whether nothing more comes; something may still be there."""
-        return self._ended
 
     def _tell_dropped(self) -> None:
         """Leave a word where the gap is."""
@@ -172,7 +170,6 @@ class Disk(threading.Thread):
     ----------
     writer : RecordingWriter
     queue : Queue
-    flush, sync : float, s
 
     Attributes
     ----------
@@ -180,16 +177,18 @@ class Disk(threading.Thread):
         Monotonic time; 0 while writing works.
     last_flush, last_sync : float, s
         Monotonic time.
+    crash : BaseException or None
+        Why it ended too early.
     """
 
-    def __init__(self, writer: RecordingWriter, queue: Queue, flush: float, sync: float) -> None:
+    def __init__(self, writer: RecordingWriter, queue: Queue) -> None:
         super().__init__(name="disk", daemon=True)
-        self._writer, self._queue, self._flush_every, self._sync_every = writer, queue, flush, sync
+        self._writer, self._queue = writer, queue
         now = time.monotonic()
         self._state, self.failing_since = queue.state, 0.0
         self.last_flush = self.last_sync = now
         self._slow_told = 0.0
-        self._crash: BaseException | None = None
+        self.crash: BaseException | None = None
 
     def run(self) -> None:
         """Work until the queue has ended."""
@@ -198,30 +197,25 @@ class Disk(threading.Thread):
                 self._round()
             self._finish()
         except BaseException as error:
-            self._crash = error
+            self.crash = error
 
     def stop(self) -> None:
         """Wait for its end; raises what went wrong with it."""
         self._queue.end()
         self.join()
-        if self._crash is not None:
-            raise self._crash
-
-    @property
-    def crashed(self) -> bool:
-        """Whether it ended too early."""
-        return self._crash is not None
+        if self.crash is not None:
+            raise self.crash
 
     def _round(self) -> None:
         """Write what came, unless the disk refuses: then what comes waits in the queue."""
         if self.failing_since:
             time.sleep(RETRY)
         else:
-            due = self.last_flush + self._flush_every - time.monotonic()
+            due = self.last_flush + FLUSH - time.monotonic()
             self._put_all(max(due, 0.0))
-        if self.failing_since or time.monotonic() - self.last_flush >= self._flush_every:
+        if self.failing_since or time.monotonic() - self.last_flush >= FLUSH:
             self._flush()
-        if not self.failing_since and time.monotonic() - self.last_sync >= self._sync_every:
+        if not self.failing_since and time.monotonic() - self.last_sync >= SYNC:
             self._sync()
 
     def _put_all(self, timeout: float) -> None:

@@ -18,8 +18,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
-from skinfield.errors import InputError, SkinfieldError, check_count, check_range
+from skinfield.errors import SkinfieldError, check_count, check_range
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
@@ -51,7 +52,6 @@ TOTALS = (
     "dropped_bytes",
     "dropped_cycles",
 )
-READY = b"ready\n"  # told on the standard output by one that waits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,10 +68,6 @@ class RecorderSettings:
         Whether a file of this name may be replaced.
     since_ns : int, ns
         Time since the epoch from which on to record, as far as the ring still has it; 0: now.
-    flush : float, s
-        After so long what was read is handed to the system, and survives a `kill -9`.
-    sync : float, s
-        After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
     view_rate : float, 1/s
@@ -82,15 +78,11 @@ class RecorderSettings:
     path: Path
     overwrite: bool = False
     since_ns: int = 0
-    flush: float = 0.15
-    sync: float = 1.5
     queue_bytes: int = 1 << 26
     view_rate: float = 20.0
 
     def __post_init__(self) -> None:
         check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
-        check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
-        check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
         check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
         check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")
 
@@ -108,8 +100,6 @@ class Recorder:
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
         where that is permitted.
-    rehearsal : bool
-        Whether this is only to load what is needed: nobody is told.
 
     Raises
     ------
@@ -131,16 +121,15 @@ class Recorder:
         output: FileOutput | None = None,
         *,
         first: bool = False,
-        rehearsal: bool = False,
     ) -> None:
-        self.settings, self._say, self._rehearsal = settings, say, rehearsal
+        self.settings, self._say = settings, say
         self._reader = RingReader(settings.name)
         self._began = time.monotonic()
         self._live = live = RecorderState(os.getpid(), str(settings.path), time.time_ns())
         model_config = model_config_of(self._reader)
-        layout, skin = layout_of(self._reader), model_config.skin
+        layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
-        enclosed = enclosed_of(self._reader, skin)
+        enclosed = enclosed_of(self._reader, model_config)
         self._writer = RecordingWriter(
             settings.path,
             enclosed,
@@ -150,13 +139,13 @@ class Recorder:
             output=output,
         )
         self._queue = Queue(settings.queue_bytes, live)
-        self._watch = StatusWatch(self._reader, self._queue, skin, tares)
+        self._watch = StatusWatch(self._reader, self._queue, model_config, tares)
         since_ns = settings.since_ns
         begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
         self._drain = Drain(
             self._reader, self._queue, layout, model_config, settings.view_rate, begin
         )
-        self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
+        self._disk = Disk(self._writer, self._queue)
         self._said: dict[str, str] = {}
         text = f"recording {settings.name} of process {self._reader.pid}"
         self._queue.event("recording_started", text)
@@ -166,10 +155,6 @@ class Recorder:
         self._next = self._began
         self.state = self._state()
 
-    def _write_state(self) -> None:
-        if not self._rehearsal:
-            self.state.write(self.settings.name)
-
     def run(
         self,
         stop: threading.Event,
@@ -178,7 +163,7 @@ class Recorder:
     ) -> RecorderState:
         """Record until `stop` is set, the time is over, or the ring is taken away.
 
-        `told` gets each new state, once a second.
+        Each new state, once a second, is told beside the ring, and to `told`.
         """
         end = None if seconds is None else self._began + seconds
         known = self.state
@@ -186,12 +171,15 @@ class Recorder:
             self.step()
             if self.state is not known:
                 known = self.state
+                known.write(self.settings.name)
                 told(known)
             if stop.wait(PAUSE):
                 self._live.ended = "it was told to stop"
             elif end is not None and time.monotonic() >= end:
                 self._live.ended = "its time is over"
-        return self.close()
+        self.close()
+        self.state.write(self.settings.name)
+        return self.state
 
     def step(self) -> None:
         """Take what is new; once a second, look at all else and tell of it."""
@@ -202,9 +190,8 @@ class Recorder:
         self._drain.tell_lost()
         self._watch.look()
         self.state = self._state()
-        self._write_state()
         self._say_changes()
-        if self._disk.crashed:
+        if self._disk.crash is not None:
             self._live.ended = "the thread that writes has failed"
         elif self._reader.replaced():
             self._live.ended = "the ring was taken away: the skin was stopped"
@@ -224,7 +211,6 @@ class Recorder:
             self._reader.close()
         self._live.ended = self._live.ended or "closed"
         self.state = self._state()
-        self._write_state()
         self._say_changes()
         return self.state
 
@@ -267,128 +253,64 @@ class Recorder:
                 self._say("the file can be written again")
 
 
-def come_first() -> str:
+def come_first() -> None:
     """Have this thread come before ordinary work, where that is permitted.
 
     The ring holds a limited number of cycles, and on a busy machine an ordinary process may wait
     longer than that for a processor. It sleeps most of the time, and the engine's priority is far
     above.
-
-    Returns
-    -------
-    str
-        What was granted.
     """
-    with contextlib.suppress(OSError, AttributeError):
+    try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOWEST))
-        return f"SCHED_FIFO {LOWEST}"
-    with contextlib.suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
-        return f"nice {NICE}"
-    return "ordinary"
-
-
-def order_of(path: Path, since_ns: int) -> bytes:
-    """What a recorder that waits is told on its standard input.
-
-    Parameters
-    ----------
-    path : Path
-    since_ns : int, ns
-        As of `RecorderSettings`.
-    """
-    return json.dumps({"path": str(path.absolute()), "since_ns": since_ns}).encode() + b"\n"
+    except (OSError, AttributeError):
+        with contextlib.suppress(OSError, AttributeError):
+            os.setpriority(os.PRIO_PROCESS, 0, NICE)
 
 
 def main() -> None:
-    """Record until SIGTERM or Ctrl-C."""
-    given = _arguments()
+    """Record until SIGTERM or Ctrl-C; without a path, stand by until one comes."""
+    parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
+    parser.add_argument("name")
+    parser.add_argument("path", type=Path, nargs="?", help="Default: wait for an order on stdin.")
+    parser.add_argument("--parent", type=int, help="Process with which it ends.")
+    given = parser.parse_args()
     if given.parent is not None:
         end_with(given.parent)
     try:
-        path, since_ns = given.path, given.since_ns
-        if given.wait:
-            if rehearse(given.name):
-                come_first()  # now, as all is loaded: on a busy machine the order is read at once
-            ordered = _wait()
-            if ordered is None:
-                return  # it is not wanted any more
-            path, since_ns = ordered
-        settings = RecorderSettings(name=given.name, path=path, since_ns=since_ns)
-        good = _record(settings, given.seconds)
+        order = {"path": given.path, "since_ns": 0} if given.path else _stand_by(given.name)
+        if order is None:
+            return  # it is not wanted any more
+        since_ns = order["since_ns"]
+        settings = RecorderSettings(name=given.name, path=Path(order["path"]), since_ns=since_ns)
+        good = _record(settings)
     except SkinfieldError as error:
         raise SystemExit(f"recorder: {error}") from error
     raise SystemExit(0 if good else 1)
 
 
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
-    parser.add_argument("name")
-    parser.add_argument("path", type=Path, nargs="?")
-    parser.add_argument("--seconds", type=float)
-    parser.add_argument(
-        "--since-ns",
-        type=int,
-        default=0,
-        help="Time since the epoch to begin at, if the ring goes back.",
-    )
-    parser.add_argument(
-        "--wait", action="store_true", help="Get ready; the path comes on the standard input."
-    )
-    parser.add_argument("--parent", type=int, help="Process with which it ends.")
-    given = parser.parse_args()
-    if given.wait == (given.path is not None):
-        parser.error("expected either a path or --wait")
-    return given
+def _stand_by(name: str) -> dict[str, Any] | None:
+    """Load what a recording needs, and wait for its `path` and `since_ns`, a line of JSON on stdin.
 
-
-def rehearse(name: str) -> bool:
-    """Record a moment into a file that goes: all that a recording needs is loaded afterwards.
-
-    Nothing of the ring is kept, as it may be another one until a recording is wanted.
-
-    Returns
-    -------
-    bool
-        False if there is no such ring now: less is loaded then.
+    It records a moment into a file that goes. Nothing of the ring is kept, as it may be another one
+    until a recording is wanted. None if whoever would have said so is gone.
     """
-    with TemporaryDirectory() as folder:
-        settings = RecorderSettings(name=name, path=Path(folder) / "rehearsal.mcap", since_ns=1)
-        try:
-            recorder = Recorder(settings, rehearsal=True)
-        except SkinfieldError:  # it is being made anew
-            return False
-        try:
-            recorder.step()
-        finally:
-            recorder.close()
-    return True
-
-
-def _wait() -> tuple[Path, int] | None:
-    """Where to record, and since when; None if whoever would have said so is gone."""
-    with contextlib.suppress(BrokenPipeError):  # nobody waits for that any more
-        os.write(sys.stdout.fileno(), READY)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing has begun that would have to be finished
+    with TemporaryDirectory() as folder, contextlib.suppress(SkinfieldError):  # of no ring now
+        path = Path(folder) / "rehearsal.mcap"
+        rehearsal = Recorder(RecorderSettings(name=name, path=path, since_ns=1))
+        rehearsal.step()
+        rehearsal.close()
+    come_first()  # now, as all is loaded: on a busy machine the order is read at once
     line = sys.stdin.buffer.readline()
-    return read_order(line) if line else None
+    order: dict[str, Any] | None = json.loads(line) if line else None
+    return order
 
 
-def read_order(line: bytes) -> tuple[Path, int]:
-    """The path and the time, ns, of `order_of`; raises InputError."""
-    try:
-        order = json.loads(line)
-        return Path(order["path"]), int(order["since_ns"])
-    except (ValueError, TypeError, KeyError) as error:
-        raise InputError(f"order is {line[:80]!r}, expected JSON of path and since_ns") from error
-
-
-def _record(settings: RecorderSettings, seconds: float | None) -> bool:
+def _record(settings: RecorderSettings) -> bool:
     """Record until told to stop; whether all that was taken is in the file, and it is whole."""
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
-    state = Recorder(settings, _say, first=True).run(stop, seconds)
+    state = Recorder(settings, _say, first=True).run(stop)
     forget_state(settings.name)
     return state.finished and not state.given_up
 

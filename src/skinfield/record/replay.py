@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap.live import LiveRecording, Newest
 from skinfield.files.mcap.schema import CYCLES, FIELDS, FITS, TARE, Cycle, FieldRecord, FitRecord
 from skinfield.loop.fit_ring import LAYOUT, FitSlot
@@ -20,7 +19,7 @@ from skinfield.loop.model_config import Configuration, ModelConfig, Models, writ
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import describe, slots_for, status_fields
 from skinfield.loop.runtime_parameters import Tuning
-from skinfield.loop.slots import PATCH, Head, Sizes, Slot
+from skinfield.loop.slots import CONTACT, PATCH, Head, Sizes, Slot
 from skinfield.loop.status_text import write_notes
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, State
@@ -283,10 +282,6 @@ class ReplayFit:
 
     What cannot be read of them is told in the recording's `damage`, and the engine's own contacts
     are left.
-
-    Parameters
-    ----------
-    replay : Replay
     """
 
     def __init__(self, replay: Replay) -> None:
@@ -396,11 +391,8 @@ class Published:
 
     def _go_by(self, time_ns: int) -> None:
         """Tell settings and calibration of a time."""
-        status, known, tare = (
-            self._ring.status,
-            self._replay.config_at(time_ns),
-            self._replay.tare(time_ns),
-        )
+        status, tare = self._ring.status, self._replay.tare(time_ns)
+        known = self._replay.config_at(time_ns)
         if known is not self._config:
             self._config = known
             write_configuration(status["configuration"], known.configuration)

@@ -83,10 +83,6 @@ class Lock:
     Children that are made by fork have no part in it: it would outlast the writer with them. (The
     kernel keeps it as long as any copy of the descriptor is open: so the file is mapped through
     another one, and children close theirs.)
-
-    Attributes
-    ----------
-    descriptor : int
     """
 
     def __init__(self, descriptor: int) -> None:

@@ -11,6 +11,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import zip_longest
 from math import prod
 from typing import Any, NamedTuple, Self
 
@@ -119,7 +120,8 @@ def _checked(name: str, field: Field) -> tuple[Field, int]:
             f"dtype of field {field.name} is {field.dtype!r}, expected little-endian numbers of up "
             "to 8 bytes, or bool"
         )
-    if len(shape) > DIMENSIONS or min(shape, default=0) < 0 or not _small(shape):
+    room = 8 * prod(max(length, 1) for length in shape)  # NumPy makes even one of no elements
+    if len(shape) > DIMENSIONS or min(shape, default=0) < 0 or room > _MOST_FIELDS:
         raise InputError(
             f"shape of field {field.name} is {shape}, expected up to {DIMENSIONS} lengths that "
             f"make less than {_MOST_FIELDS} bytes"
@@ -175,21 +177,16 @@ def read_table(
 def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Placed:
     name, dtype, offset, size, dimensions, *lengths = _ENTRY.unpack_from(data, at)
     text, kind = (part.rstrip(b"\0").decode("ascii", "replace") for part in (name, dtype))
-    good = _NAME.fullmatch(text) and _DTYPE.fullmatch(kind) and dimensions <= DIMENSIONS
-    if good:
-        shape = tuple(lengths[:dimensions])
-        whole = int(kind[2]) * prod(shape) == size and _small(shape)
-        good = whole and first <= offset and offset + size <= limit and offset % 8 == 0
-    if not good:
+    try:
+        field, itemsize = _checked(where, Field(text, kind, tuple(lengths[:dimensions])))
+        whole = field.dtype == kind and itemsize * prod(field.shape) == size
+    except InputError:
+        whole = False
+    if not whole or dimensions > DIMENSIONS or offset % 8 or not first <= offset <= limit - size:
         raise FileError(
             f"{where} is damaged: its field at byte {at} has no name, type or place that can be"
         )
-    return Placed(Field(text, kind, shape), offset, size)
-
-
-def _small(shape: tuple[int, ...]) -> bool:
-    """Whether NumPy can make such an array, even one of no elements."""
-    return prod(max(length, 1) for length in shape) * 8 <= _MOST_FIELDS
+    return Placed(field, offset, size)
 
 
 MAGIC, VERSION, PAGE = b"SKINFLD\0", 1, 4096
@@ -420,20 +417,16 @@ class Layout:
 
     def difference(self, other: "Layout") -> str:
         """Say where another ring differs in fields or sizes; nothing where it does not."""
-        for what, ours, theirs in (
-            ("slots", self.header.slots, other.header.slots),
-            ("bytes of the log", self.header.log_bytes, other.header.log_bytes),
-        ):
-            if ours != theirs:
-                return f"{ours} {what} are asked for, it has {theirs}"
-        pairs = (self.slot_fields, other.slot_fields), (self.status_fields, other.status_fields)
-        for asked, there in pairs:
-            for placed in asked:
-                if placed not in there:
-                    return f"{placed.field} is asked for, it has none at that place"
-            if asked != there:
-                return f"it has {len(there)} fields where {len(asked)} are asked for"
-        return ""
+        asked, there = (
+            [
+                f"{each.header.slots} slots",
+                f"{each.header.log_bytes} bytes of the log",
+                *(str(placed.field) for placed in (*each.slot_fields, *each.status_fields)),
+            ]
+            for each in (self, other)
+        )
+        pairs = zip_longest(asked, there, fillvalue="nothing")
+        return next((f"{ours} asked for, it has {its}" for ours, its in pairs if ours != its), "")
 
 
 def _check_sizes(slots: int, log_bytes: int) -> None:

@@ -1,6 +1,7 @@
 """Reader of a ring in shared memory, which never disturbs its writer, and the rings there are."""
 
 import contextlib
+import mmap
 import os
 import time
 from collections.abc import Iterator, Sequence
@@ -70,7 +71,7 @@ class RingInfo(NamedTuple):
     state : State or None
         As the writer last said; None if the file is damaged.
     alive : bool
-        Whether its writer lives.
+        Whether its writer lives; False if the file is damaged.
     generation, number : int
         Of writers so far; of the newest slot.
     problem : str
@@ -100,28 +101,83 @@ def _look(path: Path) -> RingInfo:
             now = reader.pid, reader.state, reader.alive, reader.generation, reader.number
             return RingInfo(name, path, *now)
     except FileError as error:
-        return RingInfo(name, path, 0, None, _written(path), 0, 0, str(error))
-
-
-def _written(path: Path) -> bool:
-    """Whether a living process writes a file that is damaged."""
-    try:
-        descriptor = files.open_ring(path, write=False)
-    except FileError:
-        return False
-    try:
-        return files.locked(descriptor)
-    finally:
-        os.close(descriptor)
+        return RingInfo(name, path, 0, None, False, 0, 0, str(error))
 
 
 _TRIES = 64  # to copy the newest slot before the writer comes round
 _LONGEST = 0.5  # s in one system call
 _WORD = 0xFFFFFFFFFFFFFFFF
+LOW = 0xFFFFFFFF
 _ALL = (slice(None),)
 
 
-class RingReader:
+class MappedRing:
+    """A ring's file in memory, as its writer and its readers have it.
+
+    Parameters
+    ----------
+    path : Path
+    memory : mmap
+    plan : Layout
+        Of it.
+
+    Attributes
+    ----------
+    name : str
+    path : Path
+    description : dict
+        As the writer gave it to `Ring.create`.
+    """
+
+    def __init__(self, path: Path, memory: mmap.mmap, plan: Layout) -> None:
+        self.path, self.name = path, path.name.removeprefix(files.PREFIX)
+        self._memory, self._layout, self._header = memory, plan, plan.header
+        self.description: dict[str, Any] = plan.described(str(path))
+        self._fence = system.fence()
+        self._octets = octets = np.frombuffer(memory, np.uint8)
+        self._words = memoryview(memory)[: len(octets) // 8 * 8].cast("Q")
+        self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
+        self._locks = [start // 8 for start in plan.header.slot_starts]
+        self._status: dict[str, NDArray[Any]] = {
+            placed.field.name: placed.view(octets, plan.header.status_offset)
+            for placed in plan.status_fields
+        }
+
+    @property
+    def number(self) -> int:
+        """Of the newest slot, 0 before the first."""
+        return self._words[header.HEAD]
+
+    @property
+    def state(self) -> State:
+        """What the writer last said that it was doing."""
+        number = self._words[header.WRITER] >> 32
+        try:
+            return State(number)
+        except ValueError:
+            raise FileError(f"state of {self.path} is {number}, expected one of State") from None
+
+    @property
+    def generation(self) -> int:
+        """1 for the first writer, one more for each that went on."""
+        return self._words[header.GENERATION] & LOW
+
+    @property
+    def log_end(self) -> int:
+        """Bytes ever appended to the log."""
+        return self._words[header.LOG_END]
+
+    def _unmap(self) -> None:
+        self._status, self._octets = {}, np.zeros(0, np.uint8)
+        self._words.release()
+        with contextlib.suppress(BufferError):  # arrays of it are still held elsewhere
+            self._memory.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+
+class RingReader(MappedRing):
     """Reads a ring that another process writes, or the same one.
 
     The file is mapped for reading only. A reader stays good when the writer dies and another goes
@@ -140,78 +196,40 @@ class RingReader:
 
     Attributes
     ----------
-    name : str
-    path : Path
-    description : dict
-        As the writer gave it.
     slot_fields, status_fields : tuples of Field
     slots : int
     log_bytes : int
     """
 
     def __init__(self, name: str, *, folder: Path | None = None) -> None:
-        self.name, self.path = name, files.path_of(name, folder)
-        self._descriptor = files.open_ring(self.path, write=False)
+        path = files.path_of(name, folder)
+        self._descriptor = files.open_ring(path, write=False)
         try:
-            self._memory = files.mapped(self._descriptor, self.path, write=False)
-            plan = Layout.read(memoryview(self._memory), str(self.path))
-            self.description: dict[str, Any] = plan.described(str(self.path))
+            memory = files.mapped(self._descriptor, path, write=False)
+            plan = Layout.read(memoryview(memory), str(path))
+            super().__init__(path, memory, plan)
         except BaseException:
             os.close(self._descriptor)
             raise
-        self._layout, self._header = plan, plan.header
         self.slots, self.log_bytes = plan.header.slots, plan.header.log_bytes
         self.slot_fields: tuple[Field, ...] = tuple(each.field for each in plan.slot_fields)
         self.status_fields: tuple[Field, ...] = tuple(each.field for each in plan.status_fields)
-        self._fence = system.fence()
-        octets = np.frombuffer(self._memory, np.uint8)
-        self._words = memoryview(self._memory)[: len(octets) // 8 * 8].cast("Q")
-        self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
-        starts, size = plan.header.slot_starts, plan.header.slot_bytes
-        self._slots = [octets[start : start + size] for start in starts]
-        self._locks = [start // 8 for start in starts]
+        size = plan.header.slot_bytes
+        self._slots = [self._octets[start : start + size] for start in plan.header.slot_starts]
         self._spans = {
             placed.field.name: slice(placed.offset, placed.offset + placed.size)
             for placed in plan.slot_fields
         }
-        self._status: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(octets, plan.header.status_offset)
-            for placed in plan.status_fields
-        }
-
-    @property
-    def number(self) -> int:
-        """Of the newest slot, 0 before the first."""
-        return self._words[header.HEAD]
 
     @property
     def pid(self) -> int:
         """Process of the writer, or of the last one."""
-        return self._words[header.WRITER] & 0xFFFFFFFF
-
-    @property
-    def state(self) -> State:
-        """What the writer last said that it was doing."""
-        number = self._words[header.WRITER] >> 32
-        try:
-            return State(number)
-        except ValueError:
-            raise FileError(f"state of {self.path} is {number}, expected one of State") from None
+        return self._words[header.WRITER] & LOW
 
     @property
     def heartbeat_ns(self) -> int:
         """When the writer last was at work, ns of `time.monotonic_ns`."""
         return self._words[header.HEARTBEAT]
-
-    @property
-    def generation(self) -> int:
-        """1 for the first writer, one more for each that went on."""
-        return self._words[header.GENERATION] & 0xFFFFFFFF
-
-    @property
-    def log_end(self) -> int:
-        """Bytes ever appended to the log."""
-        return self._words[header.LOG_END]
 
     @property
     def alive(self) -> bool:
@@ -336,7 +354,7 @@ class RingReader:
             left = end - time.monotonic()
             if number > after or left <= 0 or words[header.WRITER] != writer:
                 return number
-            self._signal.wait(seen & 0xFFFFFFFF, min(left, _LONGEST))
+            self._signal.wait(seen & LOW, min(left, _LONGEST))
 
     def log_reader(self, position: int | None = None) -> LogReader:
         """Read the log from now on, or from a position.
@@ -365,14 +383,8 @@ class RingReader:
         if self._descriptor < 0:
             return
         os.close(self._descriptor)
-        self._descriptor = -1
-        self._slots, self._status = [], {}
-        self._words.release()
-        with contextlib.suppress(BufferError):  # a log reader still holds it
-            self._memory.close()
-
-    def __enter__(self) -> Self:
-        return self
+        self._descriptor, self._slots = -1, []
+        self._unmap()
 
     def __exit__(self, *_: object) -> None:
         self.close()

@@ -1,6 +1,5 @@
 """Writer of a ring in shared memory, and making or taking over its file."""
 
-import contextlib
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError
-from skinfield.ring import files, system
+from skinfield.ring import files
 from skinfield.ring import layout as header
 from skinfield.ring.files import Lock
 from skinfield.ring.layout import Field, Layout, State
 from skinfield.ring.log import Log, Octets
-from skinfield.ring.reader import rings_in
+from skinfield.ring.reader import LOW, MappedRing, rings_in
 
 _PATIENCE = 2.0  # s, for another process that makes the same ring
 
@@ -128,10 +127,7 @@ def _taken(path: Path) -> str:
     )
 
 
-_LOW = 0xFFFFFFFF
-
-
-class Ring:
+class Ring(MappedRing):
     """Slots, status and a log in shared memory, which one process writes and any number read.
 
     Made by `create`, or by `reopen` after the process that wrote it has ended. Readers only ever
@@ -139,21 +135,13 @@ class Ring:
 
     Attributes
     ----------
-    name : str
-    path : Path
-    description : dict
-        As it was given to `create`.
     status : dict of str to array
         In shared memory, to be written in place; readers see each 64-bit word whole, but not all
         words of one moment.
-    generation : int
-        1 for the first writer, one more for each that went on.
     """
 
     def __init__(self, lock: files.Lock, path: Path, plan: Layout, now: Path) -> None:
         """Map a locked file, as yet at `now`, which must be as planned; for the methods below."""
-        self.path, self.name = path, path.name.removeprefix(files.PREFIX)
-        self._fence = system.fence()
         memory = files.mapped_apart(now)
         found = Layout.read(memoryview(memory), str(path))
         if difference := plan.difference(found):
@@ -161,36 +149,28 @@ class Ring:
                 f"{path} has other fields or sizes, expected those asked for: {difference}; "
                 "make it anew with Ring.create"
             )
-        self.description: dict[str, Any] = found.described(str(path))
-        self._memory, self._lock = memory, lock
-        octets = np.frombuffer(memory, np.uint8)
-        self._words = memoryview(memory).cast("Q")
-        self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
-        self.status: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(octets, found.header.status_offset)
-            for placed in found.status_fields
-        }
+        super().__init__(path, memory, found)
+        self._lock = lock
+        self.status: dict[str, NDArray[Any]] = self._status
         self._slots: list[dict[str, NDArray[Any]]] = [
-            {placed.field.name: placed.view(octets, start) for placed in found.slot_fields}
+            {placed.field.name: placed.view(self._octets, start) for placed in found.slot_fields}
             for start in found.header.slot_starts
         ]
-        self._heads = [start // 8 for start in found.header.slot_starts]
         start, size = found.header.log_offset, found.header.log_bytes
-        log = octets[start : start + size]
+        log = self._octets[start : start + size]
         self._log = Log(self._words, log, found.header.mark_shift, self._fence)
         self._number = self._words[header.HEAD]  # of the slot that is written, or was last
         self._begun = False
         self._take_over()
-        self.generation = self._words[header.GENERATION]
 
     def _take_over(self) -> None:
         """Become the writer: what a dead one left unfinished is marked as never written."""
         words = self._words
-        for lock in self._heads:
+        for lock in self._locks:
             if words[lock] & 1 or words[lock] > 2 * self._number + 2:
                 words[lock] = 0
-        words[header.FUTEX] = self._number & _LOW
-        words[header.GENERATION] = words[header.GENERATION] + 1 & _LOW
+        words[header.FUTEX] = self._number & LOW
+        words[header.GENERATION] = words[header.GENERATION] + 1 & LOW
         words[header.HEARTBEAT] = time.monotonic_ns()
         self.set_state(State.STARTING)
 
@@ -276,7 +256,7 @@ class Ring:
         if not self._begun:
             self._number += 1
             self._begun = True
-            self._words[self._heads[self._number % len(self._heads)]] = 2 * self._number + 1
+            self._words[self._locks[self._number % len(self._locks)]] = 2 * self._number + 1
             if self._fence:
                 self._fence()
         return self._slots[self._number % len(self._slots)]
@@ -297,9 +277,9 @@ class Ring:
         if not self._begun:
             raise InputError("there is no slot to publish, expected begin() before publish()")
         words, number, fence = self._words, self._number, self._fence
-        lock = self._heads[number % len(self._heads)]
+        lock = self._locks[number % len(self._locks)]
         words[lock + header.SLOT_LOG_END] = self._log.end
-        words[lock + header.SLOT_GENERATION] = self.generation
+        words[lock + header.SLOT_GENERATION] = words[header.GENERATION]
         if fence:
             fence()
         words[lock] = 2 * number + 2
@@ -308,7 +288,7 @@ class Ring:
         words[header.HEAD] = number
         if fence:
             fence()
-        words[header.FUTEX] = number & _LOW
+        words[header.FUTEX] = number & LOW
         self._begun = False
         self._signal.wake()
         return number
@@ -343,21 +323,6 @@ class Ring:
         self._words[header.WRITER] = os.getpid() | int(state) << 32
         self._signal.wake()
 
-    @property
-    def state(self) -> State:
-        """What the writer last said that it was doing."""
-        return State(self._words[header.WRITER] >> 32)
-
-    @property
-    def number(self) -> int:
-        """Of the newest complete slot; 0 before the first."""
-        return self._number - self._begun
-
-    @property
-    def log_end(self) -> int:
-        """Bytes ever appended to the log."""
-        return self._log.end
-
     def unlink(self) -> None:
         """Take the file's name away, before `close`; who has the file open keeps it."""
         if self._lock.held and files.same(self._lock.descriptor, self.path):
@@ -375,12 +340,7 @@ class Ring:
         self._lock.close()
         self._slots, self.status = [], {}
         self._log = Log(self._words, np.zeros(0, np.uint8), 0, None)
-        self._words.release()
-        with contextlib.suppress(BufferError):  # arrays of it are still held elsewhere
-            self._memory.close()
-
-    def __enter__(self) -> Self:
-        return self
+        self._unmap()
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is not None and issubclass(kind, Exception) and self._lock.held:

@@ -4,11 +4,11 @@ Order. A lock around a slot, without waiting, needs that others see stores in th
 they were made, and that loads are made in theirs. On x86-64 both hold for ordinary memory without
 any instruction (total store order: Intel SDM volume 3, "Memory Ordering"; copies by string
 instructions and by glibc's streaming stores, which end with a fence, are ordered against stores
-around them), and Python calls are opaque to the compiler. Who writes slots with streaming stores
-of their own must end with a fence; NumPy and OpenBLAS use none. Elsewhere a full fence is called:
-the `atomic_thread_fence` of libatomic, or else the system call membarrier with GLOBAL_EXPEDITED,
-which is a full barrier for its caller (and interrupts only processes that registered for it: none
-here). Values are stored by one aligned 64-bit move: CPython writes the items of a memoryview so.
+around them), and Python calls are opaque to the compiler. Who writes slots with streaming stores of
+their own must end with a fence; NumPy and OpenBLAS use none. Elsewhere a full fence is called: the
+system call membarrier with GLOBAL_EXPEDITED, which is a full barrier for its caller (and interrupts
+only processes that registered for it: none here). Values are stored by one aligned 64-bit move:
+CPython writes the items of a memoryview so.
 
 Waking. Linux: a futex that processes share, on the file's mapping; waiting works on a mapping that
 may only be read. Elsewhere readers look every half millisecond.
@@ -29,7 +29,6 @@ POLL = 0.0005  # s, where there is no futex
 
 _WAIT, _WAKE = 0, 1  # operations of the futex, without the flag that makes it private
 _QUERY, _GLOBAL_EXPEDITED = 0, 1 << 1  # commands of membarrier
-_SEQ_CST = 5  # memory_order_seq_cst
 _ALL = 0x7FFFFFFF
 
 Fence = Callable[[], object]
@@ -57,25 +56,13 @@ def fence() -> Fence | None:
         raise InputError("this machine is big-endian, expected a little-endian one for a ring")
     if not needs_fence():
         return None
-    made = fence_of_libatomic() or fence_of_kernel()
+    made = fence_of_kernel()
     if made is None:
         raise InputError(
             f"this machine ({platform.machine()}) has no fence that can be called, expected "
-            "libatomic: install it (libatomic1 on Debian and Ubuntu)"
+            "a Linux kernel of 4.16 or later with membarrier"
         )
     return made
-
-
-def fence_of_libatomic() -> Fence | None:
-    """`atomic_thread_fence`, or None where that library is not installed."""
-    for name in ("libatomic.so.1", "libatomic.so"):
-        try:
-            call = ctypes.PyDLL(name).atomic_thread_fence
-        except (OSError, AttributeError):
-            continue
-        order = ctypes.c_int(_SEQ_CST)
-        return lambda: call(order)
-    return None
 
 
 def fence_of_kernel() -> Fence | None:

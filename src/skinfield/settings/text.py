@@ -211,7 +211,8 @@ def _check_keys(kind: Any, plain: object, path: str) -> None:
             )
         for inner in (known[key].type, *get_args(known[key].type)):
             if isinstance(inner, type) and is_dataclass(inner):
-                _check_keys(inner, value, here)
+                for each in value if isinstance(value, list) else [value]:
+                    _check_keys(inner, each, here)
 
 
 def nearest(word: object, known: Iterable[str]) -> str:

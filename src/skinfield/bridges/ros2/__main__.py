@@ -3,7 +3,7 @@
 import sys
 
 from skinfield.bridges.child import run_child
-from skinfield.bridges.ros2.publisher import serve
+from skinfield.bridges.ros2.publisher import RosSettings, serve
 
 if __name__ == "__main__":
-    sys.exit(run_child(serve))
+    sys.exit(run_child(RosSettings, serve))

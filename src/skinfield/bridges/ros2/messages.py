@@ -245,33 +245,6 @@ class Speaker:
 LOOKS = 0.05  # s between looks whether to stop
 
 
-class Pace:
-    """When each of several things is next due.
-
-    Parameters
-    ----------
-    rates : mapping of str to float, 1/s
-        0: never.
-    """
-
-    def __init__(self, rates: Mapping[str, float]) -> None:
-        self._every = {what: 1.0 / rate for what, rate in rates.items() if rate > 0}
-        self._next = dict.fromkeys(self._every, 0.0)
-
-    def due(self, now: float) -> list[str]:
-        """What may be done now."""
-        return [what for what, when in self._next.items() if when <= now]
-
-    def mark(self, what: str, now: float) -> None:
-        """It was done: the next is due on the beat, but what was missed is not made up for."""
-        every, when = self._every[what], self._next[what]
-        self._next[what] = (when if now < when + every else now) + every
-
-    def wait(self, now: float) -> float:
-        """Seconds until something is due, at most `LOOKS`."""
-        return min(max(min(self._next.values(), default=now + LOOKS) - now, 0.0), LOOKS)
-
-
 class Talker:
     """Sends the messages of a running skin, each at its pace and each reading once.
 
@@ -292,10 +265,21 @@ class Talker:
         send: Callable[[Outgoing], None],
     ) -> None:
         self._live, self._speaker, self._send = live, speaker, send
-        self.pace = Pace(rates)
+        self._every = {what: 1.0 / rate for what, rate in rates.items() if rate > 0}
+        self._next = dict.fromkeys(self._every, 0.0)
         self._health = Observer(live.reader, window=1.0)
         self._fit = FitReader(live.name)
         self._newest: Snapshot | None = None
+
+    def wait(self) -> float:
+        """Seconds until something is due, at most `LOOKS`."""
+        now = time.monotonic()
+        return min(max(min(self._next.values(), default=now + LOOKS) - now, 0.0), LOOKS)
+
+    def _mark(self, what: str, now: float) -> None:
+        """It was done: the next is due on the beat, but what was missed is not made up for."""
+        every, when = self._every[what], self._next[what]
+        self._next[what] = (when if now < when + every else now) + every
 
     def close(self) -> None:
         """Let go of the fit; the skin runs on."""
@@ -315,16 +299,16 @@ class Talker:
             If another skin took the name.
         """
         now = time.monotonic()
-        due = self.pace.due(now)
+        due = [what for what, when in self._next.items() if when <= now]
         if "diagnostics" in due:
             if self._live.reader.replaced():
                 raise NotRunning(f"{self._live.name!r} was started anew: connect again")
             self._send(self._speaker.of_status(self._health.look(), time.time_ns()))
-            self.pace.mark("diagnostics", now)
+            self._mark("diagnostics", now)
         wanted = [what for what in due if what != "diagnostics"]
         if self._live.state != State.RUNNING:
             for what in wanted:
-                self.pace.mark(what, now)
+                self._mark(what, now)
         elif wanted:
             self._look(0.0)
             left = self._say(wanted)
@@ -355,5 +339,5 @@ class Talker:
                 continue
             for out in self._speaker.of_snapshot(self._newest, (what,), self._fit):
                 self._send(out)
-            self.pace.mark(what, time.monotonic())
+            self._mark(what, time.monotonic())
         return left

@@ -17,7 +17,6 @@ from skinfield.files.ros.kinds import RosbagKinds
 from skinfield.files.ros.messages import Outgoing
 from skinfield.files.ros.names import Topics, check_prefix, token_of
 from skinfield.loop.client import connect
-from skinfield.settings import from_plain
 
 ROUTER = "tcp/localhost:7447"  # of rmw_zenohd, where rmw_zenoh's nodes meet
 HERE = "tcp/localhost:0"
@@ -158,9 +157,8 @@ class Publisher:
         )
 
 
-def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
+def serve(name: str, settings: RosSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`."""
-    settings = from_plain(RosSettings, plain)
     with ExitStack() as ends:
         live = ends.enter_context(connect(name, timeout=10.0))
         kinds = RosbagKinds()
@@ -181,5 +179,5 @@ def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
         )
         talker = Talker(live, speaker, settings.rates, publisher.send)
         ends.callback(talker.close)
-        while not stop.wait(talker.pace.wait(time.monotonic())):
+        while not stop.wait(talker.wait()):
             talker.step(LOOKS)

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from typing import Any
 
@@ -15,7 +14,6 @@ from skinfield.errors import InputError
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
-from skinfield.settings import from_plain
 from skinfield.wire.yarp import Port, envelope
 
 HERE = 10.0  # s to wait for the ring
@@ -27,11 +25,6 @@ NUMBERS = 1 << 31  # of messages, after which they begin anew
 
 class Publisher:
     """Sends each new reading's contacts to whoever reads the port.
-
-    Parameters
-    ----------
-    live : Live
-    settings : YarpSettings
 
     Attributes
     ----------
@@ -114,9 +107,8 @@ def keep_registered(ports: tuple[Port, ...], stop: threading.Event) -> None:
                     port.register()
 
 
-def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
+def serve(name: str, settings: YarpSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`."""
-    settings = from_plain(YarpSettings, plain)
     with ExitStack() as ends:
         live = ends.enter_context(connect(name, timeout=HERE))
         publisher = Publisher(live, settings)

@@ -2,8 +2,6 @@
 
 from skinfield.bridges.zenoh.discovery import ZenohSources as ZenohSources
 from skinfield.bridges.zenoh.discovery import connect as connect
-from skinfield.bridges.zenoh.session import Access as Access
-from skinfield.bridges.zenoh.session import Tls as Tls
 from skinfield.bridges.zenoh.session import ZenohSettings as ZenohSettings
 from skinfield.bridges.zenoh.session import open_session as open_session
 from skinfield.bridges.zenoh.source import ZenohSource as ZenohSource

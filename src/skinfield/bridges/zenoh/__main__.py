@@ -3,7 +3,7 @@
 import sys
 
 from skinfield.bridges.child import run_child
-from skinfield.bridges.zenoh.publisher import serve
+from skinfield.bridges.zenoh.publisher import PublisherSettings, serve
 
 if __name__ == "__main__":
-    sys.exit(run_child(serve))
+    sys.exit(run_child(PublisherSettings, serve))

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -26,7 +26,6 @@ class _Engine:
         self.source: ZenohSource | None = None
         self.subscribers: list[Any] = []
         self.next = 0.0  # when it may be asked again
-        self.failure = ""
 
     def leave(self) -> None:
         """Hear no more of it."""
@@ -39,10 +38,6 @@ class ZenohSources:
     """Finds engines by their sign of life, and reads what they publish.
 
     An engine that went away stays, as one that is gone, and goes on when it comes back.
-
-    Parameters
-    ----------
-    session : zenoh.Session
 
     Attributes
     ----------
@@ -159,9 +154,11 @@ class ZenohSources:
         engine.leave()
         zenoh = load_zenoh()
         takes = {
-            "estimate": _estimates(source),
-            "status": _texts(source.take_status),
-            "contacts": _texts(source.take_contacts),
+            "estimate": lambda sample: source.take_estimate(
+                b"" if sample.attachment is None else sample.attachment.to_bytes(), sample.payload
+            ),
+            "status": lambda sample: source.take_status(sample.payload.to_bytes()),
+            "contacts": lambda sample: source.take_contacts(sample.payload.to_bytes()),
         }
         try:
             for what, take in takes.items():
@@ -197,21 +194,6 @@ class ZenohSources:
         except zenoh.ZError as error:
             failure = str(error)
         raise InputError(f"{part} was asked for its {what}, expected an answer: {failure}")
-
-
-def _estimates(source: ZenohSource) -> Any:
-    def take(sample: Any) -> None:
-        attachment = b"" if sample.attachment is None else sample.attachment.to_bytes()
-        source.take_estimate(attachment, sample.payload)
-
-    return take
-
-
-def _texts(read: Callable[[bytes], None]) -> Any:
-    def take(sample: Any) -> None:
-        read(sample.payload.to_bytes())
-
-    return take
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -20,7 +20,6 @@ from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.ring import State
 from skinfield.ring.reader import Slot as Copy
-from skinfield.settings import from_plain
 
 JSON, BYTES = "application/json", "application/octet-stream"
 WHOLE = {  # what is published of an engine: kind of bytes, and priority
@@ -38,18 +37,13 @@ class Outlets:
 
     All drop what cannot be sent at once: each message is whole, so the next makes up for it, and a
     reader that hangs holds up nobody.
-
-    Parameters
-    ----------
-    session : zenoh.Session
-    part : Part
-    patches : sequence of str
     """
 
     def __init__(self, session: Any, part: Part, patches: Sequence[str]) -> None:
         self._session, self._part = session, part
         self._token: Any = None
         self._publishers: dict[str, Any] = {}
+        self._answers: list[Any] = []
         self._patches = {
             what: [self._declare(part.patch_key(name, what), what) for name in patches]
             for what in OF_PATCH
@@ -89,24 +83,19 @@ class Outlets:
             self._token.undeclare()
             self._token = None
 
-    @contextmanager
-    def answering(self, answers: Mapping[str, Callable[[], bytes]]) -> Iterator[None]:
-        """Answer queries of these keys as long as the block lasts.
+    def answer(self, what: str, make: Callable[[], bytes]) -> None:
+        """Answer queries of the key that ends so, in a thread of zenoh."""
+        key = self._part.key(what)
+        encoding = "application/toml" if what.endswith("layout") else JSON
 
-        Parameters
-        ----------
-        answers : mapping from what follows the engine's name in the key to a function
-            Called in a thread of zenoh.
-        """
-        made = []
-        try:
-            for what, answer in answers.items():
-                key = self._part.key(what)
-                made.append(self._session.declare_queryable(key, _Answer(key, what, answer)))
-            yield
-        finally:
-            for each in made:
-                each.undeclare()
+        def reply(query: Any) -> None:
+            with query:
+                try:
+                    query.reply(key, make(), encoding=encoding)
+                except Exception as error:  # whatever it is, who asked must not wait for ever
+                    query.reply_err(str(error).encode())
+
+        self._answers.append(self._session.declare_queryable(key, reply))
 
     def close(self) -> None:
         """Take everything back."""
@@ -114,25 +103,8 @@ class Outlets:
         self.live(False)
         several = [each for row in self._patches.values() for each in row]
         with suppress(zenoh.ZError):  # of a session that is closed already
-            for publisher in (*self._publishers.values(), *several):
-                publisher.undeclare()
-
-
-class _Answer:
-    """Answers one key."""
-
-    def __init__(self, key: str, what: str, make: Callable[[], bytes]) -> None:
-        self._key, self._make = key, make
-        self._encoding = "application/toml" if what.endswith("layout") else JSON
-
-    def __call__(self, query: Any) -> None:
-        with query:
-            try:
-                data = self._make()
-            except Exception as error:  # whatever it is, whoever asked must not wait for ever
-                query.reply_err(str(error).encode())
-                return
-            query.reply(self._key, data, encoding=self._encoding)
+            for each in (*self._answers, *self._publishers.values(), *several):
+                each.undeclare()
 
 
 SLICE = 0.1  # s at most without a look whether to stop
@@ -203,16 +175,17 @@ class Publisher:
             "description": lambda: encoder.description,
             "layout": lambda: encoder.layout,
             "calibration": encoder.calibration,
-            "status": encoder.newest_status,
-            "health": encoder.health,
+            "status": lambda: encoder.status,
+            "health": lambda: encoder.health,
         }
         for patch in self._live.skin:
             key = part.patch_key(patch.name, "layout").removeprefix(part.key(""))
             answers[key] = partial(layout_text, patch)
         try:
-            with self._outlets.answering(answers):
-                self._tell(time.monotonic())
-                yield
+            for what, answer in answers.items():
+                self._outlets.answer(what, answer)
+            self._tell(time.monotonic())
+            yield
         finally:
             self._outlets.close()
             self._fit.close()
@@ -236,8 +209,9 @@ class Publisher:
     def _tell(self, now: float) -> None:
         self._status = now + STATUS
         self._outlets.live(self._reader.alive and self._reader.state < State.STOPPED)
-        self._outlets.put("status", self._encoder.status())
-        self._outlets.put("health", self._encoder.health())
+        self._encoder.look()
+        self._outlets.put("status", self._encoder.status)
+        self._outlets.put("health", self._encoder.health)
 
     def _take(self, number: int, now: float) -> bool:
         """Take the newest cycle with a new reading; another only if none went out for long."""
@@ -303,7 +277,7 @@ def check_free(session: Any, part: Part) -> None:
         time.sleep(0.2)
 
 
-def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
+def serve(name: str, settings: PublisherSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`.
 
     Raises
@@ -311,7 +285,6 @@ def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
     InputError
         If zenoh cannot start, or there is no such skin.
     """
-    settings = from_plain(PublisherSettings, plain)
     part = Part(settings.robot, name)
     with open_session(settings.session) as session, connect(name, timeout=HERE) as live:
         check_free(session, part)

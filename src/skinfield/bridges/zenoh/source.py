@@ -40,14 +40,11 @@ class Counts:
         In them.
     refused : int
         Messages that made no sense.
-    other : int
-        Estimates of another description than is known: one is asked for then.
     """
 
     received: int = 0
     octets: int = 0
     refused: int = 0
-    other: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +153,6 @@ class ZenohSource:
             head = EstimateHead.of(attachment)
             size = len(payload)
             if head.fingerprint != self.plan.fingerprint:
-                self.counts.other += 1
                 self.outdated = True
                 return
             if size != self.plan.slot_bytes or size > MOST_SLOT:

@@ -2,11 +2,11 @@
 
 import tempfile
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
-from msgspec import Meta, Struct, field
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import (
@@ -25,17 +25,12 @@ from skinfield.errors import InputError
 from skinfield.files.layouts.load import save_layout
 from skinfield.loop.client import Live
 from skinfield.loop.model_config import configuration_of
+from skinfield.loop.realtime.timing import TIMES, TOTALS
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
 from skinfield.skin import Patch, Skin
 
-# what may stand in notes and the like, nested four deep: it can be shown and sent on without care
-_Text = Annotated[str, Meta(max_length=10_000)]
-_Int = Annotated[int, Meta(ge=-(1 << 62), le=1 << 62)]
-_Value: TypeAlias = _Text | _Int | float | bool | None
-_Values: TypeAlias = _Value | list[_Value] | dict[_Text, _Value]
-_Nested: TypeAlias = _Value | list[_Values] | dict[_Text, _Values]
-_Object: TypeAlias = dict[_Text, _Value | list[_Nested] | dict[_Text, _Nested]]
+BLANK_TIMING = dict.fromkeys(TOTALS, 0) | {f"{name}_us": None for name in TIMES}
 
 
 class PatchStatus(Struct):
@@ -52,31 +47,6 @@ class PatchStatus(Struct):
     gap: float | None = None
 
 
-class TimesStatus(Struct):
-    """Times of an engine, µs, as `Quantiles.as_micros` has them."""
-
-    p50: float = 0.0
-    p99: float = 0.0
-    p999: float = 0.0
-    max: float = 0.0
-    mean: float = 0.0
-    count: Whole = 0
-
-
-class TimingStatus(Struct):
-    """As `Timing.as_dict` has it."""
-
-    cycles: Whole = 0
-    late: Whole = 0
-    overrun: Whole = 0
-    skipped: Whole = 0
-    wake_us: TimesStatus | None = None
-    acquired_us: TimesStatus | None = None
-    ready_us: TimesStatus | None = None
-    latency_us: TimesStatus | None = None
-    cycle_us: TimesStatus | None = None
-
-
 class StatusMessage(Struct):
     """As `Status.as_dict` has it, and how many baselines were taken."""
 
@@ -86,16 +56,16 @@ class StatusMessage(Struct):
     generation: Whole = 0
     seconds: float = 0.0
     rate: float = 0.0
-    sources: dict[str, dict[str, _Int]] = {}
-    sources_lately: dict[str, dict[str, _Int]] = {}
+    sources: dict[str, dict[str, int]] = {}
+    sources_lately: dict[str, dict[str, int]] = {}
     patches: list[PatchStatus] = []
     contacts: list[ContactMessage] = []
-    notes: _Object = {}
-    sidecars: _Object = field(default_factory=dict, name="beside")
+    notes: dict[str, Any] = {}
+    sidecars: dict[str, Any] = field(default_factory=dict, name="beside")
     memory: dict[str, Whole] = {}
-    tuning: _Object = {}
-    since_start: TimingStatus = field(default_factory=TimingStatus)
-    lately: TimingStatus = field(default_factory=TimingStatus)
+    tuning: dict[str, Any] = {}
+    since_start: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
+    lately: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
     lost: Whole = 0
     tares: Whole = 0
 
@@ -138,11 +108,6 @@ RECENT = 1.0  # s that the status calls the last
 class StatusEncoder:
     """Makes what is sent about one ring.
 
-    Parameters
-    ----------
-    live : Live
-    part : Part
-
     Attributes
     ----------
     description : bytes
@@ -150,6 +115,8 @@ class StatusEncoder:
     fingerprint : bytes
     layout : bytes
         The skin as skinfield's own layout in TOML.
+    status, health : bytes
+        What `skinfield status --json` tells, and counters of what goes wrong, of the last `look`.
     """
 
     def __init__(self, live: Live, part: Part) -> None:
@@ -160,18 +127,18 @@ class StatusEncoder:
         self.description = described(part.robot, part.name, reader.description, reader.slot_fields)
         self.fingerprint = fingerprint_of(self.description)
         self.layout = layout_text(live.skin)
-        self._look()
+        self.look()
 
-    def _look(self) -> None:
+    def look(self) -> None:
         """Look at the state once for both, status and health."""
         plain = self._observer.look().as_dict()
         recorder = (plain.get("beside") or {}).get("recorder")
         if isinstance(recorder, dict):  # where it writes to is nobody's business elsewhere
             recorder.pop("path", None)
         tares = int(self._reader.status_view["tares"][0])
-        self._status = strict_json(plain | {"tares": tares})
+        self.status = strict_json(plain | {"tares": tares})
         patches = plain["patches"]
-        self._health = strict_json(
+        self.health = strict_json(
             {
                 "state": plain["state"],
                 "rate": plain["rate"],
@@ -187,19 +154,6 @@ class StatusEncoder:
                 "restarts": plain["generation"] - 1,
             }
         )
-
-    def status(self) -> bytes:
-        """What `skinfield status --json` tells, now."""
-        self._look()
-        return self._status
-
-    def health(self) -> bytes:
-        """Counters of what goes wrong, of the moment of `status`."""
-        return self._health
-
-    def newest_status(self) -> bytes:
-        """The status that was made last."""
-        return self._status
 
     def calibration(self) -> bytes:
         """Noise of all taxels and solver, by which a reader makes uncertainties."""
