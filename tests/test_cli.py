@@ -80,6 +80,12 @@ def test_help_imports_no_command() -> None:
         (["layout", "show", "hexagon72"], "--output"),
         (["run", "nowhere.toml"], "nowhere.toml cannot be read: No such file"),
         (["tune", "--smoothing", "3"], "--smoothing"),
+        (["design", "hexagon72", "--force-n", "-1"], "--force-n is -1.0, expected a finite"),
+        (["press", "--cell-mm", "nan"], "--cell-mm is nan, expected a finite number above 0"),
+        (["emulate", "--duration", "-1"], "--duration is -1.0, expected a finite number above 0"),
+        (["emulate", "--fault", "rain 3"], "--fault is 'rain 3': kind is 'rain', expected one of"),
+        (["emulate", "--temperature", "x"], "--temperature is 'x': temperature is 'x', expected"),
+        (["run", "--bus", "foo"], "--bus is 'foo': interface is 'foo', expected udp, socketcan"),
     ],
 )
 def test_errors_are_one_paragraph(words: list[str], text: str) -> None:

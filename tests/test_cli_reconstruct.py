@@ -47,7 +47,7 @@ def test_demo_writes_a_picture_and_compares_with_the_truth(tmp_path: Path) -> No
 def test_demo_refuses_a_press_it_does_not_understand(tmp_path: Path) -> None:
     code, said = run("demo", "--press", "1,2,3", "-o", tmp_path / "demo.png")
     assert code == 2
-    assert "--press is '1,2,3', expected x,y,force,radius" in said
+    assert "--press is '1,2,3': expected x,y,force,radius" in said
     code, said = run("demo", "-o", tmp_path / "demo.xyz")
     assert code == 2
     assert "png" in said

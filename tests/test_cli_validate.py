@@ -135,7 +135,7 @@ def test_own_solver_from_the_current_folder(
         (("-o", "s.xyz"), "--output is 's.xyz', expected a name that ends in .csv or .json"),
         (("-o", "nowhere/s.csv"), "nowhere is no folder"),
         (("--solver", "paper", "--settings", '{"snr": 3}'), "the paper's method has none"),
-        (("--grid", "1"), "nodes is 1"),
+        (("--grid", "1"), "--grid is 1, expected"),
     ],
 )
 def test_what_cannot_be_used_is_said(folder: Path, words: tuple[str, ...], message: str) -> None:
@@ -256,7 +256,7 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
         (("--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
         (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
         (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
-          '{"snr": 2}'), "expected one that takes them"),
+          '{"snr": 2}'), "expected it beside one --solver that takes them"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_together_is_said(words: tuple[str, ...], message: str) -> None:

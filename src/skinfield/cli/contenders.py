@@ -27,24 +27,22 @@ def entrant_from_options(name: str, options: dict[str, Any]) -> Any:
     """
     from skinfield.lab.validation import PAPER, Entrant, known_entrants
 
-    several = len(options["solver"]) > 1
-    if several and options["settings"] != "{}":
-        raise InputError("--settings is given with several solvers, expected one that takes them")
+    if options["settings"] != "{}" and (len(options["solver"]) > 1 or name == PAPER):
+        raise InputError(
+            f"--settings is {options['settings']!r}, expected it beside one --solver that takes "
+            "them: the paper's method has none"
+        )
+    gate = options["gate_mm"] * 1e-3
     if name == PAPER:
-        if options["settings"] != "{}":
-            raise InputError(
-                f"--settings is {options['settings']!r}, but the paper's method has none: expected "
-                "them beside another --solver"
-            )
         paper = next(entrant for entrant in known_entrants() if entrant.name == PAPER)
-        return replace(paper, gate=options["gate_mm"] * 1e-3)
+        return replace(paper, gate=gate)
     mechanics = options["mechanics"]
     return Entrant(
         name=name,
         solver=solver_from_text(name, options["settings"]),
         mechanics=None if mechanics == "case" else mechanics_of(mechanics),
         nodes=options["grid"],
-        gate=options["gate_mm"] * 1e-3,
+        gate=gate,
     )
 
 
@@ -86,7 +84,12 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
     InputError
         If there is no such solver, it does not take these settings, or it has no `prepare`.
     """
-    keywords = _settings(settings)
+    try:
+        keywords = json.loads(settings)
+    except ValueError:
+        keywords = None
+    if not isinstance(keywords, dict):
+        raise InputError(f"--settings is {settings!r}, expected a JSON object such as {{}}")
     if ":" in text:
         make = _imported(text)
     elif text in SOLVERS:
@@ -114,16 +117,6 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
 def _is_solver(value: Any) -> bool:
     """Whether it is an object, not a class of objects, that prepares."""
     return not isinstance(value, type) and callable(getattr(value, "prepare", None))
-
-
-def _settings(text: str) -> dict[str, Any]:
-    try:
-        keywords = json.loads(text)
-    except ValueError as error:
-        raise InputError(f"--settings is {text!r}, expected a JSON object: {error}") from error
-    if not isinstance(keywords, dict):
-        raise InputError(f"--settings is {text!r}, expected a JSON object such as {{}}")
-    return keywords
 
 
 def _imported(text: str) -> Any:

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from skinfield.cli.options import OUTPUT, Json, processes
-from skinfield.cli.report import console, finish, progress, table
-from skinfield.errors import SkinfieldError, check_count
+from skinfield.cli.options import OUTPUT, Json, Seed, Workers, processes
+from skinfield.cli.report import finish, progress, table
+from skinfield.errors import SkinfieldError
 
 
 def experiments(
@@ -16,8 +16,8 @@ def experiments(
     output: Annotated[str, OUTPUT] = "experiments",
     size: Literal["smoke", "short", "full"] = "short",
     only: str = "",
-    workers: int | None = None,
-    seed: int = 0,
+    workers: Workers = None,
+    seed: Seed = 0,
     data: Annotated[str | None, Parameter(env_var="SKINFIELD_SHARED_DATA")] = None,
     as_json: Json = False,
 ) -> None:
@@ -40,17 +40,9 @@ def experiments(
         How much is computed.
     only : str
         Such as fig3,fig6: these parts alone.
-    workers : int, optional
-        Processes at once. Default one for each core.
-    seed : int
-        Of the noise.
     data : str, optional
         DIR of recordings by others, for the sections on real data.
-    as_json : bool
-        Verdicts and page as one JSON object.
     """
-    check_count("--seed", seed, 0, 1 << 63, "of the noise")
-    number = processes(workers)
     from skinfield.lab.experiments import chosen, run
     from skinfield.lab.report import Settings, size_by_name
 
@@ -61,17 +53,16 @@ def experiments(
             wanted,
             settings,
             Path(output),
-            number,
+            processes(workers),
             lambda name, done, total: step(done, total, name or "experiments"),
         )
     page, verdicts = str(finished.page), finished.verdicts
-    if verdicts and not as_json:
-        columns = ("figure", "the paper says", "measured here", "verdict")
-        shown = table(None, columns, (), show_lines=True)
-        for verdict in verdicts:
-            shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
-        console().print(shown)
-    finish(as_json, {"page": page, "verdicts": [asdict(each) for each in verdicts]}, [page])
+    columns = ("figure", "the paper says", "measured here", "verdict")
+    shown = table(None, columns, (), show_lines=True)
+    for verdict in verdicts:
+        shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
+    plain = {"page": page, "verdicts": [asdict(each) for each in verdicts]}
+    finish(as_json, plain, [page], [shown] if verdicts else [])
     if finished.failures:
         named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
         raise SkinfieldError(f"the report lacks what failed: {named}")

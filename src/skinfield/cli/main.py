@@ -11,14 +11,14 @@ from cyclopts.exceptions import UnknownCommandError
 from cyclopts.help import DefaultFormatter, PanelSpec
 from rich.box import Box
 
-from skinfield.cli.options import LIVE, flag_of, settings_in
+from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
 
 if TYPE_CHECKING:
     from skinfield.settings import Settings
 
-FAILED = 2  # exit code of an error of the user's input
+FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
 PLAIN = Box("    \n" * 8)  # no lines around help
 WIDEST = 100  # columns of help
 
@@ -64,7 +64,7 @@ COMMANDS = {
     "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
     **LAB,
 }
-LAB_HELP = "Press, score and report: simulated skins, the paper's figures, cases with their truth."
+LAB_HELP = "Simulated skins and their truth: press, rig, cases, validate, experiments."
 HELP = """Turn the readings of robot skin into force, deformation and contacts.
 
 Start with
@@ -73,6 +73,7 @@ Start with
   skinfield run                   a virtual skin alive, in the browser
   skinfield run my_robot.toml     your own
   skinfield COMMAND --help        what a command takes, with examples
+  skinfield lab COMMAND --help    the same of press, rig, cases, validate, experiments
 
 Of a running skin also: status, tune, tare, emulate, warmup; of recordings: info, recover."""
 
@@ -214,13 +215,14 @@ def main(words: Sequence[str] | None = None) -> None:
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
-            code = app(
-                words,
-                exit_on_error=False,
-                print_error=False,
-                result_action="return_value",
-                console=_console(),
+            command, bound, _ = app.parse_args(
+                words, exit_on_error=False, print_error=False, console=_console()
             )
+            if command.__module__.startswith("skinfield."):  # not --help
+                check_values(command, bound.arguments)
+            code = command(*bound.args, **bound.kwargs)
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except (CycloptsError, SkinfieldError) as error:
         text = _usage_error(error) if isinstance(error, CycloptsError) else _with_flag(error)
         print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words

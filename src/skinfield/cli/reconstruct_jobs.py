@@ -9,31 +9,16 @@ import logging
 import secrets
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from skinfield.cli.options import (
-    LIVE,
-    OF_UNIT,
-    USUAL_SOLVER,
-    CountSettings,
-    conditioning_of,
-    config_of,
-    filled,
-    layer_of,
-    patch_of,
-    profile_in_use,
-    quantity_of,
-    settings_in,
-    skin_from_text,
-)
-from skinfield.cli.report import Step, progress
+from skinfield.cli import options, report
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.estimate.contact_table import Row, rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
@@ -80,7 +65,7 @@ class Plan:
     layout: str
     patch: str | None
     profile: Profile
-    counts: CountSettings
+    counts: options.CountSettings
     elastomer: Elastomer
     model: ModelSettings
 
@@ -89,7 +74,7 @@ class Plan:
         cls,
         layout: str,
         patch: str | None,
-        counts: CountSettings,
+        counts: options.CountSettings,
         elastomer: Elastomer,
         model: ModelSettings,
     ) -> "Plan":
@@ -98,24 +83,27 @@ class Plan:
         A layout that is a recording of a live skin brings its settings and calibration.
         """
         board = None if counts.board == "auto" else counts.board
-        recorded = settings_in(layout) if layout.lower().endswith(LIVE) else None
+        recorded = options.settings_in(layout) if layout.lower().endswith(options.LIVE) else None
         if recorded is None:
-            profile = profile_in_use(elastomer, board, layout)
+            profile = options.profile_in_use(elastomer, board, layout)
         else:
             hardware, known = board or recorded.source.hardware, recorded.skin
-            usual = {name: getattr(known, name) for name in asdict(elastomer)}
-            elastomer = Elastomer(**(usual | changes_of(elastomer)))
+            for name, value in asdict(Elastomer()).items():
+                if getattr(elastomer, name) == value:  # not set
+                    elastomer = replace(elastomer, **{name: getattr(known, name)})
             if counts.gain is None and counts.calibration is None:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
-            profile = profile_in_use(elastomer, hardware, known.layout)
+            profile = options.profile_in_use(elastomer, hardware, known.layout)
         return cls(
             layout=layout,
             patch=patch,
             profile=profile,
-            counts=filled(counts, profile),
-            elastomer=filled(elastomer, profile),
-            model=filled(replace(model, solver=model.solver or USUAL_SOLVER), profile),
+            counts=options.filled(counts, profile),
+            elastomer=options.filled(elastomer, profile),
+            model=options.filled(
+                replace(model, solver=model.solver or options.USUAL_SOLVER), profile
+            ),
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -126,7 +114,7 @@ class Plan:
 
     def taxels(self) -> Patch:
         """The patch."""
-        return patch_of(skin_from_text(self.layout), self.patch)
+        return options.patch_of(options.skin_from_text(self.layout), self.patch)
 
     def everywhere(self) -> "Plan":
         """The same for workers that run in other folders."""
@@ -139,7 +127,7 @@ class Plan:
     def settings(self, store_fields: bool) -> dict[str, Any]:
         """What a manifest keeps: values, with sums of what the files hold that they name."""
         patch = self.taxels()
-        calibration = conditioning_of(patch, self.counts).calibration
+        calibration = options.conditioning_of(patch, self.counts).calibration
         values = {name: value for name, value in self.as_dict().items() if name != "profile"}
         return {
             **values,
@@ -150,46 +138,45 @@ class Plan:
         }
 
 
-def changes_of(section: Elastomer) -> dict[str, Any]:
-    """Values that were set, by their names."""
-    usual = asdict(Elastomer())
-    return {name: value for name, value in asdict(section).items() if value != usual[name]}
-
-
 class Spool:
     """A recording's numbers in a file without name, in the order of the patch's taxels.
 
     Parameters
     ----------
+    recording : str
+        Parsed once.
     patch : Patch
     folder : Path
         Where there is room.
+    step : function
+        Shows the progress.
     """
 
-    def __init__(self, patch: Patch, folder: Path) -> None:
-        self.patch = patch
-        self.like: Recording | None = None
-        self.notes: tuple[str, ...] = ()
-        self.skipped, self.divisor, self._count = 0, 1, 0
+    def __init__(self, recording: str, patch: Patch, folder: Path, step: report.Step) -> None:
+        from skinfield.files import readings_for, stream_recording
+
+        self.patch, self._count, self._divisor = patch, 0, 1
         self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
         self._file = TemporaryFile(dir=folder)  # noqa: SIM115
-
-    def add(self, block: Recording) -> None:
-        """Append readings."""
-        from skinfield.files import readings_for
-
-        mine = readings_for(block, self.patch)
-        rows = np.empty(len(mine), self._kind)
-        rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
-        self._file.write(rows.view(np.uint8).data)
-        self._count += len(rows)
-        if self.like is None:
-            self.like = replace(mine, stamp_ns=mine.stamp_ns[:0], counts=mine.counts[:0])
-            self.notes = mine.notes[len(block.notes) :]
+        opened, like = stream_recording(recording, progress=step), None
+        notes: tuple[str, ...] = ()
+        if not isinstance(opened, Recording):
+            self._divisor = opened.divisor
+        for block in _blocks_of(opened):
+            mine = readings_for(block, patch)
+            rows = np.empty(len(mine), self._kind)
+            rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
+            self._file.write(rows.view(np.uint8).data)
+            self._count += len(rows)
+            if like is None:
+                like = replace(mine, stamp_ns=mine.stamp_ns[:0], counts=mine.counts[:0])
+                notes = mine.notes[len(block.notes) :]
+        if like is None:
+            raise InputError(f"{recording} holds no reading, expected one or more")
+        self.like, self.notes, self.skipped = like, opened.notes + notes, opened.skipped
 
     def blocks(self) -> Iterator[Recording]:
         """All of it again, in blocks of one size, but for the last: a short rest joins it."""
-        assert self.like is not None
         size = int(np.clip(PIECE // len(self.patch), FEWEST, MOST))
         first = 0
         while first < self._count:
@@ -197,10 +184,20 @@ class Spool:
             rows = np.empty(last - first, self._kind)
             self._file.seek(first * self._kind.itemsize)
             self._file.readinto(rows.view(np.uint8).data)
-            stamps = rows["stamp_ns"] // self.divisor
+            stamps = rows["stamp_ns"] // self._divisor
             counts = np.ascontiguousarray(rows["counts"])
             yield replace(self.like, stamp_ns=stamps, counts=counts)
             first = last
+
+
+def _blocks_of(opened: Any) -> Iterator[Recording]:
+    """Blocks of what `stream_recording` returns."""
+    if not isinstance(opened, Recording):
+        yield from opened.blocks()
+        return
+    for first in range(0, len(opened), MOST):
+        part = slice(first, first + MOST)
+        yield replace(opened, stamp_ns=opened.stamp_ns[part], counts=opened.counts[part])
 
 
 def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
@@ -221,45 +218,26 @@ def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) 
         Lines that were skipped.
     """
     patch = plan.taxels()
-    layer = layer_of(plan.elastomer, plan.profile)
+    layer = options.layer_of(plan.elastomer, plan.profile)
     counts, folder = plan.counts, place.part.parent
-    if (counts.calibration or "").lower().endswith(LIVE) and recording.lower().endswith(LIVE):
+    if (counts.calibration or "").lower().endswith(options.LIVE) and recording.lower().endswith(
+        options.LIVE
+    ):
         counts = replace(counts, calibration=recording)  # each has its own
-    how = conditioning_of(patch, counts)
-    with explained(folder), progress("reading", quiet=quiet) as step:
-        spool = _spooled(recording, Spool(patch, folder), step)
-        assert spool.like is not None
-        quantity = quantity_of(plan.model.quantity or OF_UNIT[spool.like.unit])
+    how = options.conditioning_of(patch, counts)
+    with explained(folder), report.progress("reading", quiet=quiet) as step:
+        spool = Spool(recording, patch, folder, step)
+        quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[spool.like.unit])
         step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)
-        config = config_of(patch, layer, quantity, found.noise_std, plan.model)
+        config = options.config_of(patch, layer, quantity, found.noise_std, plan.model)
         writer = ResultsWriter(place, config, spool.like.source)
         _condition(spool, found, how, writer)
     return spool.skipped
 
 
-def _spooled(recording: str, spool: Spool, step: Step) -> Spool:
-    """Everything that a recording holds, parsed once."""
-    from skinfield.files import stream_recording
-
-    opened = stream_recording(recording, progress=step)
-    if isinstance(opened, Recording):
-        for first in range(0, len(opened), MOST):
-            part = slice(first, first + MOST)
-            spool.add(replace(opened, stamp_ns=opened.stamp_ns[part], counts=opened.counts[part]))
-    else:
-        for block in opened.blocks():
-            spool.add(block)
-        spool.divisor = opened.divisor
-    spool.notes, spool.skipped = opened.notes + spool.notes, opened.skipped
-    if spool.like is None:
-        raise InputError(f"{recording} holds no reading, expected one or more")
-    return spool
-
-
 def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWriter) -> None:
     """Condition block by block; a filter's state goes on from each to the next."""
-    assert spool.like is not None
     state = None
     if not isinstance(how.filter, NoFilter):
         state = how.filter.prepare(len(spool.patch), found.rate)
@@ -286,8 +264,7 @@ def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWr
     writer.close(notes)
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
+class Part(NamedTuple):
     """What some readings give.
 
     Attributes
@@ -486,22 +463,20 @@ def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
             "pip install 'skinfield[batch]', or give one recording and -o contacts.csv"
         ) from error
     dask: Any = distributed  # its functions have no types
-    if scheduler is not None:
+    with ExitStack() as parts:
+        address: Any = scheduler or parts.enter_context(
+            dask.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
+        )
         try:
-            client = dask.Client(scheduler, timeout="10s")
+            client = parts.enter_context(dask.Client(address, timeout="10s"))
         except (OSError, ValueError) as error:
             raise InputError(
                 f"--scheduler is {scheduler!r}, where nobody answers ({error}); expected the "
                 "address of a Dask scheduler such as tcp://10.0.0.1:8786"
             ) from error
-        with client:
-            yield client
-        return
-    local = dask.LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    )
-    with local, dask.Client(local) as client:
         yield client
