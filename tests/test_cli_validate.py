@@ -120,8 +120,8 @@ def test_own_solver_from_the_current_folder(
     ("words", "message"),
     [
         (("--solver", "magic"), "--solver is 'magic', expected one of gaussian"),
-        (("--solver", "no_such_module:X"), "'no_such_module' cannot be imported"),
-        (("--solver", "json:Nothing"), "json has no 'Nothing'"),
+        (("--solver", "no_such_module:X"), "cannot be imported: ModuleNotFoundError: No module named"),
+        (("--solver", "json:Nothing"), "module 'json' has no attribute 'Nothing'"),
         (("--solver", "json:loads"), "json:loads says: "),
         (("--solver", "math:pi"), "has no prepare"),
         (("--solver", "builtins:dict"), "has no prepare"),

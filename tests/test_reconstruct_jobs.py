@@ -21,7 +21,7 @@ from skinfield.files import contacts, fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
-from skinfield.files.recordings import lines
+from skinfield.files.recordings import lines, spool
 from skinfield.files.results import read_results
 from skinfield.reconstruct.bulk import CHUNK
 from skinfield.settings import Elastomer, ModelSettings
@@ -189,7 +189,7 @@ def test_in_blocks_or_as_a_whole_it_is_the_same(
     words = ("reconstruct", path, *LAYOUT, "--smoothing-ms", smooth, *noise)
     assert run(*words, "-o", tmp_path / "whole.skinfield")[0] == 0
     for name, value in (("PIECE", 1), ("FEWEST", 1500), ("MOST", 1500)):
-        monkeypatch.setattr(reconstruct_jobs, name, value)
+        monkeypatch.setattr(spool, name, value)
     code, said = run(*words, "-o", tmp_path / "blocks.skinfield")
     assert code == 0, said
     whole, blocks = (read_results(tmp_path / f"{n}.skinfield") for n in ("whole", "blocks"))
@@ -265,7 +265,7 @@ def test_memory_does_not_grow_with_the_recording(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name, value in (("PIECE", 1), ("FEWEST", 64), ("MOST", 64)):
-        monkeypatch.setattr(reconstruct_jobs, name, value)
+        monkeypatch.setattr(spool, name, value)
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
         (lines, "BLOCK", 2048), (contacts, "CHUNK", 32), (results, "BLOCK", 64),

@@ -1,6 +1,6 @@
 """Tables of `skinfield bench`: what a reading costs, error against time, jitter of a live loop."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -80,17 +80,15 @@ def _anytime(bench: Mapping[str, Any]) -> "Table":
     )
     for point in bench["points"]:
         place = point["place_median_mm"]
-        made.add_row(
-            f"{point['solver']}, {point['start']}",
-            _deadline(point),
+        cells = (
             _of(point["seconds_us"], "p50"),
             _share(point["errors"] and point["errors"]["p50"]),
             _gap(point),
             _share(point["force"] and point["force"]["p50"]),
             NONE if place is None else f"{place:.2f} mm",
             f"{point['missed']:.2f}",
-            end_section=point["deadline_us"] is None,
         )
+        _add(made, f"{point['solver']}, {point['start']}", point, cells)
     return made
 
 
@@ -102,23 +100,18 @@ def _calls(bench: Mapping[str, Any]) -> "Table":
         ("deadline", "p50", "p99", "late p99", "latency p50", "gap", "deadline met"),
         **LOOK,
     )
+    of = (("seconds_us", "p50"), ("seconds_us", "p99"), ("late_us", "p99"), ("latency_us", "p50"))
     for call in bench["calls"]:
-        made.add_row(
-            call["solver"],
-            _deadline(call),
-            _of(call["seconds_us"], "p50"),
-            _of(call["seconds_us"], "p99"),
-            _of(call["late_us"], "p99"),
-            _of(call["latency_us"], "p50"),
-            _gap(call),
-            _share(call["reported"]),
-            end_section=call["deadline_us"] is None,
-        )
+        times = (_of(call[name], key) for name, key in of)
+        _add(made, call["solver"], call, (*times, _gap(call), _share(call["reported"])))
     return made
 
 
-def _deadline(row: Row) -> str:
-    return NONE if row["deadline_us"] is None else in_words(1e-6 * row["deadline_us"])
+def _add(made: "Table", name: str, row: Row, cells: Iterable[str]) -> None:
+    """A row with its deadline; without one, the last of its solver."""
+    last = row["deadline_us"] is None
+    deadline = NONE if last else in_words(1e-6 * row["deadline_us"])
+    made.add_row(name, deadline, *cells, end_section=last)
 
 
 def _gap(row: Row) -> str:

@@ -1,7 +1,7 @@
 """Solvers as the command line names them, ready for cases, and errors that name the case."""
 
-import importlib
 import json
+import pkgutil
 import sys
 import traceback
 from collections.abc import Iterator
@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def entrant_from_options(name: str, options: dict[str, Any]) -> Any:
-    """Solver of a name with the mechanics and the grid of the options; the paper's has its own.
-
-    Raises
-    ------
-    InputError
-        For a solver that there is not, or settings that it does not take.
-    """
+    """Solver of a name with the mechanics and the grid of the options; the paper's has its own."""
     from skinfield.lab.validation import PAPER, Entrant, known_entrants
 
     if options["settings"] != "{}" and (len(options["solver"]) > 1 or name == PAPER):
@@ -69,20 +63,10 @@ def named(path: Path, solver: str) -> Iterator[None]:
 
 
 def solver_from_text(text: str, settings: str = "{}") -> "Solver":
-    """Solver by its name on the command line, or by where it is imported from.
+    """Solver by its name, or imported, such as "package.module:Class", and made with settings.
 
-    Parameters
-    ----------
-    text : str
-        Such as "gaussian" or "package.module:Class"; a class, or a function that makes a
-        solver, is called with the settings.
-    settings : str
-        A JSON object.
-
-    Raises
-    ------
-    InputError
-        If there is no such solver, it does not take these settings, or it has no `prepare`.
+    Raises InputError if there is no such solver, it does not take these settings, a JSON object, or
+    it has no `prepare`.
     """
     try:
         keywords = json.loads(settings)
@@ -101,8 +85,8 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
             f"--solver is {text!r}, expected one of {', '.join(SOLVERS)}, or your own as "
             "package.module:Class"
         )
+    ready = (_is_solver(make) and not keywords) or not callable(make)
     try:
-        ready = (_is_solver(make) and not keywords) or not callable(make)
         solver = make if ready else make(**keywords)
     except TypeError as error:
         raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
@@ -121,20 +105,12 @@ def _is_solver(value: Any) -> bool:
 
 def _imported(text: str) -> Any:
     """What "package.module:name" names; modules of the current folder count."""
-    name, _, attribute = text.partition(":")
     here = str(Path.cwd())
-    sys.path.insert(0, here)
+    if here not in sys.path:
+        sys.path.append(here)  # processes that are started later import from it, too
     try:
-        module = importlib.import_module(name)
+        return pkgutil.resolve_name(text)
     except Exception as error:  # whatever runs while a foreign module is imported
         raise InputError(
-            f"--solver is {text!r}, but {name!r} cannot be imported: "
-            f"{type(error).__name__}: {error}"
+            f"--solver is {text!r}, which cannot be imported: {type(error).__name__}: {error}"
         ) from error
-    finally:
-        sys.path.remove(here)
-    if here not in sys.path:
-        sys.path.append(here)  # processes that are started later import it, too
-    if not hasattr(module, attribute):
-        raise InputError(f"--solver is {text!r}, but {name} has no {attribute!r}")
-    return getattr(module, attribute)

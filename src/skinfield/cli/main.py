@@ -4,6 +4,7 @@ import inspect
 import re
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
@@ -78,13 +79,6 @@ Start with
 Of a running skin also: status, tune, tare, emulate, warmup; of recordings: info, recover."""
 
 
-def version() -> str:
-    """Of the package that is installed."""
-    from importlib.metadata import version as version_of
-
-    return version_of("skinfield")
-
-
 def shown_default(value: Any) -> str | None:
     """Default value in help; nothing where there is none."""
     return None if value is None or isinstance(value, bool) or value in ((), "") else str(value)
@@ -147,7 +141,7 @@ def add_commands(app: App, commands: dict[str, Lazy], called: str) -> None:
 def app_for(words: Sequence[str]) -> App:
     """The program, as it is called."""
     called = [word for word in words if not word.startswith("-")] + ["", ""]
-    app = new_app("skinfield", HELP, version=version, config=settings_of_file)
+    app = new_app("skinfield", HELP, version=lambda: version("skinfield"), config=settings_of_file)
     add_commands(app, COMMANDS, called[0])
     lab = new_app("lab", LAB_HELP, group=Group("Research", sort_key=98))
     add_commands(lab, LAB, called[1])
@@ -180,13 +174,7 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
 
 
 def settings_of(path: str) -> "Settings":
-    """Settings in a file of them, or those that a recording was made with.
-
-    Raises
-    ------
-    FileError
-        If it cannot be read, or holds none.
-    """
+    """Settings in a file of them, or in a recording; raises FileError if there are none."""
     from skinfield.settings import load_settings
 
     if not path.lower().endswith(LIVE):

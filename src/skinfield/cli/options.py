@@ -205,11 +205,11 @@ def filled(section: S, profile: Profile) -> S:
     return replace(section, **known)
 
 
-def layer_of(elastomer: Elastomer, profile: Profile) -> "Layer":
+def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "Layer":
     """Elastomer, in SI units: what was set, else the profile's."""
     from skinfield.elastic import Layer
 
-    whole = asdict(filled(elastomer, profile))
+    whole = asdict(elastomer if profile is None else filled(elastomer, profile))
     return Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])
 
 

@@ -13,7 +13,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from skinfield.estimate.contact_table import Row, rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, explained
+from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import Results, read_results
 from skinfield.files.results_writer import (
     ResultsWriter,
@@ -35,13 +35,10 @@ from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.conditioned import impossible_note
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
-from skinfield.settings import Elastomer, ModelSettings, Profile
+from skinfield.settings import Elastomer, ModelSettings
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
-from skinfield.skin.reading import Recording
 
-PIECE = 1 << 20  # numbers that are conditioned together: 8 MB
-FEWEST, MOST = 2048, 16384  # readings that are: enough to see motion, and what stands still
 STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
 
 
@@ -49,22 +46,11 @@ STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered to
 class Plan:
     """What a reconstruction depends on beside the recording; another process can be sent it.
 
-    Parameters
-    ----------
-    layout : str
-        Layout file, or a generator by name.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
-    profile : Profile
-        Whose values stand where the sections leave something out.
-    counts : CountSettings
-    elastomer : Elastomer
-    model : ModelSettings
+    Its sections are whole: what was left out is the profile's.
     """
 
     layout: str
     patch: str | None
-    profile: Profile
     counts: options.CountSettings
     elastomer: Elastomer
     model: ModelSettings
@@ -95,22 +81,20 @@ class Plan:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
+        model = replace(model, solver=model.solver or options.USUAL_SOLVER)
         return cls(
             layout=layout,
             patch=patch,
-            profile=profile,
             counts=options.filled(counts, profile),
-            elastomer=options.filled(elastomer, profile),
-            model=options.filled(
-                replace(model, solver=model.solver or options.USUAL_SOLVER), profile
-            ),
+            elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
+            model=options.filled(model, profile),
         )
 
     def as_dict(self) -> dict[str, Any]:
         """Its values by their names, without their sections."""
         sections = (self.counts, self.elastomer, self.model)
         values = {name: value for each in sections for name, value in asdict(each).items()}
-        return {**values, "profile": self.profile.name, "layout": self.layout}
+        return values | {"layout": self.layout}
 
     def taxels(self) -> Patch:
         """The patch."""
@@ -128,9 +112,9 @@ class Plan:
         """What a manifest keeps: values, with sums of what the files hold that they name."""
         patch = self.taxels()
         calibration = options.conditioning_of(patch, self.counts).calibration
-        values = {name: value for name, value in self.as_dict().items() if name != "profile"}
-        return {
-            **values,
+        values = self.as_dict()
+        del values["profile"]
+        return values | {
             "store_fields": store_fields,
             "patch": patch.name,
             "layout_checksum": checksum(plain_from_value("patch", patch)),
@@ -138,91 +122,15 @@ class Plan:
         }
 
 
-class Spool:
-    """A recording's numbers in a file without name, in the order of the patch's taxels.
-
-    Parameters
-    ----------
-    recording : str
-        Parsed once.
-    patch : Patch
-    folder : Path
-        Where there is room.
-    step : function
-        Shows the progress.
-    """
-
-    def __init__(self, recording: str, patch: Patch, folder: Path, step: report.Step) -> None:
-        from skinfield.files import readings_for, stream_recording
-
-        self.patch, self._count, self._divisor = patch, 0, 1
-        self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
-        self._file = TemporaryFile(dir=folder)  # noqa: SIM115
-        opened, like = stream_recording(recording, progress=step), None
-        notes: tuple[str, ...] = ()
-        if not isinstance(opened, Recording):
-            self._divisor = opened.divisor
-        for block in _blocks_of(opened):
-            mine = readings_for(block, patch)
-            rows = np.empty(len(mine), self._kind)
-            rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
-            self._file.write(rows.view(np.uint8).data)
-            self._count += len(rows)
-            if like is None:
-                like = replace(mine, stamp_ns=mine.stamp_ns[:0], counts=mine.counts[:0])
-                notes = mine.notes[len(block.notes) :]
-        if like is None:
-            raise InputError(f"{recording} holds no reading, expected one or more")
-        self.like, self.notes, self.skipped = like, opened.notes + notes, opened.skipped
-
-    def blocks(self) -> Iterator[Recording]:
-        """All of it again, in blocks of one size, but for the last: a short rest joins it."""
-        size = int(np.clip(PIECE // len(self.patch), FEWEST, MOST))
-        first = 0
-        while first < self._count:
-            last = first + size if self._count - first >= 2 * size else self._count
-            rows = np.empty(last - first, self._kind)
-            self._file.seek(first * self._kind.itemsize)
-            self._file.readinto(rows.view(np.uint8).data)
-            stamps = rows["stamp_ns"] // self._divisor
-            counts = np.ascontiguousarray(rows["counts"])
-            yield replace(self.like, stamp_ns=stamps, counts=counts)
-            first = last
-
-
-def _blocks_of(opened: Any) -> Iterator[Recording]:
-    """Blocks of what `stream_recording` returns."""
-    if not isinstance(opened, Recording):
-        yield from opened.blocks()
-        return
-    for first in range(0, len(opened), MOST):
-        part = slice(first, first + MOST)
-        yield replace(opened, stamp_ns=opened.stamp_ns[part], counts=opened.counts[part])
-
-
 def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
     """Read and condition a recording in one pass, into a folder of results.
 
-    Parameters
-    ----------
-    recording : str
-    plan : Plan
-    place : Pending
-        Its part gets the readings; beside it there is room for the recording's numbers.
-    quiet : bool
-        No progress is shown.
-
-    Returns
-    -------
-    int
-        Lines that were skipped.
+    Beside the place's part there is room for the recording's numbers. Returns the number of lines
+    that were skipped.
     """
-    patch = plan.taxels()
-    layer = options.layer_of(plan.elastomer, plan.profile)
+    patch, layer = plan.taxels(), options.layer_of(plan.elastomer)
     counts, folder = plan.counts, place.part.parent
-    if (counts.calibration or "").lower().endswith(options.LIVE) and recording.lower().endswith(
-        options.LIVE
-    ):
+    if all((name or "").lower().endswith(options.LIVE) for name in (counts.calibration, recording)):
         counts = replace(counts, calibration=recording)  # each has its own
     how = options.conditioning_of(patch, counts)
     with explained(folder), report.progress("reading", quiet=quiet) as step:
@@ -365,22 +273,8 @@ def run_jobs(
 ) -> dict[str, str]:
     """Do what a manifest lacks, on the workers of a Dask client.
 
-    Parameters
-    ----------
-    manifest : Manifest
-        Kept up to date.
-    plan : Plan
-    fields : bool
-        Whether fields are stored, too.
-    client : distributed.Client
-        Its workers see the files under the same names.
-    watch : function of kind, name and readings
-        Called once a recording was taken in, and for each window.
-
-    Returns
-    -------
-    dict
-        What went wrong, by the recordings' names; the others are complete.
+    The manifest is kept up to date; the workers see the files under the same names. Returns what
+    went wrong, by the recordings' names; the others are complete.
     """
     from distributed import as_completed
 
@@ -448,12 +342,7 @@ def _sentence(error: BaseException) -> str:
 def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
     """A client of a scheduler that runs elsewhere, or of as many local processes as are wanted.
 
-    Raises
-    ------
-    InputError
-        If there is no scheduler.
-    SkinfieldError
-        If dask is not installed.
+    Raises SkinfieldError where dask is not installed, InputError where there is no scheduler.
     """
     try:
         import distributed

@@ -63,9 +63,6 @@ class Sinks:
     def __init__(self, wanted: Wanted, files: ExitStack) -> None:
         from skinfield.files import open_contacts, open_fields
 
-        for name in (wanted.summary, wanted.plot):
-            if name:
-                pending(name)  # makes nothing: it says what is wrong with the folder
         files_wanted = (*wanted.output, wanted.fields, wanted.summary, wanted.plot)
         self.names = [name for name in files_wanted if name]
         stores = [name for name in wanted.output if name.lower().endswith(ENDING)]

@@ -235,8 +235,7 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
         raise InputError(
             f"{flag} is {str(name)!r}, expected a name that ends in {' or '.join(endings)}"
         )
-    if endings:
-        pending(name)  # makes nothing: it says what is wrong with the folder
+    pending(name)  # makes nothing: it says what is wrong with the folder
 
 
 def check_picture(flag: str, name: str | None, force: bool) -> None:

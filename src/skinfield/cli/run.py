@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from rich.console import Console
 
@@ -27,6 +27,7 @@ from skinfield.settings import (
     toml_from_settings,
 )
 
+LiveSolver = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
 REFRESH = 0.25  # s
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
@@ -36,7 +37,7 @@ SAYS = 5.0  # s from line to line about a start, where there is no table
 RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
 LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
-LIVE_SOLVERS = [name for name in options.SOLVERS if name != "contact"]
+LIVE_SOLVERS = get_args(LiveSolver)
 ON_CAN = (None, "icub", "cyskin")  # hardware whose bus is one of CAN
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
@@ -53,9 +54,7 @@ class LiveModel(ModelSettings):
         How readings become pressure; contacts are fitted beside it (--fit). Default nonnegative.
     """
 
-    solver: Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"] | None = (
-        None
-    )
+    solver: LiveSolver | None = None
 
     def check(self) -> None:
         """See `Section`."""
@@ -145,13 +144,7 @@ def save_settings(wanted: Settings, path: str, force: bool) -> None:
 
 
 def check_settings(wanted: Settings, force: bool = False) -> None:
-    """Refuse, before anything starts, what can be seen without a skin.
-
-    Raises
-    ------
-    InputError
-        With the setting, what was expected of it, and what to do.
-    """
+    """Refuse, before anything starts, what can be seen without a skin."""
     from skinfield.bridges.launch import bridge_settings
     from skinfield.wire.can.adapters import check_interface
 
@@ -216,11 +209,7 @@ def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) ->
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
 
-    model, loop, counts = (
-        options.filled(wanted.model, profile),
-        wanted.loop,
-        options.filled(wanted.skin, profile),
-    )
+    model, loop = options.filled(wanted.model, profile), wanted.loop
     late, deadline = loop.late_after_ms, loop.deadline_us
     grid = model.grid or max(options.nodes_for(patch, LIVE_FINEST) for patch in skin)
     return LiveSettings(
@@ -233,7 +222,7 @@ def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) ->
         solver=live_solver(model.solver or "nonnegative"),
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
-        gain=counts.gain,
+        gain=options.filled(wanted.skin, profile).gain,
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
         deadline=None if late is None else late * 1e-3,
@@ -249,9 +238,9 @@ def live_solver(name: str) -> Any:
     from skinfield.loop.settings import LIVE_TOLERANCE
     from skinfield.solve import NonNegative
 
-    return (
-        NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else options.solver_of(name)
-    )
+    if name == "nonnegative":
+        return NonNegative(tolerance=LIVE_TOLERANCE)
+    return options.solver_of(name)
 
 
 def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> Any:
@@ -262,9 +251,8 @@ def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> A
         shift = source.named_options.get("shift", str(USUAL_SHIFT))  # bits that the boards drop
         if not shift.isdecimal():
             raise InputError(f"--set shift is {shift!r}, expected a whole number, 2 on most robots")
-        return ICubByte(
-            shift=int(shift), no_load=no_load or profile.no_load or options.USUAL_NO_LOAD
-        )
+        rest = no_load or profile.no_load or options.USUAL_NO_LOAD
+        return ICubByte(shift=int(shift), no_load=rest)
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
     return CySkinCount() if source.hardware in ("cyskin", "shm") else None
@@ -336,7 +324,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         lambda: sources()[0],
         virtual=virtual,
         recordings=Recordings(name, recorders, ReplaySource, Path()),
-        solvers=Solvers(tuple(LIVE_SOLVERS), lambda: chosen[0], choose),
+        solvers=Solvers(LIVE_SOLVERS, lambda: chosen[0], choose),
         fit=FitReader(name) if wanted.loop.fit else None,
         tare_seconds=wanted.loop.tare_s,
     )
@@ -350,13 +338,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
 def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running":
     """Start the virtual skin, if there is no hardware, the engine, the page and what is beside it.
 
-    Parameters
-    ----------
-    wanted : Settings
-    parts : ExitStack
-        Ends them all, the last one first.
-    console : Console
-        On stderr.
+    `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
     from skinfield.loop.client import Live
@@ -407,26 +389,14 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     return Running(supervisor, live, page, scene, check)
 
 
-@dataclass(frozen=True)
-class Running:
-    """A skin alive, and what is around it.
-
-    Attributes
-    ----------
-    supervisor : Supervisor
-    live : Live
-    page : Page
-    scene : str or None
-        What presses a virtual skin once it answers.
-    check : function
-        Raises what ends the skin, and says what failed.
-    """
+class Running(NamedTuple):
+    """A skin alive, and what is around it."""
 
     supervisor: Any
     live: Any
     page: Any
-    scene: str | None
-    check: Callable[[], None]
+    scene: str | None  # what presses a virtual skin once it answers
+    check: Callable[[], None]  # raises what ends the skin, and says what failed
 
 
 def watch(

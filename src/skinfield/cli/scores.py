@@ -3,7 +3,10 @@
 import math
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
+
+from rich.box import SIMPLE_HEAD
 
 from skinfield.cli.report import Column, fixed, table
 from skinfield.errors import InputError
@@ -51,11 +54,9 @@ def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
     limits = {}
     for text in texts:
         name, _, most = text.partition("=")
-        try:
+        with suppress(ValueError):
             limits[name] = float(most)
-        except ValueError:
-            name = ""
-        if name not in known:
+        if name not in known or name not in limits:
             raise InputError(
                 f"--require is {text!r}, expected MEASURE=NUMBER with one of {', '.join(known)}"
             )
@@ -64,14 +65,13 @@ def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
 
 def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
     """Whether a limit is exceeded, or there is no number to compare, which stderr then says."""
-    failed = []
+    failed = False
     for name, most in limits.items():
-        value = float(columns[f"{name}_median" if f"{name}_median" in columns else name])
+        value = float(columns.get(f"{name}_median", columns.get(name, math.nan)))
         if not value <= most:
-            failed.append(f"{name} is {value:.4g}, required at most {most:g}")
-    for sentence in failed:
-        sys.stderr.write(f"{sentence}\n")
-    return bool(failed)
+            failed = True
+            sys.stderr.write(f"{name} is {value:.4g}, required at most {most:g}\n")
+    return failed
 
 
 def table_of_summary(summary: dict[str, Any], title: str) -> Any:
@@ -90,16 +90,11 @@ def table_of_summary(summary: dict[str, Any], title: str) -> Any:
 
 def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
     """Medians and 90th percentiles, noise by noise and solver by solver."""
-    from rich import box
-
-    shown = [
-        each
-        for each in AT_NOISES
-        if any({each[0], f"{each[0]}_median"} & row.keys() for row in rows)
-    ]
+    known = set().union(*rows)
+    shown = [each for each in AT_NOISES if {each[0], f"{each[0]}_median"} & known]
     labels = [label for _, _, label, _ in shown]
     title += "; median/90th percentile"
-    made = table(title, ("noise", "solver"), labels, box=box.SIMPLE_HEAD)
+    made = table(title, ("noise", "solver"), labels, box=SIMPLE_HEAD)
     for index, row in enumerate(rows):
         new = index == 0 or row["noise"] != rows[index - 1]["noise"]
         last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
