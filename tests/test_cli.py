@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import invoke
+from command_line import invoke, refused, result_of, run
 
 from skinfield.cli.main import COMMANDS, LAB, app_for
 from skinfield.cli.report import print_json
@@ -30,10 +30,8 @@ def commands() -> list[tuple[str, ...]]:
 
 @pytest.mark.parametrize("words", commands(), ids=" ".join)
 def test_every_command_teaches_by_example(words: tuple[str, ...]) -> None:
-    done = invoke([*words, "--help"])
-    assert done.exit_code == 0
     named = " ".join(words[1:] if words[0] == "lab" else words)
-    assert f"skinfield {named}" in done.stdout.split("\n", 2)[2]
+    assert f"skinfield {named}" in run(*words, "--help").split("\n", 2)[2]
 
 
 def test_help_is_as_it_was() -> None:
@@ -78,6 +76,12 @@ def test_help_imports_no_command() -> None:
         (["run", "--rate-hz", "-3"], "--rate-hz is -3.0, expected a finite number above 0"),
         (["run", "--solver", "best"], 'Invalid value "best" for --solver'),
         (["layout", "show", "hexagon72"], "--output"),
+        (["layout", "lint", "no_such.txt"], "no_such.txt: no such file, and no generator"),
+        (["layout", "show", "hexagon72", "-o", "a.gif"], "'.gif'"),
+        (["layout", "show", "rectangular:rows=x", "-o", "a.png"], "rows"),
+        (["layout", "convert", "hexagon72", "a.xyz"], "'.xyz'"),
+        (["layout", "convert", "hexagon72", "a.pcd"], "no layout format that is written"),
+        (["layout", "convert", "hexagon72", "a.txt", "--patch", "x"], "patch 'x' is not in"),
         (["run", "nowhere.toml"], "nowhere.toml cannot be read: No such file"),
         (["tune", "--smoothing", "3"], "--smoothing"),
         (["design", "hexagon72", "--force-n", "-1"], "--force-n is -1.0, expected a finite"),
@@ -105,15 +109,13 @@ def test_flags_come_before_a_file_and_both_are_written(tmp_path: Path) -> None:
         '[source]\nchannel = ["can0", "can1"]\n'
     )
     words = ["--rate-hz", "50", "--no-events", "--channel", "can7", "--save", str(after)]
-    assert invoke(["run", str(before), *words]).exit_code == 0
+    run("run", before, *words)
     assert load_settings(after) == settings_from_toml(
         '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 50\nfit = false\n'
         '[source]\nchannel = ["can7"]\n'
     )
-    again = invoke(["run", "--save", str(after)])
-    assert (again.exit_code, "there already" in again.stderr) == (2, True)
-    words = ["--skin", "icub_hexagon", "--save", str(after), "--force"]
-    assert invoke(["run", *words]).exit_code == 0
+    assert "there already" in refused("run", "--save", after)
+    run("run", "--skin", "icub_hexagon", "--save", after, "--force")
     assert after.read_text() == '[skin]\nlayout = "icub_hexagon"\n'
 
 
@@ -138,6 +140,4 @@ def test_what_says_something_says_it_as_json(
     command: str, keys: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    done = invoke([*command.split(), "--json"])
-    assert done.exit_code == 0, done.output
-    assert keys <= json.loads(done.stdout).keys()
+    assert keys <= result_of(*command.split()).keys()

@@ -31,7 +31,17 @@ CODE = (
     "from skinfield.cli.main import main; main()\n"
 )
 COMMAND = (sys.executable, "-c", CODE)
-QUICK = ("--grid", "10", "--rate-hz", "100", "--priority", "0", "--headless")
+QUICK = (
+    "--skin",
+    "icub_triangle",
+    "--grid",
+    "10",
+    "--rate-hz",
+    "100",
+    "--priority",
+    "0",
+    "--headless",
+)
 
 
 def left_of(name: str) -> list[str]:
@@ -264,7 +274,7 @@ def whole(path: Path) -> bool:
 
 def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> None:
     file, second, port = tmp_path / "a.mcap", tmp_path / "b.mcap", free_port()
-    with running("--record", str(file), "--port", str(port)) as found:
+    with running("--no-fit", "--record", str(file), "--port", str(port)) as found:
         found.wait_for(lambda: found.is_at(State.RUNNING) and file.exists())
         assert len(found.seen) >= 3  # virtual skin, engine, recorder
         found.wait_for(lambda: serves(port))

@@ -1,6 +1,7 @@
 """`skinfield demo`: the main job with nothing at hand."""
 
 import time
+import timeit
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -133,9 +134,4 @@ def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Flo
 
 def _median_time(call: Callable[[], object], laps: int) -> float:
     """In seconds."""
-    times = []
-    for _ in range(laps):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
+    return float(np.median(timeit.repeat(call, number=1, repeat=laps)))

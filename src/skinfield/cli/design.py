@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.design import Judgement, Places, SkinDesign, Terms, Touch, compare_thickness, judge
-from skinfield.errors import InputError
+from skinfield.errors import InputError, as_floats
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import Positive, Range
 
@@ -113,7 +113,8 @@ def design(
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
     terms = Terms(false_alarm_rate=false_alarms)
     if compare_thickness_mm is not None:
-        thicknesses = _thicknesses(compare_thickness_mm)
+        texts = compare_thickness_mm.split(",")
+        thicknesses = (as_floats("--compare-thickness-mm", texts) * 1e-3).tolist()
         with report.progress("thickness", len(thicknesses)) as step:
             compared = compare_thickness(
                 candidate, touch, thicknesses, terms=terms,
@@ -135,15 +136,6 @@ def design(
         else:
             write_bytes(name, judgement.as_csv().encode())
     report.finish(as_json, _plain(judgement), (picture, *maps), _lines(judgement))
-
-
-def _thicknesses(text: str) -> list[float]:
-    try:
-        return [float(part) * 1e-3 for part in text.split(",")]
-    except ValueError:
-        raise InputError(
-            f"--compare-thickness-mm is {text!r}, expected thicknesses in mm such as 1,2,4"
-        ) from None
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:

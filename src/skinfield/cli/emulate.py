@@ -215,7 +215,13 @@ def _play(settings: "VirtualSettings") -> dict[str, Any]:
         for name in (signal.SIGINT, signal.SIGTERM)
     }
     try:
-        _introduce(skin)
+        patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
+        report.note(f"{settings.hardware} skin: {patches}", "")
+        where = ", ".join(skin.hardware.addresses)
+        report.note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
+        if skin.control_address:
+            report.note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
+        report.say_notes(skin.notes)
         with Console(stderr=True).status("waiting for a host", spinner="dots") as status:
             skin.run(each_second=lambda each: status.update(_line_of(each)))
     finally:
@@ -224,18 +230,6 @@ def _play(settings: "VirtualSettings") -> dict[str, Any]:
         for name, handler in before.items():
             signal.signal(name, handler)
     return counts
-
-
-def _introduce(skin: "VirtualSkin") -> None:
-    """What it is and where."""
-    settings = skin.settings
-    patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
-    report.note(f"{settings.hardware} skin: {patches}", "")
-    where = ", ".join(skin.hardware.addresses)
-    report.note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
-    if skin.control_address:
-        report.note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
-    report.say_notes(skin.notes)
 
 
 def _line_of(skin: "VirtualSkin") -> str:

@@ -5,7 +5,7 @@ import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
 from cyclopts.exceptions import UnknownCommandError
@@ -15,9 +15,6 @@ from rich.box import Box
 from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
-
-if TYPE_CHECKING:
-    from skinfield.settings import Settings
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
 PLAIN = Box("    \n" * 8)  # no lines around help
@@ -159,12 +156,14 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
     """Take from FILE of `run FILE` what no flag says."""
     if commands != ("run",):
         return
-    from skinfield.settings import changed
+    from skinfield.settings import changed, load_settings
 
     file = next(each for each in arguments if each.field_info.name == "file")
     for path in (token.value for token in file.tokens):
-        said = changed(settings_of(path))
-        values = {name: value for part in said.values() for name, value in part.items()}
+        found = settings_in(path) if path.lower().endswith(LIVE) else load_settings(path)
+        if found is None:
+            raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
+        values = {name: value for part in changed(found).values() for name, value in part.items()}
         for each in arguments:
             name = each.field_info.name
             if name in values and each.keys and not each.tokens:
@@ -173,29 +172,11 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
                     each.append(Token(source=path, implicit_value=one))
 
 
-def settings_of(path: str) -> "Settings":
-    """Settings in a file of them, or in a recording; raises FileError if there are none."""
-    from skinfield.settings import load_settings
-
-    if not path.lower().endswith(LIVE):
-        return load_settings(path)
-    found = settings_in(path)
-    if found is None:
-        raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
-    return found
-
-
 def main(words: Sequence[str] | None = None) -> None:
-    """Run the command of these words, by default those of the command line.
+    """Run the command of these words, by default those of the command line, and exit.
 
-    It runs on one BLAS thread: products of a few megabytes lose more by waking others than they
-    gain.
-
-    Raises
-    ------
-    SystemExit
-        In the end, with the exit code: 2 after an error of the user's input, which is one paragraph
-        on stderr.
+    The exit code is 2 after an error of the user's input, which is one paragraph on stderr. It runs
+    on one BLAS thread: products of a few megabytes lose more by waking others than they gain.
     """
     from threadpoolctl import threadpool_limits
 

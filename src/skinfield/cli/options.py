@@ -282,13 +282,7 @@ def calibration_in(path: str, patch: "Patch") -> "Calibration | None":
 
 
 def settings_in(path: str) -> Settings | None:
-    """Settings that a recording of a live skin was made with; None if it does not say.
-
-    Raises
-    ------
-    FileError
-        If it cannot be read.
-    """
+    """Settings that a recording of a live skin was made with; None if it does not say."""
     from skinfield.files.mcap.live import LiveRecording
 
     plain = LiveRecording.open(Path(path)).description.get("settings")

@@ -173,23 +173,12 @@ def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWr
 
 
 class Part(NamedTuple):
-    """What some readings give.
-
-    Attributes
-    ----------
-    totals : Totals
-    load : (T,) array, N
-        Of all contacts of each reading.
-    rows : list
-        Of a table of contacts.
-    series : dict of arrays, optional
-        Fields, if they are wanted.
-    """
+    """What some readings give."""
 
     totals: Totals
-    load: Floats
-    rows: list[Row]
-    series: Arrays | None
+    load: Floats  # (T,) N, of all contacts of each reading
+    rows: list[Row]  # of a table of contacts
+    series: Arrays | None  # fields, if they are wanted
 
 
 def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:

@@ -44,13 +44,7 @@ class Wanted:
 
 
 class Sinks:
-    """Where results of one recording go, by the endings of their names.
-
-    Parameters
-    ----------
-    wanted : Wanted
-    files : ExitStack
-        Discards them where anything fails.
+    """Where results of one recording go, by the endings of their names; discarded on failure.
 
     Attributes
     ----------

@@ -71,15 +71,7 @@ def show_page(
 ) -> None:
     """Serve a page until the time is over, Ctrl-C, or the page fails.
 
-    Parameters
-    ----------
-    shown : context of sources and controller
-    page : PageSettings
-    duration : float, s, optional
-    console : Console
-        On stderr.
-    look : bool
-        Show a replay as a table, too, where somebody looks at the terminal.
+    With `look` a replay is shown as a table, too, where somebody looks at the terminal.
     """
     from rich.live import Live
 

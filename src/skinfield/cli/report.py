@@ -35,21 +35,9 @@ def console() -> Console:
 
 @contextmanager
 def progress(what: str, total: float | None = None, *, quiet: bool = False) -> Iterator[Step]:
-    """Bar on stderr that goes away when it is done.
+    """Bar on stderr that goes away when it is done; without a total it only moves.
 
-    Parameters
-    ----------
-    what : str
-        Stands before the bar.
-    total : float, optional
-        Steps in all, where that is known.
-    quiet : bool
-        Show nothing.
-
-    Yields
-    ------
-    function of done, total and what, each optional
-        Moves the bar to where it is, or one step on.
+    Yields a function of done, total and what, each optional, that moves it there or one step on.
     """
     from rich import progress as rich
 
@@ -104,18 +92,9 @@ def plural(count: int, noun: str) -> str:
 
 
 class Column(NamedTuple):
-    """Column of a table of rows.
+    """Column of a table of rows: heading, key of a row's value, factor from SI to its unit.
 
-    Attributes
-    ----------
-    head : str
-        With the unit.
-    key : str
-        Of a row's value.
-    factor : float
-        From SI to that unit.
-    decimals : int or None
-        None for words, which stand at the left.
+    Words, which have no decimals, stand at the left.
     """
 
     head: str
@@ -211,16 +190,8 @@ def finish(
 def check_output(flag: str, name: str | Path | None, force: bool, *endings: str) -> None:
     """Raise InputError unless a file can be written under a name, where there is one.
 
-    Parameters
-    ----------
-    flag : str
-        As the user wrote it, such as "--csv".
-    name : str or None
-        Of the file.
-    force : bool
-        Whether one that is there may be written over.
-    *endings : str
-        Such as ".csv"; none where whoever writes it checks them.
+    `force` is whether one that is there may be written over; without endings, such as ".csv",
+    whoever writes it checks them.
     """
     from skinfield.files.pending import pending
 

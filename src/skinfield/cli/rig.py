@@ -102,7 +102,12 @@ def rig(
     count = f"{made} in {output}, {reused} of them from before"
     report.finish(as_json, rows, lines=[report.table_of("Runs", rows, MADE), count])
     if failed:
-        _fail(failed, len(outcomes), Path(output))
+        report.say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
+        raise InputError(
+            f"{len(failed)} of {report.plural(len(outcomes), 'run')} failed: "
+            f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
+            f"{output}/*.failed.txt"
+        )
 
 
 def _tasks(scenarios: Sequence[str]) -> "list[Task]":
@@ -148,13 +153,3 @@ def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[Outcome]"
             words = outcome.name + (f", {failures} failed" if failures else "")
             step(len(outcomes), what=words)
     return [outcomes[task.name] for task in tasks]
-
-
-def _fail(failed: "Sequence[Outcome]", total: int, folder: Path) -> None:
-    """Say what went wrong with each failed run, and end with an error."""
-    report.say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
-    raise InputError(
-        f"{len(failed)} of {report.plural(total, 'run')} failed: "
-        f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
-        f"{folder}/*.failed.txt"
-    )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from rich.console import Console
+from rich.live import Live as Screen
 
 from skinfield.cli import options, report
 from skinfield.errors import InputError, SkinfieldError
@@ -113,11 +114,15 @@ def run(
     save : str, optional
         Write the settings to this file (.toml), and run nothing.
     """
+    from skinfield.files.pending import write_bytes
+
     wanted = Settings(
         skin=skin, source=source, model=model, loop=loop, page=page, bridges=bridges, record=record
     )
     if save is not None:
-        save_settings(wanted, save, force)
+        report.check_output("--save", save, force, ".toml")
+        write_bytes(save, toml_from_settings(wanted).encode())
+        report.note(f"wrote {save}")
         return
     console = Console(stderr=True)
     check_settings(wanted, force)
@@ -126,7 +131,10 @@ def run(
             running = start_all(wanted, parts, console)
             browser = page.browser and not headless
             report.show_address(running.page.address, console, browser=browser, as_json=as_json)
-            screen = None if headless else _screen(console)
+            screen = None
+            if not headless:
+                screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
+                screen.start()
             summary = watch(running, duration, screen, console)
         finally:
             report.end_undisturbed()
@@ -134,18 +142,10 @@ def run(
         report.print_json(summary)
 
 
-def save_settings(wanted: Settings, path: str, force: bool) -> None:
-    """Write settings to a file; raises InputError and FileError if it cannot be written."""
-    from skinfield.files.pending import write_bytes
-
-    report.check_output("--save", path, force, ".toml")
-    write_bytes(path, toml_from_settings(wanted).encode())
-    report.note(f"wrote {path}")
-
-
 def check_settings(wanted: Settings, force: bool = False) -> None:
     """Refuse, before anything starts, what can be seen without a skin."""
     from skinfield.bridges.launch import bridge_settings
+    from skinfield.emulator.scenes import SCENES
     from skinfield.wire.can.adapters import check_interface
 
     report.check_output("--record", wanted.record.into, force, ".mcap")
@@ -156,7 +156,12 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     if bus and wanted.source.hardware in ON_CAN:
         options.parsed("--bus", bus, check_interface)
     if wanted.source.hardware is None:
-        check_scene(wanted.source.scene)
+        scene = wanted.source.scene
+        if scene not in SCENES and not Path(scene).is_file():
+            known = ", ".join(SCENES)
+            raise InputError(
+                f"--scene is {scene!r}, expected one of {known}, or the path of a file"
+            )
 
 
 def check_name(name: str) -> None:
@@ -192,16 +197,6 @@ def check_port(port: int | None, host: str) -> None:
             f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or "
             f"0.0.0.0 for all of them: {why}"
         ) from error
-
-
-def check_scene(scene: str) -> None:
-    """Refuse a scene of the virtual skin that there is none of."""
-    from skinfield.emulator.scenes import SCENES
-
-    if scene not in SCENES and not Path(scene).is_file():
-        raise InputError(
-            f"--scene is {scene!r}, expected one of {', '.join(SCENES)}, or the path of a file"
-        )
 
 
 def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) -> Any:
@@ -430,14 +425,6 @@ def watch(
         if screen is not None:
             screen.stop()
     return summary_of(observer.look(), running.supervisor, contacts.contacts)
-
-
-def _screen(console: Console) -> Any:
-    from rich.live import Live as Screen
-
-    screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
-    screen.start()
-    return screen
 
 
 def _draw(screen: Any, observer: Any) -> None:

@@ -1,25 +1,61 @@
 """`skinfield validate`: score solvers on cases whose truth is known."""
 
+import json
+import math
+import pkgutil
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 
 from skinfield.cli import options, report
-from skinfield.cli.contenders import entrant_from_options, named
-from skinfield.cli.scores import (
-    PER_CASE,
-    exceeds,
-    limits_from_texts,
-    table_of_noises,
-    table_of_summary,
-)
-from skinfield.errors import InputError
+from skinfield.cli.report import Column
+from skinfield.errors import FileError, InputError
 from skinfield.settings.tree import Positive, Range
+
+if TYPE_CHECKING:
+    from skinfield.solve import Solver
 
 WIDE = 160  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
+SHOWN = {  # measure, and how the table calls it
+    "force_error": "force of all contacts",
+    "field_force_error": "force of the field",
+    "contact_force_error": "force of a contact found",
+    "place_error_mm": "place of a contact found, mm",
+    "peak_error": "peak pressure",
+    "pressure_error": "pressure, relative L2",
+    "blurred_pressure_error": "pressure blurred by 2 mm, relative L2",
+    "deformation_error": "deformation, relative L2",
+    "area_error": "contact area",
+}
+AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and decimals
+    ("force_error", 100.0, "force\n%", 0),
+    ("place_error_mm", 1.0, "place\nmm", 2),
+    ("contact_force_error", 100.0, "contact\nforce %", 0),
+    ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
+    ("deformation_error", 100.0, "deform.\n%", 0),
+    ("force_held", 100.0, "force in\ninterval %", 0),
+    ("missed", 100.0, "missed\n%", 0),
+    ("false_per_reading", 1.0, "false per\nreading", 2),
+    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
+    ("cold_ms", 1.0, "cold\nms", 1),
+    ("warm_ms", 1.0, "warm\nms", 2),
+)
+RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
+PER_CASE = (
+    Column("case", "case"), Column("true N", "true_force_N", decimals=2),
+    Column("force", "force_error", decimals=2), Column("place mm", "place_error_mm", decimals=2),
+    Column("pressure, blurred", "blurred_pressure_error", decimals=2),
+    Column("deformation", "deformation_error", decimals=2),
+    Column("missed", "missed", decimals=2), Column("false", "false", decimals=2),
+)  # fmt: skip
 
 
 def validate(
@@ -255,3 +291,176 @@ def _report_noises(findings: Any, where: str, values: dict[str, Any]) -> bool:
     about["groups"] = group_rows(findings.rows, seed=values["seed"])
     judged = [row for row in summary if "missed" in row]  # not the bound
     return _finish(values, findings.rows, summary, about, judged)
+
+
+# ---- solvers
+
+
+def entrant_from_options(name: str, values: dict[str, Any]) -> Any:
+    """Solver of a name with the mechanics and the grid of the options; the paper's has its own."""
+    from skinfield.lab.validation import PAPER, Entrant, known_entrants
+
+    if values["settings"] != "{}" and (len(values["solver"]) > 1 or name == PAPER):
+        raise InputError(
+            f"--settings is {values['settings']!r}, expected it beside one --solver that takes "
+            "them: the paper's method has none"
+        )
+    gate = values["gate_mm"] * 1e-3
+    if name == PAPER:
+        paper = next(entrant for entrant in known_entrants() if entrant.name == PAPER)
+        return replace(paper, gate=gate)
+    mechanics = values["mechanics"]
+    return Entrant(
+        name=name,
+        solver=solver_from_text(name, values["settings"]),
+        mechanics=None if mechanics == "case" else options.mechanics_of(mechanics),
+        nodes=values["grid"],
+        gate=gate,
+    )
+
+
+@contextmanager
+def named(path: Path, solver: str) -> Iterator[None]:
+    """Errors name the case; those of a solver from elsewhere also where they come from."""
+    try:
+        yield
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from error
+    except MemoryError as error:
+        raise FileError(
+            f"{path} does not fit into memory, expected positions in metres on a patch of some "
+            f"decimetres, or a coarser --grid: {error}"
+        ) from error
+    except Exception as error:
+        if ":" not in solver:
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        raise FileError(
+            f"{path}: --solver {solver} fails with {type(error).__name__}: {error} "
+            f"({last.filename}, line {last.lineno})"
+        ) from error
+
+
+def solver_from_text(text: str, settings: str = "{}") -> "Solver":
+    """Solver by its name, or imported, such as "package.module:Class", and made with settings.
+
+    Raises InputError if there is no such solver, it does not take these settings, a JSON object, or
+    it has no `prepare`.
+    """
+    try:
+        keywords = json.loads(settings)
+    except ValueError:
+        keywords = None
+    if not isinstance(keywords, dict):
+        raise InputError(f"--settings is {settings!r}, expected a JSON object such as {{}}")
+    if ":" in text:
+        make = _imported(text)
+    elif text in options.SOLVERS:
+        from skinfield import solve as inverse
+
+        make = getattr(inverse, options.SOLVERS[text])
+    else:
+        raise InputError(
+            f"--solver is {text!r}, expected one of {', '.join(options.SOLVERS)}, or your own as "
+            "package.module:Class"
+        )
+    ready = (_is_solver(make) and not keywords) or not callable(make)
+    try:
+        solver = make if ready else make(**keywords)
+    except TypeError as error:
+        raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
+    if not _is_solver(solver):
+        raise InputError(
+            f"--solver is {text!r}, which has no prepare(model), expected a solver: "
+            "see CONTRIBUTING.md"
+        )
+    return solver  # type: ignore[no-any-return]
+
+
+def _is_solver(value: Any) -> bool:
+    """Whether it is an object, not a class of objects, that prepares."""
+    return not isinstance(value, type) and callable(getattr(value, "prepare", None))
+
+
+def _imported(text: str) -> Any:
+    """What "package.module:name" names; modules of the current folder count."""
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.append(here)  # processes that are started later import from it, too
+    try:
+        return pkgutil.resolve_name(text)
+    except Exception as error:  # whatever runs while a foreign module is imported
+        raise InputError(
+            f"--solver is {text!r}, which cannot be imported: {type(error).__name__}: {error}"
+        ) from error
+
+
+# ---- tables and limits
+
+
+def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
+    """Highest allowed values by measure, from texts such as "missed=0.1"."""
+    from skinfield.lab.score import MEASURES, RATES
+
+    known = (*MEASURES[:-2], "force_bias", *RATES)  # times are not for limits
+
+    limits = {}
+    for text in texts:
+        name, _, most = text.partition("=")
+        with suppress(ValueError):
+            limits[name] = float(most)
+        if name not in known or name not in limits:
+            raise InputError(
+                f"--require is {text!r}, expected MEASURE=NUMBER with one of {', '.join(known)}"
+            )
+    return limits
+
+
+def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
+    """Whether a limit is exceeded, or there is no number to compare, which stderr then says."""
+    failed = False
+    for name, most in limits.items():
+        value = float(columns.get(f"{name}_median", columns.get(name, math.nan)))
+        if not value <= most:
+            failed = True
+            sys.stderr.write(f"{name} is {value:.4g}, required at most {most:g}\n")
+    return failed
+
+
+def table_of_summary(summary: dict[str, Any], title: str) -> Any:
+    """Medians with their intervals, 90th percentiles and rates."""
+    made = report.table(title, ("error of",), ("median", "95 % interval", "90th percentile"))
+    for key, label in SHOWN.items():
+        median, low, high, p90 = (
+            report.fixed(summary[f"{key}_{end}"], 3) for end in ("median", "low", "high", "p90")
+        )
+        made.add_row(label, median, f"{low} to {high}", p90)
+    for key, label in RATES.items():
+        rate, low, high = (
+            report.fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high")
+        )
+        made.add_row(label, rate, f"{low} to {high}", "")
+    return made
+
+
+def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
+    """Medians and 90th percentiles, noise by noise and solver by solver."""
+    known = set().union(*rows)
+    shown = [each for each in AT_NOISES if {each[0], f"{each[0]}_median"} & known]
+    labels = [label for _, _, label, _ in shown]
+    title += "; median/90th percentile"
+    made = report.table(title, ("noise", "solver"), labels, box=SIMPLE_HEAD)
+    for index, row in enumerate(rows):
+        new = index == 0 or row["noise"] != rows[index - 1]["noise"]
+        last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
+        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
+        for key, factor, _, digits in shown:
+            ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
+            cells.append("/".join(_cut(row.get(end, math.nan) * factor, digits) for end in ends))
+        made.add_row(*cells, end_section=last)
+    return made
+
+
+def _cut(value: float, digits: int) -> str:
+    """A number; an exponent would hide how large it is, so what is huge is cut."""
+    return report.fixed(value, digits) if not 1e4 <= abs(value) < math.inf else ">9999"
