@@ -93,9 +93,3 @@ def test_what_is_wrong_is_said(words: list[str], part: str, tmp_path: Path) -> N
         words = [*words, "-o", str(tmp_path / "d.png")]
     assert part in refused("design", *words)
     assert not (tmp_path / "d.png").exists()
-
-
-def test_help_teaches() -> None:
-    said = run("design", "--help")
-    for words in ("skinfield design hexagon72", "--compare-thickness-mm", "no method can beat"):
-        assert words in " ".join(said.split())

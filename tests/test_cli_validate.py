@@ -110,10 +110,7 @@ def test_own_solver_from_the_current_folder(
     ("words", "message"),
     [
         (("--solver", "magic"), "--solver is 'magic', expected one of gaussian"),
-        (
-            ("--solver", "no_such_module:X"),
-            "cannot be imported: ModuleNotFoundError",
-        ),
+        (("--solver", "no_such_module:X"), "cannot be imported: ModuleNotFoundError"),
         (("--solver", "json:Nothing"), "module 'json' has no attribute 'Nothing'"),
         (("--solver", "json:loads"), "json:loads says: "),
         (("--solver", "math:pi"), "has no prepare"),
@@ -129,10 +126,39 @@ def test_own_solver_from_the_current_folder(
         (("-o", "nowhere/s.csv"), "nowhere is no folder"),
         (("--solver", "paper", "--settings", '{"snr": 3}'), "the paper's method has none"),
         (("--grid", "1"), "--grid is 1, expected"),
+        ((None,), "expected either CASES"),
+        (("--unseen", "2"), "expected either CASES"),
+        (("--idle", "7"), "--idle has no effect here: it belongs to --unseen"),
+        (("--noise", "2", "--per-case"), "-o FILE.json has every press"),
+        (("--seed", "2"), "--seed has no effect here: it belongs to --unseen or --noise"),
+        ((None, "--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
+        ((None, "--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
+        ((None, "--unseen", "0"), "--unseen is 0"),
+        ((None, "--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
+        ((None, "--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to"),
+        ((None, "--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
+        ((None, "--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
+        (
+            (
+                None,
+                "--unseen",
+                "2",
+                "--solver",
+                "paper",
+                "--solver",
+                "gaussian",
+                "--settings",
+                '{"snr": 2}',
+            ),
+            "expected it beside one --solver that takes them",
+        ),
     ],
 )
-def test_what_cannot_be_used_is_said(folder: Path, words: tuple[str, ...], message: str) -> None:
-    assert message in refused("validate", folder, *words)
+def test_what_cannot_be_used_is_said(
+    folder: Path, words: tuple[str | None, ...], message: str
+) -> None:
+    where = (folder, *words) if words[0] is not None else words[1:]
+    assert message in refused("validate", *where)
 
 
 def test_a_failing_solver_is_named_with_the_case_and_its_line(
@@ -218,29 +244,6 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
     read = json.loads(path.read_text())
     assert list(read["summary"]) == read["options"]["solver"] == ["tikhonov", "gaussian"]
     assert len(read["rows"]) == 6
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ((), "expected either CASES"),
-        (("cases", "--unseen", "2"), "expected either CASES"),
-        (("cases", "--idle", "7"), "--idle has no effect here: it belongs to --unseen"),
-        (("cases", "--noise", "2", "--per-case"), "-o FILE.json has every press"),
-        (("cases", "--seed", "2"), "--seed has no effect here: it belongs to --unseen or --noise"),
-        (("--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
-        (("--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
-        (("--unseen", "0"), "--unseen is 0"),
-        (("--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
-        (("--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to --solver"),
-        (("--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
-        (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
-        (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
-          '{"snr": 2}'), "expected it beside one --solver that takes them"),
-    ],
-)  # fmt: skip
-def test_what_does_not_fit_together_is_said(words: tuple[str, ...], message: str) -> None:
-    assert message in refused("validate", *words)
 
 
 def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
