@@ -11,10 +11,11 @@ from websockets.http11 import Request
 
 from skinfield.errors import InputError
 from skinfield.page.controller import Controller
-from skinfield.page.http import HttpApi, PageSettings
 from skinfield.page.page_state import PageState
 from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.server import HttpApi
 from skinfield.page.session import flag, number, press_of, text
+from skinfield.settings import PageSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

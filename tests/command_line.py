@@ -2,8 +2,10 @@
 
 import contextlib
 import io
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from skinfield.cli import main
 
@@ -31,3 +33,25 @@ def invoke(words: Sequence[str]) -> Done:
         except SystemExit as ended:
             code = ended.code if isinstance(ended.code, int) else 1
     return Done(code, out.getvalue(), errors.getvalue())
+
+
+def run(*words: object) -> str:
+    """All that a command printed, which must do what it should."""
+    done = invoke([str(word) for word in words])
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def refused(*words: object) -> str:
+    """What is said, in one line, by a command that must refuse what it was asked to do."""
+    done = invoke([str(word) for word in words])
+    assert done.exit_code == 2, done.output
+    assert "Traceback" not in done.output
+    return " ".join(done.output.split())
+
+
+def result_of(*words: object) -> Any:
+    """What a command prints with --json, and nothing else on stdout."""
+    done = invoke([*map(str, words), "--json"])
+    assert done.exit_code == 0, done.output
+    return json.loads(done.stdout, parse_constant=AssertionError)

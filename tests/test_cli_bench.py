@@ -1,20 +1,15 @@
 """`skinfield bench` from end to end, in its quickest form."""
 
-import json
 from pathlib import Path
 
 import pytest
-from command_line import invoke
+from command_line import refused, result_of
 from test_readme import blocks
 
 from skinfield.cli.bench_tables import in_words
 from skinfield.lab.bench.scene import SMOKE
 
 ROOT = Path(__file__).resolve().parents[1]
-
-
-def call(*words: str):
-    return invoke(["bench", *words])
 
 
 def test_the_page_runs_prints_its_numbers_and_leaves_a_picture(
@@ -24,10 +19,9 @@ def test_the_page_runs_prints_its_numbers_and_leaves_a_picture(
     page = {language: text for language, _, text in blocks(ROOT / "docs" / "bench.md")}
     exec(compile(page["python"], "bench.md", "exec"), {})
     (command,) = page["sh"].splitlines()
-    result = call(*command.split()[2:], "--json")
-    assert result.exit_code == 0, result.output
+    found = result_of("bench", *command.split()[2:])
     assert (tmp_path / "bench.png").stat().st_size > 10_000
-    check(json.loads(result.stdout))
+    check(found)
 
 
 def check(found: dict) -> None:
@@ -62,9 +56,7 @@ def check(found: dict) -> None:
 def test_a_name_of_no_picture_is_refused_before_anything_is_measured(
     tmp_path: Path, name: str, words: str
 ) -> None:
-    result = call("-o", str(tmp_path / name))
-    assert result.exit_code == 2
-    assert words in result.output
+    assert words in refused("bench", "-o", tmp_path / name)
 
 
 def test_times_in_words() -> None:

@@ -4,16 +4,13 @@ import json
 import os
 from pathlib import Path
 
-from command_line import invoke
+from command_line import refused, run
 
 from skinfield.lab import experiments as running
 from skinfield.lab.report import SMOKE, Experiment, Section, Settings
 
 SETTINGS = Settings(size=SMOKE)
-
-
-def call(*words: str):
-    return invoke(["experiments", *words])
+QUICK = ("--size", "smoke", "--workers", 1, "--only")
 
 
 def quick(settings: Settings) -> Section:
@@ -26,15 +23,14 @@ def failing(settings: Settings) -> Section:
 
 def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     words = ("--size", "smoke", "--only", "model", "--workers", "1", "-o", str(tmp_path))
-    first = call(*words)
-    assert first.exit_code == 0, first.output
-    assert first.output.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
-    assert "does not hold" in first.output
+    first = run("experiments", *words)
+    assert first.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
+    assert "does not hold" in first
     names = {file.name for file in (tmp_path / "agreement").iterdir()}
     assert names == {"task.json", "section.json", "agreement.csv", "errors.png", "half-space.png"}
     page = (tmp_path / "report.html").read_text()
     stamp = (tmp_path / "agreement" / "section.json").stat().st_mtime_ns
-    assert call(*words).exit_code == 0
+    run("experiments", *words)
     assert (tmp_path / "agreement" / "section.json").stat().st_mtime_ns == stamp
     again = (tmp_path / "report.html").read_text()
     assert (
@@ -51,9 +47,8 @@ def test_other_settings_are_made_anew() -> None:
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     parts = (Experiment("bad", (), failing), Experiment("good", (), quick))
     monkeypatch.setattr(running, "chosen", lambda names: parts)
-    result = call("--size", "smoke", "--workers", "1", "-o", str(tmp_path))
-    assert result.exit_code == 2
-    assert "bad.failed.txt" in "".join(result.output.split())
+    result = refused("experiments", "--size", "smoke", "--workers", "1", "-o", tmp_path)
+    assert "bad.failed.txt" in "".join(result.split())
     page = (tmp_path / "report.html").read_text()
     assert "bad failed: ZeroDivisionError" in page
     assert "Quick" in page
@@ -81,17 +76,16 @@ def test_parts_run_side_by_side_on_one_thread_each(
 
 
 def test_a_name_that_is_none(tmp_path: Path) -> None:
-    result = call("--only", "fig12", "-o", str(tmp_path))
-    assert result.exit_code == 2
-    assert "'fig12' names no experiment, expected some of imposed, fig3" in " ".join(
-        result.output.split()
+    assert "'fig12' names no experiment, expected some of imposed, fig3" in refused(
+        "experiments", "--only", "fig12", "-o", tmp_path
     )
 
 
 def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
-    assert call("--only", "model", "-o", str(file)).exit_code == 2
-    below = call("--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below"))
-    assert below.exit_code == 2
-    assert "cannot be made" in below.output
+    refused("experiments", "--only", "model", "-o", file)
+    below = refused(
+        "experiments", "--only", "model", "--size", "smoke", "--workers", "1", "-o", file / "below"
+    )
+    assert "cannot be made" in below

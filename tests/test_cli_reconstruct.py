@@ -6,18 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import invoke
+from command_line import refused, run
 
 import skinfield as sf
 from skinfield.files import save_recording
 from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.hexagon72()
-
-
-def run(*words: object) -> tuple[int, str]:
-    result = invoke([str(word) for word in words])
-    return result.exit_code, result.output
 
 
 @pytest.fixture(scope="module")
@@ -35,33 +30,33 @@ def press_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_demo_writes_a_picture_and_compares_with_the_truth(tmp_path: Path) -> None:
-    picture = tmp_path / "demo.png"
-    code, said = run("demo", "--press", "0,12,1,6", "--grid", 16, "-o", picture)
-    assert code == 0, said
-    assert picture.read_bytes().startswith(b"\x89PNG")
+@pytest.mark.parametrize("solver", ["gaussian", "nonnegative", "contact"])
+def test_demo_writes_a_picture_and_compares_with_the_truth(tmp_path: Path, solver: str) -> None:
+    layout = "hexagon72" if solver == "gaussian" else "icub_triangle"  # which is quicker
+    words = ("--skin", layout, "--press", "0,0,1,4", "--grid", 16, "--solver", solver)
+    said = run("demo", *words, "-o", tmp_path / "demo.png")
+    assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
     for word in ("force error", "place error", "latency", "wrote"):
         assert word in said
+    assert ("the next time" in said) == (solver != "gaussian")
+    assert ("sphere" in said or "flat" in said) == (solver == "contact")
 
 
 def test_demo_refuses_a_press_it_does_not_understand(tmp_path: Path) -> None:
-    code, said = run("demo", "--press", "1,2,3", "-o", tmp_path / "demo.png")
-    assert code == 2
-    assert "--press is '1,2,3', expected x,y,force,radius" in said
-    code, said = run("demo", "-o", tmp_path / "demo.xyz")
-    assert code == 2
-    assert "png" in said
+    assert "--press is '1,2,3': expected x,y,force,radius" in refused(
+        "demo", "--press", "1,2,3", "-o", tmp_path / "demo.png"
+    )
+    assert "png" in refused("demo", "-o", tmp_path / "demo.xyz")
 
 
 def test_a_recording_becomes_contacts_fields_summary_and_picture(
     press_csv: Path, tmp_path: Path
 ) -> None:
     names = {name: tmp_path / name for name in ("c.csv", "f.npz", "s.json", "p.svg")}
-    code, said = run(
+    run(
         "reconstruct", press_csv, "--skin", "hexagon72", "-o", names["c.csv"],
         "--fields", names["f.npz"], "--summary", names["s.json"], "--plot", names["p.svg"],
     )  # fmt: skip
-    assert code == 0, said
     rows = list(csv.DictReader(names["c.csv"].open()))
     assert {int(row["reading"]) for row in rows} == set(range(150))
     pressed = [row for row in rows if int(row["reading"]) >= 100 and int(row["contact"]) == 0]
@@ -81,30 +76,16 @@ def test_a_recording_becomes_contacts_fields_summary_and_picture(
 
 
 def test_the_drawn_reading_can_be_chosen(press_csv: Path, tmp_path: Path) -> None:
-    code, said = run("reconstruct", press_csv, "--skin", "hexagon72", "--reading", 120)
-    assert code == 0, said
-    assert "reading 120 at 2.40 s" in said
-    code, said = run("reconstruct", press_csv, "--skin", "hexagon72", "--reading", 150)
-    assert code == 2
-    assert "--reading is 150, expected 0 to 149" in said
-
-
-@pytest.mark.parametrize("solver", ["nonnegative", "contact"])
-def test_demo_times_what_is_not_linear(tmp_path: Path, solver: str) -> None:
-    picture = tmp_path / "demo.png"
-    code, said = run("demo", "--press", "0,12,1,6", "--grid", 16, "--solver", solver, "-o", picture)
-    assert code == 0, said
-    assert picture.read_bytes().startswith(b"\x89PNG")
-    assert "the next time" in said
-    assert ("sphere" in said or "flat" in said) == (solver == "contact")
+    words = ("reconstruct", press_csv, "--skin", "hexagon72", "--reading")
+    assert "reading 120 at 2.40 s" in run(*words, 120)
+    assert "--reading is 150, expected 0 to 149" in refused(*words, 150)
 
 
 def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path) -> None:
-    code, said = run(
+    said = run(
         "reconstruct", press_csv, "--skin", "hexagon72", "--solver", "contact",
         "-o", tmp_path / "c.csv",
     )  # fmt: skip
-    assert code == 0, said
     assert "sphere" in said
     rows = list(csv.DictReader((tmp_path / "c.csv").open()))
     pressed = [row for row in rows if int(row["reading"]) >= 100 and int(row["contact"]) == 0]
@@ -128,34 +109,10 @@ def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path
 def test_every_solver_and_mechanics_can_be_chosen(
     press_csv: Path, solver: str, mechanics: str
 ) -> None:
-    code, said = run(
+    run(
         "reconstruct", press_csv, "--skin", "hexagon72", "--grid", 10,
         "--solver", solver, "--mechanics", mechanics, "--reading", 120,
     )  # fmt: skip
-    assert code == 0, said
-
-
-def test_what_does_not_fit_is_said_in_one_paragraph(press_csv: Path, tmp_path: Path) -> None:
-    cases = [
-        (("reconstruct", press_csv, "--skin", "nowhere.txt"), "nowhere.txt: no such file"),
-        (("reconstruct", press_csv, "--skin", "icub_triangle"), "columns, expected 12"),
-        (("reconstruct", "gone.csv", "--skin", "hexagon72"), "gone.csv"),
-        (
-            ("reconstruct", press_csv, "--skin", "hexagon72", "--quantity", "stress"),
-            "is in 'dC/C0'",
-        ),
-        (("reconstruct", press_csv, "--skin", "hexagon72", "-o", "a.xyz"), "a.xyz"),
-        (
-            ("reconstruct", press_csv, "--skin", "hexagon72", "--poisson", 0.7),
-            "--poisson is 0.7, expected",
-        ),
-        (("reconstruct", press_csv, "--skin", "hexagon72", "--grid", 1), "--grid is 1, expected"),
-    ]
-    for words, message in cases:
-        code, said = run(*words)
-        assert code == 2, said
-        assert message in " ".join(said.split()), said
-        assert "Traceback" not in said
 
 
 def foot(data: Path) -> tuple[Path, Path, Path]:
@@ -167,10 +124,20 @@ def foot(data: Path) -> tuple[Path, Path, Path]:
 def test_a_real_foot_is_reconstructed(shared_data: Path, tmp_path: Path) -> None:
     skin, _, layout = foot(shared_data)
     picture, table = tmp_path / "foot.png", tmp_path / "foot.csv"
-    code, said = run(
-        "reconstruct", skin, "--skin", layout, "--poisson", 0.3, "-o", table, "--plot", picture
+    said = run(
+        "reconstruct",
+        skin,
+        "--skin",
+        layout,
+        "--poisson",
+        0.3,
+        "--grid",
+        40,
+        "-o",
+        table,
+        "--plot",
+        picture,
     )
-    assert code == 0, said
     assert "441 readings in 8.84 s, 250 taxels of r_foot (40 left out)" in " ".join(said.split())
     rows = list(csv.DictReader(table.open()))
     assert {int(row["reading"]) for row in rows} == set(range(441))
@@ -180,60 +147,52 @@ def test_a_real_foot_is_reconstructed(shared_data: Path, tmp_path: Path) -> None
 def test_a_real_foot_is_held_against_its_force_sensor(shared_data: Path, tmp_path: Path) -> None:
     skin, sensor, layout = foot(shared_data)
     result = tmp_path / "scale.json"
-    words = ("calibrate", "scale", skin, sensor, "--skin", layout, "--poisson", 0.3)
-    code, said = run(*words, "-o", result, "--plot", tmp_path / "scale.png")
-    assert code == 0, said
+    words = ("calibrate", "scale", skin, sensor, "--skin", layout, "--poisson", 0.3, "--grid", 40)
+    run(*words, "-o", result, "--plot", tmp_path / "scale.png")
     whole = json.loads(result.read_text())
     assert 20 < whole["modulus_kpa"] < 80
     assert 30 < whole["rms_N"] < 50  # the robot tips over its bare heel at the end: not hidden
-    code, said = run(*words, "-o", result, "--force", "--seconds", "0,6.5")
-    assert code == 0, said
+    run(*words, "-o", result, "--force", "--seconds", "0,6.5")
     standing = json.loads(result.read_text())
     assert standing["held_out_rms_N"] < 0.05 * standing["mean_reference_N"]
 
 
 def test_calibrate_refuses_a_skin_where_a_force_is_expected(shared_data: Path) -> None:
     skin, _, layout = foot(shared_data)
-    code, said = run("calibrate", "scale", skin, skin, "--skin", layout)
-    assert code == 2
+    said = refused("calibrate", "scale", skin, skin, "--skin", layout)
     assert "has 384 columns, expected 3 or 6" in " ".join(said.split())
 
 
-@pytest.mark.parametrize(
-    "words", [(), ("demo",), ("reconstruct",), ("calibrate",), ("calibrate", "scale"), ("layout",)]
-)
-def test_help_teaches(words: tuple[str, ...]) -> None:
-    code, said = run(*words, "--help")
-    assert code == 0
-    assert "Usage:" in said
-    assert len(said) > 300
-
-
-def test_numbers_that_make_no_sense_are_refused(press_csv: Path, tmp_path: Path) -> None:
+def test_what_makes_no_sense_is_refused_with_the_flag(press_csv: Path, tmp_path: Path) -> None:
     base = ("reconstruct", press_csv, "--skin", "hexagon72")
     for words, message in [
+        (("reconstruct", press_csv, "--skin", "nowhere.txt"), "nowhere.txt: no such file"),
+        (("reconstruct", press_csv, "--skin", "icub_triangle"), "columns, expected 12"),
+        (("reconstruct", "gone.csv", "--skin", "hexagon72"), "gone.csv"),
+        (("reconstruct", tmp_path), "is a folder without data.log, expected a recording: a file"),
+        ((*base, "--quantity", "stress"), "is in 'dC/C0'"),
+        ((*base, "-o", "a.xyz"), "--output is 'a.xyz', expected a name that ends in .csv or"),
+        ((*base, "--poisson", 0.7), "--poisson is 0.7, expected"),
+        ((*base, "--grid", 1), "--grid is 1, expected"),
         ((*base, "--noise", "-1"), "--noise is -1.0, expected"),
         ((*base, "--noise", "nan"), "--noise is nan, expected"),
         ((*base, "--smoothing-ms", "-1"), "--smoothing-ms is -1.0, expected a number from 0"),
-        ((*base, "--gain", "0"), "gain is 0.0, expected"),
+        ((*base, "--gain", "0"), "--gain is 0.0, expected"),
         ((*base, "--patch", "3"), "3"),
         (("demo", "--noise", "-1", "-o", tmp_path / "d.png"), "--noise is -1.0, expected"),
-        (("demo", "--seed", "-1", "-o", tmp_path / "d.png"), "--seed"),
+        (("demo", "--seed", "-1", "-o", tmp_path / "d.png"), "--seed is -1, expected"),
+        (("demo", "--press", "0,0,-1,3"), "--press is '0,0,-1,3': force is -1.0, expected"),
     ]:
-        code, said = run(*words)
-        assert code == 2, said
-        assert message in " ".join(said.split()), said
+        assert message in refused(*words)
 
 
 def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path: Path) -> None:
-    code, said = run("reconstruct", press_csv, "--skin", "hexagon72", "--gain", 5, "--grid", 5)
-    assert code == 0, said
+    said = run("reconstruct", press_csv, "--skin", "hexagon72", "--gain", 5, "--grid", 5)
     said = " ".join(said.split())
     assert "board, gain and calibration are not used" in said
     assert "cells of 13.5 mm are wider than the taxels' distance of 5.5 mm" in said
     lines = press_csv.read_text().splitlines()
     table = tmp_path / "low.csv"
     table.write_text("\n".join([*lines[:-1], ",".join(["2.98", *["-3"] * 72])]) + "\n")
-    code, said = run("reconstruct", table, "--skin", "hexagon72")
-    assert code == 0, said
+    said = run("reconstruct", table, "--skin", "hexagon72")
     assert "72 values are -1 or less" in " ".join(said.split())

@@ -1,6 +1,5 @@
 """The cache of machine code: what it is made from, and that it never outlives it."""
 
-import json
 import os
 import re
 import shutil
@@ -10,7 +9,7 @@ from pathlib import Path
 
 import numba
 import pytest
-from command_line import invoke
+from command_line import result_of
 
 import skinfield
 from skinfield import compiled
@@ -148,6 +147,6 @@ def test_what_is_compiled_is_reported_once() -> None:
 
 @pytest.mark.slow
 def test_warmup_is_a_run_that_answers() -> None:
-    found = json.loads(invoke(["warmup", "--json"]).stdout)
+    found = result_of("warmup")
     assert found["cycles"] > 100
     assert found["seconds"] > 3.0

@@ -4,17 +4,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from skinfield.cli.options import OUTPUT, Force, Json, flag_of, solver_of
-from skinfield.cli.report import (
-    check_picture,
-    console,
-    finish,
-    note,
-    progress,
-    say,
-    say_notes,
-)
-from skinfield.errors import InputError, check_count
+from skinfield.cli import options, report
+from skinfield.errors import InputError
+from skinfield.settings.tree import Range
 
 if TYPE_CHECKING:
     from skinfield.skin import Skin
@@ -23,16 +15,16 @@ if TYPE_CHECKING:
 def bench(
     *,
     size: Literal["smoke", "short", "full"] = "short",
-    seed: int = 0,
-    output: Annotated[str | None, OUTPUT] = None,
-    force: Force = False,
-    as_json: Json = False,
+    seed: options.Seed = 0,
+    output: Annotated[str | None, options.OUTPUT] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
     jitter: bool = False,
-    duration: float | None = None,
-    rate_hz: float | None = None,
-    busy: int | None = None,
+    duration: Annotated[float | None, Range(1.0, 86_400.0, "seconds")] = None,
+    rate_hz: Annotated[float | None, Range(1.0, 20_000.0, "cycles per second")] = None,
+    busy: Annotated[int | None, Range(0, 1024, "processes that compute")] = None,
     solver: Literal["nonnegative", "gaussian"] | None = None,
-    priority: int | None = None,
+    priority: Annotated[int | None, Range(0, 98, "of SCHED_FIFO; 0 for none")] = None,
 ) -> None:
     """Measure on this machine what a reading costs, and error against time.
 
@@ -62,12 +54,8 @@ def bench(
     ----------
     size : str
         How much is measured.
-    seed : int
-        Of noise and order.
     output : str, optional
         Picture of cost and error against time: .png, .pdf, .svg or .jpg.
-    as_json : bool
-        Print the numbers as JSON, not as tables.
     jitter : bool
         Measure how late the live loop wakes instead.
     duration : float, s, optional
@@ -81,37 +69,33 @@ def bench(
     priority : int, optional
         For jitter: of SCHED_FIFO; 0 for ordinary scheduling. Default 80.
     """
-    check_count("--seed", seed, 0, 1 << 63, "of noise and order")
     of_jitter = {"duration": duration, "rate_hz": rate_hz, "busy": busy,
                  "solver": solver, "priority": priority}  # fmt: skip
-    options = {name: value for name, value in of_jitter.items() if value is not None}
+    chosen = {name: value for name, value in of_jitter.items() if value is not None}
     if jitter:
         if output is not None:
             raise InputError("-o draws what --jitter does not measure: leave it out")
-        _measure_jitter(options, as_json)
+        _measure_jitter(chosen, as_json)
         return
-    if options:
-        raise InputError(f"--{flag_of(next(iter(options)))} belongs to --jitter: give both")
-    check_picture("--output", output, force)  # before anything is measured
+    if chosen:
+        raise InputError(f"--{options.flag_of(next(iter(chosen)))} belongs to --jitter: give both")
+    report.check_picture("--output", output, force)  # before anything is measured
     from skinfield.cli.bench_tables import tables
     from skinfield.lab.bench.picture import machine_line, picture
     from skinfield.lab.bench.run import run_bench
     from skinfield.lab.bench.scene import BenchSettings, bench_size
     from skinfield.plot import save
 
-    with progress("bench", 1) as step:
+    with report.progress("bench", 1) as step:
         measured = run_bench(
             BenchSettings(size=bench_size(size), seed=seed),
             lambda what, done, total: step(done, total, what),
         )
     if output is not None:
         save(picture(measured), output)
-    say_notes(measured["warnings"])
-    if not as_json:
-        say(machine_line(measured))
-        for each in tables(measured):
-            console().print(each)
-    finish(as_json, measured, [output])
+    report.say_notes(measured["warnings"])
+    lines: list[report.Shown] = [machine_line(measured), *tables(measured)]
+    report.finish(as_json, measured, [output], lines)
 
 
 @contextmanager
@@ -128,21 +112,17 @@ def virtual_boards(
         yield source_from_options("icub", "udp", tuple(boards.channels), skin), boards.scene
 
 
-def _measure_jitter(options: dict[str, Any], as_json: bool) -> None:
+def _measure_jitter(chosen: dict[str, Any], as_json: bool) -> None:
     """Measure the live loop, with the settings that are not as usual, and print."""
     from skinfield.cli.bench_tables import jitter_as_json, jitter_lines, jitter_notes, jitter_table
     from skinfield.lab.bench.jitter import JitterSettings, run_jitter
     from skinfield.loop.realtime import RealTime
 
-    if "solver" in options:
-        options["solver"] = solver_of(options["solver"])
-    if "priority" in options:
-        check_count("--priority", options["priority"], 0, 98, "of SCHED_FIFO; 0 for none")
-        options["real_time"] = RealTime(priority=options.pop("priority"))
-    jitter = run_jitter(JitterSettings(**options), note, virtual_boards)
-    if not as_json:
-        console().print(jitter_table(jitter))
-        for line in jitter_lines(jitter):
-            say(line)
-        say_notes(jitter_notes(jitter))
-    finish(as_json, jitter_as_json(jitter))
+    if "solver" in chosen:
+        chosen["solver"] = options.solver_of(chosen["solver"])
+    if "priority" in chosen:
+        chosen["real_time"] = RealTime(priority=chosen.pop("priority"))
+    jitter = run_jitter(JitterSettings(**chosen), report.note, virtual_boards)
+    report.say_notes(jitter_notes(jitter))
+    lines: list[report.Shown] = [jitter_table(jitter), *jitter_lines(jitter)]
+    report.finish(as_json, jitter_as_json(jitter), lines=lines)

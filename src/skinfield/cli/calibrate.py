@@ -8,17 +8,8 @@ import numpy as np
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
+from skinfield.cli import options, report
 from skinfield.cli.main import new_app
-from skinfield.cli.options import (
-    OUTPUT,
-    Counts,
-    CountSettings,
-    Force,
-    Json,
-    Model,
-    OfElastomer,
-)
-from skinfield.cli.report import check_output, check_picture, finish, progress, say, say_notes
 from skinfield.errors import Floats, InputError, as_floats
 from skinfield.settings import Elastomer, ModelSettings
 
@@ -43,17 +34,17 @@ def scale(
     force_file: Annotated[str, Parameter(name="FORCE")],
     /,
     *,
-    layout: str,
-    patch: str | None = None,
+    layout: options.LayoutText,
+    patch: options.PatchName = None,
     axis: str = "-z",
     seconds: str | None = None,
-    output: Annotated[str | None, OUTPUT] = None,
+    output: Annotated[str | None, options.OUTPUT] = None,
     plot: str | None = None,
-    force: Force = False,
-    as_json: Json = False,
-    counts: Counts = CountSettings(),
-    elastomer: OfElastomer = Elastomer(),
-    model: Model = ModelSettings(),
+    force: options.Force = False,
+    as_json: options.Json = False,
+    counts: options.Counts = options.CountSettings(),
+    elastomer: options.OfElastomer = Elastomer(),
+    model: options.Model = ModelSettings(),
 ) -> None:
     """Fit the elastomer's modulus so that the normal force follows a force sensor.
 
@@ -74,10 +65,6 @@ def scale(
         Of the skin.
     force_file : str
         Recording of the force sensor.
-    layout : str
-        Layout file, or a generator by name.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
     axis : str
         Of the sensor, into the skin.
     seconds : str, optional
@@ -86,16 +73,14 @@ def scale(
         File of the result (.json).
     plot : str, optional
         Figure of both forces over time: .png, .pdf or .svg.
-    as_json : bool
-        The result as one JSON object.
     """
     from skinfield.cli.reconstruct_jobs import Plan
     from skinfield.files import open_recording, write_summary
     from skinfield.plot import draw_timeline, save
     from skinfield.signal import column_of, fit_scale
 
-    check_picture("--plot", plot, force)
-    check_output("--output", output, force, ".json")
+    report.check_picture("--plot", plot, force)
+    report.check_output("--output", output, force, ".json")
     sensor = open_recording(force_file)
     reference = column_of(sensor, axis)
     plan = Plan.of(layout, patch, counts, elastomer, model)
@@ -112,10 +97,8 @@ def scale(
     }
     result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force_file}
     result |= model_used
-    if not as_json:
-        say(fit.sentences(modulus))
-        words = ", ".join(f"{name.replace('_', ' ')} {each}" for name, each in model_used.items())
-        say(f"the modulus holds for {words} only")
+    words = ", ".join(f"{name.replace('_', ' ')} {each}" for name, each in model_used.items())
+    lines = [fit.sentences(modulus), f"the modulus holds for {words} only"]
     if output:
         write_summary(output, result)
     if plot:
@@ -128,7 +111,7 @@ def scale(
             title=f"{config.patch.name}: normal force of all contacts",
         )
         save(figure, plot)
-    finish(as_json, result, (output, plot))
+    report.finish(as_json, result, (output, plot), lines)
 
 
 def _loads_of(
@@ -143,9 +126,9 @@ def _loads_of(
         place = Pending(Path(folder) / "readings", Path(folder) / "readings")
         take_in(recording, plan, place)
         results = read_results(place.part)
-        say_notes(results.notes)
+        report.say_notes(results.notes)
         loads: list[Floats] = []
-        with progress("reconstructing", len(results)) as step:
+        with report.progress("reconstructing", len(results)) as step:
             for part in parts(results, range(len(results)), fields=False):
                 loads.append(part.load)
                 step(sum(map(len, loads)))

@@ -1,29 +1,30 @@
 """`skinfield cases`: write a set of cases to judge solvers by."""
 
 from pathlib import Path
+from typing import Annotated
 
-from skinfield.cli.options import Force, Json, patch_of, skin_from_text
-from skinfield.cli.report import finish, plural, progress, say
-from skinfield.errors import FileError, InputError, check_count, check_positive
-from skinfield.settings.tree import QuantityName
+from skinfield.cli import options, report
+from skinfield.errors import FileError, InputError
+from skinfield.settings.tree import Range
 
 KINDS = 22
+Number = Annotated[int | None, Range(1, 10_000, "cases")]
 
 
 def cases(
     folder: str,
     /,
     *,
-    count: int | None = None,
-    unseen: int | None = None,
-    seed: int = 0,
-    layout: str = "hexagon72",
-    patch: str | None = None,
-    quantity: QuantityName = "capacitance",
-    noise: float | None = None,
-    draws: int = 4,
-    force: Force = False,
-    as_json: Json = False,
+    count: Number = None,
+    unseen: Number = None,
+    seed: options.Seed = 0,
+    layout: options.LayoutText = "hexagon72",
+    patch: options.PatchName = None,
+    quantity: options.Reads = "capacitance",
+    noise: options.Noise = None,
+    draws: Annotated[int, Range(0, 10_000, "readings per case")] = 4,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write simulated cases into the DIR FOLDER, for 'skinfield validate'.
 
@@ -47,20 +48,8 @@ def cases(
         Of cases. Default 22.
     unseen : int, optional
         So many random presses instead.
-    seed : int
-        Of places and noise.
-    layout : str
-        Layout file, or a generator by name.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
-    quantity : str
-        What a taxel reads.
-    noise : float, optional
-        Of a reading, in the quantity's unit. Default typical.
     draws : int
         Noisy readings per case; 0 for one without noise.
-    as_json : bool
-        Names of the files as one JSON object.
     """
     from skinfield.lab.case_files import save_case
     from skinfield.lab.case_sets import random_cases, standard_cases
@@ -70,24 +59,18 @@ def cases(
             f"--count is {count} beside --unseen {unseen}, expected one of them: both are numbers "
             "of cases"
         )
-    total = (unseen or count or KINDS) if unseen != 0 and count != 0 else 0
-    check_count("--count" if unseen is None else "--unseen", total, 1, 10_000, "cases")
-    check_count("--draws", draws, 0, 10_000, "readings per case")
-    check_count("--seed", seed, 0, 1 << 63, "of places and noise")
-    if noise is not None:
-        check_positive("--noise", noise, "no reading is exact")
-    taxels = patch_of(skin_from_text(layout), patch)
+    total = unseen or count or KINDS
+    taxels = options.patch_of(options.skin_from_text(layout), patch)
     place = _prepared(Path(folder), force)
     make = standard_cases if unseen is None else random_cases
     written = []
-    with progress("pressing", total) as step:
+    with report.progress("pressing", total) as step:
         for case in make(taxels, total, seed, quantity, noise, draws):
             written.append(str(place / f"{case.name}.npz"))
             save_case(case, written[-1])
             step()
-    if not as_json:
-        say(f"wrote {plural(total, 'case')} to {folder}")
-    finish(as_json, {"folder": folder, "files": written})
+    lines = [f"wrote {report.plural(total, 'case')} to {folder}"]
+    report.finish(as_json, {"folder": folder, "files": written}, lines=lines)
 
 
 def _prepared(folder: Path, force: bool) -> Path:
@@ -101,7 +84,7 @@ def _prepared(folder: Path, force: bool) -> Path:
         raise FileError(f"{folder} cannot be made: {error}, expected a new folder") from error
     if before and not force:
         raise FileError(
-            f"{folder} holds {plural(len(before), 'NPZ file')} such as {before[0].name}, expected "
-            "a folder without: take a new one, or remove them with --force"
+            f"{folder} holds {report.plural(len(before), 'NPZ file')} such as {before[0].name}, "
+            "expected a folder without: take a new one, or remove them with --force"
         )
     return folder

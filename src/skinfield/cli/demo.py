@@ -1,37 +1,15 @@
 """`skinfield demo`: the main job with nothing at hand."""
 
 import time
-from collections.abc import Callable
+import timeit
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from skinfield.cli.options import (
-    OUTPUT,
-    Force,
-    Json,
-    Model,
-    OfElastomer,
-    config_of,
-    filled,
-    layer_of,
-    patch_of,
-    profile_in_use,
-    quantity_of,
-    skin_from_text,
-)
-from skinfield.cli.report import (
-    Column,
-    check_picture,
-    console,
-    finish,
-    free_name,
-    plain_contacts,
-    say,
-    table_of,
-    table_of_contacts,
-)
-from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
+from skinfield.errors import Floats, InputError, as_floats
 from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
@@ -42,19 +20,25 @@ if TYPE_CHECKING:
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
 FAR = 8e-3  # m: a contact beyond is not of this press
+AGAINST = (
+    Column("press", "press", decimals=0), Column("true N", "force_N", decimals=2),
+    Column("found N", "estimated_force_N", decimals=2),
+    Column("force error %", "force_error", 100.0, 0),
+    Column("place error mm", "place_error_m", 1e3, 2),
+)  # fmt: skip
 
 
 def demo(
     *,
-    layout: str = "hexagon72",
+    layout: options.LayoutText = "hexagon72",
     press: tuple[str, ...] = (),
-    noise: float | None = None,
-    seed: int = 0,
-    output: Annotated[str | None, OUTPUT] = None,
-    force: Force = False,
-    as_json: Json = False,
-    elastomer: OfElastomer = Elastomer(),
-    model: Model = ModelSettings(),
+    noise: options.Noise = None,
+    seed: options.Seed = 0,
+    output: Annotated[str | None, options.OUTPUT] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    elastomer: options.OfElastomer = Elastomer(),
+    model: options.Model = ModelSettings(),
 ) -> None:
     """Simulate rigid balls that press on a patch, reconstruct what they do, and compare.
 
@@ -68,63 +52,49 @@ def demo(
 
     Parameters
     ----------
-    layout : str
-        Layout file, or a generator by name.
     press : tuple of str
         A ball, X,Y,F,R: place mm, force N, radius mm; again for more.
-    noise : float, optional
-        Of a reading, in the quantity's unit.
-    seed : int
-        Of the noise.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
-    as_json : bool
-        Contacts, the truth and times as one JSON object.
     """
-    from skinfield.plot import draw_estimate, save
     from skinfield.simulate import press as pressed
 
-    picture = free_name(PICTURE) if output is None else output
-    check_picture("--output", picture, force)
-    patch = patch_of(skin_from_text(layout), None)
-    profile = profile_in_use(elastomer, layout=layout)
-    layer = layer_of(elastomer, profile)
+    picture = report.free_name(PICTURE) if output is None else output
+    report.check_picture("--output", picture, force)
+    patch = options.patch_of(options.skin_from_text(layout), None)
+    profile = options.profile_in_use(elastomer, layout=layout)
+    layer = options.layer_of(elastomer, profile)
     name = model.quantity or "capacitance"
-    quantity = quantity_of(name)
+    quantity = options.quantity_of(name)
     spread = quantity.typical_noise if noise is None else noise
-    check_positive("--noise", spread, "no reading is exact")
-    check_count("--seed", seed, 0, 1 << 63, "of the noise")
-    balls = [_ball_of(text) for text in press or DEFAULT_PRESSES]
+    balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
     true = pressed(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
     clean = true.readings(patch.plane, patch.pad_diameter, name)
     readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
     start = time.perf_counter()
-    config = config_of(patch, layer, quantity, spread, filled(model, profile))
+    config = options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
     reconstructor = config.reconstructor()
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
-    figure = draw_estimate(
-        estimate,
-        readings,
-        truth=[(ball.position, ball.force, ball.radius / 2) for ball in balls],
-        quantity_name=quantity.symbol,
-        quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
-    )
-    save(figure, picture)
+    truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
+    report.save_picture(picture, estimate, readings, quantity, truth)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
-    if not as_json:
-        _report(estimate, rows)
-        latency = _latency(reconstructor, estimate, readings)
-        say(f"latency: {latency}; prepared once in {prepared:.1f} s")
     result = {
-        "contacts": plain_contacts(estimate.contacts),
+        "contacts": report.plain_contacts(estimate.contacts),
         "presses": rows,
         "prepared_s": prepared,
         "latency_s": estimate.latency,
         "picture": picture,
     }
-    finish(as_json, result, [picture])
+
+    def lines() -> Iterator[report.Shown]:
+        yield report.table_of_contacts(estimate.contacts, "Contacts reconstructed")
+        yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
+        latency = _latency(reconstructor, estimate, readings)
+        yield f"latency: {latency}; prepared once in {prepared:.1f} s"
+
+    report.finish(as_json, result, [picture], lines())
 
 
 def _ball_of(text: str) -> "Sphere":
@@ -132,8 +102,8 @@ def _ball_of(text: str) -> "Sphere":
 
     parts = text.split(",")
     if len(parts) != 4:
-        raise InputError(f"--press is {text!r}, expected x,y,force,radius in mm, mm, N, mm")
-    x, y, force, radius = as_floats("--press", parts).tolist()
+        raise InputError("expected x,y,force,radius in mm, mm, N, mm")
+    x, y, force, radius = as_floats("it", parts).tolist()
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
@@ -147,19 +117,6 @@ def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]
     force = contact.normal_force
     error = force / ball.force - 1
     return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
-
-
-def _report(estimate: "Estimate", rows: list[dict[str, Any]]) -> None:
-    """Tables of the contacts, and of the presses beside them."""
-    console().print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
-    columns = (
-        Column("press", "press", decimals=0),
-        Column("true N", "force_N", decimals=2),
-        Column("found N", "estimated_force_N", decimals=2),
-        Column("force error %", "force_error", 100.0, 0),
-        Column("place error mm", "place_error_m", 1e3, 2),
-    )
-    console().print(table_of("Against the known truth (–: missed)", rows, columns))
 
 
 def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Floats) -> str:
@@ -177,9 +134,4 @@ def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Flo
 
 def _median_time(call: Callable[[], object], laps: int) -> float:
     """In seconds."""
-    times = np.empty(laps)
-    for index in range(laps):
-        start = time.perf_counter()
-        call()
-        times[index] = time.perf_counter() - start
-    return float(np.median(times))
+    return float(np.median(timeit.repeat(call, number=1, repeat=laps)))

@@ -1,44 +1,15 @@
 """`skinfield design`: judge a layout before it is made."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
 
-from skinfield.cli.options import (
-    OUTPUT,
-    Force,
-    Json,
-    OfElastomer,
-    layer_of,
-    mechanics_of,
-    patch_of,
-    profile_in_use,
-    quantity_of,
-    skin_from_text,
-)
-from skinfield.cli.report import (
-    check_output,
-    check_picture,
-    console,
-    finish,
-    free_name,
-    progress,
-    say,
-    say_notes,
-    table,
-)
-from skinfield.design import (
-    Judgement,
-    Places,
-    SkinDesign,
-    Touch,
-    compare_thickness,
-    judge,
-)
-from skinfield.errors import InputError
+from skinfield.cli import options, report
+from skinfield.design import Judgement, Places, SkinDesign, Touch, compare_thickness, judge
+from skinfield.errors import InputError, as_floats
 from skinfield.settings import Elastomer
-from skinfield.settings.tree import QuantityName
+from skinfield.settings.tree import Positive, Range
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
@@ -51,24 +22,24 @@ COMPARED = (
 
 
 def design(
-    layout: str,
+    layout: options.LayoutWord,
     /,
     *,
-    patch: str | None = None,
-    quantity: QuantityName = "capacitance",
+    patch: options.PatchName = None,
+    quantity: options.Reads = "capacitance",
     mechanics: Literal["layer", "covered-layer"] | None = None,
-    noise: float | None = None,
-    force_n: float = 0.5,
-    radius_mm: float | None = None,
-    false_alarms: float = 1e-3,
+    noise: Annotated[float | None, Positive("no reading is exact")] = None,
+    force_n: Annotated[float, Positive("of the touch, N")] = 0.5,
+    radius_mm: Annotated[float | None, Positive("of the contact, mm")] = None,
+    false_alarms: Annotated[float, Range(1e-12, 0.1, "a rate per reading")] = 1e-3,
     linear: bool = False,
-    pitch_mm: float | None = None,
+    pitch_mm: Annotated[float | None, Positive("distance of places, mm")] = None,
     compare_thickness_mm: str | None = None,
-    output: Annotated[str | None, OUTPUT] = None,
+    output: Annotated[str | None, options.OUTPUT] = None,
     maps: tuple[str, ...] = (),
-    force: Force = False,
-    as_json: Json = False,
-    elastomer: OfElastomer = Elastomer(),
+    force: options.Force = False,
+    as_json: options.Json = False,
+    elastomer: options.OfElastomer = Elastomer(),
 ) -> None:
     """Judge a layout before it is made: blind spots, smallest force, sharpness.
 
@@ -91,12 +62,6 @@ def design(
 
     Parameters
     ----------
-    layout : str
-        Layout file, or a generator by name.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
-    quantity : str
-        What a taxel reads.
     mechanics : str, optional
         Model of the elastomer. Default the profile's.
     noise : float, optional
@@ -117,95 +82,56 @@ def design(
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
         File of the maps, one row per place: .csv.
-    as_json : bool
-        Numbers and verdict as one JSON object.
     """
+    from skinfield.files.pending import write_bytes
+    from skinfield.plot import save
+    from skinfield.plot.design import draw_judgement
+
     if compare_thickness_mm is not None and (maps or output is not None):
         raise InputError(
             f"{(*maps, output)[0]!r} is to be written beside --compare-thickness-mm, expected one "
             "of them: files are written of one thickness"
         )
-    picture = free_name(PICTURE) if output is None else output
-    check_picture("--output", picture, force)
+    picture = report.free_name(PICTURE) if output is None else output
+    report.check_picture("--output", picture, force)
     for name in maps:
-        check_output("--maps", name, force, ".csv")
-    skin = skin_from_text(layout)
-    say_notes(skin.notes)
-    chosen = patch_of(skin, patch)
-    profile = profile_in_use(elastomer, layout=layout)
-    layer = layer_of(elastomer, profile)
+        report.check_output("--maps", name, force, ".csv")
+    skin = options.skin_from_text(layout)
+    report.say_notes(skin.notes)
+    chosen = options.patch_of(skin, patch)
+    profile = options.profile_in_use(elastomer, layout=layout)
+    layer = options.layer_of(elastomer, profile)
     candidate = SkinDesign(
         patch=chosen,
         layer=layer,
-        mechanics=mechanics_of(mechanics or profile.mechanics),
-        quantity=quantity_of(quantity),
+        mechanics=options.mechanics_of(mechanics or profile.mechanics),
+        quantity=options.quantity_of(quantity),
         noise_std=noise,
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
     if compare_thickness_mm is not None:
-        finish(as_json, _compare(candidate, touch, false_alarms, compare_thickness_mm, as_json))
+        texts = compare_thickness_mm.split(",")
+        thicknesses = (as_floats("--compare-thickness-mm", texts) * 1e-3).tolist()
+        with report.progress("thickness", len(thicknesses)) as step:
+            compared = compare_thickness(
+                candidate, touch, thicknesses, false_alarm_rate=false_alarms,
+                on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
+            )  # fmt: skip
+        report.finish(
+            as_json, [_plain(each) for each in compared], lines=_thickness_lines(compared)
+        )
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    plain = _judge(candidate, touch, false_alarms, places, [picture, *maps], as_json)
-    finish(as_json, plain, (picture, *maps))
-
-
-def _thicknesses(text: str) -> list[float]:
-    try:
-        return [float(part) * 1e-3 for part in text.split(",")]
-    except ValueError:
-        raise InputError(
-            f"--compare-thickness-mm is {text!r}, expected thicknesses in mm such as 1,2,4"
-        ) from None
-
-
-def _judge(
-    candidate: SkinDesign,
-    touch: Touch,
-    false_alarms: float,
-    places: Places | None,
-    files: list[str],
-    as_json: bool,
-) -> dict[str, object]:
-    """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files.pending import write_bytes
-    from skinfield.plot import save
-    from skinfield.plot.design import draw_judgement
-
-    with progress("tables", MAPS + 1) as step:
+    with report.progress("tables", MAPS + 1) as step:
         judgement = judge(
             candidate, touch, places, false_alarm_rate=false_alarms,
             on_map=lambda name: step(what=name),
         )  # fmt: skip
-    if not as_json:
-        _show(judgement)
-    save(draw_judgement(judgement), files[0])
-    for name in files[1:]:
+    save(draw_judgement(judgement), picture)
+    for name in maps:
         write_bytes(name, judgement.as_csv().encode())
-    return _plain(judgement)
-
-
-def _compare(
-    candidate: SkinDesign,
-    touch: Touch,
-    false_alarms: float,
-    text: str,
-    as_json: bool,
-) -> list[dict[str, object]]:
-    """Judge the same touch under several thicknesses."""
-    thicknesses = _thicknesses(text)
-    with progress("thickness", len(thicknesses)) as step:
-        comparison = compare_thickness(
-            candidate,
-            touch,
-            thicknesses,
-            false_alarm_rate=false_alarms,
-            on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
-        )
-    if not as_json:
-        _show_thickness(comparison)
-    return [_plain(each) for each in comparison]
+    report.finish(as_json, _plain(judgement), (picture, *maps), _lines(judgement))
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
@@ -230,32 +156,32 @@ def _plain(judgement: Judgement) -> dict[str, object]:
     }
 
 
-def _show(judgement: Judgement) -> None:
+def _lines(judgement: Judgement) -> Iterator[report.Shown]:
     """Table, shares and verdict of one layout."""
     design, touch = judgement.design, judgement.touch
     title = (
         f"{design.patch.name}: {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
         f"{design.layer.thickness * 1e3:g} mm of {design.layer.young_modulus / 1e3:g} kPa"
     )
-    shown = table(title, ("at one place",), ("unit", "median", "90 %", "worst"))
+    shown = report.table(title, ("at one place",), ("unit", "median", "90 %", "worst"))
     for row in judgement.rows():
         shown.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
-    console().print(shown)
+    yield shown
     blind, independent = judgement.blind, judgement.detectable.independent
-    say(
+    yield (
         f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
         f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
         f"{touch.force:g} N; noise is searched as at {independent:.0f} independent places"
     )
-    say(judgement.verdict())
+    yield judgement.verdict()
 
 
-def _show_thickness(judgements: Sequence[Judgement]) -> None:
+def _thickness_lines(judgements: Sequence[Judgement]) -> Iterator[report.Shown]:
     """Table of medians and 95th percentiles by thickness."""
     touch = judgements[0].touch
     title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
     numbers = ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm", "blind")
-    shown = table(title, (), numbers)
+    shown = report.table(title, (), numbers)
     thick = [judgement.design.layer.thickness * 1e3 for judgement in judgements]
     medians = []
     for judgement, thickness in zip(judgements, thick, strict=True):
@@ -263,9 +189,9 @@ def _show_thickness(judgements: Sequence[Judgement]) -> None:
         cells = [f"{_short(rows[n].median)} / {_short(rows[n].p95)}" for n in COMPARED]
         shown.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
         medians.append([rows[name].median for name in COMPARED])
-    console().print(shown)
+    yield shown
     place, pair = (thick[int(np.argmin(np.array(medians)[:, at]))] for at in (1, 3))
-    say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
+    yield f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)"
 
 
 def _short(value: float) -> str:

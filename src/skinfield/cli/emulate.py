@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rich.console import Console
 
-from skinfield.cli.options import Force, Json, OfElastomer, layer_of, part, profile_in_use
-from skinfield.cli.report import check_output, note, print_json, say_notes
+from skinfield.cli import options, report
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import Range, Section
 
@@ -39,8 +38,8 @@ class WireSettings(Section):
     lose: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
     duplicate: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
     swap: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
-    delay_ms: float = 0.0
-    jitter_us: float = 20.0
+    delay_ms: Annotated[float, Range(0.0, 6e4, "ms; 0: none")] = 0.0
+    jitter_us: Annotated[float, Range(0.0, 6e7, "µs; 0: none")] = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,9 +60,9 @@ class ElectronicsSettings(Section):
         iCub's older boards: drift rounds otherwise.
     """
 
-    noise_scale: float = 0.3
-    common_noise: float = 0.0
-    gain_spread: float = 0.0
+    noise_scale: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0: none")] = 0.3
+    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none")] = 0.0
+    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %")] = 0.0
     temperature: str = "25"
     mtb3: bool = False
 
@@ -71,25 +70,27 @@ class ElectronicsSettings(Section):
 def emulate(
     *,
     hardware: Literal["icub", "cyskin", "packet"] = "icub",
-    layout: str = "hexagon72",
+    layout: options.LayoutText = "hexagon72",
     bus: str | None = None,
     channel: tuple[str, ...] = (),
-    rate_hz: float | None = None,
+    rate_hz: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None,
     at_once: bool = False,
     spread: bool = False,
     scene: str = "press",
-    lead_in_s: float = 3.0,
-    duration: float | None = None,
-    seed: int = 0,
-    priority: int = 0,
+    lead_in_s: Annotated[float, Range(0.0, 1e6, "seconds; 0: none")] = 3.0,
+    duration: options.Duration = None,
+    seed: options.Seed = 0,
+    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 0,
     control: str = "127.0.0.1:0",
     fault: tuple[str, ...] = (),
     truth: str = "",
-    force: Force = False,
-    as_json: Json = False,
-    wires: Annotated[WireSettings, part("Wires")] = WireSettings(),
-    electronics: Annotated[ElectronicsSettings, part("Electronics")] = ElectronicsSettings(),
-    elastomer: OfElastomer = Elastomer(),
+    force: options.Force = False,
+    as_json: options.Json = False,
+    wires: Annotated[WireSettings, options.part("Wires")] = WireSettings(),
+    electronics: Annotated[
+        ElectronicsSettings, options.part("Electronics")
+    ] = ElectronicsSettings(),
+    elastomer: options.OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
 
@@ -136,8 +137,6 @@ def emulate(
     ----------
     hardware : str
         Whose boards.
-    layout : str
-        Layout file, or a generator by name.
     bus : str, optional
         See above; default udp.
     channel : tuple of str
@@ -152,10 +151,6 @@ def emulate(
         What presses, see above.
     lead_in_s : float, s
         Untouched at first, s.
-    duration : float, s, optional
-        Seconds; default until Ctrl-C.
-    seed : int
-        Of all that is random.
     priority : int
         Of SCHED_FIFO, 1 to 99, where permitted.
     control : str
@@ -164,19 +159,14 @@ def emulate(
         What fails, see above; again for more.
     truth : str
         File for what pressed, JSON lines.
-    as_json : bool
-        One JSON object at the end.
     """
-    from skinfield.emulator import (
-        VirtualSettings,
-        Wires,
-        fault_from_text,
-        temperature_from_text,
-    )
+    from skinfield.emulator import VirtualSettings, Wires, fault_from_text, temperature_from_text
     from skinfield.wire.can import PORT
 
-    check_output("--truth", truth or None, force)
-    profile = profile_in_use(elastomer, hardware, layout)
+    report.check_output("--truth", truth or None, force)
+    faults = tuple(options.parsed("--fault", text, fault_from_text) for text in fault)
+    warmth = options.parsed("--temperature", electronics.temperature, temperature_from_text)
+    profile = options.profile_in_use(elastomer, hardware, layout)
     settings = VirtualSettings(
         hardware=hardware,
         skin=layout,
@@ -188,11 +178,11 @@ def emulate(
         spread=spread,
         scene=scene,
         lead_in=lead_in_s,
-        layer=layer_of(elastomer, profile),
+        layer=options.layer_of(elastomer, profile),
         noise=electronics.noise_scale,
         common_noise=electronics.common_noise,
         gain_spread=electronics.gain_spread,
-        temperature=temperature_from_text(electronics.temperature),
+        temperature=warmth,
         mtb3=electronics.mtb3,
         wires=Wires(
             lose=wires.lose,
@@ -201,32 +191,38 @@ def emulate(
             delay=wires.delay_ms * 1e-3,
             jitter=wires.jitter_us * 1e-6,
         ),
-        faults=tuple(map(fault_from_text, fault)),
+        faults=faults,
         seed=seed,
         control=control,
         truth=truth,
         duration=duration,
         priority=priority,
     )
-    out = Console(stderr=True)
-    counts = _play(settings, out)
+    counts = _play(settings)
     if as_json:
-        print_json(counts)
+        report.print_json(counts)
     else:
         _sum_up(counts)
 
 
-def _play(settings: "VirtualSettings", out: Console) -> dict[str, Any]:
+def _play(settings: "VirtualSettings") -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
     from skinfield.emulator import VirtualSkin
 
     skin = VirtualSkin(settings)
-    before = {name: signal.getsignal(name) for name in (signal.SIGINT, signal.SIGTERM)}
-    for name in before:
-        signal.signal(name, lambda *_: skin.stop())
+    before = {
+        name: signal.signal(name, lambda *_: skin.stop())
+        for name in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
-        _introduce(skin)
-        with out.status("waiting for a host", spinner="dots") as status:
+        patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
+        report.note(f"{settings.hardware} skin: {patches}", "")
+        where = ", ".join(skin.hardware.addresses)
+        report.note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
+        if skin.control_address:
+            report.note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
+        report.say_notes(skin.notes)
+        with Console(stderr=True).status("waiting for a host", spinner="dots") as status:
             skin.run(each_second=lambda each: status.update(_line_of(each)))
     finally:
         counts = {**skin.description(), **skin.counts()}
@@ -234,18 +230,6 @@ def _play(settings: "VirtualSettings", out: Console) -> dict[str, Any]:
         for name, handler in before.items():
             signal.signal(name, handler)
     return counts
-
-
-def _introduce(skin: "VirtualSkin") -> None:
-    """What it is and where."""
-    settings = skin.settings
-    patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
-    note(f"{settings.hardware} skin: {patches}", "")
-    where = ", ".join(skin.hardware.addresses)
-    note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
-    if skin.control_address:
-        note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
-    say_notes(skin.notes)
 
 
 def _line_of(skin: "VirtualSkin") -> str:
@@ -268,17 +252,17 @@ def _line_of(skin: "VirtualSkin") -> str:
 def _sum_up(counts: dict[str, Any]) -> None:
     """What was sent in all, and what became of it."""
     parts = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
-    note(", ".join(parts + [f"{counts[name]:,} {name}" for name in MISHAPS]), "")
+    report.note(", ".join(parts + [f"{counts[name]:,} {name}" for name in MISHAPS]), "")
     if counts["faults"]:
         began = ", ".join(f"{kind} {count}" for kind, count in counts["faults"].items())
-        note(f"faults that began: {began}", "")
+        report.note(f"faults that began: {began}", "")
     if counts["skipped"]:
-        note(
+        report.note(
             f"{counts['skipped']:,} readings came too late and were skipped: this machine was "
             "too busy for the rate",
             "yellow",
         )
     if counts["refused"] and not counts["messages"]:
         where = ", ".join(counts["channels"])
-        note(f"nothing went out: no host has spoken to {where}", "yellow")
-    say_notes(counts["notes"])
+        report.note(f"nothing went out: no host has spoken to {where}", "yellow")
+    report.say_notes(counts["notes"])

@@ -4,9 +4,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
-from skinfield.cli.options import OUTPUT, Json, processes
-from skinfield.cli.report import console, finish, progress, table
-from skinfield.errors import SkinfieldError, check_count
+from skinfield.cli.options import OUTPUT, Json, Seed, Workers, processes
+from skinfield.cli.report import finish, progress, table
+from skinfield.errors import SkinfieldError
 
 
 def experiments(
@@ -14,8 +14,8 @@ def experiments(
     output: Annotated[str, OUTPUT] = "experiments",
     size: Literal["smoke", "short", "full"] = "short",
     only: str = "",
-    workers: int | None = None,
-    seed: int = 0,
+    workers: Workers = None,
+    seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
     """Make every figure of the paper anew, with its method and with ours, against simulated truth.
@@ -37,15 +37,7 @@ def experiments(
         How much is computed.
     only : str
         Such as fig3,fig6: these parts alone.
-    workers : int, optional
-        Processes at once. Default one for each core.
-    seed : int
-        Of the noise.
-    as_json : bool
-        Verdicts and page as one JSON object.
     """
-    check_count("--seed", seed, 0, 1 << 63, "of the noise")
-    number = processes(workers)
     from skinfield.lab.experiments import chosen, run
     from skinfield.lab.report import Settings, size_by_name
 
@@ -56,17 +48,16 @@ def experiments(
             wanted,
             settings,
             Path(output),
-            number,
+            processes(workers),
             lambda name, done, total: step(done, total, name or "experiments"),
         )
     page, verdicts = str(finished.page), finished.verdicts
-    if verdicts and not as_json:
-        columns = ("figure", "the paper says", "measured here", "verdict")
-        shown = table(None, columns, (), show_lines=True)
-        for verdict in verdicts:
-            shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
-        console().print(shown)
-    finish(as_json, {"page": page, "verdicts": [asdict(each) for each in verdicts]}, [page])
+    columns = ("figure", "the paper says", "measured here", "verdict")
+    shown = table(None, columns, (), show_lines=True)
+    for verdict in verdicts:
+        shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
+    plain = {"page": page, "verdicts": [asdict(each) for each in verdicts]}
+    finish(as_json, plain, [page], [shown] if verdicts else [])
     if finished.failures:
         named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
         raise SkinfieldError(f"the report lacks what failed: {named}")

@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.options import OUTPUT, Force, Json, McapFile
 from skinfield.cli.report import check_output, finish, progress, say_notes
 
 
 def export(
-    file: str,
+    file: McapFile,
     /,
     *,
     output: Annotated[str, OUTPUT],
@@ -41,16 +41,12 @@ def export(
 
     Parameters
     ----------
-    file : str
-        Recording (.mcap).
     output : str
         File to write: .parquet or .csv; for a bag, a DIR.
     patch : tuple of str
         Only this patch; again for more. Default all.
     form : str, optional
         A DIR as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.
-    as_json : bool
-        What was written, and what left out, as one JSON object.
     """
     from skinfield.files.mcap.export import Export, LiveExport, TableExport
     from skinfield.files.mcap.live import LiveRecording

@@ -1,22 +1,14 @@
 """`skinfield layout`: where the taxels are."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from skinfield.cli.main import new_app
-from skinfield.cli.options import LAYOUT, OUTPUT, Force, Json, skin_from_text
-from skinfield.cli.report import (
-    check_output,
-    check_picture,
-    console,
-    finish,
-    print_json,
-    say,
-    say_notes,
-    table,
-)
+from skinfield.cli.options import OUTPUT, Force, Json, LayoutWord, skin_from_text
+from skinfield.cli.report import Shown, check_output, check_picture, finish, say_notes, table
 from skinfield.skin import Patch, Skin
 
 if TYPE_CHECKING:
@@ -42,7 +34,7 @@ hexagon72 or cylinder:radius_mm=40 ('skinfield layout generators' lists them).
 
 @layout.command
 def show(
-    text: Annotated[str, LAYOUT],
+    text: LayoutWord,
     /,
     *,
     output: Annotated[str, OUTPUT],
@@ -59,12 +51,8 @@ def show(
 
     Parameters
     ----------
-    text : str
-        Layout file, or a generator by name.
     output : str
         Figure to write: .png, .pdf or .svg.
-    as_json : bool
-        Its patches as one JSON object.
     """
     from skinfield.plot.layout import draw_layout
     from skinfield.plot.style import save
@@ -76,7 +64,7 @@ def show(
 
 
 @layout.command
-def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
+def lint(text: LayoutWord, /, *, as_json: Json = False) -> int:
     """List what is wrong with a layout, what it means, and what reading it does.
 
     Exit code: 0 when nothing is wrong (warnings and remarks allowed), 1 when there is an error, 2
@@ -84,27 +72,17 @@ def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
 
       skinfield layout lint torso.pcd
       skinfield layout lint right_foot.txt --json
-
-    Parameters
-    ----------
-    text : str
-        Layout file, or a folder of them.
-    as_json : bool
-        Findings as a list of objects with code, severity, message and rows.
     """
     from skinfield.files.layouts import lint as lint_file
 
     findings = lint_file(text)
-    if as_json:
-        print_json([asdict(finding) for finding in findings])
-    else:
-        _show_findings(text, findings)
+    finish(as_json, [asdict(each) for each in findings], lines=_finding_lines(text, findings))
     return int(any(finding.severity == "error" for finding in findings))
 
 
 @layout.command
 def convert(
-    text: Annotated[str, LAYOUT],
+    text: LayoutWord,
     output: Annotated[str, Parameter(name="OUTPUT")],
     /,
     *,
@@ -122,14 +100,10 @@ def convert(
 
     Parameters
     ----------
-    text : str
-        Layout file, or a generator by name.
     output : str
         File to write: .toml or .npz.
     patch : str, optional
-        Write this patch alone.
-    as_json : bool
-        Its patches as one JSON object.
+        Name of the one patch to write.
     """
     from skinfield.files.layouts.load import save_layout
 
@@ -142,64 +116,47 @@ def convert(
 
 
 @layout.command
-def info(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> None:
+def info(text: LayoutWord, /, *, as_json: Json = False) -> None:
     """Print the patches of a layout: taxels, modules, pitch, size, shape.
 
-      skinfield layout info torso.pcd
-      skinfield layout info hexagon72 --json
-
-    Parameters
-    ----------
-    text : str
-        Layout file, or a generator by name.
-    as_json : bool
-        One JSON object.
+    skinfield layout info torso.pcd
+    skinfield layout info hexagon72 --json
     """
-    skin = skin_from_text(text)
-    if not as_json:
-        say(f"{skin.name}: {_summary(skin)}")
-        for patch in skin:
-            say(_line(patch))
-    _finish(skin, as_json)
+    _finish(skin_from_text(text), as_json)
 
 
 def _finish(skin: Skin, as_json: bool, output: str = "") -> None:
-    """Notes, the result as JSON, and what was written."""
+    """Notes, the result, and what was written."""
     say_notes(skin.notes)
-    plain = {"name": skin.name, "patches": [_plain(patch) for patch in skin]}
+    patches = [_plain(patch) for patch in skin]
+    plain = {"name": skin.name, "patches": patches}
+    summary = f"{sum(map(len, skin))} taxels in {len(skin)} patch{'es' if len(skin) > 1 else ''}"
     if output:
         plain["file"] = output
-    finish(as_json, plain, [f"{output}: {_summary(skin)}"] if output else ())
+        finish(as_json, plain, [f"{output}: {summary}"])
+    else:
+        finish(as_json, plain, lines=[f"{skin.name}: {summary}", *map(_line, patches)])
 
 
 @layout.command
 def generators(*, as_json: Json = False) -> None:
     """List the layouts that need no file, with their arguments and defaults.
 
-      skinfield layout generators
-      skinfield layout show cylinder:radius_mm=40 -o cylinder.png
-
-    Parameters
-    ----------
-    as_json : bool
-        One JSON list.
+    skinfield layout generators
+    skinfield layout show cylinder:radius_mm=40 -o cylinder.png
     """
     from skinfield.skin.generators import known
 
-    if as_json:
-        print_json(list(known()))
-        return
-    for usage in known():
-        say(usage)
+    finish(as_json, list(known()), lines=known())
 
 
-def _show_findings(title: str, findings: "list[Finding]") -> None:
+def _finding_lines(title: str, findings: "list[Finding]") -> Iterator[Shown]:
     from rich.text import Text
 
     if not findings:
-        say(f"{title}: nothing found")
+        yield f"{title}: nothing found"
         return
-    say(title)
+    yield title
     columns = ("severity", "code", "what it means, and what reading the file does about it", "rows")
     shown = table(None, columns, (), show_lines=True)
     shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
@@ -210,9 +167,8 @@ def _show_findings(title: str, findings: "list[Finding]") -> None:
         rows = first + (f", ... {total} in all" if total > MOST_ROWS else "")
         severity = Text(finding.severity, style=COLOURS[finding.severity])
         shown.add_row(severity, finding.code, Text(finding.message), rows)  # may hold brackets
-    console().print(shown)
-    counts = [f"{sum(f.severity == s for f in findings)} {s}" for s in COLOURS]
-    say(", ".join(counts))
+    yield shown
+    yield ", ".join(f"{sum(f.severity == s for f in findings)} {s}" for s in COLOURS)
 
 
 def _plain(patch: Patch) -> dict[str, Any]:
@@ -235,8 +191,7 @@ def _plain(patch: Patch) -> dict[str, Any]:
     }
 
 
-def _line(patch: Patch) -> str:
-    plain = _plain(patch)
+def _line(plain: dict[str, Any]) -> str:
     pitch = plain["pitch_mm"]
     parts = [
         f"{plain['taxels']} taxels",
@@ -248,9 +203,4 @@ def _line(patch: Patch) -> str:
         "flat" if plain["flat"] else "curved",
         *([f"on {plain['link']}"] if plain["link"] else []),
     ]
-    return f"  {patch.name}: {', '.join(parts)}"
-
-
-def _summary(skin: Skin) -> str:
-    taxels = sum(len(patch) for patch in skin)
-    return f"{taxels} taxels in {len(skin)} patch{'es' if len(skin) > 1 else ''}"
+    return f"  {plain['name']}: {', '.join(parts)}"

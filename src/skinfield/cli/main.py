@@ -4,21 +4,19 @@ import inspect
 import re
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from importlib.metadata import version
+from typing import Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
 from cyclopts.exceptions import UnknownCommandError
 from cyclopts.help import DefaultFormatter, PanelSpec
 from rich.box import Box
 
-from skinfield.cli.options import LIVE, flag_of, settings_in
+from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
 
-if TYPE_CHECKING:
-    from skinfield.settings import Settings
-
-FAILED = 2  # exit code of an error of the user's input
+FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
 PLAIN = Box("    \n" * 8)  # no lines around help
 WIDEST = 100  # columns of help
 
@@ -64,7 +62,7 @@ COMMANDS = {
     "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
     **LAB,
 }
-LAB_HELP = "Press, score and report: simulated skins, the paper's figures, cases with their truth."
+LAB_HELP = "Simulated skins and their truth: press, rig, cases, validate, experiments."
 HELP = """Turn the readings of robot skin into force, deformation and contacts.
 
 Start with
@@ -73,15 +71,9 @@ Start with
   skinfield run                   a virtual skin alive, in the browser
   skinfield run my_robot.toml     your own
   skinfield COMMAND --help        what a command takes, with examples
+  skinfield lab COMMAND --help    the same of press, rig, cases, validate, experiments
 
 Of a running skin also: status, tune, tare, emulate, warmup; of recordings: info, recover."""
-
-
-def version() -> str:
-    """Of the package that is installed."""
-    from importlib.metadata import version as version_of
-
-    return version_of("skinfield")
 
 
 def shown_default(value: Any) -> str | None:
@@ -146,7 +138,7 @@ def add_commands(app: App, commands: dict[str, Lazy], called: str) -> None:
 def app_for(words: Sequence[str]) -> App:
     """The program, as it is called."""
     called = [word for word in words if not word.startswith("-")] + ["", ""]
-    app = new_app("skinfield", HELP, version=version, config=settings_of_file)
+    app = new_app("skinfield", HELP, version=lambda: version("skinfield"), config=settings_of_file)
     add_commands(app, COMMANDS, called[0])
     lab = new_app("lab", LAB_HELP, group=Group("Research", sort_key=98))
     add_commands(lab, LAB, called[1])
@@ -164,12 +156,14 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
     """Take from FILE of `run FILE` what no flag says."""
     if commands != ("run",):
         return
-    from skinfield.settings import changed
+    from skinfield.settings import changed, load_settings
 
     file = next(each for each in arguments if each.field_info.name == "file")
     for path in (token.value for token in file.tokens):
-        said = changed(settings_of(path))
-        values = {name: value for part in said.values() for name, value in part.items()}
+        found = settings_in(path) if path.lower().endswith(LIVE) else load_settings(path)
+        if found is None:
+            raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
+        values = {name: value for part in changed(found).values() for name, value in part.items()}
         for each in arguments:
             name = each.field_info.name
             if name in values and each.keys and not each.tokens:
@@ -178,35 +172,11 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
                     each.append(Token(source=path, implicit_value=one))
 
 
-def settings_of(path: str) -> "Settings":
-    """Settings in a file of them, or those that a recording was made with.
-
-    Raises
-    ------
-    FileError
-        If it cannot be read, or holds none.
-    """
-    from skinfield.settings import load_settings
-
-    if not path.lower().endswith(LIVE):
-        return load_settings(path)
-    found = settings_in(path)
-    if found is None:
-        raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
-    return found
-
-
 def main(words: Sequence[str] | None = None) -> None:
-    """Run the command of these words, by default those of the command line.
+    """Run the command of these words, by default those of the command line, and exit.
 
-    It runs on one BLAS thread: products of a few megabytes lose more by waking others than they
-    gain.
-
-    Raises
-    ------
-    SystemExit
-        In the end, with the exit code: 2 after an error of the user's input, which is one paragraph
-        on stderr.
+    The exit code is 2 after an error of the user's input, which is one paragraph on stderr. It runs
+    on one BLAS thread: products of a few megabytes lose more by waking others than they gain.
     """
     from threadpoolctl import threadpool_limits
 
@@ -214,13 +184,14 @@ def main(words: Sequence[str] | None = None) -> None:
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
-            code = app(
-                words,
-                exit_on_error=False,
-                print_error=False,
-                result_action="return_value",
-                console=_console(),
+            command, bound, _ = app.parse_args(
+                words, exit_on_error=False, print_error=False, console=_console()
             )
+            if command.__module__.startswith("skinfield."):  # not --help
+                check_values(command, bound.arguments)
+            code = command(*bound.args, **bound.kwargs)
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except (CycloptsError, SkinfieldError) as error:
         text = _usage_error(error) if isinstance(error, CycloptsError) else _with_flag(error)
         print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words

@@ -2,15 +2,16 @@
 
 import inspect
 import os
-from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
 
 from skinfield.cli.report import note
-from skinfield.errors import InputError, check_count
+from skinfield.errors import InputError
 from skinfield.settings import (
     Elastomer,
     ModelSettings,
@@ -20,7 +21,13 @@ from skinfield.settings import (
     from_plain,
     profile_of,
 )
-from skinfield.settings.tree import Positive, Range, Section, SolverName
+from skinfield.settings.tree import (
+    Positive,
+    QuantityName,
+    Range,
+    Section,
+    SolverName,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -48,28 +55,19 @@ FLAGS = {  # of fields whose flag has another name
 }
 OF_UNIT = {"count": "capacitance", "dC/C0": "capacitance", "Pa": "stress", "1": "gap"}
 S = TypeVar("S", bound=Section)
+T = TypeVar("T")
+QUANTITIES = {"capacitance": "Capacitance", "gap": "Gap", "stress": "BaseStress"}
 LIVE = ".mcap"  # ends the name of a recording of a live skin
 USUAL_SOLVER: SolverName = "gaussian"
 USUAL_NO_LOAD = 240  # of an iCub byte
 PER_PITCH, COARSEST, FINEST = 4, 10, 80  # nodes: to a pitch of the taxels, at least, at most
 
-Json = Annotated[bool, Parameter(negative=())]
-Force = Annotated[bool, Parameter(negative=(), help="Write over a file that is there.")]
-LAYOUT = Parameter(name="LAYOUT")
-OUTPUT = Parameter(name=["--output", "-o"])
-
-
-def part(title: str) -> Parameter:
-    """A section of settings as flags under this heading."""
-    return Parameter(name="*", group=Group(title, sort_key=_place()))
-
-
 _places = iter(range(1, 1000))
 
 
-def _place() -> int:
-    """Headings stand in the order of the program."""
-    return next(_places)
+def part(title: str) -> Parameter:
+    """A section of settings as flags under this heading; headings stand in the program's order."""
+    return Parameter(name="*", group=Group(title, sort_key=next(_places)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,11 +97,62 @@ class CountSettings(Section):
     smoothing_ms: Annotated[float, Range(0.0, 1e6, "ms; 0: none")] = 0.0
     noise: Annotated[float | None, Positive("no reading is exact")] = None
 
+    def check(self) -> None:
+        """See `Section`."""
+        if self.gain is not None and not 0 < abs(self.gain) < inf:
+            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
+
 
 Counts = Annotated[CountSettings, part("Counts")]
 OfElastomer = Annotated[Elastomer, part("Elastomer")]
 Model = Annotated[ModelSettings, part("Model")]
 Page = Annotated[PageSettings, part("Page")]
+
+# Parameters of several commands: `--help` has their help, `check_values` checks what they allow.
+OUTPUT = Parameter(name=["--output", "-o"])
+Json = Annotated[bool, Parameter(negative=(), help="The result as one JSON object.")]
+Force = Annotated[bool, Parameter(negative=(), help="Write over a file that is there.")]
+LayoutText = Annotated[str, Parameter(help="Layout file, or a generator by name.")]
+LayoutWord = Annotated[LayoutText, Parameter(name="LAYOUT")]
+PatchName = Annotated[
+    str | None, Parameter(help="Name or number of the patch of a layout with several.")
+]
+Reads = Annotated[QuantityName, Parameter(help="What a taxel reads.")]
+Noise = Annotated[
+    float | None,
+    Positive("no reading is exact"),
+    Parameter(help="Of a reading, in the quantity's unit. Default typical."),
+]
+Seed = Annotated[int, Range(0, 1 << 63, "of what is random"), Parameter(help="Of what is random.")]
+Workers = Annotated[
+    int | None,
+    Range(1, 1 << 12, "processes at once"),
+    Parameter(help="Processes at once. Default one for each core."),
+]
+Duration = Annotated[
+    float | None, Positive("seconds"), Parameter(help="Seconds; default until Ctrl-C.")
+]
+McapFile = Annotated[str, Parameter(name="FILE", help="Recording (.mcap).")]
+LiveName = Annotated[str | None, Parameter(name="NAME", help="Of the running skin.")]
+
+
+def check_values(command: Callable[..., Any], values: Mapping[str, Any]) -> None:
+    """Raise InputError, with the flag, where a value is not as its parameter's annotation says."""
+    for name, hint in get_type_hints(command, include_extras=True).items():
+        value = values.get(name)
+        for check in getattr(hint, "__metadata__", ()):
+            if isinstance(check, Positive | Range):
+                for each in value if isinstance(value, tuple) else (value,):
+                    if each is not None:
+                        check.check(f"--{flag_of(name)}", each)
+
+
+def parsed(flag: str, text: str, read: Callable[[str], T]) -> T:
+    """What the text of a flag means; errors name the flag."""
+    try:
+        return read(text)
+    except InputError as error:
+        raise InputError(f"{flag} is {text!r}: {error}") from error
 
 
 def solver_of(name: str) -> "Solver":
@@ -118,23 +167,17 @@ def mechanics_of(name: str) -> "Mechanics":
     """Model of the elastomer, by its name on the command line."""
     from skinfield.elastic import BondedLayer, HalfSpace
 
-    return (
-        HalfSpace()
-        if name == "half-space"
-        else BondedLayer(inextensible_cover=name == "covered-layer")
-    )
+    if name == "half-space":
+        return HalfSpace()
+    return BondedLayer(inextensible_cover=name == "covered-layer")
 
 
 def quantity_of(name: str) -> "Quantity":
     """What a taxel reads, by its name on the command line."""
-    from skinfield.elastic import BaseStress, Capacitance, Gap, Quantity
+    from skinfield import elastic
 
-    kinds: dict[str, type[Quantity]] = {
-        "capacitance": Capacitance,
-        "gap": Gap,
-        "stress": BaseStress,
-    }
-    return kinds[name]()
+    quantity: Quantity = getattr(elastic, QUANTITIES[name])()
+    return quantity
 
 
 def skin_from_text(text: str) -> "Skin":
@@ -164,16 +207,12 @@ def filled(section: S, profile: Profile) -> S:
     return replace(section, **known)
 
 
-def layer_of(elastomer: Elastomer, profile: Profile) -> "Layer":
+def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "Layer":
     """Elastomer, in SI units: what was set, else the profile's."""
     from skinfield.elastic import Layer
 
-    whole = filled(elastomer, profile)
-    thickness, modulus, poisson = whole.thickness_mm, whole.modulus_kpa, whole.poisson
-    assert thickness is not None  # a profile has them all
-    assert modulus is not None
-    assert poisson is not None
-    return Layer(thickness * 1e-3, modulus * 1e3, poisson)
+    whole = asdict(elastomer if profile is None else filled(elastomer, profile))
+    return Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])
 
 
 def nodes_for(patch: "Patch", most: int = FINEST) -> int:
@@ -216,28 +255,19 @@ def config_of(
 def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
     """What counts mean; gain and rest that are not set are the board's."""
     from skinfield.reconstruct.diagnostics import Conditioning
-    from skinfield.signal import (
-        Convention,
-        CySkinCount,
-        Exponential,
-        Filter,
-        ICubByte,
-        NoFilter,
-    )
+    from skinfield.signal import Convention, CySkinCount, Exponential, ICubByte, NoFilter
 
     no_load = counts.no_load or USUAL_NO_LOAD
+    icub = ICubByte(no_load=no_load)
     conventions: dict[str, Convention | None] = {
-        "auto": None if no_load == USUAL_NO_LOAD else ICubByte(no_load=no_load),
-        "icub": ICubByte(no_load=no_load),
-        "cyskin": CySkinCount(),
-    }
+        "auto": None if no_load == USUAL_NO_LOAD else icub, "icub": icub, "cyskin": CySkinCount(),
+    }  # fmt: skip
     seconds, path = counts.smoothing_ms * 1e-3, counts.calibration
-    smooth: Filter = Exponential(time_constant=seconds) if seconds else NoFilter()
     return Conditioning(
         board=conventions[counts.board],
         gain=counts.gain,
         calibration=None if path is None else calibration_in(path, patch),
-        filter=smooth,
+        filter=Exponential(time_constant=seconds) if seconds else NoFilter(),
         noise_std=counts.noise,
     )
 
@@ -254,13 +284,7 @@ def calibration_in(path: str, patch: "Patch") -> "Calibration | None":
 
 
 def settings_in(path: str) -> Settings | None:
-    """Settings that a recording of a live skin was made with; None if it does not say.
-
-    Raises
-    ------
-    FileError
-        If it cannot be read.
-    """
+    """Settings that a recording of a live skin was made with; None if it does not say."""
     from skinfield.files.mcap.live import LiveRecording
 
     plain = LiveRecording.open(Path(path)).description.get("settings")
@@ -299,8 +323,5 @@ def patch_of(skin: "Skin", name: str | None) -> "Patch":
 
 def processes(workers: int | None) -> int:
     """How many processes work at once: as many as are asked for, else one for each core."""
-    if workers is None:
-        allowed = getattr(os, "sched_getaffinity", None)  # not on every system
-        return len(allowed(0)) if allowed else os.cpu_count() or 1
-    check_count("--workers", workers, 1, 1 << 12, "processes at once")
-    return workers
+    allowed = getattr(os, "sched_getaffinity", None)  # not on every system
+    return workers or (len(allowed(0)) if allowed else os.cpu_count() or 1)

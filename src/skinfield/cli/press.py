@@ -1,34 +1,15 @@
 """`skinfield press`: rigid bodies on the skin, and what the skin feels of them."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from skinfield.cli.options import (
-    OUTPUT,
-    Force,
-    Json,
-    OfElastomer,
-    layer_of,
-    mechanics_of,
-    patch_of,
-    profile_in_use,
-    skin_from_text,
-)
-from skinfield.cli.report import (
-    Column,
-    check_output,
-    check_picture,
-    console,
-    finish,
-    fixed,
-    free_name,
-    say,
-    table_of,
-)
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
 from skinfield.errors import Floats
 from skinfield.settings import Elastomer
-from skinfield.settings.tree import MechanicsName, QuantityName
+from skinfield.settings.tree import MechanicsName, Positive
 
 if TYPE_CHECKING:
     from skinfield.simulate import Indenter, Press
@@ -51,16 +32,16 @@ def press(
     *,
     indenter: tuple[str, ...] = (),
     layout: str | None = None,
-    patch: str | None = None,
-    quantity: QuantityName = "capacitance",
+    patch: options.PatchName = None,
+    quantity: options.Reads = "capacitance",
     mechanics: MechanicsName | None = None,
-    extent_mm: float | None = None,
-    cell_mm: float = 0.4,
+    extent_mm: Annotated[float | None, Positive("side of the skin, mm")] = None,
+    cell_mm: Annotated[float, Positive("side of a cell, mm")] = 0.4,
     plot: str | None = None,
-    output: Annotated[str | None, OUTPUT] = None,
-    force: Force = False,
-    as_json: Json = False,
-    elastomer: OfElastomer = Elastomer(),
+    output: Annotated[str | None, options.OUTPUT] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    elastomer: options.OfElastomer = Elastomer(),
 ) -> None:
     """Press rigid bodies on the skin: pressure, depth, readings.
 
@@ -94,10 +75,6 @@ def press(
         A body that presses, see above; again for more. Default "sphere radius=6 force=1".
     layout : str, optional
         Layout file, or a generator by name, whose taxels read the press.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
-    quantity : str
-        What a taxel reads.
     mechanics : str, optional
         Model of the elastomer. Default the profile's.
     extent_mm : float, mm, optional
@@ -108,8 +85,6 @@ def press(
         Picture to write: .png, .pdf or .svg. Default press.png, or a name that is free.
     output : str, optional
         File of fields, readings and resultants to write (.npz).
-    as_json : bool
-        Forces, depths and readings as one JSON object, in SI units.
     """
     from skinfield.files.presses import check_press_name, save_press
     from skinfield.lab.scenarios.indenters import indenter_from_text
@@ -117,35 +92,32 @@ def press(
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
 
-    picture = free_name(PICTURE) if plot is None else plot
-    check_picture("--plot", picture, force)
-    check_output("--output", output, force)
+    picture = report.free_name(PICTURE) if plot is None else plot
+    report.check_picture("--plot", picture, force)
+    report.check_output("--output", output, force)
     if output is not None:
         check_press_name(output)
-    profile = profile_in_use(elastomer, layout=layout or PLACELESS)
-    bodies = [indenter_from_text(text) for text in indenter or (DEFAULT,)]
-    taxels = None if layout is None else patch_of(skin_from_text(layout), patch)
+    profile = options.profile_in_use(elastomer, layout=layout or PLACELESS)
+    texts = indenter or (DEFAULT,)
+    bodies = [options.parsed("--indenter", text, indenter_from_text) for text in texts]
+    taxels = None if layout is None else options.patch_of(options.skin_from_text(layout), patch)
     result = pressed(
-        layer_of(elastomer, profile),
+        options.layer_of(elastomer, profile),
         bodies,
         extent=_extent(bodies) if extent_mm is None else extent_mm * 1e-3,
         cell=cell_mm * 1e-3,
-        mechanics=mechanics_of(mechanics or profile.mechanics),
+        mechanics=options.mechanics_of(mechanics or profile.mechanics),
     )
     label, factor = LABELS[quantity]
     readings = None
     if taxels is not None:
         readings = result.readings(taxels.plane, taxels.pad_diameter, quantity)
-    plain = _plain(result, readings)
-    if not as_json:
-        _show_bodies(plain)
-    if readings is not None and not as_json:
-        _show_readings(readings * factor, label)
     shown = None if readings is None else readings * factor
     save(draw_press(result, taxels, shown, label=label), picture)
     if output is not None:
         save_press(result, output, taxels)
-    finish(as_json, plain, (picture, output))
+    plain = _plain(result, readings)
+    report.finish(as_json, plain, (picture, output), _lines(plain, shown, label))
 
 
 def _extent(bodies: "list[Indenter]") -> float:
@@ -180,18 +152,16 @@ def _plain(result: "Press", readings: Floats | None) -> dict[str, Any]:
     }
 
 
-def _show_bodies(plain: dict[str, Any]) -> None:
-    console().print(table_of("Indenters", plain["bodies"], BODY))
-    moment = ", ".join(fixed(each * 1e3, 2) for each in plain["moment_Nm"])
-    say(
+def _lines(plain: dict[str, Any], readings: Floats | None, label: str) -> Iterator[report.Shown]:
+    yield report.table_of("Indenters", plain["bodies"], BODY)
+    moment = ", ".join(report.fixed(each * 1e3, 2) for each in plain["moment_Nm"])
+    yield (
         f"in all {plain['force_N']:.3f} N, moment {moment} N mm about the origin; "
         f"{plain['area_m2'] * 1e6:.1f} mm² touch; residual {plain['residual']:.1e}"
     )
-
-
-def _show_readings(readings: Floats, label: str) -> None:
-    high, low = int(readings.argmax()), int(readings.argmin())
-    say(
-        f"{label} of {len(readings)} taxels: from {fixed(readings[low], 2)} at taxel "
-        f"{low} to {fixed(readings[high], 2)} at taxel {high}"
-    )
+    if readings is not None:
+        high, low = int(readings.argmax()), int(readings.argmin())
+        yield (
+            f"{label} of {len(readings)} taxels: from {report.fixed(readings[low], 2)} at taxel "
+            f"{low} to {report.fixed(readings[high], 2)} at taxel {high}"
+        )

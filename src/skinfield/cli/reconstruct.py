@@ -1,22 +1,10 @@
 """`skinfield reconstruct`: recordings become contacts and fields."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
-from skinfield.cli.options import (
-    LIVE,
-    OUTPUT,
-    Counts,
-    CountSettings,
-    Force,
-    Json,
-    Model,
-    OfElastomer,
-    flags_set,
-    processes,
-)
-from skinfield.cli.report import check_output, check_picture
-from skinfield.errors import InputError
+from skinfield.cli import options, report
+from skinfield.errors import FileError, InputError
 from skinfield.settings import Elastomer, ModelSettings
 
 ENDING = ".skinfield"
@@ -31,21 +19,21 @@ OF_MANY = ("workers", "scheduler", "store_fields")
 def reconstruct(
     *recording: str,
     layout: str | None = None,
-    patch: str | None = None,
-    output: Annotated[tuple[str, ...], OUTPUT] = (),
+    patch: options.PatchName = None,
+    output: Annotated[tuple[str, ...], options.OUTPUT] = (),
     fields: str | None = None,
     summary: str | None = None,
     plot: str | None = None,
     reading: int | None = None,
     slice_: str | None = None,
-    workers: int | None = None,
+    workers: options.Workers = None,
     scheduler: str | None = None,
     store_fields: bool = False,
-    force: Force = False,
-    as_json: Json = False,
-    counts: Counts = CountSettings(),
-    elastomer: OfElastomer = Elastomer(),
-    model: Model = ModelSettings(),
+    force: options.Force = False,
+    as_json: options.Json = False,
+    counts: options.Counts = options.CountSettings(),
+    elastomer: options.OfElastomer = Elastomer(),
+    model: options.Model = ModelSettings(),
 ) -> None:
     """Turn recordings of a skin into force, deformation and contacts.
 
@@ -80,8 +68,6 @@ def reconstruct(
     layout : str, optional
         Layout file, or a generator by name. Default what a recording (.mcap) has enclosed, with
         its calibration and its settings of skin and elastomer.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
     output : tuple of str
         Contacts of every reading: .csv or .parquet; or all results: .skinfield; again for more. Or
         a DIR, for results of several recordings.
@@ -95,47 +81,56 @@ def reconstruct(
         Draw and list this reading (from 0) instead.
     slice_ : str, optional
         FROM:TO: readings to work on, from 0, TO left out; .skinfield holds all.
-    workers : int, optional
-        Processes that work into a DIR. Default as many as there are cores.
     scheduler : str, optional
         Of a Dask cluster whose workers see the same files, such as tcp://10.0.0.1:8786.
     store_fields : bool
         Into a DIR, store the fields of every reading, too, as Zarr.
-    as_json : bool
-        Summary of the run as one JSON object.
     """
-    flags = flags_set(reconstruct, dict(locals()))
+    flags = options.flags_set(reconstruct, dict(locals()))
     from skinfield.cli.reconstruct_jobs import Plan
-    from skinfield.cli.reconstruct_runs import Many, Wanted, reconstruct_many, reconstruct_one
+    from skinfield.cli.reconstruct_runs import Wanted, reconstruct_many, reconstruct_one
 
     folder = _folder_of(recording, output)
-    _refuse(flags, OF_MANY if folder is None else OF_ONE, folder)
+    if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
+        _refuse(odd, "expected -o DIR, a name without an ending, into which workers write")
+    if folder is not None and (odd := [flag for name, flag in flags if name in OF_ONE]):
+        results = f"'skinfield reconstruct {folder}/NAME{ENDING}'"
+        _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
     if not recording:
         raise InputError("RECORDING is missing, expected one recording or more")
-    results = any(_is_results(each) for each in recording)
-    if results and (folder is not None or len(recording) > 1):
+    are_results = any(map(_is_results, recording))
+    if are_results and (folder is not None or len(recording) > 1):
         raise InputError(
             f"{ENDING} folders are results already, expected recordings for {folder}, or one "
             "folder of results"
         )
-    if layout is None and recording[0].lower().endswith(LIVE):
+    if layout is None and recording[0].lower().endswith(options.LIVE):
         layout = recording[0]
-    if layout is None and not results:
+    if layout is None and not are_results:
         raise InputError("--skin is missing, expected a layout file, or a generator by name")
     plan = None
-    if layout is not None and not results:
+    if layout is not None and not are_results:
         plan = Plan.of(layout, patch, counts, elastomer, model)
     if plan is not None and folder is not None:
-        many = Many(recording, folder, processes(workers), scheduler, store_fields)
-        reconstruct_many(many, plan, as_json)
+        many = options.processes(workers), scheduler
+        reconstruct_many(recording, folder, plan, many, store_fields, as_json)
         return
-    for name in (*output, fields, summary):
-        check_output("--output", name, force)
-    check_picture("--plot", plot, force)
+    for name in output:
+        report.check_output("--output", name, force, ".csv", ".parquet", ENDING)
+    report.check_output("--fields", fields, force)
+    report.check_output("--summary", summary, force, ".json")
+    report.check_picture("--plot", plot, force)
     if plan is None:
-        _refuse_without_effect(flags, output)
+        odd = [flag for name, flag in flags if name not in OF_RESULTS]
+        odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
+        if odd:
+            _refuse(odd, "results were made with theirs; expected none, or the recording itself")
     wanted = Wanted(output, fields, summary, plot, reading, slice_)
     reconstruct_one(recording[0], plan, wanted, as_json)
+
+
+def _refuse(flags: list[str], why: str) -> NoReturn:
+    raise InputError(f"{', '.join(flags)} would have no effect: {why}")
 
 
 def _folder_of(recordings: tuple[str, ...], outputs: tuple[str, ...]) -> Path | None:
@@ -155,30 +150,13 @@ def _folder_of(recordings: tuple[str, ...], outputs: tuple[str, ...]) -> Path | 
 
 
 def _is_results(recording: str) -> bool:
-    return recording.rstrip("/").lower().endswith(ENDING) and Path(recording).is_dir()
-
-
-def _refuse(flags: list[tuple[str, str]], names: tuple[str, ...], folder: Path | None) -> None:
-    """Options of the other way to work."""
-    odd = [text for name, text in flags if name in names]
-    if odd and folder is None:
-        raise InputError(
-            f"{', '.join(odd)} would have no effect: expected -o DIR, a name without an ending, "
-            "into which workers write"
+    """Whether it is a folder of results; raises FileError of one of anything else."""
+    path = Path(recording)
+    if not path.is_dir() or (path / "data.log").exists():
+        return False
+    if not recording.rstrip("/").lower().endswith(ENDING):
+        raise FileError(
+            f"{recording} is a folder without data.log, expected a recording: a file, the folder "
+            f"of a yarpdatadumper log, or results (NAME{ENDING})"
         )
-    if odd:
-        raise InputError(
-            f"{', '.join(odd)} would have no effect beside -o {folder}: expected none; ask the "
-            f"folders of results in it, such as 'skinfield reconstruct {folder}/NAME{ENDING}'"
-        )
-
-
-def _refuse_without_effect(flags: list[tuple[str, str]], outputs: tuple[str, ...]) -> None:
-    """Results know their layout, their model and what counts mean."""
-    odd = [text for name, text in flags if name not in OF_RESULTS]
-    odd += [f"-o {Path(name).name}" for name in outputs if name.lower().endswith(ENDING)]
-    if odd:
-        raise InputError(
-            f"{', '.join(odd)} would have no effect: expected none beside results, which were "
-            "made with theirs; give the recording itself"
-        )
+    return True

@@ -9,36 +9,21 @@ import logging
 import secrets
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryFile
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from skinfield.cli.options import (
-    LIVE,
-    OF_UNIT,
-    USUAL_SOLVER,
-    CountSettings,
-    conditioning_of,
-    config_of,
-    filled,
-    layer_of,
-    patch_of,
-    profile_in_use,
-    quantity_of,
-    settings_in,
-    skin_from_text,
-)
-from skinfield.cli.report import Step, progress
+from skinfield.cli import options, report
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.estimate.contact_table import Row, rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, explained
+from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import Results, read_results
 from skinfield.files.results_writer import (
     ResultsWriter,
@@ -49,13 +34,10 @@ from skinfield.files.results_writer import (
 from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
-from skinfield.settings import Elastomer, ModelSettings, Profile
+from skinfield.settings import Elastomer, ModelSettings
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
-from skinfield.skin.reading import Recording
 
-PIECE = 1 << 20  # numbers that are conditioned together: 8 MB
-FEWEST, MOST = 2048, 16384  # readings that are: enough to see motion, and what stands still
 STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
 
 
@@ -63,23 +45,12 @@ STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered to
 class Plan:
     """What a reconstruction depends on beside the recording; another process can be sent it.
 
-    Parameters
-    ----------
-    layout : str
-        Layout file, or a generator by name.
-    patch : str, optional
-        Name or number of the patch of a layout with several.
-    profile : Profile
-        Whose values stand where the sections leave something out.
-    counts : CountSettings
-    elastomer : Elastomer
-    model : ModelSettings
+    Its sections are whole: what was left out is the profile's.
     """
 
     layout: str
     patch: str | None
-    profile: Profile
-    counts: CountSettings
+    counts: options.CountSettings
     elastomer: Elastomer
     model: ModelSettings
 
@@ -88,7 +59,7 @@ class Plan:
         cls,
         layout: str,
         patch: str | None,
-        counts: CountSettings,
+        counts: options.CountSettings,
         elastomer: Elastomer,
         model: ModelSettings,
     ) -> "Plan":
@@ -97,35 +68,36 @@ class Plan:
         A layout that is a recording of a live skin brings its settings and calibration.
         """
         board = None if counts.board == "auto" else counts.board
-        recorded = settings_in(layout) if layout.lower().endswith(LIVE) else None
+        recorded = options.settings_in(layout) if layout.lower().endswith(options.LIVE) else None
         if recorded is None:
-            profile = profile_in_use(elastomer, board, layout)
+            profile = options.profile_in_use(elastomer, board, layout)
         else:
             hardware, known = board or recorded.source.hardware, recorded.skin
-            usual = {name: getattr(known, name) for name in asdict(elastomer)}
-            elastomer = Elastomer(**(usual | changes_of(elastomer)))
+            for name, value in asdict(Elastomer()).items():
+                if getattr(elastomer, name) == value:  # not set
+                    elastomer = replace(elastomer, **{name: getattr(known, name)})
             if counts.gain is None and counts.calibration is None:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
-            profile = profile_in_use(elastomer, hardware, known.layout)
+            profile = options.profile_in_use(elastomer, hardware, known.layout)
+        model = replace(model, solver=model.solver or options.USUAL_SOLVER)
         return cls(
             layout=layout,
             patch=patch,
-            profile=profile,
-            counts=filled(counts, profile),
-            elastomer=filled(elastomer, profile),
-            model=filled(replace(model, solver=model.solver or USUAL_SOLVER), profile),
+            counts=options.filled(counts, profile),
+            elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
+            model=options.filled(model, profile),
         )
 
     def as_dict(self) -> dict[str, Any]:
         """Its values by their names, without their sections."""
         sections = (self.counts, self.elastomer, self.model)
         values = {name: value for each in sections for name, value in asdict(each).items()}
-        return {**values, "profile": self.profile.name, "layout": self.layout}
+        return values | {"layout": self.layout}
 
     def taxels(self) -> Patch:
         """The patch."""
-        return patch_of(skin_from_text(self.layout), self.patch)
+        return options.patch_of(options.skin_from_text(self.layout), self.patch)
 
     def everywhere(self) -> "Plan":
         """The same for workers that run in other folders."""
@@ -138,10 +110,10 @@ class Plan:
     def settings(self, store_fields: bool) -> dict[str, Any]:
         """What a manifest keeps: values, with sums of what the files hold that they name."""
         patch = self.taxels()
-        calibration = conditioning_of(patch, self.counts).calibration
-        values = {name: value for name, value in self.as_dict().items() if name != "profile"}
-        return {
-            **values,
+        calibration = options.conditioning_of(patch, self.counts).calibration
+        values = self.as_dict()
+        del values["profile"]
+        return values | {
             "store_fields": store_fields,
             "patch": patch.name,
             "layout_checksum": checksum(plain_from_value("patch", patch)),
@@ -149,114 +121,30 @@ class Plan:
         }
 
 
-def changes_of(section: Elastomer) -> dict[str, Any]:
-    """Values that were set, by their names."""
-    usual = asdict(Elastomer())
-    return {name: value for name, value in asdict(section).items() if value != usual[name]}
-
-
-class Spool:
-    """A recording's numbers in a file without name, in the order of the patch's taxels.
-
-    Parameters
-    ----------
-    patch : Patch
-    folder : Path
-        Where there is room.
-    """
-
-    def __init__(self, patch: Patch, folder: Path) -> None:
-        self.patch = patch
-        self.like: Recording | None = None
-        self.notes: tuple[str, ...] = ()
-        self.skipped, self._count = 0, 0
-        self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
-        self._file = TemporaryFile(dir=folder)  # noqa: SIM115
-
-    def add(self, block: Recording) -> None:
-        """Append readings."""
-        from skinfield.files import readings_for
-
-        mine = readings_for(block, self.patch)
-        rows = np.empty(len(mine), self._kind)
-        rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
-        self._file.write(rows.view(np.uint8).data)
-        self._count += len(rows)
-        if self.like is None:
-            self.like = replace(mine, stamp_ns=mine.stamp_ns[:0], counts=mine.counts[:0])
-            self.notes = mine.notes[len(block.notes) :]
-
-    def blocks(self) -> Iterator[Recording]:
-        """All of it again, in blocks of one size, but for the last: a short rest joins it."""
-        assert self.like is not None
-        size = int(np.clip(PIECE // len(self.patch), FEWEST, MOST))
-        first = 0
-        while first < self._count:
-            last = first + size if self._count - first >= 2 * size else self._count
-            rows = np.empty(last - first, self._kind)
-            self._file.seek(first * self._kind.itemsize)
-            self._file.readinto(rows.view(np.uint8).data)
-            counts = np.ascontiguousarray(rows["counts"])
-            yield replace(self.like, stamp_ns=rows["stamp_ns"], counts=counts)
-            first = last
-
-
 def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
     """Read and condition a recording in one pass, into a folder of results.
 
-    Parameters
-    ----------
-    recording : str
-    plan : Plan
-    place : Pending
-        Its part gets the readings; beside it there is room for the recording's numbers.
-    quiet : bool
-        No progress is shown.
-
-    Returns
-    -------
-    int
-        Lines that were skipped.
+    Beside the place's part there is room for the recording's numbers. Returns the number of lines
+    that were skipped.
     """
-    patch = plan.taxels()
-    layer = layer_of(plan.elastomer, plan.profile)
+    patch, layer = plan.taxels(), options.layer_of(plan.elastomer)
     counts, folder = plan.counts, place.part.parent
-    if (counts.calibration or "").lower().endswith(LIVE) and recording.lower().endswith(LIVE):
+    if all((name or "").lower().endswith(options.LIVE) for name in (counts.calibration, recording)):
         counts = replace(counts, calibration=recording)  # each has its own
-    how = conditioning_of(patch, counts)
-    with explained(folder), progress("reading", quiet=quiet) as step:
-        spool = _spooled(recording, Spool(patch, folder), step)
-        assert spool.like is not None
-        quantity = quantity_of(plan.model.quantity or OF_UNIT[spool.like.unit])
+    how = options.conditioning_of(patch, counts)
+    with explained(folder), report.progress("reading", quiet=quiet) as step:
+        spool = Spool(recording, patch, folder, step)
+        quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[spool.like.unit])
         step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)
-        config = config_of(patch, layer, quantity, found.noise_std, plan.model)
+        config = options.config_of(patch, layer, quantity, found.noise_std, plan.model)
         writer = ResultsWriter(place, config, spool.like.source)
         _condition(spool, found, how, writer)
     return spool.skipped
 
 
-def _spooled(recording: str, spool: Spool, step: Step) -> Spool:
-    """Everything that a recording holds, parsed once."""
-    from skinfield.files import stream_recording
-
-    opened = stream_recording(recording, progress=step)
-    if isinstance(opened, Recording):
-        for first in range(0, len(opened), MOST):
-            part = slice(first, first + MOST)
-            spool.add(replace(opened, stamp_ns=opened.stamp_ns[part], counts=opened.counts[part]))
-    else:
-        for block in opened.blocks():
-            spool.add(block)
-    spool.notes, spool.skipped = opened.notes + spool.notes, opened.skipped
-    if spool.like is None:
-        raise InputError(f"{recording} holds no reading, expected one or more")
-    return spool
-
-
 def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWriter) -> None:
     """Condition block by block; a filter's state goes on from each to the next."""
-    assert spool.like is not None
     state = None
     if not isinstance(how.filter, NoFilter):
         state = how.filter.prepare(len(spool.patch), found.rate)
@@ -283,25 +171,13 @@ def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWr
     writer.close(notes)
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
-    """What some readings give.
-
-    Attributes
-    ----------
-    totals : Totals
-    load : (T,) array, N
-        Of all contacts of each reading.
-    rows : list
-        Of a table of contacts.
-    series : dict of arrays, optional
-        Fields, if they are wanted.
-    """
+class Part(NamedTuple):
+    """What some readings give."""
 
     totals: Totals
-    load: Floats
-    rows: list[Row]
-    series: Arrays | None
+    load: Floats  # (T,) N, of all contacts of each reading
+    rows: list[Row]  # of a table of contacts
+    series: Arrays | None  # fields, if they are wanted
 
 
 def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
@@ -385,22 +261,8 @@ def run_jobs(
 ) -> dict[str, str]:
     """Do what a manifest lacks, on the workers of a Dask client.
 
-    Parameters
-    ----------
-    manifest : Manifest
-        Kept up to date.
-    plan : Plan
-    fields : bool
-        Whether fields are stored, too.
-    client : distributed.Client
-        Its workers see the files under the same names.
-    watch : function of kind, name and readings
-        Called once a recording was taken in, and for each window.
-
-    Returns
-    -------
-    dict
-        What went wrong, by the recordings' names; the others are complete.
+    The manifest is kept up to date; the workers see the files under the same names. Returns what
+    went wrong, by the recordings' names; the others are complete.
     """
     from distributed import as_completed
 
@@ -468,12 +330,7 @@ def _sentence(error: BaseException) -> str:
 def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
     """A client of a scheduler that runs elsewhere, or of as many local processes as are wanted.
 
-    Raises
-    ------
-    InputError
-        If there is no scheduler.
-    SkinfieldError
-        If dask is not installed.
+    Raises SkinfieldError where dask is not installed, InputError where there is no scheduler.
     """
     try:
         import distributed
@@ -483,22 +340,20 @@ def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
             "pip install 'skinfield[batch]', or give one recording and -o contacts.csv"
         ) from error
     dask: Any = distributed  # its functions have no types
-    if scheduler is not None:
+    with ExitStack() as parts:
+        address: Any = scheduler or parts.enter_context(
+            dask.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
+        )
         try:
-            client = dask.Client(scheduler, timeout="10s")
+            client = parts.enter_context(dask.Client(address, timeout="10s"))
         except (OSError, ValueError) as error:
             raise InputError(
                 f"--scheduler is {scheduler!r}, where nobody answers ({error}); expected the "
                 "address of a Dask scheduler such as tcp://10.0.0.1:8786"
             ) from error
-        with client:
-            yield client
-        return
-    local = dask.LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    )
-    with local, dask.Client(local) as client:
         yield client

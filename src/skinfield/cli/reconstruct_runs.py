@@ -7,20 +7,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from skinfield.cli import options, report
 from skinfield.cli.reconstruct_jobs import Part, Plan, dask_client, parts, run_jobs, take_in
-from skinfield.cli.report import (
-    Column,
-    console,
-    finish,
-    plural,
-    print_json,
-    progress,
-    say,
-    say_notes,
-    table_of,
-    table_of_contacts,
-)
-from skinfield.elastic import BaseStress, Capacitance, Quantity
+from skinfield.cli.report import Column
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.estimate import Estimate
 from skinfield.files.manifest import Manifest, Totals
@@ -53,24 +42,14 @@ class Wanted:
     reading: int | None
     slice_: str | None
 
-    @property
-    def files(self) -> list[str]:
-        """All that are written."""
-        names = (*self.output, self.fields, self.summary, self.plot)
-        return [name for name in names if name]
-
 
 class Sinks:
-    """Where results of one recording go, by the endings of their names.
-
-    Parameters
-    ----------
-    wanted : Wanted
-    files : ExitStack
-        Discards them where anything fails.
+    """Where results of one recording go, by the endings of their names; discarded on failure.
 
     Attributes
     ----------
+    names : list of str
+        Of all files that are written.
     place : Pending
         Of the readings: results that are wanted, or in a folder that goes away.
     """
@@ -78,9 +57,8 @@ class Sinks:
     def __init__(self, wanted: Wanted, files: ExitStack) -> None:
         from skinfield.files import open_contacts, open_fields
 
-        for name in (wanted.summary, wanted.plot):
-            if name:
-                pending(name)  # makes nothing: it says what is wrong with the folder
+        files_wanted = (*wanted.output, wanted.fields, wanted.summary, wanted.plot)
+        self.names = [name for name in files_wanted if name]
         stores = [name for name in wanted.output if name.lower().endswith(ENDING)]
         if len(stores) > 1:
             raise InputError(f"--output names two {ENDING} folders, expected one at most")
@@ -93,7 +71,7 @@ class Sinks:
         ]
         self.fields = files.enter_context(open_fields(wanted.fields)) if wanted.fields else None
         if not stores:
-            parent = Path(wanted.files[0]).absolute().parent if wanted.files else None  # has room
+            parent = Path(self.names[0]).absolute().parent if self.names else None  # has room
             folder = TemporaryDirectory(prefix=".skinfield-", dir=parent)
             unnamed = Path(files.enter_context(folder)) / "readings"
             self.place = Pending(unnamed, unnamed)
@@ -138,7 +116,7 @@ def reconstruct_one(recording: str, plan: Plan | None, wanted: Wanted, as_json: 
             results = read_results(sinks.place.part)
             if sinks.stored and wanted.slice_ is None:
                 sinks.add_contacts()
-        say_notes(results.notes)
+        report.say_notes(results.notes)
         totals, readings = _run(results, sinks, wanted)
         shown = results.estimate(totals.peak)
         sinks.close()
@@ -150,12 +128,13 @@ def reconstruct_one(recording: str, plan: Plan | None, wanted: Wanted, as_json: 
             from skinfield.files import write_summary
 
             write_summary(wanted.summary, summary)
-        if not as_json:
-            _show(results, totals, readings, shown, skipped)
-        say_notes(doubts(results.reconstructor, shown))
+        report.say_notes(doubts(results.reconstructor, shown))
         if wanted.plot:
-            _plot(results, totals.peak, shown, wanted.plot)
-        finish(as_json, summary, wanted.files)
+            reading = results.values(totals.peak, totals.peak + 1)[0]
+            report.save_picture(wanted.plot, shown, reading, results.config.quantity)
+        report.finish(
+            as_json, summary, sinks.names, _lines(results, totals, readings, shown, skipped)
+        )
 
 
 def _run(results: Results, sinks: Sinks, wanted: Wanted) -> tuple[Totals, range]:
@@ -168,7 +147,7 @@ def _run(results: Results, sinks: Sinks, wanted: Wanted) -> tuple[Totals, range]
         )
     if reading is not None and not (sinks.tables or fields or wanted.summary):
         readings = range(reading, reading + 1)
-    with progress("reconstructing", len(readings)) as step:
+    with report.progress("reconstructing", len(readings)) as step:
         for part in parts(results, readings, fields):
             sinks.write(part, results.config.grid)
             totals.add(part.totals)
@@ -194,61 +173,57 @@ def _readings_of(text: str | None, count: int) -> range:
 # ---- many recordings, by workers
 
 
-@dataclass(frozen=True)
-class Many:
-    """Recordings, and how workers are to reconstruct them into a folder."""
-
-    recordings: tuple[str, ...]
-    folder: Path
-    workers: int
-    scheduler: str | None
-    store_fields: bool
-
-
-def reconstruct_many(many: Many, plan: Plan, as_json: bool) -> None:
-    """Reconstruct all that a manifest lacks, and say what there is."""
+def reconstruct_many(
+    recordings: tuple[str, ...],
+    folder: Path,
+    plan: Plan,
+    cluster: tuple[int, str | None],
+    store_fields: bool,
+    as_json: bool,
+) -> None:
+    """Reconstruct all that a manifest lacks, on so many workers or on a scheduler's."""
     plan, failures = plan.everywhere(), dict[str, str]()
-    manifest = Manifest.open(many.folder, many.recordings, plan.settings(many.store_fields))
+    manifest = Manifest.open(folder, recordings, plan.settings(store_fields))
     if not all(manifest.entries[name].complete for name in manifest.names):
-        with (
-            dask_client(many.workers, many.scheduler) as client,
-            _watched(len(manifest.names)) as watch,
-        ):
-            failures = run_jobs(manifest, plan, many.store_fields, client, watch)
-    _report_many(manifest, as_json)
+        with dask_client(*cluster) as client, _watched(len(manifest.names)) as watch:
+            failures = run_jobs(manifest, plan, store_fields, client, watch)
+    rows = _rows_of(manifest)
+    lines = [report.table_of(f"results in {folder}", rows, RECORDING)] if rows else []
+    report.finish(as_json, {"folder": str(folder), "recordings": rows}, lines=lines)
     if failures:
         each = "\n\n".join(f"{name}: {why}" for name, why in failures.items())
+        count = report.plural(len(manifest.names), "recording")
         raise SkinfieldError(
-            f"{len(failures)} of {plural(len(manifest.names), 'recording')} failed, the others "
-            f"are complete; the same command tries again.\n\n{each}"
+            f"{len(failures)} of {count} failed, the others are complete; the same command "
+            f"tries again.\n\n{each}"
         )
 
 
 @contextmanager
 def _watched(recordings: int) -> Iterator[Callable[[str, str, int], None]]:
     """Progress over all readings that are known of."""
-    with progress(f"reading {plural(recordings, 'recording')}") as step:
+    with report.progress(f"reading {report.plural(recordings, 'recording')}") as step:
         known = {"intake": 0, "window": 0, "recordings": 0}
 
         def watch(kind: str, _: str, readings: int) -> None:
             known[kind] += readings
             known["recordings"] += kind == "intake"
             missing = recordings - known["recordings"]
-            what = f"reading {plural(missing, 'recording')}, " if missing else ""
+            what = f"reading {report.plural(missing, 'recording')}, " if missing else ""
             step(known["window"], known["intake"], f"{what}reconstructing")
 
         yield watch
 
 
-def _report_many(manifest: Manifest, as_json: bool) -> None:
-    """A row for each recording that is complete, after its notes."""
+def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
+    """A row for each recording that is complete; its notes are said."""
     rows = []
     for name in manifest.names:
         entry = manifest.entries[name]
         if not entry.complete:
             continue
         results, totals = read_results(manifest.target(name)), entry.totals()
-        say_notes(f"{name}: {note}" for note in results.notes)
+        report.say_notes(f"{name}: {note}" for note in results.notes)
         rows.append(
             {
                 "recording": f"{name}{ENDING}",
@@ -261,30 +236,29 @@ def _report_many(manifest: Manifest, as_json: bool) -> None:
                 "highest_load_reading": totals.peak,
             }
         )
-    if as_json:
-        print_json({"folder": str(manifest.folder), "recordings": rows})
-    elif rows:
-        console().print(table_of(f"results in {manifest.folder}", rows, RECORDING))
+    return rows
 
 
 # ---- what is printed of one
 
 
-def _show(results: Results, totals: Totals, readings: range, shown: Estimate, skipped: int) -> None:
-    """Print a line on all readings, and the contacts of one."""
+def _lines(
+    results: Results, totals: Totals, readings: range, shown: Estimate, skipped: int
+) -> Iterator[report.Shown]:
+    """A line on all readings, and the contacts of one."""
     patch = results.config.patch
     took = totals.seconds / len(readings) if totals.seconds else shown.latency
-    say(
-        f"{results.source}: {plural(len(readings), 'reading')} in "
+    yield (
+        f"{results.source}: {report.plural(len(readings), 'reading')} in "
         f"{_seconds(results, readings):.2f} s, {len(patch)} taxels of {patch.name} "
         f"({len(totals.silent or ())} left out), {skipped} lines skipped; "
         f"{took * 1e3:.3g} ms per reading"
     )
     when = _seconds(results, range(totals.peak + 1))
     load = sum(contact.normal_force for contact in shown.contacts)
-    contacts = plural(len(shown.contacts), "contact")
+    contacts = report.plural(len(shown.contacts), "contact")
     title = f"reading {totals.peak} at {when:.2f} s: {load:.2f} N in {contacts}"
-    console().print(table_of_contacts(shown.contacts, title))
+    yield report.table_of_contacts(shown.contacts, title)
 
 
 def _seconds(results: Results, readings: range) -> float:
@@ -322,7 +296,8 @@ def _summary(
 ) -> dict[str, Any]:
     """What `--json` prints and `--summary` writes."""
     count, config = totals.readings, results.config
-    options = {} if plan is None else plan.as_dict()
+    kind = type(config.quantity).__name__
+    values = {} if plan is None else plan.as_dict()
     return {
         "recording": results.source,
         "readings": count,
@@ -331,11 +306,11 @@ def _summary(
         "patch": config.patch.name,
         "taxels": len(config.patch),
         "taxels_left_out": len(totals.silent or ()),
-        "quantity": _name_of(config.quantity),
+        "quantity": next(name for name, each in options.QUANTITIES.items() if each == kind),
         "solver": repr(config.solver),
         "layer": repr(config.layer),
         "grid": list(config.grid.shape),
-        "options": {name: value for name, value in options.items() if value is not None},
+        "options": {name: value for name, value in values.items() if value is not None},
         "contact_force_N": {"mean": totals.load / count, "highest": totals.highest_load},
         "field_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
@@ -343,20 +318,3 @@ def _summary(
         "latency_ms_per_reading": totals.seconds / count * 1e3,
         "notes": list(results.notes),
     }
-
-
-def _plot(results: Results, index: int, shown: Estimate, path: str) -> None:
-    from skinfield.plot import draw_estimate, save
-
-    quantity = results.config.quantity
-    unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    reading = results.values(index, index + 1)[0]
-    figure = draw_estimate(shown, reading, quantity_name=quantity.symbol, quantity_unit=unit)
-    save(figure, path)
-
-
-def _name_of(quantity: Quantity) -> str:
-    """As `--quantity` has it."""
-    if isinstance(quantity, Capacitance):
-        return "capacitance"
-    return "stress" if isinstance(quantity, BaseStress) else "gap"

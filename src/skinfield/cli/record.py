@@ -3,25 +3,17 @@
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
 
 from rich.console import Console
 
-from skinfield.cli.options import OUTPUT, Force, Json
-from skinfield.cli.report import (
-    Column,
-    check_output,
-    console,
-    note,
-    plural,
-    print_json,
-    progress,
-    say,
-    table_of,
-)
-from skinfield.errors import InputError, check_positive
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
+from skinfield.errors import InputError
+from skinfield.settings.tree import Range
 
 MOST_EVENTS = 12
 PATCH = (
@@ -34,11 +26,11 @@ def record(
     name: str = "skin",
     /,
     *,
-    output: Annotated[str, OUTPUT],
-    duration: float | None = None,
-    view_rate_hz: float = 20.0,
-    force: Force = False,
-    as_json: Json = False,
+    output: Annotated[str, options.OUTPUT],
+    duration: options.Duration = None,
+    view_rate_hz: Annotated[float, Range(0.0, 1e3, "messages a second")] = 20.0,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Record the running skin NAME: every reading, every cycle, its timing and what happened.
 
@@ -62,18 +54,12 @@ def record(
         Of the running skin.
     output : str
         File to write (.mcap).
-    duration : float, s, optional
-        Seconds; default until Ctrl-C, or the skin stops.
     view_rate_hz : float, 1/s
         Of what all taxels read and the pressure, messages a second.
-    as_json : bool
-        One JSON object at the end.
     """
     from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
-    check_output("--output", output, force, ".mcap")
-    if duration is not None:
-        check_positive("--duration", duration, "seconds")
+    report.check_output("--output", output, force, ".mcap")
     settings = RecorderSettings(
         name=name,
         path=Path(output),
@@ -85,38 +71,39 @@ def record(
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    before: list[RecorderState] = []
+    before = [RecorderState()]
 
     def on_state(state: RecorderState) -> None:
         if out.is_terminal:
-            out.print(_line(state, before[-1] if before else None), end="\r", highlight=False)
+            out.print(_line(state, before[-1]), end="\r", highlight=False)
         before[:] = [state]
 
-    recorder = Recorder(settings, lambda text: note(f"{text:<100}", "yellow", out), first=True)
+    recorder = Recorder(
+        settings, lambda text: report.note(f"{text:<100}", "yellow", out), first=True
+    )
     try:
         state = recorder.run(stop, duration, on_state)
     finally:
         forget_state(name)
-    if as_json:
-        print_json(
-            {
-                "file": str(state.path),
-                "seconds": state.seconds,
-                "cycles": state.cycles,
-                "bytes": state.bytes_written,
-                "lost_bytes": state.lost,
-                "lost_cycles": state.overrun_cycles + state.dropped_cycles,
-                "finished": state.finished,
-            }
-        )
-    _finish(state)
+    lost_cycles = state.overrun_cycles + state.dropped_cycles
+    result = {
+        "file": str(state.path),
+        "seconds": state.seconds,
+        "cycles": state.cycles,
+        "bytes": state.bytes_written,
+        "lost_bytes": state.lost,
+        "lost_cycles": lost_cycles,
+        "finished": state.finished,
+    }
+    report.finish(as_json, result)
+    _report(state, lost_cycles)
 
 
 def _line(state: Any, before: Any) -> str:
     """One line on how it is going."""
-    seconds = state.seconds - (before.seconds if before else 0.0)
-    cycles = (state.cycles - (before.cycles if before else 0)) / max(seconds, 1e-3)
-    rate = (state.bytes_written - (before.bytes_written if before else 0)) / max(seconds, 1e-3)
+    seconds = max(state.seconds - before.seconds, 1e-3)
+    cycles = (state.cycles - before.cycles) / seconds
+    rate = (state.bytes_written - before.bytes_written) / seconds
     lost = f"{state.lost:,} bytes lost" if state.lost else "nothing lost"
     return (
         f"{state.seconds:7.0f} s  {state.bytes_written / 1e6:9.1f} MB  {rate / 1e6:6.2f} MB/s  "
@@ -124,17 +111,16 @@ def _line(state: Any, before: Any) -> str:
     )
 
 
-def _finish(state: Any) -> None:
-    """What came of it; an exit code that tells whether all is in the file."""
-    note(
+def _report(state: Any, cycles: int) -> None:
+    """What came of it; an error if not all is in the file."""
+    report.note(
         f"{state.path}: {state.seconds:.1f} s, {state.cycles:,} cycles, "
         f"{state.bytes_written / 1e6:.1f} MB; {state.ended}",
         "",
     )
-    cycles = state.overrun_cycles + state.dropped_cycles
     if cycles or state.lost:
         text = f"lost: {state.lost:,} bytes of readings and {cycles:,} cycles; the file says where"
-        note(text, "yellow")
+        report.note(text, "yellow")
     if not state.finished:
         raise InputError(
             f"{state.path} has no end, as it could not be written ({state.failure}); make room, "
@@ -146,9 +132,9 @@ def recover(
     bad: str,
     /,
     *,
-    output: Annotated[str, OUTPUT],
-    force: Force = False,
-    as_json: Json = False,
+    output: Annotated[str, options.OUTPUT],
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write what can be read of BAD into a new, whole file; BAD stays as it is.
 
@@ -164,43 +150,38 @@ def recover(
         Damaged recording.
     output : str
         File to write (.mcap).
-    as_json : bool
-        What was saved and what was not, as one JSON object.
     """
     from skinfield.record.recover import recover as save
 
-    check_output("--output", output, force)
-    with progress("recovering") as step:
+    report.check_output("--output", output, force)
+    with report.progress("recovering") as step:
         result = save(Path(bad), Path(output), overwrite=force, progress=step)
-    if as_json:
-        print_json(
-            {
-                "file": output,
-                "was_whole": result.was_whole,
-                "messages": dict(result.messages),
-                "dropped_bytes": result.dropped_bytes,
-                "damage": [{"byte": each.byte, "why": each.why} for each in result.damage],
-            }
-        )
-        return
+    plain = {
+        "file": output,
+        "was_whole": result.was_whole,
+        "messages": dict(result.messages),
+        "dropped_bytes": result.dropped_bytes,
+        "damage": [{"byte": each.byte, "why": each.why} for each in result.damage],
+    }
+    report.finish(as_json, plain, lines=_recovered_lines(result, bad, output))
+
+
+def _recovered_lines(result: Any, bad: str, output: str) -> Iterator[report.Shown]:
     if result.was_whole:
-        say(f"{bad} is whole: nothing was wrong with it; {output} is a copy")
+        yield f"{bad} is whole: nothing was wrong with it; {output} is a copy"
     counts = ", ".join(f"{count} on {topic}" for topic, count in sorted(result.messages.items()))
     seconds = (result.last_ns - result.first_ns) * 1e-9
-    say(
-        f"saved {plural(result.messages.total(), 'message')} of {seconds:.3f} s"
-        + (f": {counts}" if counts else "")
-    )
+    saved = f"saved {report.plural(result.messages.total(), 'message')} of {seconds:.3f} s"
+    yield f"{saved}: {counts}" if counts else saved
     if not result.was_whole and not result.dropped_bytes and not result.damage:
-        say(f"{bad} had no end; nothing had to be left out")
+        yield f"{bad} had no end; nothing had to be left out"
     if result.dropped_bytes:
         what = ", the beginning of a chunk that was never finished" if result.chunk_was_cut else ""
-        say(f"dropped {result.dropped_bytes} of {result.size} bytes at the end{what}")
-    for damage in result.damage:
-        say(f"byte {damage.byte}: {damage.why}")
+        yield f"dropped {result.dropped_bytes} of {result.size} bytes at the end{what}"
+    yield from (f"byte {damage.byte}: {damage.why}" for damage in result.damage)
 
 
-def info(file: str, /, *, as_json: Json = False) -> None:
+def info(file: options.McapFile, /, *, as_json: options.Json = False) -> None:
     """Say what FILE holds, a recording that 'skinfield record' or 'run --record' made.
 
     Which skin, how long, how many readings and cycles, how late, what was lost and why, how many
@@ -209,46 +190,34 @@ def info(file: str, /, *, as_json: Json = False) -> None:
 
       skinfield info touch.mcap
       skinfield info touch.mcap --json | jq .lost
-
-    Parameters
-    ----------
-    file : str
-        Recording (.mcap).
-    as_json : bool
-        All of it as one JSON object.
     """
     from skinfield.files.mcap.live import LiveRecording
     from skinfield.files.mcap.summary import summary_of
 
-    with progress("reading") as step:
+    with report.progress("reading") as step:
         summary = summary_of(LiveRecording.open(Path(file)), step)
-    if as_json:
-        print_json(summary)
-    else:
-        _show(summary)
+    report.finish(as_json, summary, lines=_info_lines(summary))
 
 
-def _show(summary: dict[str, Any]) -> None:
-    for name, text in _lines(summary):
-        say(f"{name:<16}{text}")
+def _info_lines(summary: dict[str, Any]) -> Iterator[report.Shown]:
+    yield from (f"{name:<16}{text}" for name, text in _lines(summary))
     if summary["patches"]:
-        console().print(table_of(None, summary["patches"], PATCH))
+        yield report.table_of(None, summary["patches"], PATCH)
     for event in summary["last_events"][-MOST_EVENTS:]:
         when = (event.get("wall_ns", 0) - (summary["began_ns"] or 0)) * 1e-9
-        say(f"{when:10.3f} s  {event.get('text')}")
+        yield f"{when:10.3f} s  {event.get('text')}"
     for damage in summary["damage"][:MOST_EVENTS]:
-        say(f"byte {damage['byte']}: {damage['why']}")
+        yield f"byte {damage['byte']}: {damage['why']}"
 
 
 def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    began = summary["began_ns"]
-    when = (
-        datetime.fromtimestamp(began * 1e-9, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-        if began
-        else "never"
-    )
+    when = "never"
+    if summary["began_ns"]:
+        began = datetime.fromtimestamp(summary["began_ns"] * 1e-9, UTC)
+        when = began.strftime("%Y-%m-%d %H:%M:%S UTC")
     lost, contacts = summary["lost"], summary["contacts"]
     fields, fit = summary["fields"], summary["fit"]
+    rate = "?" if summary["cycle_rate"] is None else f"{summary['cycle_rate']:,.1f}"
     whole = "" if summary["finished"] else "; not finished: skinfield recover makes a whole file"
     enclosed = ", ".join(
         f"{name} ({size:,} bytes)" for name, size in summary["attachments"].items()
@@ -259,7 +228,7 @@ def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("skin", f"{summary['skin'] or 'layout not enclosed'}, {summary['taxels'] or '?'} taxels"),
         ("readings", f"{summary['readings']['bytes'] / 1e6:.1f} MB of blocks, "
                      f"{summary['readings']['missing_bytes']:,} bytes missing in between"),
-        ("cycles", f"{summary['cycles']:,} ({_rate(summary['cycle_rate'])}/s), "
+        ("cycles", f"{summary['cycles']:,} ({rate}/s), "
                    f"{summary['cycles_missing']:,} missing, {summary['late']:,} late, "
                    f"{summary['restarts']} restarts"),
         ("woke late by", _quantiles(summary["wake_us"])),
@@ -280,7 +249,3 @@ def _quantiles(micros: dict[str, float] | None) -> str:
     if micros is None:
         return "not known"
     return ", ".join(f"{name} {value:,.0f} µs" for name, value in micros.items())
-
-
-def _rate(value: float | None) -> str:
-    return "?" if value is None else f"{value:,.1f}"

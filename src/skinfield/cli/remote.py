@@ -14,12 +14,7 @@ NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machin
 
 
 class RemoteController(Controller):
-    """See `Controller`.
-
-    Parameters
-    ----------
-    found : ZenohSources
-    """
+    """See `Controller`."""
 
     def __init__(self, found: "ZenohSources") -> None:
         super().__init__()

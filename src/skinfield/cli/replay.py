@@ -2,31 +2,32 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import replace as with_other
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+from cyclopts import Parameter
 from rich.console import Console
 
-from skinfield.cli.options import Json, Page
+from skinfield.cli.options import Duration, Json, McapFile, Page
 from skinfield.cli.report import note, print_json, say, show_address, signals_end
-from skinfield.errors import check_positive
 from skinfield.settings import PageSettings
+from skinfield.settings.tree import Positive
 
 REFRESH = 0.25  # s between pictures of the table
 DAMAGE = 3  # places that are named
 
 
 def replay(
-    file: str,
+    file: McapFile,
     /,
     *,
-    speed: float | None = None,
+    speed: Annotated[float | None, Positive("1 is as fast as it was")] = None,
     headless: bool = False,
-    as_json: Json = False,
+    as_json: Annotated[Json, Parameter(help="A line of JSON for each cycle; no page.")] = False,
     name: str | None = None,
-    duration: float | None = None,
+    duration: Duration = None,
     page: Page = PageSettings(),
 ) -> None:
     """Show what FILE holds, as it was: readings, contacts and fields of a live skin.
@@ -46,23 +47,13 @@ def replay(
 
     Parameters
     ----------
-    file : str
-        Recording (.mcap).
     speed : float, optional
         Times its own pace, on the page 0.1 to 10. Default 1; headless as fast as can be.
     headless : bool
         Neither page nor table: for scripts.
-    as_json : bool
-        A line of JSON for each cycle; no page.
     name : str, optional
         No page, but a running skin of this name, for other programs.
-    duration : float, s, optional
-        Seconds; default until Ctrl-C or the end.
     """
-    if speed is not None:
-        check_positive("--speed", speed, "1 is as fast as it was")
-    if duration is not None:
-        check_positive("--duration", duration, "s")
     console = Console(stderr=True)
     if headless or as_json or name:
         _headless(file, speed, name, duration, as_json, console)
@@ -80,15 +71,7 @@ def show_page(
 ) -> None:
     """Serve a page until the time is over, Ctrl-C, or the page fails.
 
-    Parameters
-    ----------
-    shown : context of sources and controller
-    page : PageSettings
-    duration : float, s, optional
-    console : Console
-        On stderr.
-    look : bool
-        Show a replay as a table, too, where somebody looks at the terminal.
+    With `look` a replay is shown as a table, too, where somebody looks at the terminal.
     """
     from rich.live import Live
 
@@ -158,10 +141,12 @@ def _headless(
     source = Replay(Path(file))
     speed = 1.0 if speed is None and name else speed
     end = float("inf") if duration is None else time.monotonic() + duration
-    publish = None if name is None else Published(name, source)
     patches, tracks, count, fresh = [each.name for each in source.model_config.skin], set(), 0, 0
     try:
-        with signals_end():
+        with (
+            signals_end(),
+            nullcontext() if name is None else closing(Published(name, source)) as publish,
+        ):
             for each in source if speed is None else paced(source, speed):
                 count, fresh = count + 1, fresh + each.fresh
                 tracks.update(each.cycle.contacts["track"].tolist())
@@ -173,9 +158,6 @@ def _headless(
                     break
     except KeyboardInterrupt:
         note("stopped", where=console)
-    finally:
-        if publish is not None:
-            publish.close()
     _report_damage(source.recording, console)
     if not as_json:
         gaps = f", {len(source.index.gaps)} gaps" if source.index.gaps else ""

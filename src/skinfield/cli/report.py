@@ -10,20 +10,21 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rich.console import Console
+from rich.console import Console, RenderableType
+from rich.table import Table
 
-from skinfield.errors import InputError
+from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from skinfield.estimate import Contact
+    from skinfield.elastic import Quantity
+    from skinfield.estimate import Contact, Estimate
 
 MOST_CONTACTS = 12
 NONE = "–"  # in a cell whose number does not exist
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 FLAT = 5e-5  # m: heights below read 0.0 mm
 Step = Callable[..., None]  # see `progress`
+Shown = RenderableType  # what a command prints for people
 
 
 def console() -> Console:
@@ -34,27 +35,16 @@ def console() -> Console:
 
 @contextmanager
 def progress(what: str, total: float | None = None, *, quiet: bool = False) -> Iterator[Step]:
-    """Bar on stderr that goes away when it is done.
+    """Bar on stderr that goes away when it is done; without a total it only moves.
 
-    Parameters
-    ----------
-    what : str
-        Stands before the bar.
-    total : float, optional
-        Steps in all, where that is known.
-    quiet : bool
-        Show nothing.
-
-    Yields
-    ------
-    function of done, total and what, each optional
-        Moves the bar to where it is, or one step on.
+    Yields a function of done, total and what, each optional, that moves it there or one step on.
     """
     from rich import progress as rich
 
     columns = (rich.TextColumn("{task.description}"), rich.BarColumn(), rich.MofNCompleteColumn(),
                rich.TimeRemainingColumn())  # fmt: skip
     out = Console(stderr=True)
+    quiet = quiet or not out.is_terminal  # a line would be left
     with rich.Progress(*columns, console=out, transient=True, disable=quiet) as bar:
         task = bar.add_task(what, total=total)
 
@@ -67,10 +57,8 @@ def progress(what: str, total: float | None = None, *, quiet: bool = False) -> I
         yield step
 
 
-def table(title: str | None, words: Sequence[str], numbers: Sequence[str], **look: Any) -> "Table":
+def table(title: str | None, words: Sequence[str], numbers: Sequence[str], **look: Any) -> Table:
     """Table with columns of words at the left and of numbers, with their units, at the right."""
-    from rich.table import Table
-
     made = Table(title=title, title_justify="left", **look)
     for name in words:
         made.add_column(name, overflow="fold")
@@ -104,18 +92,9 @@ def plural(count: int, noun: str) -> str:
 
 
 class Column(NamedTuple):
-    """Column of a table of rows.
+    """Column of a table of rows: heading, key of a row's value, factor from SI to its unit.
 
-    Attributes
-    ----------
-    head : str
-        With the unit.
-    key : str
-        Of a row's value.
-    factor : float
-        From SI to that unit.
-    decimals : int or None
-        None for words, which stand at the left.
+    Words, which have no decimals, stand at the left.
     """
 
     head: str
@@ -133,7 +112,7 @@ class Column(NamedTuple):
 
 def table_of(
     title: str | None, rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], **look: Any
-) -> "Table":
+) -> Table:
     """Table of rows in SI units, as JSON has them, too."""
     made = table(title, (), (), **look)
     for column in columns:
@@ -172,7 +151,7 @@ def plain_contacts(contacts: Sequence["Contact"]) -> list[dict[str, Any]]:
     ]
 
 
-def table_of_contacts(contacts: Sequence["Contact"], title: str) -> "Table":
+def table_of_contacts(contacts: Sequence["Contact"], title: str) -> Table:
     """Contacts; their height stands there where one is not 0: on a flat patch it says nothing."""
     first = plain_contacts(contacts[:MOST_CONTACTS])
     curved = any(abs(row["z_m"]) > FLAT for row in first)
@@ -195,29 +174,24 @@ def print_json(value: Any) -> None:
     say(json.dumps(plain_json(value, "result"), allow_nan=False))
 
 
-def finish(as_json: bool, value: Any, files: Iterable[str | None] = ()) -> None:
-    """End of a command: its result as JSON, or which files it wrote."""
+def finish(
+    as_json: bool, value: Any, files: Iterable[str | None] = (), lines: Iterable["Shown"] = ()
+) -> None:
+    """End of a command: its result as JSON, or lines and tables and which files it wrote."""
     if as_json:
         print_json(value)
         return
-    for name in files:
-        if name:
-            say(f"wrote {name}")
+    for each in lines:
+        say(each) if isinstance(each, str) else console().print(each)
+    for name in filter(None, files):
+        say(f"wrote {name}")
 
 
 def check_output(flag: str, name: str | Path | None, force: bool, *endings: str) -> None:
     """Raise InputError unless a file can be written under a name, where there is one.
 
-    Parameters
-    ----------
-    flag : str
-        As the user wrote it, such as "--csv".
-    name : str or None
-        Of the file.
-    force : bool
-        Whether one that is there may be written over.
-    *endings : str
-        Such as ".csv"; none where whoever writes it checks them.
+    `force` is whether one that is there may be written over; without endings, such as ".csv",
+    whoever writes it checks them.
     """
     from skinfield.files.pending import pending
 
@@ -232,8 +206,7 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
         raise InputError(
             f"{flag} is {str(name)!r}, expected a name that ends in {' or '.join(endings)}"
         )
-    if endings:
-        pending(name)  # makes nothing: it says what is wrong with the folder
+    pending(name)  # makes nothing: it says what is wrong with the folder
 
 
 def check_picture(flag: str, name: str | None, force: bool) -> None:
@@ -251,6 +224,24 @@ def free_name(name: str) -> str:
     while path.exists():
         path, number = Path(name).with_stem(f"{Path(name).stem}-{number}"), number + 1
     return str(path)
+
+
+def save_picture(
+    path: str,
+    estimate: "Estimate",
+    reading: Floats,
+    quantity: "Quantity",
+    truth: Sequence[tuple[Any, Any, float]] = (),
+) -> None:
+    """Draw an estimate and its reading, in the units that people read."""
+    from skinfield.plot import draw_estimate, save
+
+    unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
+    symbol = quantity.symbol
+    save(
+        draw_estimate(estimate, reading, truth=truth, quantity_name=symbol, quantity_unit=unit),
+        path,
+    )
 
 
 @contextmanager

@@ -2,21 +2,10 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-from skinfield.cli.options import OUTPUT, Force, Json, processes
-from skinfield.cli.report import (
-    Column,
-    check_output,
-    console,
-    finish,
-    plural,
-    print_json,
-    progress,
-    say,
-    say_notes,
-    table_of,
-)
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
 from skinfield.errors import InputError
 
 if TYPE_CHECKING:
@@ -37,12 +26,12 @@ MADE = (
 
 def rig(
     *scenario: str,
-    output: Annotated[str, OUTPUT] = "rig",
-    workers: int | None = None,
+    output: Annotated[str, options.OUTPUT] = "rig",
+    workers: options.Workers = None,
     dry_run: bool = False,
     new: str | None = None,
-    force: Force = False,
-    as_json: Json = False,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     r"""Press a simulated skin with a simulated rig; write recordings with their truth.
 
@@ -74,32 +63,30 @@ def rig(
         Scenario files (.toml).
     output : str
         DIR of the runs.
-    workers : int, optional
-        Processes at once. Default one for each core.
     dry_run : bool
         List the runs, make none.
     new : str, optional
         Write a scenario with all keys explained.
-    as_json : bool
-        What came of each run, as a list of objects.
     """
     from skinfield.files.pending import write_bytes
 
-    number = processes(workers)
+    number = options.processes(workers)
     if new is not None:
         from skinfield.lab.scenarios import template
 
-        check_output("--new", new, force)
+        report.check_output("--new", new, force)
         write_bytes(new, template().encode())
         if not (as_json and scenario):  # one object is printed
-            finish(as_json, {"scenario": new}, [new])
+            report.finish(as_json, {"scenario": new}, [new])
     if not scenario:
         if new is None:
             raise InputError("SCENARIO is missing, expected a file: --new FILE writes one")
         return
     tasks = _tasks(scenario)
     if dry_run:
-        _show_plan(tasks, Path(output), as_json)
+        planned = _planned(tasks, Path(output))
+        lines = [report.table_of(report.plural(len(tasks), "run"), planned, PLANNED)]
+        report.finish(as_json, planned, lines=lines)
         return
     outcomes = _run(tasks, Path(output), number)
     for path in scenario:
@@ -110,16 +97,17 @@ def rig(
         | (one.result or {})
         for one in outcomes
     ]
-    if as_json:
-        print_json(rows)
-    else:
-        console().print(table_of("Runs", rows, MADE))
-        say(
-            f"{plural(len(outcomes) - len(failed), 'run')} in {output}, "
-            f"{sum(outcome.reused for outcome in outcomes)} of them from before"
-        )
+    reused = sum(outcome.reused for outcome in outcomes)
+    made = report.plural(len(outcomes) - len(failed), "run")
+    count = f"{made} in {output}, {reused} of them from before"
+    report.finish(as_json, rows, lines=[report.table_of("Runs", rows, MADE), count])
     if failed:
-        _fail(failed, len(outcomes), Path(output))
+        report.say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
+        raise InputError(
+            f"{len(failed)} of {report.plural(len(outcomes), 'run')} failed: "
+            f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
+            f"{output}/*.failed.txt"
+        )
 
 
 def _tasks(scenarios: Sequence[str]) -> "list[Task]":
@@ -137,45 +125,31 @@ def _tasks(scenarios: Sequence[str]) -> "list[Task]":
     return [task for _, task in tasks.values()]
 
 
-def _show_plan(tasks: "Sequence[Task]", folder: Path, as_json: bool) -> None:
+def _planned(tasks: "Sequence[Task]", folder: Path) -> list[dict[str, Any]]:
+    """A row for each run: what it presses, and whether it is there."""
     from skinfield.lab.runner import stored
 
-    rows = []
-    for task in tasks:
-        (scenario,) = task.arguments
-        rows.append(
-            {
-                "run": task.name,
-                "indenter": scenario.tools[0].indenter.kind,
-                "presses": scenario.presses,
-                "seconds": scenario.profile.duration(scenario.presses),
-                "state": "there" if stored(task, folder) else "to do",
-            }
-        )
-    if as_json:
-        print_json(rows)
-    else:
-        console().print(table_of(plural(len(tasks), "run"), rows, PLANNED))
+    return [
+        {
+            "run": task.name,
+            "indenter": scenario.tools[0].indenter.kind,
+            "presses": scenario.presses,
+            "seconds": scenario.profile.duration(scenario.presses),
+            "state": "there" if stored(task, folder) else "to do",
+        }
+        for task in tasks
+        for scenario in task.arguments
+    ]
 
 
 def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[Outcome]":
     from skinfield.lab.runner import run
 
     outcomes: dict[str, Outcome] = {}
-    with progress("rig", len(tasks)) as step:
+    with report.progress("rig", len(tasks)) as step:
         for outcome in run(tasks, folder, workers=workers):
             outcomes[outcome.name] = outcome
             failures = sum(bool(one.failure) for one in outcomes.values())
             words = outcome.name + (f", {failures} failed" if failures else "")
             step(len(outcomes), what=words)
     return [outcomes[task.name] for task in tasks]
-
-
-def _fail(failed: "Sequence[Outcome]", total: int, folder: Path) -> None:
-    """Say what went wrong with each failed run, and end with an error."""
-    say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
-    raise InputError(
-        f"{len(failed)} of {plural(total, 'run')} failed: "
-        f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
-        f"{folder}/*.failed.txt"
-    )

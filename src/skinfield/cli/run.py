@@ -7,34 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from rich.console import Console
+from rich.live import Live as Screen
 
-from skinfield.cli.options import (
-    SOLVERS,
-    USUAL_NO_LOAD,
-    Force,
-    Json,
-    filled,
-    layer_of,
-    mechanics_of,
-    nodes_for,
-    part,
-    profile_in_use,
-    quantity_of,
-    skin_from_text,
-    solver_of,
-)
-from skinfield.cli.report import (
-    check_output,
-    end_undisturbed,
-    note,
-    print_json,
-    show_address,
-    signals_end,
-)
-from skinfield.errors import InputError, SkinfieldError, check_positive
+from skinfield.cli import options, report
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings import (
     BridgeSettings,
     LoopSettings,
@@ -42,7 +21,6 @@ from skinfield.settings import (
     PageSettings,
     Profile,
     RecordSettings,
-    SettingError,
     Settings,
     SkinSettings,
     SourceSettings,
@@ -50,6 +28,7 @@ from skinfield.settings import (
     toml_from_settings,
 )
 
+LiveSolver = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
 REFRESH = 0.25  # s
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
@@ -59,28 +38,48 @@ SAYS = 5.0  # s from line to line about a start, where there is no table
 RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
 LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
-LIVE_SOLVERS = [name for name in SOLVERS if name != "contact"]
+LIVE_SOLVERS = get_args(LiveSolver)
+ON_CAN = (None, "icub", "cyskin")  # hardware whose bus is one of CAN
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
 VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveModel(ModelSettings):
+    """See `ModelSettings`.
+
+    Parameters
+    ----------
+    solver : str, optional
+        How readings become pressure; contacts are fitted beside it (--fit). Default nonnegative.
+    """
+
+    solver: LiveSolver | None = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        if self.solver not in (None, *LIVE_SOLVERS):  # of a file
+            expected = f"one of {', '.join(LIVE_SOLVERS)}: contacts are fitted beside it (fit)"
+            raise self.wrong("solver", expected)
 
 
 def run(
     file: str | None = None,
     /,
     *,
-    duration: float | None = None,
+    duration: options.Duration = None,
     headless: bool = False,
-    as_json: Json = False,
+    as_json: options.Json = False,
     save: str | None = None,
-    force: Force = False,
-    skin: Annotated[SkinSettings, part("Skin")] = SkinSettings(),
-    source: Annotated[SourceSettings, part("Source of readings")] = SourceSettings(),
-    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
-    loop: Annotated[LoopSettings, part("Loop")] = LoopSettings(),
-    page: Annotated[PageSettings, part("Page")] = PageSettings(),
-    bridges: Annotated[BridgeSettings, part("Bridges")] = BridgeSettings(),
-    record: Annotated[RecordSettings, part("Recording")] = RecordSettings(),
+    force: options.Force = False,
+    skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
+    source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
+    model: Annotated[LiveModel, options.part("Model")] = LiveModel(),
+    loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
+    page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
+    bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
+    record: Annotated[RecordSettings, options.part("Recording")] = RecordSettings(),
 ) -> None:
     """Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
 
@@ -110,69 +109,59 @@ def run(
     ----------
     file : str, optional
         Settings (.toml), or a recording of such a run (.mcap).
-    duration : float, s, optional
-        Seconds that it answers; default until Ctrl-C.
     headless : bool
         No table and no browser: for services and scripts.
-    as_json : bool
-        One JSON object at the end.
     save : str, optional
         Write the settings to this file (.toml), and run nothing.
     """
+    from skinfield.files.pending import write_bytes
+
     wanted = Settings(
         skin=skin, source=source, model=model, loop=loop, page=page, bridges=bridges, record=record
     )
     if save is not None:
-        save_settings(wanted, save, force)
+        report.check_output("--save", save, force, ".toml")
+        write_bytes(save, toml_from_settings(wanted).encode())
+        report.note(f"wrote {save}")
         return
-    if duration is not None:
-        check_positive("--duration", duration, "seconds")
     console = Console(stderr=True)
     check_settings(wanted, force)
-    with signals_end(), ExitStack() as parts:
+    with report.signals_end(), ExitStack() as parts:
         try:
             running = start_all(wanted, parts, console)
             browser = page.browser and not headless
-            show_address(running.page.address, console, browser=browser, as_json=as_json)
-            screen = None if headless else _screen(console)
+            report.show_address(running.page.address, console, browser=browser, as_json=as_json)
+            screen = None
+            if not headless:
+                screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
+                screen.start()
             summary = watch(running, duration, screen, console)
         finally:
-            end_undisturbed()
+            report.end_undisturbed()
     if as_json:
-        print_json(summary)
-
-
-def save_settings(wanted: Settings, path: str, force: bool) -> None:
-    """Write settings to a file; raises InputError and FileError if it cannot be written."""
-    from skinfield.files.pending import write_bytes
-
-    check_output("--save", path, force, ".toml")
-    write_bytes(path, toml_from_settings(wanted).encode())
-    note(f"wrote {path}")
+        report.print_json(summary)
 
 
 def check_settings(wanted: Settings, force: bool = False) -> None:
-    """Refuse, before anything starts, what can be seen without a skin.
-
-    Raises
-    ------
-    InputError
-        With the setting, what was expected of it, and what to do.
-    """
+    """Refuse, before anything starts, what can be seen without a skin."""
     from skinfield.bridges.launch import bridge_settings
+    from skinfield.emulator.scenes import SCENES
+    from skinfield.wire.can.adapters import check_interface
 
-    check_output("--record", wanted.record.into, force, ".mcap")
+    report.check_output("--record", wanted.record.into, force, ".mcap")
     check_name(wanted.loop.name)
     check_port(wanted.page.port, wanted.page.host)
     bridge_settings(wanted.bridges)
-    if wanted.model.solver == "contact":
-        raise SettingError(
-            "solver",
-            f"is contact, expected one of {', '.join(LIVE_SOLVERS)}: contacts are fitted beside "
-            "it (fit)",
-        )
+    bus = wanted.source.bus
+    if bus and wanted.source.hardware in ON_CAN:
+        options.parsed("--bus", bus, check_interface)
     if wanted.source.hardware is None:
-        check_scene(wanted.source.scene)
+        scene = wanted.source.scene
+        if scene not in SCENES and not Path(scene).is_file():
+            known = ", ".join(SCENES)
+            raise InputError(
+                f"--scene is {scene!r}, expected one of {known}, or the path of a file"
+            )
 
 
 def check_name(name: str) -> None:
@@ -210,43 +199,25 @@ def check_port(port: int | None, host: str) -> None:
         ) from error
 
 
-def check_scene(scene: str) -> None:
-    """Refuse a scene of the virtual skin that there is none of."""
-    from skinfield.emulator.scenes import SCENES
-
-    if scene not in SCENES and not Path(scene).is_file():
-        raise InputError(
-            f"--scene is {scene!r}, expected one of {', '.join(SCENES)}, or the path of a file"
-        )
-
-
-class NotYet:
-    """Stands for a source that is not there yet, while settings are checked."""
-
-    def open(self) -> Any:
-        """Nobody opens it."""
-        raise InputError("the source is not known yet")
-
-
 def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) -> Any:
     """`LiveSettings` of the settings; the source is one of the live sources."""
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
 
-    model, loop, counts = filled(wanted.model, profile), wanted.loop, filled(wanted.skin, profile)
+    model, loop = options.filled(wanted.model, profile), wanted.loop
     late, deadline = loop.late_after_ms, loop.deadline_us
-    grid = model.grid or max(nodes_for(patch, LIVE_FINEST) for patch in skin)
+    grid = model.grid or max(options.nodes_for(patch, LIVE_FINEST) for patch in skin)
     return LiveSettings(
         skin=skin,
         sources=(source,),
         name=loop.name,
-        layer=layer_of(wanted.skin, profile),
-        mechanics=mechanics_of(model.mechanics or profile.mechanics),
-        quantity=quantity_of(model.quantity or "capacitance"),
+        layer=options.layer_of(wanted.skin, profile),
+        mechanics=options.mechanics_of(model.mechanics or profile.mechanics),
+        quantity=options.quantity_of(model.quantity or "capacitance"),
         solver=live_solver(model.solver or "nonnegative"),
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
-        gain=counts.gain,
+        gain=options.filled(wanted.skin, profile).gain,
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
         deadline=None if late is None else late * 1e-3,
@@ -262,7 +233,9 @@ def live_solver(name: str) -> Any:
     from skinfield.loop.settings import LIVE_TOLERANCE
     from skinfield.solve import NonNegative
 
-    return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else solver_of(name)
+    if name == "nonnegative":
+        return NonNegative(tolerance=LIVE_TOLERANCE)
+    return options.solver_of(name)
 
 
 def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> Any:
@@ -273,7 +246,8 @@ def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> A
         shift = source.named_options.get("shift", str(USUAL_SHIFT))  # bits that the boards drop
         if not shift.isdecimal():
             raise InputError(f"--set shift is {shift!r}, expected a whole number, 2 on most robots")
-        return ICubByte(shift=int(shift), no_load=no_load or profile.no_load or USUAL_NO_LOAD)
+        rest = no_load or profile.no_load or options.USUAL_NO_LOAD
+        return ICubByte(shift=int(shift), no_load=rest)
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
     return CySkinCount() if source.hardware in ("cyskin", "shm") else None
@@ -291,7 +265,7 @@ def virtual_skin(wanted: Settings, profile: Profile) -> Any:
         bus=source.bus or "udp",
         channels=source.channel,
         rate=source.virtual_rate_hz,
-        layer=layer_of(wanted.skin, profile),
+        layer=options.layer_of(wanted.skin, profile),
         noise=VIRTUAL_NOISE,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
@@ -303,39 +277,24 @@ def virtual_skin(wanted: Settings, profile: Profile) -> Any:
 def on_virtual_boards(source: SourceSettings, channels: Sequence[str]) -> SourceSettings:
     """Settings of a source that reads the virtual skin, with what its boards are sent."""
     period = max(round(1e3 / source.virtual_rate_hz), 1)
-    options = (f"period_ms={period}", f"shift={VIRTUAL_SHIFT}", *source.options)
+    texts = (f"period_ms={period}", f"shift={VIRTUAL_SHIFT}", *source.options)
     bus = source.bus or "udp"
-    return replace(source, hardware="icub", bus=bus, channel=tuple(channels), options=options)
+    return replace(source, hardware="icub", bus=bus, channel=tuple(channels), options=texts)
 
 
-class LocalSource:
-    """The source of the skin that runs here, which a new ring under its name takes the place of.
+def newest_source(name: str) -> Callable[[], Sequence[Any]]:
+    """What returns the source of a skin that runs here: another once a new ring has its name."""
+    from skinfield.page.source import LiveSource
 
-    Parameters
-    ----------
-    name : str
-        Of the ring.
-    """
+    newest = [LiveSource(name)]
 
-    def __init__(self, name: str) -> None:
-        from skinfield.page.source import LiveSource
-
-        self._name = name
-        self._source = LiveSource(name)
-
-    @property
-    def source(self) -> Any:
-        """The newest."""
-        return self._source
-
-    def sources(self) -> Sequence[Any]:
-        """The source, looked at whether there is a newer one."""
-        from skinfield.page.source import LiveSource
-
-        if self._source.replaced:
+    def sources() -> Sequence[Any]:
+        if newest[0].replaced:
             with suppress(SkinfieldError):  # it is being made anew
-                self._source = LiveSource(self._name)  # the old one goes with its last reader
-        return (self._source,)
+                newest[0] = LiveSource(name)  # the old one goes with its last reader
+        return newest
+
+    return sources
 
 
 @contextmanager
@@ -348,10 +307,10 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
     from skinfield.record.launch import ReadyRecorders
 
     name = wanted.loop.name
-    local, recorders = LocalSource(name), ReadyRecorders(name)
+    sources, recorders = newest_source(name), ReadyRecorders(name)
 
     controller = LiveController(
-        lambda: local.source,
+        lambda: sources()[0],
         virtual=virtual,
         recordings=Recordings(
             name, recorders, ReplaySource, Path(), lambda text: controller.say("error", text)
@@ -363,7 +322,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         tare_seconds=wanted.loop.tare_s,
     )
     try:
-        with serve_page(wanted.page, local.sources, controller) as page:
+        with serve_page(wanted.page, sources, controller) as page:
             yield page
     finally:
         controller.close()
@@ -372,13 +331,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
 def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running":
     """Start the virtual skin, if there is no hardware, the engine, the page and what is beside it.
 
-    Parameters
-    ----------
-    wanted : Settings
-    parts : ExitStack
-        Ends them all, the last one first.
-    console : Console
-        On stderr.
+    `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
     from skinfield.loop.client import Live
@@ -388,22 +341,26 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     from skinfield.ring import State
     from skinfield.wire.sources.factory import skin_for, source_from_options
 
-    skin, source, virtual = skin_from_text(wanted.skin.layout), wanted.source, None
+    skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
-        profile = profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
-        live_settings(wanted, profile, skin, NotYet())  # refuses what it must
+        profile = options.profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
         # what it answers by, without secrets; a virtual skin is started anew
         tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
+        skin = skin_for(source.hardware or "", skin)
+
+        def settings_of(source: SourceSettings) -> Any:
+            extra = source.named_options
+            if wanted.skin.no_load is not None:  # the boards are sent it as well
+                extra.setdefault("no_load", str(wanted.skin.no_load))
+            hardware, bus = source.hardware or "icub", source.bus or ""
+            stream = source_from_options(hardware, bus, source.channel, skin, extra)
+            live = live_settings(replace(wanted, source=source), profile, skin, stream)
+            return replace(live, tree=tree)
+
+        settings = settings_of(source)  # refuses what it must before anything starts
         if source.hardware is None:
             virtual = parts.enter_context(virtual_skin(wanted, profile))
-            source = on_virtual_boards(source, virtual.channels)
-            wanted = replace(wanted, source=source)
-        hardware = source.hardware or ""
-        skin, extra = skin_for(hardware, skin), source.named_options
-        if wanted.skin.no_load is not None:  # the boards are sent it as well
-            extra.setdefault("no_load", str(wanted.skin.no_load))
-        stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
-        settings = replace(live_settings(wanted, profile, skin, stream), tree=tree)
+            settings = settings_of(on_virtual_boards(source, virtual.channels))
         supervisor = parts.enter_context(Supervisor(settings))
         fit = parts.enter_context(FitProcess(settings.name)) if wanted.loop.fit else None
         supervisor.wait(STARTS, State.STARTING).close()
@@ -420,32 +377,20 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         beside = [*bridged, *([] if fit is None else [fit])]
         for text in (text for each in beside for text in each.notices()):
             page.controller.say("warn", text)
-            note(text, "yellow", console)
+            report.note(text, "yellow", console)
 
     scene = None if virtual is None else source.scene
     return Running(supervisor, live, page, scene, check)
 
 
-@dataclass(frozen=True)
-class Running:
-    """A skin alive, and what is around it.
-
-    Attributes
-    ----------
-    supervisor : Supervisor
-    live : Live
-    page : Page
-    scene : str or None
-        What presses a virtual skin once it answers.
-    check : function
-        Raises what ends the skin, and says what failed.
-    """
+class Running(NamedTuple):
+    """A skin alive, and what is around it."""
 
     supervisor: Any
     live: Any
     page: Any
-    scene: str | None
-    check: Callable[[], None]
+    scene: str | None  # what presses a virtual skin once it answers
+    check: Callable[[], None]  # raises what ends the skin, and says what failed
 
 
 def watch(
@@ -474,19 +419,11 @@ def watch(
                 drawn = now
                 _draw(screen, observer)
     except KeyboardInterrupt:
-        note("stopping", where=console)
+        report.note("stopping", where=console)
     finally:
         if screen is not None:
             screen.stop()
     return summary_of(observer.look(), running.supervisor, contacts.contacts)
-
-
-def _screen(console: Console) -> Any:
-    from rich.live import Live as Screen
-
-    screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
-    screen.start()
-    return screen
 
 
 def _draw(screen: Any, observer: Any) -> None:
@@ -525,7 +462,7 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
             _draw(screen, observer)
         elif doing != before and now > spoke + SAYS:
             spoke = now
-            note(f"{now - began:.0f} s: {doing}", where=console)
+            report.note(f"{now - began:.0f} s: {doing}", where=console)
         before = doing
 
 
@@ -537,7 +474,7 @@ def _report_silent(sources: dict[str, dict[str, int]], console: Console) -> None
             f"nothing has come from {', '.join(silent)} yet, waiting: is it connected and on, and "
             "is --channel right?"
         )
-        note(text, "yellow", console)
+        report.note(text, "yellow", console)
 
 
 def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:

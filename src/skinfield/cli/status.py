@@ -1,22 +1,26 @@
 """`skinfield status`, `tune` and `tare`: what a running skin does, and changes to it."""
 
 import time
-from typing import Any, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 from rich.console import Console
+from rich.text import Text
 
-from skinfield.cli.options import Json
-from skinfield.cli.report import finish, print_json, say
-from skinfield.errors import InputError, SkinfieldError, check_positive
+from skinfield.cli.options import Json, LiveName
+from skinfield.cli.report import Shown, finish
+from skinfield.cli.status_table import status_table
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.settings.tree import Positive
 
 MICRO, MILLI = 1e-6, 1e-3
 
 
 def status(
-    name: str | None = None,
+    name: LiveName = None,
     /,
     *,
-    duration: float = 1.0,
+    duration: Annotated[float, Positive("seconds to watch")] = 1.0,
     watch: bool = False,
     as_json: Json = False,
 ) -> None:
@@ -33,20 +37,14 @@ def status(
 
     Parameters
     ----------
-    name : str, optional
-        Of the running skin.
     duration : float, s
         Seconds to watch, for what is recent.
     watch : bool
         Go on until Ctrl-C.
-    as_json : bool
-        As one JSON object, times in µs.
     """
-    from skinfield.cli.status_table import status_table
     from skinfield.loop.client import Live, chosen
     from skinfield.loop.status import Observer
 
-    check_positive("--duration", duration, "seconds to watch")
     console = Console()
     with Live(chosen(name)) as live:
         observer = Observer(live.reader)
@@ -55,22 +53,21 @@ def status(
             return
         time.sleep(duration)
         newest = observer.look()
-    if as_json:
-        print_json(newest.as_dict())
-        return
-    console.print(status_table(newest, console.width))
+    finish(as_json, newest.as_dict(), lines=_lines(newest, console.width))
+
+
+def _lines(newest: Any, width: int) -> Iterator[Shown]:
+    """The table, and what is to be said beside it."""
+    yield status_table(newest, width)
     sentences = notes_of(newest.notes)
     for time_ns, what, text in (newest.sidecars.get("supervisor") or {}).get("events", []):
         stamp = time.strftime("%H:%M:%S", time.localtime(time_ns * 1e-9))
         sentences.append(f"{stamp} {what}: {text}")
-    for sentence in sentences:
-        console.print(f" {sentence}", style="dim", highlight=False)
+    yield from (Text(f" {sentence}", style="dim") for sentence in sentences)
 
 
 def _watch(console: Console, observer: Any, seconds: float) -> None:
     from rich.live import Live as Screen
-
-    from skinfield.cli.status_table import status_table
 
     try:
         with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
@@ -97,32 +94,24 @@ def notes_of(notes: dict[str, object]) -> list[str]:
     return sentences
 
 
-def tare(name: str | None = None, /, *, as_json: Json = False) -> None:
+def tare(name: LiveName = None, /, *, as_json: Json = False) -> None:
     """Take the baseline of a running skin anew: nothing may touch it meanwhile.
 
     NAME is the one that `skinfield run --name` was given; without it the only one that runs.
 
       skinfield tare
       skinfield tare left_arm
-
-    Parameters
-    ----------
-    name : str, optional
-        Of the running skin.
-    as_json : bool
-        Which skin it was, as one JSON object.
     """
     from skinfield.loop.client import Live, chosen
 
     with Live(chosen(name)) as live:
         live.tare()
-        if not as_json:
-            say(f"{live.name} takes its baseline anew: leave the skin untouched")
-        finish(as_json, {"name": live.name})
+        text = f"{live.name} takes its baseline anew: leave the skin untouched"
+        finish(as_json, {"name": live.name}, lines=[text])
 
 
 def tune(
-    name: str | None = None,
+    name: LiveName = None,
     /,
     *,
     deadline_us: float | None = None,
@@ -149,8 +138,6 @@ def tune(
 
     Parameters
     ----------
-    name : str, optional
-        Of the running skin.
     deadline_us : float, µs, optional
         Time for the reconstruction in each cycle, µs.
     resolution : int or "auto", optional
@@ -161,8 +148,6 @@ def tune(
         Time constant of a low-pass, ms; 0: none.
     focus : str, optional
         A window of a patch, PATCH:X0,Y0,X1,Y1 in mm; or none.
-    as_json : bool
-        What is in force, as one JSON object in SI.
     """
     from skinfield.loop.client import Live, chosen
 
@@ -179,11 +164,7 @@ def tune(
         if changes:
             live.tune(**changes)
         plain = live.limits.as_dict(live.tuning)
-    if as_json:
-        print_json(plain)
-        return
-    for line in lines_of(plain):
-        say(line)
+    finish(as_json, plain, lines=lines_of(plain))
 
 
 def focus_from_text(text: str, patches: list[str]) -> Any:

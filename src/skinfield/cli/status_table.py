@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from rich.console import Group
 from rich.text import Text
 
-from skinfield.loop.realtime import Quantiles, Timing
+from skinfield.loop.realtime import Quantiles
 from skinfield.loop.status import Status
 from skinfield.loop.status_text import start_in_words
 
@@ -28,9 +28,8 @@ class Column(NamedTuple):
 
     def cell(self, text: str) -> str:
         """Text as wide as the column; a name that is too long for it loses its middle."""
-        return (
-            shortened(text, self.width).ljust(self.width) if self.left else text.rjust(self.width)
-        )
+        width = self.width
+        return shortened(text, width).ljust(width) if self.left else text.rjust(width)
 
 
 TIMES = (
@@ -63,13 +62,8 @@ PATCHES = (
 def status_table(status: Status, width: int = NARROW, height: int | None = None) -> Group:
     """Everything, in so many columns and, if given, lines of the screen.
 
-    Parameters
-    ----------
-    status : Status
-    width : int
-        Patches' names are cut in the middle where it is too little.
-    height : int, optional
-        Contacts and patches that do not fit are counted instead. By default all are told.
+    Patches' names are cut in the middle where the width is too little; contacts and patches that
+    do not fit into the height are counted instead.
     """
     head, foot = _headline(status) + _times(status), _events(status) + _sources(status)
     room = LONG if height is None else height - len(head) - len(foot) - 6  # headings, counts
@@ -136,20 +130,15 @@ def _times(status: Status) -> list[Text]:
         ("ready", "ready after waking"),
         ("latency", "reading to estimate"),
     ):
-        four = _four(getattr(status.lately, name))
-        lines.append(_row(columns, [label, *four, *_two(status.since, name)], gap=" "))
+        four = _micros(getattr(status.lately, name), ("p50", "p99", "p999", "max"))
+        two = _micros(getattr(status.since, name), ("p999", "max"))
+        lines.append(_row(columns, [label, *four, *two], gap=" "))
     return lines
 
 
-def _four(found: Quantiles | None) -> list[str]:
-    if found is None:
-        return ["-"] * 4
-    return [_micro(each) for each in (found.p50, found.p99, found.p999, found.max)]
-
-
-def _two(timing: Timing, name: str) -> list[str]:
-    found: Quantiles | None = getattr(timing, name)
-    return ["-", "-"] if found is None else [_micro(found.p999), _micro(found.max)]
+def _micros(found: Quantiles | None, names: tuple[str, ...]) -> list[str]:
+    values = [None if found is None else getattr(found, name) for name in names]
+    return ["-" if value is None else _micro(value) for value in values]
 
 
 def _micro(seconds: float) -> str:

@@ -1,25 +1,61 @@
 """`skinfield validate`: score solvers on cases whose truth is known."""
 
+import json
+import math
+import pkgutil
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 
-from skinfield.cli.contenders import entrant_from_options, named
-from skinfield.cli.options import OUTPUT, Force, Json, flags_set, processes
-from skinfield.cli.report import check_output, console, finish, plural, progress, table_of
-from skinfield.cli.scores import (
-    PER_CASE,
-    exceeds,
-    limits_from_texts,
-    table_of_noises,
-    table_of_summary,
-)
-from skinfield.errors import InputError, check_count, check_positive
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
+from skinfield.errors import FileError, InputError
+from skinfield.settings.tree import Positive, Range
+
+if TYPE_CHECKING:
+    from skinfield.solve import Solver
 
 WIDE = 160  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
+SHOWN = {  # measure, and how the table calls it
+    "force_error": "force of all contacts",
+    "field_force_error": "force of the field",
+    "contact_force_error": "force of a contact found",
+    "place_error_mm": "place of a contact found, mm",
+    "peak_error": "peak pressure",
+    "pressure_error": "pressure, relative L2",
+    "blurred_pressure_error": "pressure blurred by 2 mm, relative L2",
+    "deformation_error": "deformation, relative L2",
+    "area_error": "contact area",
+}
+AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and decimals
+    ("force_error", 100.0, "force\n%", 0),
+    ("place_error_mm", 1.0, "place\nmm", 2),
+    ("contact_force_error", 100.0, "contact\nforce %", 0),
+    ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
+    ("deformation_error", 100.0, "deform.\n%", 0),
+    ("force_held", 100.0, "force in\ninterval %", 0),
+    ("missed", 100.0, "missed\n%", 0),
+    ("false_per_reading", 1.0, "false per\nreading", 2),
+    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
+    ("cold_ms", 1.0, "cold\nms", 1),
+    ("warm_ms", 1.0, "warm\nms", 2),
+)
+RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
+PER_CASE = (
+    Column("case", "case"), Column("true N", "true_force_N", decimals=2),
+    Column("force", "force_error", decimals=2), Column("place mm", "place_error_mm", decimals=2),
+    Column("pressure, blurred", "blurred_pressure_error", decimals=2),
+    Column("deformation", "deformation_error", decimals=2),
+    Column("missed", "missed", decimals=2), Column("false", "false", decimals=2),
+)  # fmt: skip
 
 
 def validate(
@@ -29,19 +65,19 @@ def validate(
     solver: tuple[str, ...] = (),
     settings: str = "{}",
     mechanics: Literal["case", "layer", "covered-layer", "half-space"] = "case",
-    grid: int = 40,
-    gate_mm: float = 8.0,
-    noise: tuple[float, ...] = (),
-    unseen: int | None = None,
+    grid: Annotated[int, Range(2, 500, "nodes on a side")] = 40,
+    gate_mm: Annotated[float, Positive("distance of contacts that are the same, in mm")] = 8.0,
+    noise: Annotated[tuple[float, ...], Range(0.0, 1e12, "0: none")] = (),
+    unseen: Annotated[int | None, Range(1, 100_000, "random presses")] = None,
     quantity: tuple[Literal["capacitance", "stress"], ...] = (),
-    layout: str = "icub_hexagon",
-    idle: int = 5000,
-    workers: int | None = None,
-    seed: int = 0,
+    layout: options.LayoutText = "icub_hexagon",
+    idle: Annotated[int, Range(1, 10_000_000, "readings of noise alone")] = 5000,
+    workers: options.Workers = None,
+    seed: options.Seed = 0,
     per_case: bool = False,
-    output: Annotated[tuple[str, ...], OUTPUT] = (),
-    force: Force = False,
-    as_json: Json = False,
+    output: Annotated[tuple[str, ...], options.OUTPUT] = (),
+    force: options.Force = False,
+    as_json: options.Json = False,
     require: tuple[str, ...] = (),
 ) -> int:
     """Score a solver on the cases of a folder, or on one file.
@@ -88,48 +124,35 @@ def validate(
         So many random presses, made here, instead of CASES.
     quantity : tuple of str
         What taxels read, with --unseen. Again for more. Default both.
-    layout : str
-        Generator of the patch, with --unseen.
     idle : int
         Readings of noise alone, with --unseen.
-    workers : int, optional
-        Processes at once, with --unseen. Default one for each core.
-    seed : int
-        Of presses and noise, with --unseen or --noise.
     per_case : bool
         A line per case, too.
     output : tuple of str
         Summary and cases (.json), or a row per case (.csv); again for both.
-    as_json : bool
-        Summary as one JSON object.
     require : tuple of str
         MEASURE=MOST: exit with 1 where the median, or the share 'missed', is higher; again for
         more.
     """
-    options = dict(locals())
+    values = dict(locals())
     limits_from_texts(require)
-    check_positive("--gate-mm", gate_mm, "distance of contacts that are the same, in mm")
-    check_count("--grid", grid, 1, 500, "nodes on a side")
-    check_count("--seed", seed, 0, 1 << 63, "of presses and noise")
-    check_count("--idle", idle, 1, 10_000_000, "readings of noise alone")
     for name in output:
-        check_output("--output", name, force, ".csv", ".json")
+        report.check_output("--output", name, force, ".csv", ".json")
     if (cases is None) == (unseen is None):
         raise InputError(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
-    _check_together(options)
+    _check_together(values)
     if unseen is not None:
-        check_count("--unseen", unseen, 1, 100_000, "random presses")
-        return int(_score_unseen(options))
-    return int(_score_at_noises(options) if noise else _score_as_it_is(options))
+        return int(_score_unseen(values))
+    return int(_score_at_noises(values) if noise else _score_as_it_is(values))
 
 
-def _check_together(options: dict[str, Any]) -> None:
+def _check_together(values: dict[str, Any]) -> None:
     """Refuse what would have no effect."""
-    unseen, noisy = options["unseen"] is not None, bool(options["noise"])
+    unseen, noisy = values["unseen"] is not None, bool(values["noise"])
     named = (
-        bool(options["solver"]) or not unseen,
+        bool(values["solver"]) or not unseen,
         "--solver: with --unseen alone, solvers come as they are",
     )
     needs = {
@@ -138,50 +161,51 @@ def _check_together(options: dict[str, Any]) -> None:
         "seed": (unseen or noisy, "--unseen or --noise"),
         "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
     }
-    for name, flag in flags_set(validate, options):
+    for name, flag in options.flags_set(validate, values):
         fits, owner = needs.get(name, (True, ""))
         if not fits:
             raise InputError(f"{flag} has no effect here: it belongs to {owner}")
 
 
-def _score_as_it_is(options: dict[str, Any]) -> bool:
+def _score_as_it_is(values: dict[str, Any]) -> bool:
     """Score solvers one after another on the readings that the cases hold."""
     from skinfield.lab.case_files import case_paths
 
-    paths, rows, summaries = case_paths(options["cases"]), [], {}
-    for solver in options["solver"] or ("gaussian",):
-        mine, summary = _scored(paths, solver, entrant_from_options(solver, options))
-        if not options["as_json"]:
-            if options["per_case"]:
-                title = "Medians over each case's readings"
-                console().print(table_of(title, mine, PER_CASE))
-            readings = plural(summary["readings"], "reading")
-            title = f"{solver} on {plural(len(paths), 'case')}, {readings}"
-            console().print(table_of_summary(summary, title))
+    paths, rows, summaries = case_paths(values["cases"]), [], {}
+    lines: list[report.Shown] = []
+    for solver in values["solver"] or ("gaussian",):
+        mine, summary = _scored(paths, solver, entrant_from_options(solver, values))
+        if values["per_case"]:
+            lines.append(report.table_of("Medians over each case's readings", mine, PER_CASE))
+        readings = report.plural(summary["readings"], "reading")
+        title = f"{solver} on {report.plural(len(paths), 'case')}, {readings}"
+        lines.append(table_of_summary(summary, title))
         rows += mine
         summaries[solver] = summary
     one = len(summaries) == 1
     result = next(iter(summaries.values())) if one else summaries
-    about = {key: options[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
+    about = {key: values[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
     about["solver"] = next(iter(summaries)) if one else list(summaries)
     files = {"options": about, "summary": result}
-    return _finish(options, rows, rows, files, result, list(summaries.values()))
+    report.finish(values["as_json"], result, lines=lines)
+    return _finish(values, rows, rows, files, list(summaries.values()))
 
 
 def _finish(
-    options: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], result: Any, judged: Rows
+    values: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], judged: Rows
 ) -> bool:
-    """Write and print what was scored; whether a limit is exceeded."""
+    """Write what was scored; whether a limit is exceeded."""
     from skinfield.files import write_summary
     from skinfield.lab.score import write_csv
 
-    for name in options["output"]:
+    for name in values["output"]:
         if name.lower().endswith(".csv"):
             write_csv(csv, name)
         else:
             write_summary(name, about | {"rows": rows})
-    finish(options["as_json"], result, options["output"])
-    limits = limits_from_texts(options["require"])
+        if not values["as_json"]:
+            report.say(f"wrote {name}")
+    limits = limits_from_texts(values["require"])
     exceeded = [exceeds(limits, columns) for columns in judged]  # each is named
     return any(exceeded)
 
@@ -193,7 +217,7 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
     from skinfield.lab.validation import row_of_case
 
     rows, scores = [], []
-    with progress(f"scoring {solver}", len(paths)) as step:
+    with report.progress(f"scoring {solver}", len(paths)) as step:
         for path in paths:
             case = load_case(path)
             with named(path, solver):
@@ -204,64 +228,239 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
     return rows, summarise([score.row() for score in scores])
 
 
-def _score_unseen(options: dict[str, Any]) -> bool:
+def _score_unseen(values: dict[str, Any]) -> bool:
     """Press at random, score every solver at every noise, and report beside the bound."""
     from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
     from skinfield.lab.validation import Level, known_entrants
 
-    quantities = options["quantity"] or tuple(NOISES)
-    if options["noise"] and len(quantities) > 1:
+    quantities = values["quantity"] or tuple(NOISES)
+    if values["noise"] and len(quantities) > 1:
         raise InputError("--noise is in a quantity's unit, expected one --quantity beside it")
-    levels = [(each, noise) for each in quantities for noise in options["noise"] or NOISES[each]]
-    chosen = [entrant_from_options(name, options) for name in options["solver"]]
-    gate = options["gate_mm"] * 1e-3
+    levels = [(each, noise) for each in quantities for noise in values["noise"] or NOISES[each]]
+    chosen = [entrant_from_options(name, values) for name in values["solver"]]
+    gate = values["gate_mm"] * 1e-3
     plan = AccuracyPlan(
         entrants=tuple(chosen or (replace(each, gate=gate) for each in known_entrants())),
         levels=tuple(Level(*each) for each in dict.fromkeys(levels)),
-        layout=options["layout"],
-        presses=options["unseen"],
-        idle=options["idle"],
-        seed=options["seed"],
+        layout=values["layout"],
+        presses=values["unseen"],
+        idle=values["idle"],
+        seed=values["seed"],
     )
-    number = processes(options["workers"])
+    number = options.processes(values["workers"])
     patch = plan.patch.name  # an unknown one is said before anything is computed
-    with progress("unseen presses") as step:
+    with report.progress("unseen presses") as step:
         findings = computed(plan, number, step)
-    return _report_noises(findings, patch, options)
+    return _report_noises(findings, patch, values)
 
 
-def _score_at_noises(options: dict[str, Any]) -> bool:
+def _score_at_noises(values: dict[str, Any]) -> bool:
     """Add noises to cases that hold exact readings, score every solver, and report."""
     from skinfield.lab.accuracy import Findings
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import Level, noise_seed, rows_of_case
 
-    tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
-    paths: list[Path] = case_paths(options["cases"])
+    tried = [entrant_from_options(name, values) for name in values["solver"] or ("gaussian",)]
+    paths: list[Path] = case_paths(values["cases"])
     rows: Rows = []
-    with progress("scoring", len(paths)) as step:
+    with report.progress("scoring", len(paths)) as step:
         for index, path in enumerate(paths):
-            case, seed = load_case(path), noise_seed(options["seed"], index)
-            levels = [Level(case.quantity, noise) for noise in options["noise"]]
+            case, seed = load_case(path), noise_seed(values["seed"], index)
+            levels = [Level(case.quantity, noise) for noise in values["noise"]]
             for method in tried:
                 with named(path, method.name):
                     scored = rows_of_case(case, levels, [method], seed)
                 rows += [{"case": case.name, "file": path.name} | row for row in scored]
             step()
-    return _report_noises(Findings(rows), options["cases"], options)
+    return _report_noises(Findings(rows), values["cases"], values)
 
 
-def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
+def _report_noises(findings: Any, where: str, values: dict[str, Any]) -> bool:
     """Print a table for each quantity, and write; whether a limit is exceeded."""
     from skinfield.lab.accuracy import accuracy_rows
 
-    summary = accuracy_rows(findings, seed=options["seed"])
-    count = plural(len({row["case"] for row in findings.rows}), "case")
-    for quantity in dict.fromkeys(row["quantity"] for row in summary):
-        mine = [row for row in summary if row["quantity"] == quantity]
-        if not options["as_json"]:
-            made = table_of_noises(mine, f"{quantity}: {count} on {where}")
-            Console(width=max(console().width, WIDE)).print(made)
+    summary = accuracy_rows(findings, seed=values["seed"])
+    count = report.plural(len({row["case"] for row in findings.rows}), "case")
+    if values["as_json"]:
+        report.print_json(summary)
+    else:  # wider than other tables
+        out = Console(width=max(report.console().width, WIDE))
+        for quantity in dict.fromkeys(row["quantity"] for row in summary):
+            mine = [row for row in summary if row["quantity"] == quantity]
+            out.print(table_of_noises(mine, f"{quantity}: {count} on {where}"))
     about = {"options": {"on": where}, "summary": summary}
     judged = [row for row in summary if "missed" in row]  # not the bound
-    return _finish(options, findings.rows, summary, about, summary, judged)
+    return _finish(values, findings.rows, summary, about, judged)
+
+
+# ---- solvers
+
+
+def entrant_from_options(name: str, values: dict[str, Any]) -> Any:
+    """Solver of a name with the mechanics and the grid of the options; the paper's has its own."""
+    from skinfield.lab.validation import PAPER, Entrant, known_entrants
+
+    if values["settings"] != "{}" and (len(values["solver"]) > 1 or name == PAPER):
+        raise InputError(
+            f"--settings is {values['settings']!r}, expected it beside one --solver that takes "
+            "them: the paper's method has none"
+        )
+    gate = values["gate_mm"] * 1e-3
+    if name == PAPER:
+        paper = next(entrant for entrant in known_entrants() if entrant.name == PAPER)
+        return replace(paper, gate=gate)
+    mechanics = values["mechanics"]
+    return Entrant(
+        name=name,
+        solver=solver_from_text(name, values["settings"]),
+        mechanics=None if mechanics == "case" else options.mechanics_of(mechanics),
+        nodes=values["grid"],
+        gate=gate,
+    )
+
+
+@contextmanager
+def named(path: Path, solver: str) -> Iterator[None]:
+    """Errors name the case; those of a solver from elsewhere also where they come from."""
+    try:
+        yield
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from error
+    except MemoryError as error:
+        raise FileError(
+            f"{path} does not fit into memory, expected positions in metres on a patch of some "
+            f"decimetres, or a coarser --grid: {error}"
+        ) from error
+    except Exception as error:
+        if ":" not in solver:
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        raise FileError(
+            f"{path}: --solver {solver} fails with {type(error).__name__}: {error} "
+            f"({last.filename}, line {last.lineno})"
+        ) from error
+
+
+def solver_from_text(text: str, settings: str = "{}") -> "Solver":
+    """Solver by its name, or imported, such as "package.module:Class", and made with settings.
+
+    Raises InputError if there is no such solver, it does not take these settings, a JSON object, or
+    it has no `prepare`.
+    """
+    try:
+        keywords = json.loads(settings)
+    except ValueError:
+        keywords = None
+    if not isinstance(keywords, dict):
+        raise InputError(f"--settings is {settings!r}, expected a JSON object such as {{}}")
+    if ":" in text:
+        make = _imported(text)
+    elif text in options.SOLVERS:
+        from skinfield import solve as inverse
+
+        make = getattr(inverse, options.SOLVERS[text])
+    else:
+        raise InputError(
+            f"--solver is {text!r}, expected one of {', '.join(options.SOLVERS)}, or your own as "
+            "package.module:Class"
+        )
+    ready = (_is_solver(make) and not keywords) or not callable(make)
+    try:
+        solver = make if ready else make(**keywords)
+    except TypeError as error:
+        raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
+    if not _is_solver(solver):
+        raise InputError(
+            f"--solver is {text!r}, which has no prepare(model), expected a solver: "
+            "see CONTRIBUTING.md"
+        )
+    return solver  # type: ignore[no-any-return]
+
+
+def _is_solver(value: Any) -> bool:
+    """Whether it is an object, not a class of objects, that prepares."""
+    return not isinstance(value, type) and callable(getattr(value, "prepare", None))
+
+
+def _imported(text: str) -> Any:
+    """What "package.module:name" names; modules of the current folder count."""
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.append(here)  # processes that are started later import from it, too
+    try:
+        return pkgutil.resolve_name(text)
+    except Exception as error:  # whatever runs while a foreign module is imported
+        raise InputError(
+            f"--solver is {text!r}, which cannot be imported: {type(error).__name__}: {error}"
+        ) from error
+
+
+# ---- tables and limits
+
+
+def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
+    """Highest allowed values by measure, from texts such as "missed=0.1"."""
+    from skinfield.lab.score import MEASURES, RATES
+
+    known = (*MEASURES[:-2], "force_bias", *RATES)  # times are not for limits
+
+    limits = {}
+    for text in texts:
+        name, _, most = text.partition("=")
+        with suppress(ValueError):
+            limits[name] = float(most)
+        if name not in known or name not in limits:
+            raise InputError(
+                f"--require is {text!r}, expected MEASURE=NUMBER with one of {', '.join(known)}"
+            )
+    return limits
+
+
+def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
+    """Whether a limit is exceeded, or there is no number to compare, which stderr then says."""
+    failed = False
+    for name, most in limits.items():
+        value = float(columns.get(f"{name}_median", columns.get(name, math.nan)))
+        if not value <= most:
+            failed = True
+            sys.stderr.write(f"{name} is {value:.4g}, required at most {most:g}\n")
+    return failed
+
+
+def table_of_summary(summary: dict[str, Any], title: str) -> Any:
+    """Medians with their intervals, 90th percentiles and rates."""
+    made = report.table(title, ("error of",), ("median", "95 % interval", "90th percentile"))
+    for key, label in SHOWN.items():
+        median, low, high, p90 = (
+            report.fixed(summary[f"{key}_{end}"], 3) for end in ("median", "low", "high", "p90")
+        )
+        made.add_row(label, median, f"{low} to {high}", p90)
+    for key, label in RATES.items():
+        rate, low, high = (
+            report.fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high")
+        )
+        made.add_row(label, rate, f"{low} to {high}", "")
+    return made
+
+
+def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
+    """Medians and 90th percentiles, noise by noise and solver by solver."""
+    known = set().union(*rows)
+    shown = [each for each in AT_NOISES if {each[0], f"{each[0]}_median"} & known]
+    labels = [label for _, _, label, _ in shown]
+    title += "; median/90th percentile"
+    made = report.table(title, ("noise", "solver"), labels, box=SIMPLE_HEAD)
+    for index, row in enumerate(rows):
+        new = index == 0 or row["noise"] != rows[index - 1]["noise"]
+        last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
+        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
+        for key, factor, _, digits in shown:
+            ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
+            cells.append("/".join(_cut(row.get(end, math.nan) * factor, digits) for end in ends))
+        made.add_row(*cells, end_section=last)
+    return made
+
+
+def _cut(value: float, digits: int) -> str:
+    """A number; an exponent would hide how large it is, so what is huge is cut."""
+    return report.fixed(value, digits) if not 1e4 <= abs(value) < math.inf else ">9999"

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from rich.console import Console
 
-from skinfield.cli.options import Page, part
+from skinfield.cli.options import Duration, Page, part
 from skinfield.cli.replay import opened, show_page
-from skinfield.errors import InputError, check_positive
+from skinfield.errors import InputError
 from skinfield.settings import PageSettings, ZenohAddresses
 
 
@@ -16,7 +16,7 @@ def view(
     file: str | None = None,
     /,
     *,
-    duration: float | None = None,
+    duration: Duration = None,
     page: Page = PageSettings(),
     zenoh: Annotated[ZenohAddresses, part("Skins elsewhere")] = ZenohAddresses(),
 ) -> None:
@@ -40,17 +40,7 @@ def view(
     ----------
     file : str, optional
         Recording (.mcap).
-    duration : float, s, optional
-        Seconds; default until Ctrl-C.
     """
-    _check(file, zenoh, duration)
-    console = Console(stderr=True)
-    shown = _elsewhere(zenoh) if file is None else opened(file, console)
-    show_page(shown, page, duration, console)
-
-
-def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> None:
-    """Raise InputError unless it is clear what to show."""
     if (file is None) == (not zenoh.zenoh):
         what = "neither was given" if file is None else "both were given"
         raise InputError(
@@ -59,8 +49,9 @@ def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> N
         )
     if file is not None and zenoh.addressed:
         raise InputError("addresses of zenoh were given with a recording, expected --zenoh alone")
-    if duration is not None:
-        check_positive("--duration", duration, "s")
+    console = Console(stderr=True)
+    shown = _elsewhere(zenoh) if file is None else opened(file, console)
+    show_page(shown, page, duration, console)
 
 
 @contextmanager

@@ -255,17 +255,22 @@ def python_can() -> ModuleType:
     return can
 
 
+def check_interface(name: str) -> None:
+    """Raise InputError unless a bus can be opened by that name."""
+    if name in ("udp", "socketcan"):
+        return
+    known = sorted(python_can().VALID_INTERFACES)
+    if name not in known:
+        raise InputError(f"interface is {name!r}, expected {INTERFACES}: {', '.join(known)}")
+
+
 class PythonCanBus(Bus):
     """See `Bus` and `BusSettings`."""
 
     def __init__(self, settings: BusSettings) -> None:
         super().__init__(settings)
         self._can = python_can()
-        known = sorted(self._can.VALID_INTERFACES)
-        if settings.interface not in known:
-            raise InputError(
-                f"interface is {settings.interface!r}, expected {INTERFACES}: {', '.join(known)}"
-            )
+        check_interface(settings.interface)
         self._bus: Any = None
         self._open()
 
