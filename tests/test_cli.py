@@ -63,7 +63,7 @@ def test_few_commands_are_listed_and_the_rest_is_named() -> None:
         (["run", "--rate-hz", "-3"], "--rate-hz is -3.0, expected a finite number above 0"),
         (["run", "--solver", "best"], 'Invalid value "best" for --solver'),
         (["layout", "show", "hexagon72"], "--output"),
-        (["layout", "lint", "no_such.txt"], "no_such.txt: no such file, and no generator"),
+        (["layout", "lint", "no_such.txt"], "no_such.txt: No such file or directory"),
         (["layout", "show", "hexagon72", "-o", "a.gif"], "'.gif'"),
         (["layout", "show", "rectangular:rows=x", "-o", "a.png"], "rows"),
         (["layout", "convert", "hexagon72", "a.xyz"], "'.xyz'"),
