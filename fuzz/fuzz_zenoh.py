@@ -24,7 +24,7 @@ from skinfield.loop.model_config import ModelConfig, Models
 from skinfield.loop.ring_fields import describe
 from skinfield.loop.slots import Sizes
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import contacts_of
+from skinfield.loop.status import plain_contacts
 from skinfield.signal import ICubByte, Port
 from skinfield.solve import Tikhonov
 
@@ -98,7 +98,7 @@ def read_cycle(data: bytes) -> None:
     slot = PLAN.slot(data)
     models = Models(MODEL_CONFIG, NOISE.noise_std)
     snapshot = Snapshot(slot, 1, models, 2 * 10**18)
-    json.dumps(contacts_of([patch.name for patch in MODEL_CONFIG.skin], slot))
+    json.dumps(plain_contacts([patch.name for patch in MODEL_CONFIG.skin], slot.used_contacts()))
     assert len(snapshot.ages()) == 1
     for name in snapshot:
         assert np.isfinite(snapshot[name].pressure).all()

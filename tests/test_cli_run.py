@@ -174,8 +174,9 @@ class Running:
 
     def opened(self, port: int) -> ClientConnection:
         """A browser of its page, for which a recorder stands ready."""
+        before = {pid for pid in self.seen if records(pid)}
         browser = connect(f"ws://127.0.0.1:{port}/socket")
-        self.wait_for(lambda: any(map(waits, self.seen)))
+        self.wait_for(lambda: any(records(pid) for pid in self.seen - before))
         return browser
 
     def all_gone(self) -> bool:
@@ -183,10 +184,10 @@ class Running:
         return not any(lives(each) for each in self.seen)
 
 
-def waits(pid: int) -> bool:
-    """Whether a process is a recorder that stands ready, or will."""
+def records(pid: int) -> bool:
+    """Whether a process is a recorder, or stands ready to be one."""
     try:
-        return b"--wait" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+        return b"skinfield.record.recorder" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
         return False
 
@@ -275,7 +276,7 @@ def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     port = free_port()
     with running("--json", "--record", str(file), "--port", str(port), name=name) as found:
         found.wait_for(found.feels)
-        assert not any(map(waits, found.seen))  # nobody looks on
+        assert sum(map(records, found.seen)) == 1  # nobody looks on
         found.opened(port)
         text, errors = ends(found, signal.SIGINT)
         assert found.process.returncode == 0, errors

@@ -8,8 +8,8 @@ from live_skins import LAYER, settings
 
 import skinfield as sf
 from skinfield.emulator import VirtualSettings
-from skinfield.emulator.electronics import Converters, converters_from
-from skinfield.emulator.packet import REST, packet_converters
+from skinfield.emulator.electronics import converters_for, manufacture
+from skinfield.emulator.packet import REST
 from skinfield.loop.baseline import Baseline, BaselineCollector
 from skinfield.loop.model_config import ModelConfig, bind
 from skinfield.loop.slots import Slot
@@ -38,13 +38,13 @@ class Skin:
 
     def __init__(self, hardware: str, noise: float, seed: int = 0) -> None:
         made = VirtualSettings(hardware=hardware, noise=noise, seed=seed)
-        skin = sf.Skin((PATCH,))
         bytewise = hardware == "icub"
         board = ICubByte() if bytewise else None
         self.settings = settings(skin=PATCH, board=board, tare_seconds=1.0)
         self.kind = Kind.BYTES if bytewise else Kind.SHORTS
-        self.converters: Converters = (
-            converters_from(skin, made, 240.0, 255.0) if bytewise else packet_converters(skin, made)
+        rest, high = (240.0, 255.0) if bytewise else (REST, 65535.0)
+        self.converters = converters_for(
+            manufacture(sf.Skin((PATCH,)), made), made, np.full(len(PATCH), rest), (0.0, high)
         )
         self.model_config = ModelConfig.of(self.settings, (Port("port", len(PATCH)),))
         self.binding = bind(self.settings.skin, self.model_config.ports)

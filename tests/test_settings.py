@@ -43,6 +43,7 @@ WORDS = {  # fields whose values are checked in their own way
     "yarp_name_server": st.none(),
     "rate_hz": st.floats(1.0, 1e5),
     "gain": st.none() | st.floats(-1e4, -1e-3),
+    "solver": st.sampled_from([None, "gaussian", "nonnegative"]),  # a run takes fewer
     "deadline_us": st.none() | st.floats(0.1, 9.0),
 }
 

@@ -243,7 +243,7 @@ def test_the_command_ends_with_a_summary_when_it_is_told_to():
         (["--temperature", "hot"], "temperature is 'hot', expected 25"),
         (["--fault", "reboot 0@soon"], "reboot is '0@soon', expected WHAT[@START][+SECONDS]"),
         (["--skin", "skim"], "skim: no such file"),
-        (["--rate-hz", "0"], "rate is 0"),
+        (["--rate-hz", "0"], "--rate-hz is 0.0, expected a number from 0.01"),
     ],
 )
 def test_what_the_command_cannot_use_is_said(words, said):
