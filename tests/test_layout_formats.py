@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts import FORMATS, fingertip
+from skinfield.files.layouts import FORMATS
 from skinfield.files.layouts.load import load_layout, save_layout
 from skinfield.skin import Patch, Skin, generators
 
@@ -106,41 +106,19 @@ def test_unknown_content_lists_what_was_tried(tmp_path: Path) -> None:
         load_layout(tmp_path)
 
 
+HAND = "skinfield_layout = 1\n[[patch]]\n"
+
+
 def test_a_layout_by_hand(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text(
-        "skinfield_layout = 1\n[[patch]]\npositions_mm = [[0, 0], [4.75, 0], [0, 4.75]]\n"
-        "link_from_patch_translation_mm = [10, 0, 2.5]\n"
-    )
-    skin = load_layout(tmp_path / "a.toml")
+    skin = read(
+        tmp_path, "a.toml",
+        f"{HAND}positions_mm = [[0, 0], [4.75, 0], [0, 4.75]]\n"
+        "link_from_patch_translation_mm = [10, 0, 2.5]\n",
+    )  # fmt: skip
     assert (skin.name, skin[0].name, skin.notes) == ("a", "patch 0", ())
     assert skin[0].positions[1, 0] == 4.75e-3
     np.testing.assert_array_equal(skin[0].normals, [[0, 0, 1]] * 3)
     np.testing.assert_array_equal(skin[0].link_from_patch[:3, 3], [0.01, 0, 0.0025])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("skinfield_layout = 2\n", "skinfield_layout is 2, expected 1"),
-        ("skinfield_layout = 1\n", "missing required field `patch`"),
-        (
-            "skinfield_layout = 1\n[[patch]]\npositions = [[1, 2]]\n",
-            "unknown field `positions` - at `patch\\[0\\]`",
-        ),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuids = [1]\n", "field `uids`"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2], [3]]\n", r"_mm\[1\]`"),
-        ("skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, nan]]\n", "finite numbers"),
-        (
-            "skinfield_layout = 1\n[[patch]]\npositions_mm = [[1, 2]]\nuid = [1.5]\n",
-            "`int . str`, got",
-        ),
-        ("skinfield_layout = 1\nname = \n", "line 2"),
-    ],
-)
-def test_faults_of_a_layout_by_hand_are_named(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "a.toml").write_text(text)
-    with pytest.raises(FileError, match=message):
-        load_layout(tmp_path / "a.toml")
 
 
 CYSKIN_TAXELS = [
@@ -153,17 +131,20 @@ CYSKIN_TAXELS = [
 ]
 
 
-def cyskin_file(folder: Path, **tree) -> Path:
-    path = folder / "a.json"
-    path.write_text(json.dumps({"info": {"file_version": "2", "name": "arm"}, **tree}))
-    return path
+def cyskin(**tree) -> str:
+    return json.dumps({"info": {"file_version": "2", "name": "arm"}, **tree})
+
+
+def read(folder: Path, name: str, text: str) -> Skin:
+    (folder / name).write_bytes(text.encode())
+    return load_layout(folder / name)
 
 
 @pytest.mark.parametrize("as_list", [False, True])
 def test_cyskin_modules_poses_and_what_is_no_taxel(tmp_path: Path, as_list: bool) -> None:
     tf = [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0.1, 0.2, 0.3, 1]  # column by column
     body = {"parent_frames": [{"name": "forearm", "tf_matrix": tf}], "taxels": CYSKIN_TAXELS}
-    skin = load_layout(cyskin_file(tmp_path, skin=[body] if as_list else body))
+    skin = read(tmp_path, "a.json", cyskin(skin=[body] if as_list else body))
     patch = skin[0]
     assert patch.uid.tolist() == [0x501, 0x502, 0x334]
     assert patch.module.tolist() == [1, 1, 0]
@@ -178,28 +159,15 @@ def test_cyskin_modules_poses_and_what_is_no_taxel(tmp_path: Path, as_list: bool
 def test_cyskin_maps_alone_are_flat_patches(tmp_path: Path, as_list: bool) -> None:
     taxels = [{"id": t["id"], "x": t["x"][:2], "type": "pressure"} for t in CYSKIN_TAXELS[:3]]
     body = {"name": "map", "type": "isomap", "taxels": taxels}
-    path = cyskin_file(tmp_path, tactile_maps=[body, body] if as_list else body)
-    skin = load_layout(path)
+    maps = cyskin(tactile_maps=[body, body] if as_list else body)
+    skin = read(tmp_path, "a.json", maps)
     assert [p.name for p in skin] == (["map_0", "map_1"] if as_list else ["map"])
     np.testing.assert_array_equal(skin[0].normals, [[0, 0, 1]] * 3)
 
 
-def test_cyskin_faults_name_the_taxel(tmp_path: Path) -> None:
-    path = cyskin_file(tmp_path, skin={"taxels": [*CYSKIN_TAXELS, {"id": 17, "x": [1, "a", 0]}]})
-    with pytest.raises(FileError, match=r"a\.json: .*skin\.taxels\[6\]\.x"):
-        load_layout(path)
-
-
-def test_cyskin_pose_that_is_no_motion_is_refused(tmp_path: Path) -> None:
-    body = {"parent_frames": [{"name": "a", "tf_matrix": [1.0] * 16}], "taxels": CYSKIN_TAXELS}
-    with pytest.raises(FileError, match=r"tf_matrix.*expected a rigid motion"):
-        load_layout(cyskin_file(tmp_path, skin=body))
-
-
-def positions_text(rows: list[str], taxel2repr: str) -> str:
-    return "\r\n".join(
-        ["name r_foot", f"taxel2Repr ({taxel2repr})", "[calibration]", *rows, "", ""]
-    )
+def positions(rows: list[str], taxel2repr: str) -> str:
+    head = ["name r_foot", f"taxel2Repr ({taxel2repr})", "[calibration]"]
+    return "\r\n".join([*head, *rows, "", ""])
 
 
 FOOT = ["0.00 0 0.01 1 0 0", "0 0 0 0 0 0", "0.01 0 0.01 1 0 0", "0.00 0.01 0.01 1 0 0"]
@@ -207,47 +175,32 @@ FOOT = ["0.00 0 0.01 1 0 0", "0 0 0 0 0 0", "0.01 0 0.01 1 0 0", "0.00 0.01 0.01
 
 def test_icub_channels_are_rows(tmp_path: Path) -> None:
     rows = ["0 0 0 0 0 0"] * 12 + FOOT
-    text = positions_text(rows, " ".join(["-1"] * 12 + ["12", "-1", "12", "-2"]))
-    (tmp_path / "a.txt").write_bytes(text.encode())
-    patch = load_layout(tmp_path / "a.txt")[0]
+    text = positions(rows, " ".join(["-1"] * 12 + ["12", "-1", "12", "-2"]))
+    patch = read(tmp_path, "a.txt", text)[0]
     assert (patch.channel.tolist(), patch.n_channels) == ([12, 14], 16)
     assert patch.module.tolist() == [1, 1]
     assert (patch.name, patch.link) == ("r_foot", "r_foot")
-
-
-def test_icub_faults_name_the_line(tmp_path: Path) -> None:
-    (tmp_path / "a.txt").write_bytes(positions_text([*FOOT, "0.1 0.2 x 0 0 1"], "0").encode())
-    with pytest.raises(FileError, match=r"a\.txt, line 8: found 'x', expected six numbers"):
-        load_layout(tmp_path / "a.txt")
-    (tmp_path / "a.txt").write_bytes(positions_text([*FOOT, "0.1 0.2 0"], "0").encode())
-    with pytest.raises(FileError, match=r"line 8: found '0\.1 0\.2 0'"):
-        load_layout(tmp_path / "a.txt")
-    (tmp_path / "a.txt").write_bytes(positions_text(FOOT, "-1 -1 -1 -1").encode())
-    with pytest.raises(FileError, match="no row has a pose"):
-        load_layout(tmp_path / "a.txt")
 
 
 DRAWING = "cardid 3 2\nrobotPart foot\n[SENSORS]\n{}\n"
 
 
 def test_drawings_place_boards_and_pads(tmp_path: Path) -> None:
-    path = tmp_path / "a.ini"
-    path.write_text(DRAWING.format("triangle 2 10 20 90 5 0 0"))
-    patch = load_layout(path)[0]
+    patch = read(tmp_path, "a.ini", DRAWING.format("triangle 2 10 20 90 5 0 0"))[0]
     assert patch.n_channels == 384
     assert patch.channel.tolist() == list(range(24, 36))
     # the apex of the template, pad 9 at (0, 11.547), turns by 90 degrees to (-11.547, 0)
     np.testing.assert_allclose(patch.positions[9], [10e-3 - 11.547e-3, 20e-3, 0], atol=1e-6)
-    path.write_text(DRAWING.format("triangle 2 10 20 90 5 0 1"))  # pads numbered backwards
-    assert load_layout(path)[0].channel.tolist() == list(range(35, 23, -1))
+    backwards = read(tmp_path, "a.ini", DRAWING.format("triangle 2 10 20 90 5 0 1"))[0]
+    assert backwards.channel.tolist() == list(range(35, 23, -1))
 
 
 def test_a_mirrored_board_faces_away(tmp_path: Path) -> None:
     """Seen along its normal, a real board is never mirrored: pads keep their sense of rotation."""
     senses = []
     for mirror in (0, 1):
-        (tmp_path / "a.ini").write_text(DRAWING.format(f"triangle_10pad 0 5 6 30 5 {mirror}"))
-        patch = load_layout(tmp_path / "a.ini")[0]
+        drawing = DRAWING.format(f"triangle_10pad 0 5 6 30 5 {mirror}")
+        patch = read(tmp_path, "a.ini", drawing)[0]
         corner = {int(c): p for c, p in zip(patch.channel, patch.positions, strict=True)}
         turn = np.cross(corner[9] - corner[1], corner[5] - corner[1]) @ patch.normals[0]
         senses.append(np.sign(turn))
@@ -255,21 +208,83 @@ def test_a_mirrored_board_faces_away(tmp_path: Path) -> None:
     assert senses == [1.0, 1.0]
 
 
-def test_drawing_faults_name_the_line(tmp_path: Path) -> None:
-    (tmp_path / "a.ini").write_text(DRAWING.format("triangle 2 10 20"))
-    with pytest.raises(FileError, match=r"line 4.*type number x y th"):
-        load_layout(tmp_path / "a.ini")
-    (tmp_path / "a.ini").write_text(DRAWING.format("fingertip 2 10 20 0 5 0"))
-    with pytest.raises(FileError, match="no triangle"):
-        load_layout(tmp_path / "a.ini")
+TIP = "TAXEL 1\n-1.0\t-20.9\n0.0\t0.0\n0.0\t0.0\n\nTAXEL 2\n-0.5 -18.7\n0.8 3.15\n0.3 1\n"
 
 
 def test_fingertip_counts_backwards(tmp_path: Path) -> None:
-    text = "TAXEL 1\n-1.0\t-20.9\n0.0\t0.0\n0.0\t0.0\n\nTAXEL 2\n-0.5 -18.7\n0.8 3.15\n0.3 1\n"
-    (tmp_path / "tip.txt").write_text(text)
-    patch = load_layout(tmp_path / "tip.txt")[0]
+    patch = read(tmp_path, "tip.txt", TIP)[0]
     assert patch.channel.tolist() == [1, 0]
     np.testing.assert_allclose(patch.positions[0], [-20.9e-3, 0, 0])
-    (tmp_path / "tip.txt").write_text(text[:-4])
-    with pytest.raises(FileError, match=r"tip\.txt, line 9"):
-        fingertip.parse(tmp_path / "tip.txt")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.toml", "skinfield_layout = 2\n", "skinfield_layout is 2, expected 1"),
+        ("a.toml", "skinfield_layout = 1\n", "missing required field `patch`"),
+        ("a.toml", f"{HAND}positions = [[1, 2]]\n", "unknown field `positions` - at `patch\\[0"),
+        ("a.toml", f"{HAND}positions_mm = [[1, 2]]\nuids = [1]\n", "field `uids`"),
+        ("a.toml", f"{HAND}positions_mm = [[1, 2], [3]]\n", r"_mm\[1\]`"),
+        ("a.toml", f"{HAND}positions_mm = [[1, nan]]\n", "finite numbers"),
+        ("a.toml", f"{HAND}positions_mm = [[1, 2]]\nuid = [1.5]\n", "`int . str`, got"),
+        ("a.toml", "skinfield_layout = 1\nname = \n", "line 2"),
+        ("a.json", cyskin(skin={"taxels": [*CYSKIN_TAXELS, {"id": 17, "x": [1, "a", 0]}]}),
+         r"a\.json: .*skin\.taxels\[6\]\.x"),
+        ("a.json", cyskin(skin={"parent_frames": [{"name": "a", "tf_matrix": [1.0] * 16}],
+                                "taxels": CYSKIN_TAXELS}), "tf_matrix.*expected a rigid motion"),
+        ("a.txt", positions([*FOOT, "0.1 0.2 x 0 0 1"], "0"),
+         r"a\.txt, line 8: found 'x', expected six numbers"),
+        ("a.txt", positions([*FOOT, "0.1 0.2 0"], "0"), r"line 8: found '0\.1 0\.2 0'"),
+        ("a.txt", positions(FOOT, "-1 -1 -1 -1"), "no row has a pose"),
+        ("a.ini", DRAWING.format("triangle 2 10 20"), r"line 4.*type number x y th"),
+        ("a.ini", DRAWING.format("fingertip 2 10 20 0 5 0"), "no triangle"),
+        ("tip.txt", TIP[:-4], r"tip\.txt, line 9"),
+    ],
+)  # fmt: skip
+def test_faults_are_named_with_their_place(
+    tmp_path: Path, name: str, text: str, message: str
+) -> None:
+    with pytest.raises(FileError, match=message):
+        read(tmp_path, name, text)
+
+
+# -- a folder as one skin --------------------------------------------------------------------------
+
+
+def test_patches_of_all_files_in_the_order_of_their_names(tmp_path: Path) -> None:
+    foot, arm = generators.hexagon72(), generators.rectangular(rows=3, columns=4)
+    save_layout(Skin((foot,)), tmp_path / "b.toml")
+    save_layout(Skin((arm,)), tmp_path / "a.npz")
+    (tmp_path / "notes.md").write_text("Where the parts are mounted.")
+    (tmp_path / ".hidden").write_text("?")
+    (tmp_path / "deeper").mkdir()
+    skin = load_layout(tmp_path)
+    assert skin.name == tmp_path.name
+    assert [len(patch) for patch in skin] == [12, 72]
+    assert [patch.name for patch in skin] == [arm.name, foot.name]
+    np.testing.assert_allclose(skin[1].positions, foot.positions, atol=1e-9)
+    assert [note for note in skin.notes if "notes.md" in note and "left out" in note]
+    assert not [note for note in skin.notes if "hidden" in note]
+
+
+def test_patches_of_one_name_are_told_apart_by_their_files(tmp_path: Path) -> None:
+    for name in ("left.toml", "right.toml", "right.npz"):
+        save_layout(generators.hexagon72(), tmp_path / name)
+    names = [patch.name for patch in load_layout(tmp_path)]
+    assert len(set(names)) == 3
+    assert names[0].startswith("left/")
+    (tmp_path / "right.npz").unlink()
+    single = generators.hexagon72().name
+    assert [p.name for p in load_layout(tmp_path)] == [f"left/{single}", f"right/{single}"]
+
+
+def test_folders_without_layouts_and_broken_files_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="none of its 0 files is a layout"):
+        load_layout(tmp_path)
+    (tmp_path / "readme.txt").write_text("nothing")
+    with pytest.raises(FileError, match="none of its 1 file is a layout"):
+        load_layout(tmp_path)
+    save_layout(generators.hexagon72(), tmp_path / "good.toml")
+    (tmp_path / "positions.txt").write_text("[calibration]\n1 2 3\n")
+    with pytest.raises(FileError, match=r"positions\.txt, line 2"):
+        load_layout(tmp_path)

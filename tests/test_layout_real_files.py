@@ -70,3 +70,18 @@ def test_the_cache_of_the_paper_is_the_generator(shared_data: Path) -> None:
     made = generators.hexagon72()
     shift = cache.positions[0] - made.positions[0]
     np.testing.assert_allclose(cache.positions - shift, made.positions, atol=1.5e-6)
+
+
+@pytest.mark.parametrize(("folder", "taxels"), [("positions", 4318), ("point_clouds", 4326)])
+def test_the_whole_icub_in_one_call(shared_data: Path, folder: str, taxels: int) -> None:
+    """13 parts; the four cut-off pads of each hand stand in the point clouds alone."""
+    if not (shared_data / PYCUB / folder).is_dir():
+        pytest.skip(f"no {PYCUB}/{folder} among the recordings of others")
+    skin = load_layout(shared_data / PYCUB / folder)
+    assert len(skin) == 13
+    assert sum(len(patch) for patch in skin) == taxels
+    for file, patch in zip(
+        sorted((shared_data / PYCUB / "positions").glob("*")), skin, strict=True
+    ):
+        alone = load_layout(file)[0]
+        assert len(patch) - len(alone) in (0, 4)

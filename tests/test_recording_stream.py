@@ -36,57 +36,53 @@ def yarp(count: int) -> str:
     return "\n".join(rows) + "\n"
 
 
-TEXTS = {
-    "yarp": yarp(60),
-    "sparse": "".join(f"{5 * k} {100 + 0.1 * k:.3f} 1 2 3 {k}\n" for k in range(30)),
-    "cyskin": "17 18 33\n" + "".join(f"{k} {20 * k} {k} {k + 1} {7 * k % 50}\n" for k in range(50)),
-    "table": "# unit = count\ntime_s,taxel_3,taxel_0\n"
-    + "".join(f"{0.02 * k:.2f},{k},{'inf' if k == 9 else 2 * k}\n" for k in range(40)),
-    "bad": "# unit = Pa\ntime_s,taxel_0,taxel_1\n"
-    + "".join(f"{0.02 * k:.2f},{k},{'x' if k in (3, 30) else 2 * k}\n" for k in range(40))
-    + "0.80,3",
-}
+TEXTS = {  # what is written, the rate, and what is noted
+    "yarp": (yarp(60), 50.0, [
+        "4 messages lost in 2 gaps of the sequence numbers, first before data.log:22",
+        "2 of 240 values are nan, inf or empty, first at data.log:6: taken as missing",
+        "1 stamps repeat the one before, first at data.log:12: kept",
+        "1 stamps run backwards, first at data.log:41: kept",
+    ]),
+    "sparse": ("".join(f"{5 * k} {100 + 0.1 * k:.3f} 1 2 3 {k}\n" for k in range(30)), 10.0, [
+        "sequence numbers step by 5: the log holds every so many-th",
+    ]),
+    "cyskin": (
+        "17 18 33\n"
+        + "".join(f"{k} {20 * k} {k} {k + 1} {7 * k % 50}\n" for k in range(50)), 50.0, [
+        "times are whole numbers far apart: taken as milliseconds",
+    ]),
+    "table": (
+        "# unit = count\ntime_s,taxel_3,taxel_0\n"
+        + "".join(f"{0.02 * k:.2f},{k},{'inf' if k == 9 else 2 * k}\n" for k in range(40)), 50.0, [
+        "1 of 80 values are nan, inf or empty, first at data.log:12: taken as missing",
+        "2 of 4 channels have no column: missing",
+    ]),
+    "bad": (
+        "# unit = Pa\ntime_s,taxel_0,taxel_1\n"
+        + "".join(f"{0.02 * k:.2f},{k},{'x' if k in (3, 30) else 2 * k}\n" for k in range(40))
+        + "0.80,3", 50.0, [
+        "3 of 41 lines skipped: data.log:6 'x' is not a number; data.log:33 'x' is not a "
+        "number; data.log:43 the file ends after 2 of 3 numbers",
+    ]),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_blocks_are_the_recording(name: str, block: int, tmp_path: Path) -> None:
     path = tmp_path / "data.log"
-    path.write_text(TEXTS[name])
+    text, rate, notes = TEXTS[name]
+    path.write_text(text)
     stream = stream_recording(path)
     assert isinstance(stream, RecordingStream)
     blocks = list(stream.blocks())
     assert len(blocks) > 5 or block > 60
-    counts = np.concatenate([each.counts for each in blocks])
-    stamps = np.concatenate([each.stamp_ns for each in blocks])
     whole = open_recording(path)
-    np.testing.assert_array_equal(whole.counts, counts)
-    np.testing.assert_array_equal(whole.stamp_ns, stamps)
+    for part in ("counts", "stamp_ns"):
+        joined = np.concatenate([getattr(each, part) for each in blocks])
+        np.testing.assert_array_equal(getattr(whole, part), joined)
     assert (whole.notes, whole.skipped) == (stream.notes, stream.skipped)
-
-
-def test_what_is_said_does_not_depend_on_the_blocks(block: int, tmp_path: Path) -> None:
-    expected = {
-        "yarp": [
-            "4 messages lost in 2 gaps of the sequence numbers, first before data.log:22",
-            "2 of 240 values are nan, inf or empty, first at data.log:6: taken as missing",
-            "1 stamps repeat the one before, first at data.log:12: kept",
-            "1 stamps run backwards, first at data.log:41: kept",
-        ],
-        "sparse": ["sequence numbers step by 5: the log holds every so many-th"],
-        "cyskin": ["times are whole numbers far apart: taken as milliseconds"],
-        "table": [
-            "1 of 80 values are nan, inf or empty, first at data.log:12: taken as missing",
-            "2 of 4 channels have no column: missing",
-        ],
-        "bad": [
-            "3 of 41 lines skipped: data.log:6 'x' is not a number; data.log:33 'x' is not a "
-            "number; data.log:43 the file ends after 2 of 3 numbers",
-        ],
-    }
-    for name, said in expected.items():
-        path = tmp_path / "data.log"
-        path.write_text(TEXTS[name])
-        assert list(open_recording(path).notes) == said
+    assert list(whole.notes) == notes
+    assert whole.rate == pytest.approx(rate, rel=0.05)
 
 
 def test_npz_is_read_as_a_whole_and_errors_come_at_the_end(tmp_path: Path) -> None:

@@ -105,28 +105,12 @@ def test_yarp_log_may_have_brackets_two_times_and_an_old_preamble(tmp_path: Path
     assert "/icub/skin/a" in rec.source
 
 
-def test_lost_messages_are_noted_and_downsampling_is_not_called_loss(tmp_path: Path) -> None:
-    kept = [k for k in range(40) if k not in (7, 8, 20)]
-    lines = yarp().splitlines(keepends=True)
-    rec = opened(tmp_path, "".join(lines[k] for k in kept))
-    assert any("3 messages lost in 2 gaps" in n and "rec:8" in n for n in rec.notes)
-    every_fourth = opened(tmp_path, "".join(lines[::4]))
-    assert "lost" not in " ".join(every_fourth.notes)
-
-
 def test_cyskin_text_has_uids_and_seconds(tmp_path: Path) -> None:
     rec = opened(tmp_path, cyskin_text())
     np.testing.assert_array_equal(rec.counts, COUNTS)
     assert rec.uid is not None
     assert rec.uid.tolist() == UIDS
     assert rec.stamp_ns[:2].tolist() == [600_000_000, 700_000_000]
-
-
-def test_whole_times_far_apart_are_milliseconds_and_said_so(tmp_path: Path) -> None:
-    text = "1 2 3\n" + "".join(f"{k} {600 + 100 * k} 5 6 7\n" for k in range(5))
-    rec = opened(tmp_path, text)
-    assert rec.rate == pytest.approx(10.0)
-    assert any("milliseconds" in note for note in rec.notes)
 
 
 def test_cyskin_recorder_orders_columns_by_uid(tmp_path: Path) -> None:
@@ -163,15 +147,19 @@ def test_csv_channels_stand_at_their_place(tmp_path: Path) -> None:
     rec = opened(tmp_path, "time_s,taxel_3,taxel_1\n0,30,10\n1,31,11\n")
     np.testing.assert_array_equal(rec.counts[:, [1, 3]], [[10, 30], [11, 31]])
     assert np.isnan(rec.counts[:, [0, 2]]).all()
-    assert any("2 of 4 channels have no column" in note for note in rec.notes)
     assert any("taken as count" in note for note in rec.notes)
 
 
-def test_columns_of_other_names_are_refused(tmp_path: Path) -> None:
-    force = "stamp_ns,fx,fy,fz\n0,1,2,3\n10,4,5,6\n"
-    assert opened(tmp_path, force).counts.tolist() == [[1, 2, 3], [4, 5, 6]]
-    with pytest.raises(FileError, match=r"'fx' is not a time.*taxel_<channel>"):
-        opened(tmp_path, force.replace("fz", "volts"))
+@pytest.mark.parametrize("names", ["fx,fy,fz", "Fx,Fy,Fz", "fx,fy,fz,mx,my,mz"])
+def test_a_table_of_forces_needs_no_taxels(tmp_path: Path, names: str) -> None:
+    width = names.count(",") + 1
+    text = f"time_s,{names}\n0{',1' * width}\n0.01{',2' * width}\n"
+    rec = opened(tmp_path, text)
+    assert (rec.unit, rec.stamp_ns[1]) == ("N, N m", 10_000_000)
+    assert rec.counts.tolist() == [[1.0] * width, [2.0] * width]
+    for other in ("volts", "taxel_0"):  # forces and taxels do not mix
+        with pytest.raises(FileError, match=r"'[fF]x' is not a time.*taxel_<channel>"):
+            opened(tmp_path, text.replace(names[-2:], other))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
@@ -245,15 +233,6 @@ def test_too_many_bad_lines_are_an_error_with_line_and_expectation(tmp_path: Pat
         opened(tmp_path, "".join(lines))
     lines[0], lines[4] = yarp().splitlines(keepends=True)[0:5:4]
     assert opened(tmp_path, "".join(lines)).skipped == 8  # a fifth is borne
-
-
-def test_stamps_that_repeat_or_run_back_are_noted(tmp_path: Path) -> None:
-    lines = yarp().splitlines(keepends=True)
-    lines[20] = lines[20].replace(seconds(STAMPS[20]), seconds(STAMPS[19]))
-    lines[30] = lines[30].replace(seconds(STAMPS[30]), seconds(STAMPS[3]))
-    notes = opened(tmp_path, "".join(lines)).notes
-    assert any("1 stamps repeat the one before, first at rec:21" in note for note in notes)
-    assert any("1 stamps run backwards, first at rec:31" in note for note in notes)
 
 
 @pytest.mark.parametrize(
