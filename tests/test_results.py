@@ -177,42 +177,37 @@ def read_all(path: Path) -> None:
     results.values(0, COUNT)
 
 
-def files_of(path: Path) -> list[Path]:
-    return sorted(file for file in path.rglob("*") if file.is_file())
-
-
 @pytest.mark.parametrize("kind", ["flip", "cut", "gone", "garbage"])
 def test_no_damage_goes_unnoticed(good: Path, tmp_path: Path, kind: str) -> None:
     rng = np.random.default_rng(0)
-    for number, file in enumerate(files_of(good)):
-        if file.parent.name != "results.zarr" and file.name == "zarr.json" and kind == "flip":
+    path = tmp_path / "damaged.skinfield"
+    shutil.copytree(good, path)
+    for place in sorted(file for file in path.rglob("*") if file.is_file()):
+        if place.parent.name != "results.zarr" and place.name == "zarr.json" and kind == "flip":
             continue  # a letter in a unit's name: nothing that is read
-        path = tmp_path / f"{number}.skinfield"
-        shutil.copytree(good, path)
-        place = path / file.relative_to(good)
-        content = bytearray(place.read_bytes())
-        if kind == "flip":
-            content[rng.integers(len(content))] ^= 1
-        elif kind == "cut":
-            del content[len(content) // 2 :]
-        elif kind == "garbage":
-            content = bytearray(rng.bytes(300))
-        place.write_bytes(content)
+        whole = place.read_bytes()
+        content = bytearray(whole)
+        content[rng.integers(len(content))] ^= 1
+        place.write_bytes(
+            {"flip": content, "cut": whole[: len(whole) // 2]}.get(kind, rng.bytes(300))
+        )
         if kind == "gone":
             place.unlink()
         with pytest.raises(FileError):
             read_all(path)
+        place.write_bytes(whole)
 
 
 def resealed(good: Path, path: Path, change) -> Path:
     """A folder whose settings are changed on purpose, checksum and all."""
     shutil.copytree(good, path)
-    whole = json.loads((path / "results.zarr" / "zarr.json").read_text())
+    file = path / "results.zarr" / "zarr.json"
+    whole = json.loads(file.read_text())
     attributes = whole["attributes"]
     change(attributes)
     content = {name: attributes.get(name) for name in ("reconstructor", "notes", "source")}
     attributes["check"] = checksum(content)
-    (path / "results.zarr" / "zarr.json").write_text(json.dumps(whole))
+    file.write_text(json.dumps(whole))
     return path
 
 
@@ -233,12 +228,10 @@ def test_settings_that_make_no_sense_are_refused(good: Path, tmp_path: Path, cha
         open_results(resealed(good, tmp_path / "odd.skinfield", change))
 
 
-def test_settings_that_were_edited_and_other_readings_are_refused(
-    good: Path, tmp_path: Path
-) -> None:
+def test_edited_settings_and_other_readings_are_refused(good: Path, tmp_path: Path) -> None:
     path = resealed(good, tmp_path / "edited.skinfield", lambda a: None)
-    text = (path / "results.zarr" / "zarr.json").read_text()
-    (path / "results.zarr" / "zarr.json").write_text(text.replace('"snr": 10.0', '"snr": 11.0'))
+    file = path / "results.zarr" / "zarr.json"
+    file.write_text(file.read_text().replace('"snr": 10.0', '"snr": 11.0'))
     with pytest.raises(FileError, match="its checksum differs"):
         open_results(path)
     small = sf.Reconstructor(sf.layouts.icub_triangle())

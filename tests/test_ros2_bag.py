@@ -15,13 +15,12 @@ from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 CYCLES = 12
 TAXELS = "sensor_msgs/msg/PointCloud2"
 WRENCH = "geometry_msgs/msg/WrenchStamped"
+OF_PATCH = {"counts": TAXELS, "taxels": TAXELS, "wrench": WRENCH}
 KINDS = {
-    "/skin/left_palm/counts": TAXELS,
-    "/skin/patch_2nd_finger/counts": TAXELS,
-    "/skin/left_palm/taxels": TAXELS,
-    "/skin/patch_2nd_finger/taxels": TAXELS,
-    "/skin/left_palm/wrench": WRENCH,
-    "/skin/patch_2nd_finger/wrench": WRENCH,
+    f"/skin/{patch}/{what}": kind
+    for patch in ("left_palm", "patch_2nd_finger")
+    for what, kind in OF_PATCH.items()
+} | {
     "/skin/left_palm/contact_wrench": WRENCH,
     "/skin/contacts": "skinfield_msgs/msg/ContactArray",
     "/tf": "tf2_msgs/msg/TFMessage",
@@ -54,8 +53,8 @@ def recorded(tmp_path_factory):
     return path
 
 
-def run(*words: str, code: int = 0) -> str:
-    found = invoke(["export", *map(str, words)])
+def run(*words: str, code: int = 0, form: str = "rosbag2") -> str:
+    found = invoke(["export", *map(str, words), "--format", form])
     assert found.exit_code == code, found.output
     return " ".join(found.output.split())
 
@@ -63,7 +62,7 @@ def run(*words: str, code: int = 0) -> str:
 @pytest.fixture(scope="module")
 def bags(recorded):
     for form in ("rosbag2", "rosbag2-sqlite"):
-        run(recorded, "--format", form, "-o", recorded.with_name(form))
+        run(recorded, "-o", recorded.with_name(form), form=form)
     return recorded.with_name("rosbag2"), recorded.with_name("rosbag2-sqlite")
 
 
@@ -119,16 +118,16 @@ def test_what_it_says(bags):
 
 def test_one_patch(recorded):
     bag = recorded.with_name("one")
-    run(recorded, "--format", "rosbag2", "-o", bag, "--patch", "2nd-finger")
+    run(recorded, "-o", bag, "--patch", "2nd-finger")
     found = rows(bag)
     topics = {topic for topic, *_ in found}
-    its = {f"/skin/patch_2nd_finger/{what}" for what in ("counts", "taxels", "wrench")}
+    its = {f"/skin/patch_2nd_finger/{what}" for what in OF_PATCH}
     assert topics == its | {"/skin/contacts", "/rosout"}
     assert not any(m.contacts for topic, *_, m in found if topic == "/skin/contacts")
 
 
 def test_a_name_that_is_taken(bags, recorded):
-    said = run(recorded, "--format", "rosbag2", "-o", bags[0], code=2)
+    said = run(recorded, "-o", bags[0], code=2)
     assert "expected" in said
     assert rows(bags[0])
 
@@ -138,7 +137,7 @@ def test_nothing_is_left_of_half_a_bag(recorded, tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("rosbags.rosbag2.Writer.write", full)
-    said = run(recorded, "--format", "rosbag2", "-o", tmp_path / "bag", code=2)
+    said = run(recorded, "-o", tmp_path / "bag", code=2)
     assert "No space left" in said
     assert list(tmp_path.iterdir()) == []
 

@@ -105,7 +105,9 @@ def words_of(tree: Settings) -> list[str]:
 def test_toml_flags_and_json_say_the_same(tmp_path_factory: Any, tree: Settings) -> None:
     text = toml_from_settings(tree)
     assert settings_from_toml(text) == tree
-    assert value_from_json(Settings, json_from_value(tree)) == tree
+    text_of_json = json_from_value(tree)
+    assert value_from_json(Settings, text_of_json) == tree
+    assert json.loads(text_of_json)["loop"]["rate_hz"] == tree.loop.rate_hz
     file = tmp_path_factory.mktemp("settings") / "saved.toml"
     done = invoke(["run", *words_of(tree), "--save", str(file)])
     assert done.exit_code == 0, done.output
@@ -127,10 +129,7 @@ def test_toml_flags_and_json_say_the_same(tmp_path_factory: Any, tree: Settings)
         ("loop = 3", "a.toml:1: loop is 3, expected a table"),
         ("[model]\nsolver = 'nonegative'", "expected one of gaussian, contact, nonnegative"),
         ("[model]\nsolver = 'nonegative'", "(did you mean nonnegative?)"),
-        (
-            "[source]\nchannel = [3]",
-            "a.toml:2: [source] channel[0] is 3, expected a text in quotes",
-        ),
+        ("[source]\nchannel = [3]", "a.toml:2: [source] channel[0] is 3, expected a text in q"),
         ("[source]\noptions = ['x']", "[source] options is 'x', expected KEY=VALUE"),
         ("[page]\nhost = '0.0.0.0'", "a.toml:2: [page] host is '0.0.0.0', which others can reach"),
         ("[loop]\nevents = 1", "a.toml:2: [loop] events is 1, expected true or false"),
@@ -199,14 +198,11 @@ def test_profiles_are_whole_and_go_by_boards_and_layout(tmp_path: Path) -> None:
         ("icubb", None, "expected one of generic, icub, cyskin, silicone-2mm, or a file"),
         ("nowhere.toml", None, "nowhere.toml cannot be read"),
         ("p.toml", "name = 'p'", "thickness_mm is missing, expected"),
-        (
-            "p.toml",
-            "name = 'p'\nthickness_mm = 0\nmodulus_kpa = 9\npoisson = 0",
-            "thickness_mm is 0.0, expected",
-        ),
+        ("p.toml", "name = 'p'\nthickness_mm = 0\nmodulus_kpa = 9\npoisson = 0",
+         "thickness_mm is 0.0, expected"),
         ("p.toml", "thicknes_mm = 2", "did you mean thickness_mm"),
     ],
-)
+)  # fmt: skip
 def test_profiles_that_cannot_be_used(
     name: str, text: str | None, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,9 +212,3 @@ def test_profiles_that_cannot_be_used(
     with pytest.raises(InputError) as caught:
         load_profile(name)
     assert message in str(caught.value)
-
-
-def test_json_is_plain() -> None:
-    plain = json.loads(json_from_value(Settings()))
-    assert plain["loop"]["rate_hz"] == 1000.0
-    assert list(plain) == ["skin", "source", "model", "loop", "page", "bridges", "record"]

@@ -31,11 +31,17 @@ def bytes_of(mesh, kind: str) -> bytes:
     return found if isinstance(found, bytes) else found.encode()
 
 
-def png(array: np.ndarray, mode: str | None = None) -> bytes:
+def png(array: np.ndarray) -> bytes:
     buffer = io.BytesIO()
-    image = Image.fromarray(array) if mode is None else Image.fromarray(array).convert(mode)
-    image.save(buffer, "PNG")
+    Image.fromarray(array).save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def load(path: Path):
+    """A shape of a file of any kind."""
+    if path.suffix in (".stl", ".obj", ".ply", ".txt"):
+        return load_mesh(path)
+    return load_height_map(path, MM, MM if path.suffix == ".png" else None)
 
 
 PUNCH = trimesh.creation.cylinder(radius=5.0, height=8.0, sections=256)
@@ -57,19 +63,17 @@ def test_a_mesh_is_turned_with_its_face_down(tmp_path: Path) -> None:
     """A cone: its point is on one end, so that each direction shows another face."""
     cone = trimesh.creation.cone(radius=5.0, height=4.0, sections=64)  # its point at +z
     path = put(tmp_path / "cone.stl", bytes_of(cone, "stl"))
-    upright, turned = load_mesh(path), load_mesh(path, down=(0, 0, 1))
-    assert upright.height(X, Y)[20, 20] == 0.0
-    assert upright.height(X, Y)[20, 26] == pytest.approx(0.0, abs=1e-9)
+    upright = load_mesh(path)
+    turned, lying, askew = (load_mesh(path, down=d) for d in ((0, 0, 1), (1, 0, 0), (1, 2, 3)))
+    np.testing.assert_allclose(upright.height(X, Y)[20, [20, 26]], 0.0, atol=1e-9)
     assert turned.height(X, Y)[20, 20] == pytest.approx(0.0, abs=1e-9)
     assert turned.height(X, Y)[20, 26] == pytest.approx(0.8 * X[20, 26], rel=0.01)
-    lying = load_mesh(path, down=(1, 0, 0))
     assert np.ptp(lying.vertices, axis=0) == pytest.approx([4 * MM, 10 * MM, 10 * MM], rel=0.01)
-    askew = load_mesh(path, down=(1, 2, 3))
-    edges = [np.ptp(m.vertices @ np.ones(3)) for m in (askew,)]  # a rotation keeps lengths
-    assert np.isfinite(edges).all()
-    a, b = (np.linalg.norm(m.vertices[m.faces[:, 0]] - m.vertices[m.faces[:, 1]], axis=1)
-            for m in (askew, upright))  # fmt: skip
-    assert a == pytest.approx(b, rel=1e-9)
+    a, b = (
+        np.linalg.norm(m.vertices[m.faces[:, 0]] - m.vertices[m.faces[:, 1]], axis=1)
+        for m in (askew, upright)
+    )
+    assert a == pytest.approx(b, rel=1e-9)  # a rotation keeps lengths
 
 
 def test_a_mesh_of_another_unit_is_noticed(tmp_path: Path) -> None:
@@ -79,27 +83,6 @@ def test_a_mesh_of_another_unit_is_noticed(tmp_path: Path) -> None:
     assert np.ptp(load_mesh(metres, unit=1.0).vertices[:, 2]) == pytest.approx(8 * MM)
     with pytest.raises(FileError, match=r"measures 10 m .* is it in millimetres"):
         load_mesh(put(tmp_path / "mm.stl", bytes_of(PUNCH, "stl")), unit=1.0)
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "said"),
-    [
-        ("a.txt", b"", "another ending"),
-        ("a.stl", b"", "no triangles|cannot be read"),
-        ("a.stl", bytes_of(PUNCH, "stl")[:500], "is cut off: it says .* triangles"),
-        ("a.stl", b"solid x\nfacet normal 0 0 1\nouter", "no triangles|cannot be read"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "corner|cannot be read"),
-        ("a.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite|corner"),
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "cannot be read|no triangles"),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\n"
-                  b"property float y\nproperty float z\nend_header\n1 2 3\n", "a.ply"),
-    ],
-)  # fmt: skip
-def test_a_broken_mesh_is_said_to_be_broken(
-    tmp_path: Path, name: str, content: bytes, said: str
-) -> None:
-    with pytest.raises(FileError, match=said):
-        load_mesh(put(tmp_path / name, content))
 
 
 def test_triangles_without_area_are_of_no_matter(tmp_path: Path) -> None:
@@ -163,6 +146,12 @@ def test_tables_hold_millimetres(tmp_path: Path, name: str) -> None:
         load_height_map(path, MM, MM)
 
 
+VAST_PLY = (
+    b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n"
+    b"property float z\nend_header\n1 2 3\n"
+)
+
+
 def vast_png() -> bytes:
     """A picture of 60000 x 60000 pixels in a few bytes."""
 
@@ -178,13 +167,12 @@ def vast_png() -> bytes:
 def vast_npy() -> bytes:
     """An array that claims 10^12 numbers."""
     head = io.BytesIO()
-    np.lib.format.write_array_header_1_0(
-        head, {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)}
-    )
+    shape = {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)}
+    np.lib.format.write_array_header_1_0(head, shape)
     return head.getvalue() + bytes(1000)
 
 
-def saved(array: np.ndarray) -> bytes:
+def npy(array: np.ndarray) -> bytes:
     buffer = io.BytesIO()
     np.save(buffer, array)
     return buffer.getvalue()
@@ -193,14 +181,22 @@ def saved(array: np.ndarray) -> bytes:
 @pytest.mark.parametrize(
     ("name", "make", "said"),
     [
+        ("a.txt", bytes, "another ending"),
+        ("a.stl", bytes, "no triangles|cannot be read"),
+        ("a.stl", lambda: bytes_of(PUNCH, "stl")[:500], "is cut off: it says .* triangles"),
+        ("a.stl", lambda: b"solid x\nfacet normal 0 0 1\nouter", "no triangles|cannot be read"),
+        ("a.obj", lambda: b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "corner|cannot be read"),
+        ("a.obj", lambda: b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite|corner"),
+        ("a.obj", lambda: b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "cannot be read|no triangles"),
+        ("a.ply", lambda: VAST_PLY, "a.ply"),
         ("a.png", vast_png, "cannot be read|samples"),
         ("a.png", lambda: png(np.zeros((2001, 2001), np.uint8)), "holds 4004001 samples"),
         ("a.png", lambda: SEEDS[".png"][:50], "cannot be read"),
         ("a.png", lambda: b"GIF89a", "expected a PNG"),
-        ("a.npy", lambda: saved(np.zeros(5)), r"shape \(5,\)"),
-        ("a.npy", lambda: saved(np.array(["a"])), "expected a table"),
-        ("a.npy", lambda: saved(np.full((2, 2), np.nan)), "none of them finite"),
-        ("a.npy", lambda: saved(np.zeros((9, 9)))[:200], "cannot be read"),
+        ("a.npy", lambda: npy(np.zeros(5)), r"shape \(5,\)"),
+        ("a.npy", lambda: npy(np.array(["a"])), "expected a table"),
+        ("a.npy", lambda: npy(np.full((2, 2), np.nan)), "none of them finite"),
+        ("a.npy", lambda: npy(np.zeros((9, 9)))[:200], "cannot be read"),
         ("a.npy", vast_npy, "cannot be read, expected a table"),
         ("a.npz", lambda: b"PK\x03\x04", "has another ending"),
         ("a.csv", lambda: b"1,2\n3", "cannot be read"),
@@ -208,20 +204,18 @@ def saved(array: np.ndarray) -> bytes:
         ("a.csv", lambda: b"1,x\n", "cannot be read"),
     ],
 )
-def test_a_broken_height_map_is_said_to_be_broken(
+def test_a_broken_file_is_said_to_be_broken(
     tmp_path: Path, name: str, make: Callable[[], bytes], said: str
 ) -> None:
-    path = put(tmp_path / name, make())
     with pytest.raises(FileError, match=said):
-        load_height_map(path, MM, MM if name == "a.png" else None)
+        load(put(tmp_path / name, make()))
 
 
+BALL = trimesh.creation.icosphere(0, radius=5.0)
 SEEDS = {
-    ".stl": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "stl"),
-    ".obj": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "obj"),
-    ".ply": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "ply"),
+    **{f".{kind}": bytes_of(BALL, kind) for kind in ("stl", "obj", "ply")},
     ".png": png(np.arange(64, dtype=np.uint8).reshape(8, 8)),
-    ".npy": saved(np.arange(64.0).reshape(8, 8)),
+    ".npy": npy(np.arange(64.0).reshape(8, 8)),
     ".csv": b"1,2,3\n4,5,6\n",
 }
 
@@ -241,15 +235,12 @@ def test_any_bytes_give_a_shape_or_a_clear_error(
         content = data.draw(st.binary(max_size=300))
     path = put(tmp_path_factory.getbasetemp() / f"fuzz{ending}", content)
     try:
-        if ending in (".stl", ".obj", ".ply"):
-            found = load_mesh(path)
-        else:
-            found = load_height_map(path, MM, MM if ending == ".png" else None)
+        found = load(path)
     except FileError as error:
-        found, said = None, str(error)
-    if found is None:
-        assert str(path) in said
-        return
-    height = found.height(X, Y)
-    assert not np.isnan(height).any()
-    assert height.min() >= 0.0
+        said = str(error)
+    else:
+        said = str(path)
+        height = found.height(X, Y)
+        assert not np.isnan(height).any()
+        assert height.min() >= 0.0
+    assert str(path) in said
