@@ -5,9 +5,8 @@ DOCTYPE = (
     '<!DOCTYPE {0} PUBLIC "-//YARP//DTD yarprobotinterface 3.0//EN" '
     '"http://www.yarp.it/DTD/yarprobotinterfaceV3.0.dtd">\n'
 )
-SKIN = (
-    DOCTYPE.format("devices")
-    + """
+DEVICES, PARAMS = DOCTYPE.format("devices"), DOCTYPE.format("params")
+SKIN = f"""{DEVICES}
     <device xmlns:xi="http://www.w3.org/2001/XInclude" name="left_leg-eb10-skin" type="embObjSkin">
         <xi:include href="../../general.xml" />
         <group name="patches">
@@ -17,10 +16,7 @@ SKIN = (
         <xi:include href="./left_leg-eb10-skinSpec.xml" />
     </device>
 """
-)
-SPEC = (
-    DOCTYPE.format("params")
-    + """
+SPEC = f"""{PARAMS}
 <params xmlns:xi="http://www.w3.org/2001/XInclude" robot="someone" build="1">
         <group name="defaultCfgBoard">
             <param name="period">        50  </param>
@@ -45,10 +41,7 @@ SPEC = (
         </group>
 </params>
 """
-)
-WRAPPER = (
-    DOCTYPE.format("devices")
-    + """
+WRAPPER = f"""{DEVICES}
     <device xmlns:xi="http://www.w3.org/2001/XInclude" name="left_leg-wrapper" type="skinWrapper">
         <param name="period">       20                  </param>
         <param name="total_taxels"> 960                </param>
@@ -64,10 +57,7 @@ WRAPPER = (
         </action>
     </device>
 """
-)
-OLD_SKIN = (
-    DOCTYPE.format("devices")
-    + """
+OLD_SKIN = f"""{DEVICES}
   <device xmlns:xi="http://www.w3.org/2001/XInclude" name="fingertip" type="canBusSkin">
       <params robot="someone" build="1">
         <param name="canbusDevice"> "socketcan" </param>
@@ -77,4 +67,3 @@ OLD_SKIN = (
       </params>
   </device>
 """
-)

@@ -146,6 +146,7 @@ def test_files_of_a_real_robot(shared_data, write):
         assert {(t.enabled, t.shift, t.cdc_offset) for t in board.triangles} == {(True, 2, 0x2200)}
 
 
+ENTITY = "declares the entity 'x'"
 LAUGHS = """<?xml version="1.0"?>
 <!DOCTYPE lolz [
  <!ENTITY lol "lol">
@@ -159,14 +160,8 @@ LAUGHS = """<?xml version="1.0"?>
     ("data", "error"),
     [
         (LAUGHS, "some-skin.xml:3: declares the entity 'lol', expected none"),
-        (
-            '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><device>&x;</device>',
-            "declares the entity 'x'",
-        ),
-        (
-            '<!DOCTYPE a [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><device/>',
-            "declares the entity 'x'",
-        ),
+        ('<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><device>&x;</device>', ENTITY),
+        ('<!DOCTYPE a [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><device/>', ENTITY),
         (b"<a>" + b" " * LARGEST + b"</a>", "larger than 1048576 bytes"),
         ("", "no element found"),
         ("<!-- only -->", "no element found"),

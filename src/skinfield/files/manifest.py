@@ -51,11 +51,8 @@ class Totals:
 
     def add(self, other: "Totals") -> None:
         """Take in those of later readings."""
-        self.readings += other.readings
-        self.load += other.load
-        self.force += other.force
-        self.contacts += other.contacts
-        self.seconds += other.seconds
+        for name in ("readings", "load", "force", "contacts", "seconds"):
+            setattr(self, name, getattr(self, name) + getattr(other, name))
         if other.highest_load > self.highest_load:
             self.highest_load, self.peak = other.highest_load, other.peak
         self.highest_force = max(self.highest_force, other.highest_force)

@@ -1,6 +1,5 @@
 """Classes of ROS 2 messages: those of rosbags here, those of rclpy where ROS runs."""
 
-from functools import cached_property
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING, Any, Protocol
@@ -79,6 +78,7 @@ class RosbagKinds:
                 "pip install 'skinfield[ros]', or leave ROS out"
             ) from error
         self.store: Typestore = get_typestore(Stores.ROS2_JAZZY)
+        self._hashes: dict[str, str] = {}
         for kind in OWN:
             self.store.register(get_types_from_msg(definition_of(kind), kind))
 
@@ -107,7 +107,3 @@ class RosbagKinds:
         if kind not in self._hashes:
             self._hashes[kind] = str(self.store.hash_rihs01(kind))
         return self._hashes[kind]
-
-    @cached_property
-    def _hashes(self) -> dict[str, str]:
-        return {}

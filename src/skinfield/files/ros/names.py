@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from skinfield.errors import InputError
 from skinfield.skin import Patch, Skin
@@ -82,8 +83,11 @@ class Topics:
     patches : tuple of str
         One token for each patch, in the skin's order.
     prefix : str
-        Before all but `/tf` and `/diagnostics`.
+        Before all but `frames`, of the contacts, and `diagnostics`.
     """
+
+    frames: ClassVar[str] = "/tf"
+    diagnostics: ClassVar[str] = "/diagnostics"
 
     patches: tuple[str, ...]
     prefix: str = "/skin"
@@ -104,16 +108,6 @@ class Topics:
     def contacts(self) -> str:
         """Topic of all contacts."""
         return f"{self.prefix}/contacts"
-
-    @property
-    def frames(self) -> str:
-        """Topic of the contacts' frames."""
-        return "/tf"
-
-    @property
-    def diagnostics(self) -> str:
-        """Topic of the health."""
-        return "/diagnostics"
 
     def contact_frame(self, place: int, track: int) -> str:
         """Frame of a contact of a patch: at its place, z out of the skin.
