@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 from rich.console import Console
 from rich.live import Live as Screen
 
+import skinfield as sf
 from skinfield.cli import options, report
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings import (
@@ -146,10 +147,11 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     """Refuse, before anything starts, what can be seen without a skin."""
     from skinfield.bridges.launch import bridge_settings
     from skinfield.emulator.scenes import SCENES
+    from skinfield.loop import check_free
     from skinfield.wire.can.adapters import check_interface
 
     report.check_output("--record", wanted.record.into, force, ".mcap")
-    check_name(wanted.loop.name)
+    check_free(wanted.loop.name)
     check_port(wanted.page.port, wanted.page.host)
     bridge_settings(wanted.bridges)
     bus = wanted.source.bus
@@ -161,20 +163,6 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
             known = ", ".join(SCENES)
             raise InputError(
                 f"--scene is {scene!r}, expected one of {known}, or the path of a file"
-            )
-
-
-def check_name(name: str) -> None:
-    """Refuse a name that a running skin has, or that none can have."""
-    from skinfield.ring import Ring
-    from skinfield.ring.files import sidecar
-
-    sidecar(name, "supervisor")
-    for each in Ring.names():
-        if each.name == name and each.alive:
-            raise InputError(
-                f"a skin named {name!r} runs already, as process {each.pid}, expected another "
-                "--name; `skinfield status` shows it"
             )
 
 
@@ -231,10 +219,9 @@ def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) ->
 def live_solver(name: str) -> Any:
     """As elsewhere, but for the gap to which a search goes."""
     from skinfield.loop.settings import LIVE_TOLERANCE
-    from skinfield.solve import NonNegative
 
     if name == "nonnegative":
-        return NonNegative(tolerance=LIVE_TOLERANCE)
+        return sf.NonNegative(tolerance=LIVE_TOLERANCE)
     return options.solver_of(name)
 
 
@@ -334,11 +321,11 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
+    from skinfield.loop import State
     from skinfield.loop.client import Live
     from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
-    from skinfield.ring import State
     from skinfield.wire.sources.factory import skin_for, source_from_options
 
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
