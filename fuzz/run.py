@@ -21,7 +21,6 @@ from __future__ import annotations
 import argparse
 import importlib
 import importlib.util
-import mmap
 import os
 import random
 import re
@@ -178,20 +177,17 @@ def fuzz_plainly(one_input: OneInput, inputs: Path, asked: argparse.Namespace) -
     random_numbers = random.Random(asked.seed or time.time_ns())
     known = [file.read_bytes() for file in sorted(inputs.iterdir())] or [b""]
     last, count = asked.corpus / "found" / "crash-plain", 0
-    last.write_bytes(bytes(LONGEST + 8))
     until = time.monotonic() + asked.seconds
-    with last.open("r+b") as file, mmap.mmap(file.fileno(), 0) as kept:
-        while time.monotonic() < until:
-            data = changed(random_numbers, known)
-            kept[:8], kept[8 : 8 + len(data)] = len(data).to_bytes(8, "little"), data
-            try:
-                one_input(data)
-            except BaseException:
-                say(traceback.format_exc())
-                last.write_bytes(data)
-                return 1
-            count += 1
-    last.unlink()
+    while time.monotonic() < until:
+        data = changed(random_numbers, known)
+        last.write_bytes(data)  # stays if the process dies with it
+        try:
+            one_input(data)
+        except BaseException:
+            say(traceback.format_exc())
+            return 1
+        count += 1
+    last.unlink(missing_ok=True)
     say(f"stat::number_of_executed_units: {count}")
     return 0
 
@@ -219,13 +215,9 @@ def again(asked: argparse.Namespace) -> int:
     """Run one input as it is; its exception, if any, is Python's own."""
     for name, value in environment(asked).items():
         os.environ[name] = value
-    data = asked.again.read_bytes()
-    size = int.from_bytes(data[:8], "little")
-    if asked.again.name == "crash-plain" and len(data) == LONGEST + 8 and size <= LONGEST:
-        data = data[8 : 8 + size]  # the process died with it
     inputs = asked.corpus / "inputs"
     inputs.mkdir(parents=True, exist_ok=True)
-    load(asked.target, inputs)(data)
+    load(asked.target, inputs)(asked.again.read_bytes())
     say(f"{asked.again}: nothing happens")
     return 0
 
