@@ -56,10 +56,9 @@ def main() -> int:
     if asked.target not in names:
         say(f"run.py: {asked.target!r} is no target, expected one of {', '.join(names)}")
         return 2
-    if asked.kernels is None:
-        text = (HERE / f"{asked.target}.py").read_text()
-        plain = re.search(r"^INTERPRETED = True$", text, re.MULTILINE)
-        asked.kernels = "interpreted" if plain else "compiled"
+    text = (HERE / f"{asked.target}.py").read_text()
+    plain = re.search(r"^INTERPRETED = True$", text, re.MULTILINE)
+    asked.kernels = "interpreted" if plain else "compiled"
     if asked.child:
         return child(asked)
     if asked.again:
@@ -78,10 +77,6 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("target", nargs="?", help="name of a file beside this one, without .py")
     parser.add_argument("--seconds", type=int, default=60, help="how long (default 60)")
     parser.add_argument("--corpus", type=Path, help=f"folder of inputs (default {CORPUS}/TARGET)")
-    parser.add_argument(
-        "--kernels", choices=["interpreted", "compiled"],
-        help="how Numba's functions run (default: as the target says)",
-    )  # fmt: skip
     parser.add_argument("--plain", action="store_true", help="random inputs, without atheris")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0: the clock)")
     parser.add_argument("--again", type=Path, metavar="FILE", help="run this one input")
@@ -153,13 +148,9 @@ def child(asked: argparse.Namespace) -> int:
 
 def kernel_modules() -> list[str]:
     """Modules with compiled functions: Numba cannot read them once they are instrumented."""
-    names = []
-    for file in SOURCES.rglob("*.py"):
-        if re.search(
-            r"^\s*from (numba|skinfield\.compiled) import", file.read_text(), re.MULTILINE
-        ):
-            names.append(".".join(file.relative_to(SOURCES).with_suffix("").parts))
-    return names
+    kernels = re.compile(r"^\s*from (numba|skinfield\.compiled) import", re.MULTILINE)
+    files = (file for file in SOURCES.rglob("*.py") if kernels.search(file.read_text()))
+    return [".".join(file.relative_to(SOURCES).with_suffix("").parts) for file in files]
 
 
 def load(target: str, inputs: Path) -> OneInput:
