@@ -1,6 +1,7 @@
-"""`skinfield run`: a robot's skin, alive."""
+"""`skinfield run`: a robot's skin, alive; `skinfield warmup`: its code compiled before."""
 
 import errno
+import os
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -31,6 +32,7 @@ from skinfield.settings import (
 
 LiveSolver = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
 REFRESH = 0.25  # s
+SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
@@ -475,3 +477,30 @@ def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> 
         "granted": status.notes.get("granted"),
         "events": [[each.time_ns, each.what, each.text] for each in supervisor.events],
     }
+
+
+def warmup(*, as_json: options.Json = False) -> None:
+    """Compile, once for this machine, what a first `skinfield run` needs.
+
+    It is such a run, of a virtual skin that is pressed, until engine and fit have answered. What
+    they compile stays in the user's cache folder, so that the next run starts within seconds. Where
+    all is compiled already this takes a few seconds.
+
+      skinfield warmup
+
+    Parameters
+    ----------
+    as_json : bool
+        How long it took, as one JSON object.
+    """
+    loop = LoopSettings(name=f"warmup-{os.getpid()}", priority=0)
+    wanted, console = Settings(loop=loop, page=PageSettings(port=0)), Console(stderr=True)
+    began = time.monotonic()
+    with report.signals_end(), ExitStack() as parts:
+        try:
+            summary = watch(start_all(wanted, parts, console), SETTLE, None, console)
+        finally:
+            report.end_undisturbed()
+    seconds, cycles = time.monotonic() - began, summary["cycles"]
+    line = f"a run starts and answers: {cycles:,} cycles, {seconds:.0f} s in all"
+    report.finish(as_json, {"seconds": seconds, "cycles": cycles}, lines=[line])
