@@ -21,7 +21,6 @@ from __future__ import annotations
 import argparse
 import importlib
 import importlib.util
-import mmap
 import os
 import random
 import re
@@ -57,10 +56,9 @@ def main() -> int:
     if asked.target not in names:
         say(f"run.py: {asked.target!r} is no target, expected one of {', '.join(names)}")
         return 2
-    if asked.kernels is None:
-        text = (HERE / f"{asked.target}.py").read_text()
-        plain = re.search(r"^INTERPRETED = True$", text, re.MULTILINE)
-        asked.kernels = "interpreted" if plain else "compiled"
+    text = (HERE / f"{asked.target}.py").read_text()
+    plain = re.search(r"^INTERPRETED = True$", text, re.MULTILINE)
+    asked.kernels = "interpreted" if plain else "compiled"
     if asked.child:
         return child(asked)
     if asked.again:
@@ -79,10 +77,6 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("target", nargs="?", help="name of a file beside this one, without .py")
     parser.add_argument("--seconds", type=int, default=60, help="how long (default 60)")
     parser.add_argument("--corpus", type=Path, help=f"folder of inputs (default {CORPUS}/TARGET)")
-    parser.add_argument(
-        "--kernels", choices=["interpreted", "compiled"],
-        help="how Numba's functions run (default: as the target says)",
-    )  # fmt: skip
     parser.add_argument("--plain", action="store_true", help="random inputs, without atheris")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0: the clock)")
     parser.add_argument("--again", type=Path, metavar="FILE", help="run this one input")
@@ -154,13 +148,9 @@ def child(asked: argparse.Namespace) -> int:
 
 def kernel_modules() -> list[str]:
     """Modules with compiled functions: Numba cannot read them once they are instrumented."""
-    names = []
-    for file in SOURCES.rglob("*.py"):
-        if re.search(
-            r"^\s*from (numba|skinfield\.compiled) import", file.read_text(), re.MULTILINE
-        ):
-            names.append(".".join(file.relative_to(SOURCES).with_suffix("").parts))
-    return names
+    kernels = re.compile(r"^\s*from (numba|skinfield\.compiled) import", re.MULTILINE)
+    files = (file for file in SOURCES.rglob("*.py") if kernels.search(file.read_text()))
+    return [".".join(file.relative_to(SOURCES).with_suffix("").parts) for file in files]
 
 
 def load(target: str, inputs: Path) -> OneInput:
@@ -178,20 +168,17 @@ def fuzz_plainly(one_input: OneInput, inputs: Path, asked: argparse.Namespace) -
     random_numbers = random.Random(asked.seed or time.time_ns())
     known = [file.read_bytes() for file in sorted(inputs.iterdir())] or [b""]
     last, count = asked.corpus / "found" / "crash-plain", 0
-    last.write_bytes(bytes(LONGEST + 8))
     until = time.monotonic() + asked.seconds
-    with last.open("r+b") as file, mmap.mmap(file.fileno(), 0) as kept:
-        while time.monotonic() < until:
-            data = changed(random_numbers, known)
-            kept[:8], kept[8 : 8 + len(data)] = len(data).to_bytes(8, "little"), data
-            try:
-                one_input(data)
-            except BaseException:
-                say(traceback.format_exc())
-                last.write_bytes(data)
-                return 1
-            count += 1
-    last.unlink()
+    while time.monotonic() < until:
+        data = changed(random_numbers, known)
+        last.write_bytes(data)  # stays if the process dies with it
+        try:
+            one_input(data)
+        except BaseException:
+            say(traceback.format_exc())
+            return 1
+        count += 1
+    last.unlink(missing_ok=True)
     say(f"stat::number_of_executed_units: {count}")
     return 0
 
@@ -219,13 +206,9 @@ def again(asked: argparse.Namespace) -> int:
     """Run one input as it is; its exception, if any, is Python's own."""
     for name, value in environment(asked).items():
         os.environ[name] = value
-    data = asked.again.read_bytes()
-    size = int.from_bytes(data[:8], "little")
-    if asked.again.name == "crash-plain" and len(data) == LONGEST + 8 and size <= LONGEST:
-        data = data[8 : 8 + size]  # the process died with it
     inputs = asked.corpus / "inputs"
     inputs.mkdir(parents=True, exist_ok=True)
-    load(asked.target, inputs)(data)
+    load(asked.target, inputs)(asked.again.read_bytes())
     say(f"{asked.again}: nothing happens")
     return 0
 

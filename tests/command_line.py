@@ -24,7 +24,7 @@ class Done:
         return self.stdout + self.stderr
 
 
-def invoke(words: Sequence[str]) -> Done:
+def invoke(words: Sequence[object]) -> Done:
     """Run a command in this process; an error that it did not expect is raised."""
     out, errors, code = io.StringIO(), io.StringIO(), 0
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
@@ -37,14 +37,14 @@ def invoke(words: Sequence[str]) -> Done:
 
 def run(*words: object) -> str:
     """All that a command printed, which must do what it should."""
-    done = invoke([str(word) for word in words])
+    done = invoke(words)
     assert done.exit_code == 0, done.output
     return done.output
 
 
 def refused(*words: object) -> str:
     """What is said, in one line, by a command that must refuse what it was asked to do."""
-    done = invoke([str(word) for word in words])
+    done = invoke(words)
     assert done.exit_code == 2, done.output
     assert "Traceback" not in done.output
     return " ".join(done.output.split())
@@ -52,6 +52,6 @@ def refused(*words: object) -> str:
 
 def result_of(*words: object) -> Any:
     """What a command prints with --json, and nothing else on stdout."""
-    done = invoke([*map(str, words), "--json"])
+    done = invoke([*words, "--json"])
     assert done.exit_code == 0, done.output
     return json.loads(done.stdout, parse_constant=AssertionError)

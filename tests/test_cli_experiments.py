@@ -22,7 +22,7 @@ def failing(settings: Settings) -> Section:
 
 
 def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
-    words = ("--size", "smoke", "--only", "model", "--workers", "1", "-o", str(tmp_path))
+    words = (*QUICK, "model", "-o", tmp_path)
     first = run("experiments", *words)
     assert first.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
     assert "does not hold" in first
@@ -33,9 +33,8 @@ def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     run("experiments", *words)
     assert (tmp_path / "agreement" / "section.json").stat().st_mtime_ns == stamp
     again = (tmp_path / "report.html").read_text()
-    assert (
-        page.split("<main>")[1].split("</main>")[0] == again.split("<main>")[1].split("</main>")[0]
-    )
+    first, second = (text.split("<main>")[1].split("</main>")[0] for text in (page, again))
+    assert first == second
 
 
 def test_other_settings_are_made_anew() -> None:
@@ -54,14 +53,9 @@ def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     assert "Quick" in page
 
 
-def test_parts_run_side_by_side_on_one_thread_each(
-    tmp_path: Path,
-) -> None:
-    parts = (
-        Experiment("first", (), quick),
-        Experiment("second", (), quick),
-        Experiment("last", (), quick, alone=True),
-    )
+def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
+    parts = (*(Experiment(name, (), quick) for name in ("first", "second")),
+             Experiment("last", (), quick, alone=True))  # fmt: skip
     seen: list[tuple[str, int, int]] = []
     before = os.environ.get("OMP_NUM_THREADS")
     running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
@@ -75,17 +69,10 @@ def test_parts_run_side_by_side_on_one_thread_each(
     assert seen[-1][0] == "last"  # what measures time waits for all others
 
 
-def test_a_name_that_is_none(tmp_path: Path) -> None:
-    assert "'fig12' names no experiment, expected some of imposed, fig3" in refused(
-        "experiments", "--only", "fig12", "-o", tmp_path
-    )
-
-
-def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
+def test_what_cannot_be_is_said(tmp_path: Path) -> None:
+    said = refused("experiments", "--only", "fig12", "-o", tmp_path)
+    assert "'fig12' names no experiment, expected some of imposed, fig3" in said
     file = tmp_path / "file"
     file.write_text("")
-    refused("experiments", "--only", "model", "-o", file)
-    below = refused(
-        "experiments", "--only", "model", "--size", "smoke", "--workers", "1", "-o", file / "below"
-    )
-    assert "cannot be made" in below
+    refused("experiments", *QUICK, "model", "-o", file)
+    assert "cannot be made" in refused("experiments", *QUICK, "model", "-o", file / "below")

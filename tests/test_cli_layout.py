@@ -17,10 +17,8 @@ DOME = generators.sphere_cap()
 
 @pytest.fixture
 def inward(tmp_path: Path) -> Path:
-    rows = np.hstack([DOME.positions, -DOME.normals])
-    lines = [" ".join(f"{value:.9f}" for value in row) for row in rows]
-    path = tmp_path / "dome.txt"
-    path.write_text("\n".join(["name dome", "[calibration]", *lines]))
+    path, rows = tmp_path / "dome.txt", np.hstack([DOME.positions, -DOME.normals])
+    np.savetxt(path, rows, "%.9f", header="name dome\n[calibration]", comments="")
     return path
 
 

@@ -16,7 +16,7 @@ from skinfield.lab.scenarios import load_scenario
 from skinfield.signal import load_calibration
 from skinfield.simulate.rig import run_rig
 
-FOAM = Path(__file__).resolve().parents[1] / "examples" / "scenarios" / "foam.toml"
+FOAM = ROOT / "examples" / "scenarios" / "foam.toml"
 SCENARIO = FOAM.read_text(encoding="utf-8")
 
 
@@ -63,38 +63,31 @@ def test_a_run_that_is_there_is_not_made_again(made: Path) -> None:
     assert re.search(r"foam-ball +│ ball +│ +10 │ +35.0 │ there", run(*words, "--dry-run"))
 
 
+def real(made: Path) -> tuple[object, ...]:
+    """Options for what the rig made, taken for a real skin."""
+    calibration = made / "calibration.toml"
+    return ("--skin", made / "layout.toml", "--calibration", calibration, "--poisson", 0.3)
+
+
+def number_in(text: str, pattern: str) -> float:
+    return float(re.search(pattern, text).group(1))  # type: ignore[union-attr]
+
+
 def test_reconstruct_takes_it_for_a_real_recording(made: Path) -> None:
-    result = run(
-        "reconstruct", made / "recording.npz", "--skin", made / "layout.toml",
-        "--calibration", made / "calibration.toml", "--poisson", "0.3", "--modulus-kpa", "90",
-        "-o", made.parent / "contacts.csv",
-    )  # fmt: skip
-    highest = float(re.search(r": ([\d.]+) N in", result).group(1))  # type: ignore[union-attr]
+    words = (*real(made), "--modulus-kpa", 90, "-o", made.parent / "contacts.csv")
+    highest = number_in(run("reconstruct", made / "recording.npz", *words), r": ([\d.]+) N in")
     assert 1.7 < highest < 2.4  # 2.0 pressed
     assert (made.parent / "contacts.csv").stat().st_size > 1000
 
 
-def test_its_scale_is_fitted_by_its_load_cell(made: Path) -> None:
+def test_its_scale_is_fitted_by_its_load_cell(made: Path, tmp_path: Path) -> None:
     """From a modulus that is a third too high back to the true one."""
-    result = run(
-        "calibrate", "scale", made / "recording.npz", made / "load_cell.csv",
-        "--skin", made / "layout.toml", "--calibration", made / "calibration.toml",
-        "--poisson", "0.3", "--modulus-kpa", "120",
-    )  # fmt: skip
-    modulus = float(re.search(r"modulus ([\d.]+) kPa", result).group(1))  # type: ignore[union-attr]
-    assert modulus == pytest.approx(90.0, rel=0.15)
-    assert float(re.search(r"correlation ([\d.]+)", result).group(1)) > 0.9  # type: ignore[union-attr]
-
-
-def test_a_scale_along_the_wrong_axis_is_refused_and_not_written(
-    made: Path, tmp_path: Path
-) -> None:
-    written = tmp_path / "scale.json"
-    result = refused(
-        "calibrate", "scale", made / "recording.npz", made / "load_cell.csv",
-        "--skin", made / "layout.toml", "--calibration", made / "calibration.toml",
-        "--poisson", "0.3", "--axis", "z", "-o", written,
-    )  # fmt: skip
+    words = ("calibrate", "scale", made / "recording.npz", made / "load_cell.csv", *real(made))
+    result = run(*words, "--modulus-kpa", 120)
+    assert number_in(result, r"modulus ([\d.]+) kPa") == pytest.approx(90.0, rel=0.15)
+    assert number_in(result, r"correlation ([\d.]+)") > 0.9
+    written = tmp_path / "scale.json"  # along the wrong axis
+    result = refused(*words, "--axis", "z", "-o", written)
     assert "expected one above 0: the sensor's axis points the other way" in result
     assert not written.exists()
 
@@ -134,10 +127,7 @@ def test_mistakes_are_a_paragraph(tmp_path: Path) -> None:
 
 
 def test_the_page_runs_and_prints_what_it_says(
-    made: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = ROOT / "docs" / "rig.md"
     shown = [text for _, _, text in blocks(page)]

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 from skinfield.cli.report import end_undisturbed, signals_end
 from skinfield.errors import InputError
 from skinfield.loop.slots import Head
-from skinfield.ring import Ring, RingReader, State
+from skinfield.ring import Field, Ring, RingReader, State
 from skinfield.settings import PageSettings, RecordSettings, load_settings
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -105,16 +105,12 @@ def test_wrong_options_are_refused_before_anything_starts(
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.0.0.2", "localhost"])
 def test_a_taken_port_is_refused(host: str) -> None:
     words = ["run", "--name", unique_name(), "--host", host, "--port"]
-    with socket.socket() as taken:
-        taken.bind((host, 0))
-        taken.listen()
+    with socket.create_server((host, 0)) as taken:
         said = refused(*words, taken.getsockname()[1])
     assert "cannot be served: Address already in use" in said
 
 
 def test_a_running_name_is_refused() -> None:
-    from skinfield.ring import Field
-
     with Ring.create(unique_name(), [Field("x", "<f8", (1,))]) as ring:
         assert f"a skin named '{ring.name}' runs already" in refused("run", "--name", ring.name)
         ring.unlink()
@@ -134,13 +130,9 @@ class Running:
         tare = () if "--tare-s" in options else ("--tare-s", "0.2")
         words = [*COMMAND, "run", "--name", name, "--priority", "0", *QUICK, *tare, *options]
         self.process = subprocess.Popen(
-            words,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            process_group=0,
+            words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, process_group=0,
             env=os.environ | {"OMP_NUM_THREADS": "1"},
-        )
+        )  # fmt: skip
         self.seen: set[int] = set()
 
     def wait_for(self, condition: Callable[[], object]) -> None:
@@ -199,8 +191,7 @@ def serves(port: int) -> bool:
 
 
 def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
+    with socket.create_server(("127.0.0.1", 0)) as found:
         return int(found.getsockname()[1])
 
 

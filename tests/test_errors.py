@@ -14,13 +14,10 @@ from skinfield.errors import (
 )
 
 
-def test_numbers_of_any_kind_become_floats():
+def test_numbers_of_any_kind_become_floats_and_what_is_masked_is_nan():
     for values in ([1, 2], (1.0, 2.0), np.array([1, 2], np.uint8), np.array([1, 2], np.float32)):
         assert as_floats("x", values).dtype == np.float64
         assert as_floats("x", values).tolist() == [1.0, 2.0]
-
-
-def test_what_a_masked_array_hides_is_nan():
     hidden = np.ma.masked_array([1, 7, 3], mask=[False, True, False])
     assert as_floats("readings", hidden) == pytest.approx([1.0, np.nan, 3.0], nan_ok=True)
 
@@ -45,11 +42,8 @@ def test_what_is_no_number_above_zero_is_refused_by_name(value):
 def test_what_is_no_count_is_refused_by_name(value):
     with pytest.raises(InputError, match=r"starts is .*, expected a whole number from 1 to 8"):
         check_count("starts", value, 1, 8, "seeds")
-
-
-def test_counts_of_any_kind_pass():
-    for value in (1, 8, np.int64(3), np.array(2)):
-        check_count("starts", value, 1, 8, "seeds")
+    for good in (1, 8, np.int64(3), np.array(2)):
+        check_count("starts", good, 1, 8, "seeds")
 
 
 class Loud:

@@ -35,10 +35,8 @@ def follow(page: Path, names: dict[str, Any] | None = None) -> tuple[int, int]:
         elif language == "sh":
             for line in text.splitlines():
                 if line.startswith("skinfield") and OUTSIDE not in line:
-                    words = shlex.split(
-                        line.replace("--duration 5 ", "--duration 1 "), comments=True
-                    )
-                    run(*words[1:])
+                    line = line.replace("--duration 5 ", "--duration 1 ")
+                    run(*shlex.split(line, comments=True)[1:])
                     commands += 1
     return snippets, commands
 
@@ -77,18 +75,10 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contact-fit", 1),
-        ("tracks", 1),
-        ("design-a-skin", 1),
-        ("engine", 4),
-        ("batch", 2),
-        ("icub", 4),
-        ("packet", 2),
-        ("cyskin", 3),
-        ("sources", 2),
-        ("settings", 1),
+        ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 4), ("batch", 2),
+        ("icub", 4), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
     ],
-)
+)  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
     assert follow(ROOT / "docs" / f"{page}.md") == (snippets, 0)
 

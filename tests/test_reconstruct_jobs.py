@@ -37,7 +37,7 @@ LAYOUT = ("--skin", "icub_triangle", "--grid", 8)
 READINGS = 1200
 
 
-def counts(readings: int = READINGS) -> np.ndarray:
+def counts(readings: int) -> np.ndarray:
     """Bytes at rest for a third, then a touch that wanders over the triangle."""
     rng = np.random.default_rng(4)
     found = 240 + rng.normal(scale=1.5, size=(readings, len(PATCH))).round()
@@ -49,7 +49,12 @@ def counts(readings: int = READINGS) -> np.ndarray:
 
 
 def recorded(path: Path, readings: int = READINGS) -> Path:
-    save_recording(Recording(np.arange(readings) * 20_000_000, counts(readings)), path)
+    return saved(path, counts(readings))
+
+
+def saved(path: Path, table: np.ndarray, unit: str = "count") -> Path:
+    """Readings (T, taxels) as a recording, 20 ms apart."""
+    save_recording(Recording(np.arange(len(table)) * 20_000_000, table, unit=unit), path)
     return path
 
 
@@ -128,11 +133,11 @@ def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
 def test_the_runs_of_an_iterative_solver_are_those_of_the_results(
     recording: Path, tmp_path: Path
 ) -> None:
-    path = tmp_path / "n.skinfield"
+    path, file = tmp_path / "n.skinfield", tmp_path / "f.npz"
     words = (*LAYOUT, "--solver", "nonnegative", "--slice", "0:5")
     run("reconstruct", recording, *words, "-o", path)
-    run("reconstruct", path, "--slice", "450:600", "--fields", tmp_path / "f.npz")
-    with np.load(tmp_path / "f.npz") as fields:
+    run("reconstruct", path, "--slice", "450:600", "--fields", file)
+    with np.load(file) as fields:
         results = sf.open_results(path)
         np.testing.assert_array_equal(fields["pressure"], results.pressure[450:600])
         assert fields["pressure"].min() >= 0
@@ -144,22 +149,19 @@ def test_readings_that_lack_any_taxels_are_written_too(tmp_path: Path) -> None:
     table[np.random.default_rng(0).uniform(size=table.shape) < 0.02] = np.nan
     table[:, 5] = np.nan
     table[77] = np.nan
-    path = tmp_path / "gaps.csv"
-    save_recording(Recording(np.arange(200) * 20_000_000, table), path)
-    said = run(
-        "reconstruct", path, *LAYOUT, "--fields", tmp_path / "f.npz", "-o", tmp_path / "c.csv",
-        "-o", tmp_path / "r.skinfield",
-    )  # fmt: skip
+    path, fields = saved(tmp_path / "gaps.csv", table), tmp_path / "f.npz"
+    outputs = ("-o", tmp_path / "c.csv", "-o", tmp_path / "r.skinfield")
+    said = run("reconstruct", path, *LAYOUT, "--fields", fields, *outputs)
     assert "1 of 200 readings have no valid taxel" in said
     assert "(1 left out)" in said
     results = read_results(tmp_path / "r.skinfield")
     assert len(results) == 199
     expected = results.reconstructor(results.values(0, 199))
-    with np.load(tmp_path / "f.npz") as fields:
+    with np.load(fields) as found:
         for name in ("pressure", "pressure_std"):
-            scale = np.abs(getattr(expected, name)).max()
-            off = fields[name].reshape(199, 64) - getattr(expected, name)
-            assert np.abs(off).max() < 1e-5 * scale
+            true = getattr(expected, name)
+            off = found[name].reshape(199, 64) - true
+            assert np.abs(off).max() < 1e-5 * np.abs(true).max()
 
 
 @pytest.mark.parametrize("unit", ["count", "dC/C0"])
@@ -169,8 +171,7 @@ def test_in_blocks_or_as_a_whole_it_is_the_same(
 ) -> None:
     table = counts(3600)
     table = table if unit == "count" else (240 - table) / 171 + 1e-4
-    path = tmp_path / "r.npz"
-    save_recording(Recording(np.arange(3600) * 20_000_000, table, unit=unit), path)
+    path = saved(tmp_path / "r.npz", table, unit)
     noise = ("--noise", 0.009, "--reading", 0)
     words = ("reconstruct", path, *LAYOUT, "--smoothing-ms", smooth, *noise)
     run(*words, "-o", tmp_path / "whole.skinfield")
@@ -240,7 +241,7 @@ def test_ctrl_c_leaves_nothing(
 
     monkeypatch.setattr(reconstruct_runs.Sinks, "write", write)
     names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.npz")
-    done = invoke(["reconstruct", str(recording), *map(str, (*LAYOUT, "-o", *names))])
+    done = invoke(["reconstruct", recording, *LAYOUT, "-o", *names])
     assert (done.exit_code, list(tmp_path.iterdir())) == (130, []), done.output
 
 
@@ -272,12 +273,8 @@ def test_memory_does_not_grow_with_the_recording(
 
 
 def read_whole(path: Path) -> tuple[np.ndarray, np.ndarray, list[dict[str, object]]]:
-    results = sf.open_results(path)
-    return (
-        results.readings.to_numpy(),
-        results.pressure.to_numpy(),
-        (sf.load_contacts(path).to_pylist()),
-    )
+    results, contacts = sf.open_results(path), sf.load_contacts(path).to_pylist()
+    return results.readings.to_numpy(), results.pressure.to_numpy(), contacts
 
 
 @pytest.fixture(scope="module")
@@ -291,8 +288,9 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", CHUNK)  # as the workers have it
-    paths = [recorded(tmp_path / name / "data.csv", n) for name, n in (("a", 600), ("b", 520))
-             if not (tmp_path / name).mkdir()]  # fmt: skip
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    paths = [recorded(tmp_path / f"{name}/data.csv", n) for name, n in (("a", 600), ("b", 520))]
     single = tmp_path / "single.skinfield"
     run("reconstruct", paths[0], *LAYOUT, "-o", single)
     folder = tmp_path / "out"

@@ -13,8 +13,7 @@ from skinfield.errors import Floats, InputError, as_floats
 from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
-    from skinfield.estimate import Estimate
-    from skinfield.reconstruct import Reconstructor
+    from skinfield import Estimate, Reconstructor
     from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm

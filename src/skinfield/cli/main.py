@@ -42,7 +42,7 @@ LAB = {
 COMMANDS = {
     "demo": Lazy("demo:demo", "Press a simulated patch, reconstruct it, draw it.", "Start"),
     "run": Lazy("run:run", "Bring a robot's skin alive.", "Start"),
-    "view": Lazy("view:view", "Show a recording, or skins elsewhere, in the browser.", "Start"),
+    "view": Lazy("replay:view", "Show a recording, or skins elsewhere, in the browser.", "Start"),
     "record": Lazy("record:record", "Record a running skin into one MCAP file.", "Recordings"),
     "replay": Lazy("replay:replay", "Show a recording as it was.", "Recordings"),
     "export": Lazy("export:export", "Turn a recording into Parquet, CSV, a bag ...", "Recordings"),
@@ -58,7 +58,7 @@ COMMANDS = {
     "status": Lazy("status:status", "What runs, and how well it keeps its time."),
     "tune": Lazy("status:tune", "Change how a running skin answers."),
     "tare": Lazy("status:tare", "Take the baseline of an untouched skin anew."),
-    "warmup": Lazy("warmup:warmup", "Compile once for this machine what a run needs."),
+    "warmup": Lazy("run:warmup", "Compile once for this machine what a run needs."),
     "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
     **LAB,
 }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 
 from cyclopts import Group, Parameter
 
+import skinfield as sf
 from skinfield.cli.report import note
 from skinfield.errors import InputError
 from skinfield.settings import (
@@ -32,12 +33,10 @@ from skinfield.settings.tree import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from skinfield.elastic import Layer, Mechanics, Quantity
+    from skinfield.elastic import Mechanics, Quantity
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.signal import Calibration
-    from skinfield.skin import Patch, Skin
-    from skinfield.solve import Solver
 
 SOLVERS = {
     "gaussian": "GaussianField",
@@ -155,32 +154,25 @@ def parsed(flag: str, text: str, read: Callable[[str], T]) -> T:
         raise InputError(f"{flag} is {text!r}: {error}") from error
 
 
-def solver_of(name: str) -> "Solver":
+def solver_of(name: str) -> Any:
     """Solver of a name in `SOLVERS`, as it usually is."""
-    from skinfield import solve as inverse
-
-    solver: Solver = getattr(inverse, SOLVERS[name])()
-    return solver
+    return getattr(sf, SOLVERS[name])()
 
 
 def mechanics_of(name: str) -> "Mechanics":
     """Model of the elastomer, by its name on the command line."""
-    from skinfield.elastic import BondedLayer, HalfSpace
-
     if name == "half-space":
-        return HalfSpace()
-    return BondedLayer(inextensible_cover=name == "covered-layer")
+        return sf.HalfSpace()
+    return sf.BondedLayer(inextensible_cover=name == "covered-layer")
 
 
 def quantity_of(name: str) -> "Quantity":
     """What a taxel reads, by its name on the command line."""
-    from skinfield import elastic
-
-    quantity: Quantity = getattr(elastic, QUANTITIES[name])()
+    quantity: Quantity = getattr(sf, QUANTITIES[name])()
     return quantity
 
 
-def skin_from_text(text: str) -> "Skin":
+def skin_from_text(text: str) -> "sf.Skin":
     """Skin of a layout file, of a recording that has it enclosed, or a generator by name."""
     if text.lower().endswith(LIVE):
         from skinfield.files.mcap.live import LiveRecording
@@ -207,15 +199,13 @@ def filled(section: S, profile: Profile) -> S:
     return replace(section, **known)
 
 
-def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "Layer":
+def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "sf.Layer":
     """Elastomer, in SI units: what was set, else the profile's."""
-    from skinfield.elastic import Layer
-
     whole = asdict(elastomer if profile is None else filled(elastomer, profile))
-    return Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])
+    return sf.Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])
 
 
-def nodes_for(patch: "Patch", most: int = FINEST) -> int:
+def nodes_for(patch: "sf.Patch", most: int = FINEST) -> int:
     """Nodes on a side of the grid: four to a taxel's pitch, over the patch's longer side."""
     import numpy as np
 
@@ -229,30 +219,28 @@ def nodes_for(patch: "Patch", most: int = FINEST) -> int:
 
 
 def config_of(
-    patch: "Patch",
-    layer: "Layer",
+    patch: "sf.Patch",
+    layer: "sf.Layer",
     quantity: "Quantity",
     noise_std: "ArrayLike",
     model: ModelSettings,
 ) -> "ReconstructorConfig":
     """Reconstruction with the chosen grid, mechanics and solver."""
-    from skinfield.estimate import ContactFinder
     from skinfield.reconstruct.serialisation import ReconstructorConfig
-    from skinfield.skin import Grid
 
     return ReconstructorConfig(
         patch,
         layer,
-        Grid.square(patch, nodes=model.grid or nodes_for(patch)),
+        sf.Grid.square(patch, nodes=model.grid or nodes_for(patch)),
         mechanics_of(model.mechanics or "layer"),
         quantity,
         solver_of(model.solver or USUAL_SOLVER),
         noise_std,
-        ContactFinder(),
+        sf.ContactFinder(),
     )
 
 
-def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
+def conditioning_of(patch: "sf.Patch", counts: CountSettings) -> "Conditioning":
     """What counts mean; gain and rest that are not set are the board's."""
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.signal import Convention, CySkinCount, Exponential, ICubByte, NoFilter
@@ -272,7 +260,7 @@ def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
     )
 
 
-def calibration_in(path: str, patch: "Patch") -> "Calibration | None":
+def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
     """Calibration of a file, or the one that a recording of a live skin has enclosed, if any."""
     if path.lower().endswith(LIVE):
         from skinfield.files.mcap.live import LiveRecording
@@ -309,7 +297,7 @@ def flags_set(command: Callable[..., Any], values: dict[str, Any]) -> list[tuple
     return [(name, f"--{flag_of(name)}") for name in names]
 
 
-def patch_of(skin: "Skin", name: str | None) -> "Patch":
+def patch_of(skin: "sf.Skin", name: str | None) -> "sf.Patch":
     """The patch that is meant: the only one, or the one of this name or number (from 0)."""
     if name is not None:
         return skin[int(name)] if name.isdecimal() else skin[name]

@@ -19,7 +19,7 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.estimate.contact_table import Row, rows_from_estimate
+from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, explained
@@ -176,7 +176,7 @@ class Part(NamedTuple):
 
     totals: Totals
     load: Floats  # (T,) N, of all contacts of each reading
-    rows: list[Row]  # of a table of contacts
+    rows: list[tuple[int | float | str | None, ...]]  # of a table of contacts
     series: Arrays | None  # fields, if they are wanted
 
 

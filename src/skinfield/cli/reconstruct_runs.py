@@ -7,15 +7,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import skinfield as sf
 from skinfield.cli import options, report
 from skinfield.cli.reconstruct_jobs import Part, Plan, dask_client, parts, run_jobs, take_in
 from skinfield.cli.report import Column
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.estimate import Estimate
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, pending
 from skinfield.files.results import Results, read_results
-from skinfield.reconstruct import Reconstructor
 from skinfield.reconstruct.serialisation import CONTACTS
 
 ENDING = ".skinfield"
@@ -243,7 +242,7 @@ def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def _lines(
-    results: Results, totals: Totals, readings: range, shown: Estimate, skipped: int
+    results: Results, totals: Totals, readings: range, shown: sf.Estimate, skipped: int
 ) -> Iterator[report.Shown]:
     """A line on all readings, and the contacts of one."""
     patch = results.config.patch
@@ -267,7 +266,7 @@ def _seconds(results: Results, readings: range) -> float:
     return (last - first) * 1e-9
 
 
-def doubts(reconstructor: Reconstructor, shown: Estimate) -> list[str]:
+def doubts(reconstructor: sf.Reconstructor, shown: sf.Estimate) -> list[str]:
     """What about an estimate cannot be, and what to try."""
     found, grid, layer = [], shown.grid, reconstructor.layer
     if grid.pitch > reconstructor.patch.pitch:

@@ -16,8 +16,8 @@ from rich.table import Table
 from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
+    from skinfield import Contact, Estimate
     from skinfield.elastic import Quantity
-    from skinfield.estimate import Contact, Estimate
 
 MOST_CONTACTS = 12
 NONE = "–"  # in a cell whose number does not exist

@@ -1,6 +1,7 @@
-"""`skinfield run`: a robot's skin, alive."""
+"""`skinfield run`: a robot's skin, alive; `skinfield warmup`: its code compiled before."""
 
 import errno
+import os
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -12,6 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 from rich.console import Console
 from rich.live import Live as Screen
 
+import skinfield as sf
 from skinfield.cli import options, report
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings import (
@@ -30,6 +32,7 @@ from skinfield.settings import (
 
 LiveSolver = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
 REFRESH = 0.25  # s
+SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
@@ -146,10 +149,11 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     """Refuse, before anything starts, what can be seen without a skin."""
     from skinfield.bridges.launch import bridge_settings
     from skinfield.emulator.scenes import SCENES
+    from skinfield.loop import check_free
     from skinfield.wire.can.adapters import check_interface
 
     report.check_output("--record", wanted.record.into, force, ".mcap")
-    check_name(wanted.loop.name)
+    check_free(wanted.loop.name)
     check_port(wanted.page.port, wanted.page.host)
     bridge_settings(wanted.bridges)
     bus = wanted.source.bus
@@ -161,20 +165,6 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
             known = ", ".join(SCENES)
             raise InputError(
                 f"--scene is {scene!r}, expected one of {known}, or the path of a file"
-            )
-
-
-def check_name(name: str) -> None:
-    """Refuse a name that a running skin has, or that none can have."""
-    from skinfield.ring import Ring
-    from skinfield.ring.files import sidecar
-
-    sidecar(name, "supervisor")
-    for each in Ring.names():
-        if each.name == name and each.alive:
-            raise InputError(
-                f"a skin named {name!r} runs already, as process {each.pid}, expected another "
-                "--name; `skinfield status` shows it"
             )
 
 
@@ -231,10 +221,9 @@ def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) ->
 def live_solver(name: str) -> Any:
     """As elsewhere, but for the gap to which a search goes."""
     from skinfield.loop.settings import LIVE_TOLERANCE
-    from skinfield.solve import NonNegative
 
     if name == "nonnegative":
-        return NonNegative(tolerance=LIVE_TOLERANCE)
+        return sf.NonNegative(tolerance=LIVE_TOLERANCE)
     return options.solver_of(name)
 
 
@@ -334,11 +323,11 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
+    from skinfield.loop import State
     from skinfield.loop.client import Live
     from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
-    from skinfield.ring import State
     from skinfield.wire.sources.factory import skin_for, source_from_options
 
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
@@ -488,3 +477,30 @@ def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> 
         "granted": status.notes.get("granted"),
         "events": [[each.time_ns, each.what, each.text] for each in supervisor.events],
     }
+
+
+def warmup(*, as_json: options.Json = False) -> None:
+    """Compile, once for this machine, what a first `skinfield run` needs.
+
+    It is such a run, of a virtual skin that is pressed, until engine and fit have answered. What
+    they compile stays in the user's cache folder, so that the next run starts within seconds. Where
+    all is compiled already this takes a few seconds.
+
+      skinfield warmup
+
+    Parameters
+    ----------
+    as_json : bool
+        How long it took, as one JSON object.
+    """
+    loop = LoopSettings(name=f"warmup-{os.getpid()}", priority=0)
+    wanted, console = Settings(loop=loop, page=PageSettings(port=0)), Console(stderr=True)
+    began = time.monotonic()
+    with report.signals_end(), ExitStack() as parts:
+        try:
+            summary = watch(start_all(wanted, parts, console), SETTLE, None, console)
+        finally:
+            report.end_undisturbed()
+    seconds, cycles = time.monotonic() - began, summary["cycles"]
+    line = f"a run starts and answers: {cycles:,} cycles, {seconds:.0f} s in all"
+    report.finish(as_json, {"seconds": seconds, "cycles": cycles}, lines=[line])

@@ -9,18 +9,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 
+import skinfield as sf
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import FileError, InputError
 from skinfield.settings.tree import Positive, Range
-
-if TYPE_CHECKING:
-    from skinfield.solve import Solver
 
 WIDE = 160  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
@@ -341,7 +339,7 @@ def named(path: Path, solver: str) -> Iterator[None]:
         ) from error
 
 
-def solver_from_text(text: str, settings: str = "{}") -> "Solver":
+def solver_from_text(text: str, settings: str = "{}") -> Any:
     """Solver by its name, or imported, such as "package.module:Class", and made with settings.
 
     Raises InputError if there is no such solver, it does not take these settings, a JSON object, or
@@ -356,9 +354,7 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
     if ":" in text:
         make = _imported(text)
     elif text in options.SOLVERS:
-        from skinfield import solve as inverse
-
-        make = getattr(inverse, options.SOLVERS[text])
+        make = getattr(sf, options.SOLVERS[text])
     else:
         raise InputError(
             f"--solver is {text!r}, expected one of {', '.join(options.SOLVERS)}, or your own as "
@@ -374,7 +370,7 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
             f"--solver is {text!r}, which has no prepare(model), expected a solver: "
             "see CONTRIBUTING.md"
         )
-    return solver  # type: ignore[no-any-return]
+    return solver
 
 
 def _is_solver(value: Any) -> bool:

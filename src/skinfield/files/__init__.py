@@ -1,5 +1,6 @@
 """Files: recordings, layouts, results, shapes and tables; a file has its name once it is whole."""
 
+from skinfield.estimate.contact_table import rows_from_estimate as rows_from_estimate
 from skinfield.files.archive_writer import save_recording as save_recording
 from skinfield.files.fields import FieldWriter as FieldWriter
 from skinfield.files.fields import open_fields as open_fields

@@ -22,6 +22,7 @@ from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot as Snapshot
 from skinfield.loop.snapshot import Stale as Stale
 from skinfield.ring import Ring, RingReader, State
+from skinfield.ring.files import sidecar
 from skinfield.skin import Skin
 
 FOREVER = 1e9  # s
@@ -304,3 +305,14 @@ def chosen(name: str | None) -> str:
             f"no name was given and {what}, expected one skin: start `skinfield run`, or name it"
         )
     return there[0]
+
+
+def check_free(name: str) -> None:
+    """Raise InputError where a running skin has a name, or none can have it."""
+    sidecar(name, "supervisor")
+    for each in Ring.names():
+        if each.name == name and each.alive:
+            raise InputError(
+                f"a skin named {name!r} runs already, as process {each.pid}, expected another "
+                "--name; `skinfield status` shows it"
+            )

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.loop import Answer
 from skinfield.loop.slots import Head
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import EngineView
 from skinfield.page.wire import packed, scaled
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.skin import Patch
 
 POINTS = 32

@@ -14,6 +14,7 @@ import numpy as np
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.mcap.live import LiveRecording, Newest
 from skinfield.files.mcap.schema import CYCLES, FIELDS, FITS, TARE, Cycle, FieldRecord, FitRecord
+from skinfield.loop import Answer
 from skinfield.loop.fit_ring import LAYOUT, FitSlot
 from skinfield.loop.model_config import Configuration, ModelConfig, Models, write_configuration
 from skinfield.loop.realtime import TimingTable
@@ -21,7 +22,6 @@ from skinfield.loop.ring_fields import describe, slots_for, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import CONTACT, PATCH, Head, Sizes, Slot
 from skinfield.loop.status_text import write_notes
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, State
 
 FAR = 1e15  # that no place (m), force (N) or pressure (Pa) comes near

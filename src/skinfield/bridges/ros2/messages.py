@@ -20,11 +20,11 @@ from skinfield.files.ros.kinds import (
 )
 from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages, of_contacts
 from skinfield.files.ros.names import Topics
+from skinfield.loop import Answer
 from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer, Status
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import State
 from skinfield.skin import Skin
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.loop import Answer
 from skinfield.loop.snapshot import Snapshot
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.wire.yarp import SkinContact, parts_of
 

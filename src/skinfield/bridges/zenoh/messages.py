@@ -11,9 +11,9 @@ from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.loop import Answer
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import CONTACT, Sizes, Slot
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field
 from skinfield.ring.layout import LINE, Placed, place
