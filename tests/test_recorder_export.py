@@ -1,21 +1,21 @@
 """Exports and channels of recordings for other programs, read back by those; the page runs."""
 
+import contextlib
 import csv
 import json
 import re
-import uuid
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from command_line import invoke
+from command_line import refused, result_of, run
 from fit_rings import FakeFit, contact
 from mcap.reader import make_reader
 from pyarrow import parquet
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, record, recorder_of
 
 from skinfield.files import open_recording, readings_for
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.signal import Blocks, Kind, Status
 
 CYCLES = 60
@@ -23,49 +23,30 @@ CYCLES = 60
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    name = f"exp{uuid.uuid4().hex[:12]}"
     path = tmp_path_factory.mktemp("export") / "a.mcap"
-    engine = FakeEngine(name)
-    recorder = Recorder(RecorderSettings(name=name, path=path))
-    for i in range(CYCLES):
-        engine.cycle()
-        if i % 5 == 0:
-            recorder.step()
-    recorder.close()
-    engine.close()
-    forget_state(name)
+    with FakeEngine() as engine:
+        record(engine, path, CYCLES, every=5)
     return path, np.array(engine.counts), engine.skin
 
 
 @pytest.fixture(scope="module", name="fitted")
 def _fitted(tmp_path_factory):
     """With a fit beside the engine: 1 N, then that and 2 N on another place, then nothing."""
-    name = f"exp{uuid.uuid4().hex[:12]}"
     path = tmp_path_factory.mktemp("export") / "fit.mcap"
-    engine, fit = FakeEngine(name), FakeFit(name)
-    recorder = Recorder(RecorderSettings(name=name, path=path))
-    found = [(1.0,), (1.0, 2.0), ()]
-    for number, forces in enumerate(found):
-        engine.cycle()
-        rows = [contact(0.01 * k, force=force, track=k + 3) for k, force in enumerate(forces)]
-        fit.tell(*rows, stamp_ns=10 + number, pressure=[5.0])
-        recorder.step()
-    recorder.close()
-    fit.close()
-    engine.close()
-    forget_state(name)
+    with FakeEngine() as engine, FakeFit(engine.ring.name) as fit:
+        recorder = recorder_of(engine, path)
+        for number, forces in enumerate([(1.0,), (1.0, 2.0), ()]):
+            engine.cycle()
+            rows = [contact(0.01 * k, force=force, track=k + 3) for k, force in enumerate(forces)]
+            fit.tell(*rows, stamp_ns=10 + number, pressure=[5.0])
+            recorder.step()
+        recorder.close()
     return path
-
-
-def run(*words: str):
-    found = invoke(list(words))
-    assert found.exit_code == 0, found.output
-    return found.output
 
 
 def test_parquet(recorded, tmp_path):
     path, counts, skin = recorded
-    run("export", str(path), "-o", str(tmp_path / "a.parquet"))
+    run("export", path, "-o", tmp_path / "a.parquet")
     table = parquet.read_table(tmp_path / "a.parquet")
     assert table.column_names == ["stamp_ns", *(f"uid_{uid}" for uid in skin[0].uid)]
     values = np.array([table[name].to_numpy() for name in table.column_names[1:]]).T
@@ -87,7 +68,7 @@ def test_parquet(recorded, tmp_path):
 
 def test_csv(recorded, tmp_path):
     path, counts, skin = recorded
-    run("export", str(path), "-o", str(tmp_path / "a.csv"))
+    run("export", path, "-o", tmp_path / "a.csv")
     lines = [line for line in (tmp_path / "a.csv").open() if not line.startswith("#")]
     rows = list(csv.reader(lines))
     np.testing.assert_array_equal(np.array(rows[1:], float)[:, 1:], counts)
@@ -100,7 +81,7 @@ def test_csv(recorded, tmp_path):
 
 
 def test_contacts_of_a_fit(fitted, tmp_path):
-    run("export", str(fitted), "-o", str(tmp_path / "a.csv"))
+    run("export", fitted, "-o", tmp_path / "a.csv")
     with (tmp_path / "a.fit_contacts.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     table = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
@@ -112,27 +93,25 @@ def test_contacts_of_a_fit(fitted, tmp_path):
 
 
 def test_a_bag_has_the_engines_own(fitted, tmp_path):
-    run("export", str(fitted), "--format", "rosbag2", "-o", str(tmp_path / "bag"))
+    run("export", fitted, "--format", "rosbag2", "-o", tmp_path / "bag")
     assert (tmp_path / "bag" / "metadata.yaml").exists()
-    assert json.loads(run("info", str(fitted), "--json"))["fit"]["answers"] == 3
+    assert result_of("info", fitted)["fit"]["answers"] == 3
 
 
 def test_what_cannot_be(recorded, tmp_path):
     path, _, _ = recorded
     for words in (
-        ("export", str(path), "-o", str(tmp_path / "a.xls")),
-        ("export", str(path), "-o", str(tmp_path / "a.csv"), "--patch", "leg"),
-        ("export", str(tmp_path / "no.mcap"), "-o", str(tmp_path / "a.csv")),
+        ("export", path, "-o", tmp_path / "a.xls"),
+        ("export", path, "-o", tmp_path / "a.csv", "--patch", "leg"),
+        ("export", tmp_path / "no.mcap", "-o", tmp_path / "a.csv"),
     ):
-        found = invoke(list(words))
-        assert found.exit_code == 2
-        assert "expected" in found.output
+        assert "expected" in refused(*words)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_info(recorded):
     path, _, _ = recorded
-    said = json.loads(run("info", str(path), "--json"))
+    said = result_of("info", path)
     assert said["finished"]
     assert said["cycles"] == CYCLES
     assert said["late"] == CYCLES // 10
@@ -142,15 +121,15 @@ def test_info(recorded):
     assert said["contacts"] == {"cycles": 40, "most_at_once": 2, "tracks": 40}
     assert said["readings"]["missing_bytes"] == 0
     assert set(said["lost"].values()) == {0}
-    text = run("info", str(path))
+    text = run("info", path)
     assert "40 tracks in 40 cycles, at most 2 at once" in text
 
 
 def test_reconstruct_takes_it(recorded, tmp_path):
     """Its layout, calibration and settings are enclosed; flags come before them."""
     path, contacts, summary = recorded[0], tmp_path / "contacts.csv", tmp_path / "s.json"
-    words = ("--grid", "8", "-o", str(contacts), "--summary", str(summary), "--modulus-kpa", "90")
-    run("reconstruct", str(path), *words)
+    words = ("--grid", "8", "-o", contacts, "--summary", summary, "--modulus-kpa", "90")
+    run("reconstruct", path, *words)
     assert contacts.exists()
     made = json.loads(summary.read_text())
     assert "thickness=0.003, young_modulus=90000.0" in made["layer"]
@@ -161,10 +140,6 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
 PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-def nothing_more(blocks: Blocks, now_ns: int) -> None:
-    """Counts alone."""
-
-
 def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
     """Blocks that hold no counts: who reads the bytes must know how long they are."""
     blocks.put_number(now_ns, 0, Kind.SOURCE, 1)
@@ -173,34 +148,35 @@ def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
 
 @pytest.fixture(scope="module")
 def docs_recording(tmp_path_factory):
-    name = f"docs{uuid.uuid4().hex[:12]}"
     folder = tmp_path_factory.mktemp("docs")
-    engine = FakeEngine(name)
-    recorder = Recorder(RecorderSettings(name=name, path=folder / "touch.mcap"))
-    for number in range(30):
-        engine.cycle(extra=of_all_kinds if number == 7 else nothing_more)
-    recorder.close()
-    engine.close()
-    forget_state(name)
+    with FakeEngine() as engine:
+        recorder = recorder_of(engine, folder / "touch.mcap")
+        for number in range(30):
+            engine.cycle(**({"extra": of_all_kinds} if number == 7 else {}))
+        recorder.close()
     return folder, engine
 
 
-def test_mcap_alone_is_enough(docs_recording, monkeypatch):
+def made_by(program: int, folder: Path) -> dict[str, Any]:
+    """What a program of the page makes where the recording lies."""
+    made: dict[str, Any] = {}
+    with contextlib.chdir(folder):
+        exec(compile(PROGRAMS[program], "recorder.md", "exec"), made)
+    return made
+
+
+def test_mcap_alone_is_enough(docs_recording):
     folder, engine = docs_recording
-    monkeypatch.chdir(folder)
     assert "skinfield" not in PROGRAMS[0].replace("/skin/", "")
-    found: dict[str, object] = {}
-    exec(compile(PROGRAMS[0], "recorder.md", "exec"), found)
+    found = made_by(0, folder)
     np.testing.assert_array_equal([values for _, _, values in found["readings"]], engine.counts)
     assert found["log"] == b"".join(engine.written)
     assert len(found["forces"]) == 30
 
 
-def test_with_skinfield(docs_recording, monkeypatch):
+def test_with_skinfield(docs_recording):
     folder, engine = docs_recording
-    monkeypatch.chdir(folder)
-    found: dict[str, object] = {}
-    exec(compile(PROGRAMS[1], "recorder.md", "exec"), found)
+    found = made_by(1, folder)
     np.testing.assert_array_equal(found["counts"].counts, engine.counts)
     assert found["cycle"].number == 30
     assert found["field"].sides.tolist() == [4]

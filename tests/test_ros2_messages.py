@@ -1,7 +1,6 @@
 """Messages of a known skin, against values worked out by hand, and their bytes."""
 
 import struct
-import uuid
 
 import numpy as np
 import pytest
@@ -26,11 +25,10 @@ WHAT = ("contacts", "frames", "contact_wrench", "wrench", "taxels")
 
 @pytest.fixture
 def running():
-    engine = TwoPatches(f"rosm{uuid.uuid4().hex[:10]}")
-    engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
-    with Live(engine.ring.name) as live:
-        yield engine, live
-    engine.close()
+    with TwoPatches() as engine:
+        engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
+        with Live(engine.ring.name) as live:
+            yield engine, live
 
 
 def said(live, speaker, what):

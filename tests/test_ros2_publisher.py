@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 import time
-import uuid
 from collections import Counter
 
 import pytest
@@ -50,9 +49,8 @@ def router(tmp_path):
 
 @pytest.fixture
 def engine():
-    made = TwoPatches(f"rosp{uuid.uuid4().hex[:10]}")
-    yield made
-    made.close()
+    with TwoPatches() as made:
+        yield made
 
 
 class Child:

@@ -29,7 +29,7 @@ LONG = 600.0  # s: on a busy machine
 
 @contextmanager
 def engine(name: str, address: str) -> Iterator["subprocess.Popen[bytes]"]:
-    command = [sys.executable, str(TESTS / "zenoh_engine.py"), name, "robot", address]
+    command = [sys.executable, str(TESTS / "zenoh_peers.py"), name, "robot", address]
     child = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"}
     )
