@@ -71,8 +71,3 @@ def test_recover(tmp_path):
     assert "is whole: nothing was wrong with it" in text
     bad.write_text("no recording")
     assert "it is no MCAP file" in refused("recover", bad, "-o", good, "--force")
-
-
-@pytest.mark.parametrize("command", ["record", "recover", "info", "export"])
-def test_help_teaches(command):
-    assert f"skinfield {command} " in run(command, "--help")
