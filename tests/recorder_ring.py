@@ -9,6 +9,7 @@ import numpy as np
 from live_skins import unique_name
 
 from skinfield.estimate.live_contacts import CONTACT as ROW
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.ring_fields import description_of, status_fields
@@ -146,6 +147,14 @@ def record(engine: FakeEngine, path: Path, cycles: int, every: int = 3, **how: A
             recorder.step()
     recorder.close()
     return recorder
+
+
+def whole(engine: FakeEngine, path: Path) -> LiveRecording:
+    """A finished recording, after it was seen that it has all of the ring's log."""
+    found = LiveRecording.open(path)
+    assert found.finished
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    return found
 
 
 def missing_bytes(recording) -> int:

@@ -12,7 +12,7 @@ import time
 import pytest
 from live_skins import wait_for
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine, missing_bytes
+from recorder_ring import FakeEngine, missing_bytes, whole
 
 from skinfield.files.mcap.container import FileOutput
 from skinfield.files.mcap.live import LiveRecording
@@ -76,9 +76,7 @@ def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
     assert report.messages["/skin/cycles"] == 50
     with good.open("rb") as file:
         assert len(list(make_reader(file).iter_messages(topics=["/skin/cycles"]))) == 50
-    found = LiveRecording.open(good)
-    assert found.finished
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    whole(engine, good)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
@@ -87,9 +85,7 @@ def test_told_to_stop_it_finishes_its_file(engine, process, number):
         engine.cycle()
     code, said = process.end(number)
     assert (code, said) == (0, "")
-    found = LiveRecording.open(process.path)
-    assert found.finished
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    whole(engine, process.path)
     assert read_state(process.name) is None
 
 
@@ -190,8 +186,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     state = recorder.close()
     assert state.finished
     assert state.lost == state.dropped_cycles == state.given_up == 0
-    found = LiveRecording.open(path)
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    found = whole(engine, path)
     (event,) = [each for each in found.events() if each["kind"] == "disk_failed"]
     assert "No space left" in event["text"]
     assert event["seconds"] > 0

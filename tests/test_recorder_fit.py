@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fit_rings import FakeFit, contact
-from recorder_ring import FakeEngine, recorder_of
+from recorder_ring import FakeEngine, recorder_of, whole
 
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.schema import FitRecord
@@ -50,8 +50,7 @@ def ended(engine: FakeEngine, recorder: Recorder, path: Path) -> list[FitRecord]
     """What is in the file, after it was seen that the engine was recorded whole."""
     state = recorder.close()
     assert state.finished
-    found = LiveRecording.open(path)
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    found = whole(engine, path)
     assert [each.number for each in found.cycles()] == list(range(1, engine.number + 1))
     told = list(found.fits())
     assert found.damage == []
