@@ -191,7 +191,7 @@ class Publisher:
     def there(self) -> Iterator[None]:
         """Answer queries, and show that the engine lives."""
         part, skin = self._part, self._live.skin
-        answers = {
+        answers: dict[str, Callable[[], bytes]] = {
             "description": lambda: self._description,
             "layout": partial(layout_text, skin),
             "calibration": self._calibration,
