@@ -1,7 +1,7 @@
 """A ring of a contact fit, with answers that are made up."""
 
 import time
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -75,6 +75,12 @@ class FakeFit:
         slot.told_ns[0] = time.time_ns() if told_ns is None else told_ns
         FitSlot.of(self.ring.begin()).copy_from(slot)
         self.ring.publish()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Take the ring away."""

@@ -1,17 +1,22 @@
-"""A ring as an engine writes it, with readings that are made up: for tests of recorders."""
+"""Rings as an engine writes them, with readings that are made up: for tests of recorders."""
 
 import sys
 import time
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
+from live_skins import unique_name
 
 from skinfield.estimate.live_contacts import CONTACT as ROW
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.ring_fields import description_of, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.ring import Ring, State
 from skinfield.signal import Blocks, Kind, Port
 from skinfield.skin import Patch, Skin
@@ -28,41 +33,79 @@ def skin_of(taxels: int) -> Skin:
     return Skin((Patch(where, name="arm"),), name="test")
 
 
-class FakeEngine:
-    """Publishes a cycle whenever told: blocks of random counts, a contact, a pressure."""
+class Engine:
+    """A ring of a skin whose engine runs; as a context it leaves nothing behind.
 
-    def __init__(self, name: str, taxels: int = 24, slots: int = 64, log_bytes: int = 1 << 20):
-        self.skin = skin_of(taxels)
+    Parameters
+    ----------
+    skin : Skin
+    name : str
+        Of the ring; without one, a name that nobody else has.
+    slots, log_bytes : int
+    """
+
+    def __init__(self, skin: Skin, name: str = "", slots: int = 64, log_bytes: int = 1 << 20):
+        self.skin, taxels = skin, sum(map(len, skin))
         tree = {"skin": {"thickness_mm": 3.0, "modulus_kpa": 80.0}}
         settings = LiveSettings(
-            skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,), tree=tree
+            skin=skin, sources=(NoSource(),), name=name or unique_name(), rungs=(4,), tree=tree
         )
-        ports = (Port("arm", taxels),)
-        model_config = ModelConfig.of(settings, ports)
-        sizes = Sizes(1, taxels, 16, 8)
-        self.fields = (sizes.fields(), status_fields(1, taxels))
-        self.sizes = (slots, log_bytes)
-        self.ring = Ring.create(
-            name, *self.fields, description_of(settings, model_config), slots, log_bytes
-        )
+        ports = tuple(Port(patch.name, len(patch)) for patch in skin)
+        description = description_of(settings, ModelConfig.of(settings, ports))
+        fields = Sizes(len(skin), taxels, 16, 8).fields(), status_fields(len(skin), taxels)
+        self.layout = (*fields, slots, log_bytes)
+        self.ring = Ring.create(settings.name, *fields, description, slots, log_bytes)
         status = self.ring.status
-        status["calibration"][:] = (200.0, -100.0, 2e4, 1.0)  # as noisy as the counts
-        status["noise_std"][:] = 0.01
-        status["tares"][0] = 1
+        status["noise_std"][:], status["tares"][0] = 0.01, 1
         write_configuration(status["configuration"], Configuration(1, settings.solver, Tuning()))
         self.ring.set_state(State.RUNNING)
         self.blocks = Blocks(1 << 16)
+
+    def reopen(self) -> None:
+        """As a new process after a crash."""
+        self.ring.close()
+        self.ring = Ring.reopen(self.ring.name, *self.layout)
+        self.ring.set_state(State.RUNNING)
+
+    def begin(self, now_ns: int) -> Slot:
+        """The next slot: empty, but for the time and how far the log goes."""
+        slot = Slot.of(self.ring.begin())
+        slot.head[:] = 0
+        slot.head[Head.WALL_NS], slot.head[Head.LOG_POSITION] = now_ns, self.ring.log_end
+        slot.patches[:] = np.zeros(len(self.skin), PATCH)
+        slot.valid[:] = 1
+        return slot
+
+    def publish(self) -> int:
+        """The slot that was begun; its number."""
+        self.ring.heartbeat(time.monotonic_ns())
+        self.ring.status["totals"][0] += 1
+        return self.ring.publish()
+
+    def close(self) -> None:
+        self.ring.unlink()
+        self.ring.close()
+        forget_state(self.ring.name)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class FakeEngine(Engine):
+    """Publishes a cycle whenever told: blocks of random counts, a contact, a pressure."""
+
+    def __init__(self, name: str = "", taxels: int = 24, slots: int = 64, log_bytes: int = 1 << 20):
+        super().__init__(skin_of(taxels), name, slots, log_bytes)
+        self.ring.status["calibration"][:] = (200.0, -100.0, 2e4, 1.0)  # as noisy as the counts
         self.blocks.put(0, 0, [0], Kind.BYTES)  # compiled before anyone waits
         self.rng = np.random.default_rng(1)
         self.taxels, self.number = taxels, 0
         self.counts, self.written = [], []
         self.keep = True
         self.flags = 0
-
-    def reopen(self) -> None:
-        """As a new process after a crash."""
-        self.ring = Ring.reopen(self.ring.name, *self.fields, *self.sizes)
-        self.ring.set_state(State.RUNNING)
 
     def cycle(self, kind: Kind = Kind.SHORTS, extra=lambda blocks, now: None, counts=None) -> None:
         now = time.time_ns()
@@ -73,32 +116,45 @@ class FakeEngine:
         extra(self.blocks, now)
         data = self.blocks.data
         self.ring.log(data)
-        slot = Slot.of(self.ring.begin())
-        mono = time.monotonic_ns()
-        slot.head[:] = 0
+        slot, mono = self.begin(now), time.monotonic_ns()
         slot.head[Head.FLAGS] = CycleFlag.LATE if self.number % 10 == 0 else self.flags
         slot.head[Head.FRESH] = 1
         slot.head[Head.DUE_NS : Head.WALL_NS] = mono + np.arange(4)
-        slot.head[Head.WALL_NS], slot.head[Head.LOG_POSITION] = now, self.ring.log_end
-        slot.counts[:], slot.values[:], slot.valid[:] = counts, 1e-3 * self.number, 1
+        slot.counts[:], slot.values[:] = counts, 1e-3 * self.number
         slot.pressure[:] = 0.0
         slot.pressure[0, self.number % 16] = self.number
-        slot.patches[:] = np.zeros(1, PATCH)
         slot.patches["contacts"] = self.number % 3
         slot.patches["rung"] = 4
         slot.patches["force"] = self.number
         slot.contacts[:] = np.zeros(8, ROW)
         slot.contacts["track"] = self.number
-        self.ring.heartbeat(mono)
-        self.ring.status["totals"][0] += 1
-        self.number = self.ring.publish()
+        self.number = self.publish()
         if self.keep:
             self.counts.append(counts)
             self.written.append(bytes(data))
 
-    def close(self) -> None:
-        self.ring.unlink()
-        self.ring.close()
+
+def recorder_of(engine: Engine, path: Path, **how: Any) -> Recorder:
+    return Recorder(RecorderSettings(name=engine.ring.name, path=path, **how))
+
+
+def record(engine: FakeEngine, path: Path, cycles: int, every: int = 3, **how: Any) -> Recorder:
+    """Cycles into a file, whose recorder looks after some of them; the recorder, which ended."""
+    recorder = recorder_of(engine, path, **how)
+    for i in range(cycles):
+        engine.cycle()
+        if i % every == 0:
+            recorder.step()
+    recorder.close()
+    return recorder
+
+
+def whole(engine: FakeEngine, path: Path) -> LiveRecording:
+    """A finished recording, after it was seen that it has all of the ring's log."""
+    found = LiveRecording.open(path)
+    assert found.finished
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    return found
 
 
 def missing_bytes(recording) -> int:

@@ -3,22 +3,16 @@
 import time
 
 import numpy as np
-from recorder_ring import NoSource
+from recorder_ring import Engine
 
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
-from skinfield.loop.ring_fields import description_of, status_fields
-from skinfield.loop.runtime_parameters import Tuning
-from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import PATCH, Head, Sizes, Slot
-from skinfield.ring import Ring, State
-from skinfield.signal import Blocks, Kind, Port
+from skinfield.loop.slots import Head
+from skinfield.signal import Kind
 from skinfield.skin import Patch, Skin
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # x to y
 MOVE = np.array([0.1, 0.2, 0.3])
 TAXELS = (6, 4)
-ROOM = (16, 1 << 16)  # slots, bytes of the log
 
 
 def two_patches() -> Skin:
@@ -43,23 +37,11 @@ def contact(patch: int, track: int, force: float, place, normal=(0.0, 0.0, 1.0))
     return row
 
 
-class TwoPatches:
+class TwoPatches(Engine):
     """Publishes cycles with the contacts that it is told."""
 
-    def __init__(self, name: str) -> None:
-        self.skin = two_patches()
-        settings = LiveSettings(skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,))
-        ports = tuple(Port(p.name, n) for p, n in zip(self.skin, TAXELS, strict=True))
-        model_config = ModelConfig.of(settings, ports)
-        sizes = Sizes(2, sum(TAXELS), 16, 8)
-        self.fields = sizes.fields(), status_fields(2, sum(TAXELS))
-        self.ring = Ring.create(name, *self.fields, description_of(settings, model_config), *ROOM)
-        self.blocks = Blocks(1 << 12)
-        status = self.ring.status
-        status["noise_std"][:], status["tares"][0] = 0.01, 1
-        known = Configuration(1, settings.solver, Tuning())
-        write_configuration(status["configuration"], known)
-        self.ring.set_state(State.RUNNING)
+    def __init__(self, name: str = "") -> None:
+        super().__init__(two_patches(), name, slots=16, log_bytes=1 << 16)
 
     def cycle(self, contacts=(), stamps_ns=None, answers=(2, 2), invalid=(), counts=None):
         now = time.time_ns()
@@ -67,16 +49,12 @@ class TwoPatches:
             self.blocks.clear()
             self.blocks.put(now, 0, counts, Kind.SHORTS)
             self.ring.log(self.blocks.data)
-        slot = Slot.of(self.ring.begin())
-        slot.head[:] = 0
-        slot.head[Head.WALL_NS], slot.head[Head.FRESH] = now, 2
-        slot.head[Head.LOG_POSITION] = self.ring.log_end
-        slot.patches[:] = np.zeros((), PATCH)
+        slot = self.begin(now)
+        slot.head[Head.FRESH] = 2
         slot.patches["answer"] = answers
         slot.patches["fresh"] = TAXELS
         slot.patches["stamp_ns"] = (now, now) if stamps_ns is None else stamps_ns
         slot.values[:] = np.arange(sum(TAXELS))
-        slot.valid[:] = 1
         slot.valid[list(invalid)] = 0
         slot.patches["invalid"][0] = len(invalid)
         for place in range(2):
@@ -85,17 +63,4 @@ class TwoPatches:
             slot.patches["force"][place] = sum(float(row["normal_force"]) for row in its)
             for at, row in enumerate(its):
                 slot.contacts[place, at] = row
-        self.ring.heartbeat(time.monotonic_ns())
-        self.ring.status["totals"][0] += 1
-        self.ring.publish()
-
-    def reopen(self):
-        """As a new process after a crash."""
-        name = self.ring.name
-        self.ring.close()
-        self.ring = Ring.reopen(name, *self.fields, *ROOM)
-        self.ring.set_state(State.RUNNING)
-
-    def close(self):
-        self.ring.unlink()
-        self.ring.close()
+        self.publish()

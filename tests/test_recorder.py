@@ -1,14 +1,12 @@
 """The recorder against rings that are written here; what it wrote is read by others too."""
 
 import threading
-import time
-import uuid
-from pathlib import Path
 
 import numpy as np
 import pytest
+from live_skins import wait_for
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine, missing_bytes
+from recorder_ring import FakeEngine, missing_bytes, record, recorder_of, whole
 
 import skinfield as sf
 from skinfield.files import open_recording
@@ -17,44 +15,27 @@ from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import Configuration, write_configuration
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.reconstruct.serialisation import value_from_plain
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.record.recorder import read_state
 from skinfield.signal import Kind
 
 
 @pytest.fixture
-def name():
-    unique = f"rec{uuid.uuid4().hex[:12]}"
-    yield unique
-    forget_state(unique)
+def engine():
+    with FakeEngine() as made:
+        yield made
 
 
 @pytest.fixture
-def engine(name):
-    made = FakeEngine(name)
-    yield made
-    made.close()
+def path(tmp_path):
+    return tmp_path / "a.mcap"
 
 
-def record(engine, path: Path, cycles: int, each=lambda i: None, **how) -> Recorder:
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path, **how))
-    for i in range(cycles):
-        each(i)
-        engine.cycle()
-        if i % 3 == 0:
-            recorder.step()
-    recorder.close()
-    return recorder
-
-
-def test_everything_that_the_ring_had_is_in_the_file(engine, tmp_path):
-    path = tmp_path / "a.mcap"
+def test_everything_that_the_ring_had_is_in_the_file(engine, path):
     recorder = record(engine, path, 100)
     assert recorder.state.finished
     assert recorder.state.lost == recorder.state.overrun_cycles == 0
-    found = LiveRecording.open(path)
-    assert found.finished
+    found = whole(engine, path)
     assert found.damage == []
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
     cycles = list(found.cycles())
     assert [each.number for each in cycles] == list(range(1, 101))
     assert [int(each.patches["force"][0]) for each in cycles] == list(range(100))
@@ -75,8 +56,7 @@ def test_everything_that_the_ring_had_is_in_the_file(engine, tmp_path):
     assert before[-1] == len(written)
 
 
-def test_fields_are_there_so_many_times_a_second(engine, tmp_path):
-    path = tmp_path / "a.mcap"
+def test_fields_are_there_so_many_times_a_second(engine, path):
     record(engine, path, 40, view_rate=1000.0)
     found = list(LiveRecording.open(path).fields())
     assert len(found) > 1
@@ -89,17 +69,17 @@ def test_fields_are_there_so_many_times_a_second(engine, tmp_path):
         np.testing.assert_array_equal(each.counts, engine.counts[number])
         np.testing.assert_array_equal(each.values, np.float32(1e-3 * number))
         assert each.valid.all()
-    seldom = tmp_path / "b.mcap"
+    seldom = path.with_name("b.mcap")
     record(engine, seldom, 40, view_rate=1e-3)
     assert len(list(LiveRecording.open(seldom).fields())) == 1
 
 
-def test_settings_and_their_changes_are_events(engine, tmp_path):
-    path, status = tmp_path / "a.mcap", engine.ring.status
+def test_settings_and_their_changes_are_events(engine, path):
+    status = engine.ring.status
     first, second = sf.NonNegative(), sf.NonNegative(tolerance=0.25)
     tuned = Tuning(threshold=0.5, resolution=4)
     write_configuration(status["configuration"], Configuration(1, first, Tuning()))
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    recorder = recorder_of(engine, path)
     for number in range(6):
         engine.cycle()
         if number == 2:
@@ -118,8 +98,7 @@ def test_settings_and_their_changes_are_events(engine, tmp_path):
     assert solvers == [first, first, second]
 
 
-def test_counts_over_time(engine, tmp_path):
-    path = tmp_path / "a.mcap"
+def test_counts_over_time(engine, path):
     record(engine, path, 50)
     found = open_recording(path)
     np.testing.assert_array_equal(found.counts, engine.counts)
@@ -127,8 +106,7 @@ def test_counts_over_time(engine, tmp_path):
     assert (np.diff(found.stamp_ns) > 0).all()
 
 
-def test_mcap_reads_it_alone(engine, tmp_path):
-    path = tmp_path / "a.mcap"
+def test_mcap_reads_it_alone(engine, path):
     record(engine, path, 30)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
@@ -145,24 +123,22 @@ def test_mcap_reads_it_alone(engine, tmp_path):
     }  # fmt: skip
 
 
-def test_a_recording_may_begin_late(engine, tmp_path):
+def test_a_recording_may_begin_late(engine, path):
     for _ in range(30):
         engine.cycle()
-    path = tmp_path / "a.mcap"
     record(engine, path, 20)
     found = LiveRecording.open(path)
     assert [each.number for each in found.cycles()] == list(range(31, 51))
     assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written[30:])
 
 
-def test_sources_that_come_and_go_are_told(engine, tmp_path):
+def test_sources_that_come_and_go_are_told(engine, path):
     def each(blocks, now):
         blocks.put_number(now, 0, Kind.SOURCE, 0)
         blocks.put_number(now, 0, Kind.LOST, 7)
         blocks.put_number(now, 0, Kind.SOURCE, 1)
 
-    path = tmp_path / "a.mcap"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    recorder = recorder_of(engine, path)
     engine.cycle(extra=each)
     recorder.close()
     events = list(LiveRecording.open(path).events())
@@ -172,25 +148,20 @@ def test_sources_that_come_and_go_are_told(engine, tmp_path):
     assert events[4]["text"] == "NoSource: 7 messages were lost"
 
 
-def test_an_engine_that_is_started_again(engine, tmp_path):
-    path = tmp_path / "a.mcap"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+def test_an_engine_that_is_started_again(engine, path):
+    recorder = recorder_of(engine, path)
     engine.cycle()
     recorder.step()
-    engine.ring.close()
     engine.reopen()
     engine.cycle()
     recorder.close()
-    found = LiveRecording.open(path)
+    found = whole(engine, path)
     assert "engine_restarted" in [event["kind"] for event in found.events()]
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
 
 
-def test_an_overrun_is_counted_to_the_byte(name, tmp_path):
-    engine = FakeEngine(name, slots=8, log_bytes=4096)
-    try:
-        path = tmp_path / "a.mcap"
-        recorder = Recorder(RecorderSettings(name=name, path=path))
+def test_an_overrun_is_counted_to_the_byte(path):
+    with FakeEngine(slots=8, log_bytes=4096) as engine:
+        recorder = recorder_of(engine, path)
         engine.cycle()
         recorder.step()
         for _ in range(200):  # 64 bytes each
@@ -210,23 +181,15 @@ def test_an_overrun_is_counted_to_the_byte(name, tmp_path):
         assert missing["cycles"] == 202 - len(numbers) == recorder.state.overrun_cycles
         assert set(range(1, 203)) - numbers == set(range(missing["first"], missing["last"] + 1))
         assert missing_bytes(found) == len(log) - saved
-    finally:
-        engine.close()
 
 
-def test_its_state_is_told(engine, tmp_path):
-    path = tmp_path / "a.mcap"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+def test_its_state_is_told(engine, path):
+    recorder = recorder_of(engine, path)
     stop = threading.Event()
     thread = threading.Thread(target=recorder.run, args=(stop,))
     thread.start()
     engine.cycle()
-    end = time.monotonic() + 30
-    while time.monotonic() < end:
-        state = read_state(engine.ring.name)
-        if state is not None and state.cycles == 1:
-            break
-        time.sleep(0.02)
+    state = wait_for(lambda: (now := read_state(engine.ring.name)) and now.cycles == 1 and now)
     assert state.bytes_written > 1000
     assert not state.ended
     stop.set()
@@ -236,9 +199,8 @@ def test_its_state_is_told(engine, tmp_path):
     assert state.ended == "it was told to stop"
 
 
-def test_it_ends_with_the_ring(engine, tmp_path):
-    path = tmp_path / "a.mcap"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+def test_it_ends_with_the_ring(engine, path):
+    recorder = recorder_of(engine, path)
     engine.cycle()
     engine.ring.unlink()
     state = recorder.run(threading.Event(), 30.0)
@@ -246,9 +208,8 @@ def test_it_ends_with_the_ring(engine, tmp_path):
     assert len(list(LiveRecording.open(path).cycles())) == 1
 
 
-def test_a_new_baseline_is_enclosed(engine, tmp_path):
-    path = tmp_path / "a.mcap"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+def test_a_new_baseline_is_enclosed(engine, path):
+    recorder = recorder_of(engine, path)
     engine.cycle()
     recorder.step()
     engine.ring.status["calibration"][:, 0] = 199.0

@@ -3,20 +3,18 @@
 import csv
 import json
 import re
-import uuid
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import invoke
+from command_line import refused, result_of, run
 from fit_rings import FakeFit, contact
 from mcap.reader import make_reader
 from pyarrow import parquet
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, recorder_of
 
 from skinfield.files import open_recording, readings_for
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.signal import Blocks, Kind, Status
 
 CYCLES = 60
@@ -25,14 +23,11 @@ CYCLES = 60
 @contextmanager
 def recording(factory, file: str):
     """An engine, what records it, and the file."""
-    name = f"exp{uuid.uuid4().hex[:12]}"
     path = factory.mktemp("export") / file
-    engine = FakeEngine(name)
-    recorder = Recorder(RecorderSettings(name=name, path=path))
-    yield engine, recorder, path
-    recorder.close()
-    engine.close()
-    forget_state(name)
+    with FakeEngine() as engine:
+        recorder = recorder_of(engine, path)
+        yield engine, recorder, path
+        recorder.close()
 
 
 def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
@@ -57,26 +52,21 @@ def recorded(tmp_path_factory):
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory):
     """With a fit beside the engine: 1 N, then that and 2 N on another place, then nothing."""
-    with recording(tmp_path_factory, "fit.mcap") as (engine, recorder, path):
-        fit = FakeFit(engine.ring.name)
+    with (
+        recording(tmp_path_factory, "fit.mcap") as (engine, recorder, path),
+        FakeFit(engine.ring.name) as fit,
+    ):
         for number, forces in enumerate([(1.0,), (1.0, 2.0), ()]):
             engine.cycle()
             rows = [contact(0.01 * k, force=force, track=k + 3) for k, force in enumerate(forces)]
             fit.tell(*rows, stamp_ns=10 + number, pressure=[5.0])
             recorder.step()
-        fit.close()
     return path
-
-
-def run(*words: str):
-    found = invoke(list(words))
-    assert found.exit_code == 0, found.output
-    return found.output
 
 
 def test_parquet(recorded, tmp_path):
     path, counts, engine = recorded
-    run("export", str(path), "-o", str(tmp_path / "a.parquet"))
+    run("export", path, "-o", tmp_path / "a.parquet")
     table = parquet.read_table(tmp_path / "a.parquet")
     assert table.column_names == ["stamp_ns", *(f"uid_{uid}" for uid in engine.skin[0].uid)]
     values = np.array([table[name].to_numpy() for name in table.column_names[1:]]).T
@@ -103,7 +93,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 def test_csv(recorded, tmp_path):
     path, counts, engine = recorded
-    run("export", str(path), "-o", str(tmp_path / "a.csv"))
+    run("export", path, "-o", tmp_path / "a.csv")
     values = [list(row.values())[1:] for row in rows_of(tmp_path / "a.csv")]
     np.testing.assert_array_equal(np.array(values, float), counts)
     again = readings_for(open_recording(tmp_path / "a.csv"), engine.skin[0])
@@ -113,7 +103,7 @@ def test_csv(recorded, tmp_path):
 
 
 def test_contacts_of_a_fit(fitted, tmp_path):
-    run("export", str(fitted), "-o", str(tmp_path / "a.csv"))
+    run("export", fitted, "-o", tmp_path / "a.csv")
     rows = rows_of(tmp_path / "a.fit_contacts.csv")
     table = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
     assert table["normal_force"].tolist() == [1.0, 1.0, 2.0]
@@ -124,27 +114,25 @@ def test_contacts_of_a_fit(fitted, tmp_path):
 
 
 def test_a_bag_has_the_engines_own(fitted, tmp_path):
-    run("export", str(fitted), "--format", "rosbag2", "-o", str(tmp_path / "bag"))
+    run("export", fitted, "--format", "rosbag2", "-o", tmp_path / "bag")
     assert (tmp_path / "bag" / "metadata.yaml").exists()
-    assert json.loads(run("info", str(fitted), "--json"))["fit"]["answers"] == 3
+    assert result_of("info", fitted)["fit"]["answers"] == 3
 
 
 def test_what_cannot_be(recorded, tmp_path):
     path, _, _ = recorded
     for words in (
-        ("export", str(path), "-o", str(tmp_path / "a.xls")),
-        ("export", str(path), "-o", str(tmp_path / "a.csv"), "--patch", "leg"),
-        ("export", str(tmp_path / "no.mcap"), "-o", str(tmp_path / "a.csv")),
+        ("export", path, "-o", tmp_path / "a.xls"),
+        ("export", path, "-o", tmp_path / "a.csv", "--patch", "leg"),
+        ("export", tmp_path / "no.mcap", "-o", tmp_path / "a.csv"),
     ):
-        found = invoke(list(words))
-        assert found.exit_code == 2
-        assert "expected" in found.output
+        assert "expected" in refused(*words)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_info(recorded):
     path, _, _ = recorded
-    said = json.loads(run("info", str(path), "--json"))
+    said = result_of("info", path)
     assert said["finished"]
     assert said["cycles"] == CYCLES
     assert said["late"] == CYCLES // 10
@@ -154,15 +142,15 @@ def test_info(recorded):
     assert said["contacts"] == {"cycles": 40, "most_at_once": 2, "tracks": 40}
     assert said["readings"]["missing_bytes"] == 0
     assert {name: count for name, count in said["lost"].items() if count} == {"messages": 3}
-    text = run("info", str(path))
+    text = run("info", path)
     assert "40 tracks in 40 cycles, at most 2 at once" in text
 
 
 def test_reconstruct_takes_it(recorded, tmp_path):
     """Its layout, calibration and settings are enclosed; flags come before them."""
     path, contacts, summary = recorded[0], tmp_path / "contacts.csv", tmp_path / "s.json"
-    words = ("--grid", "8", "-o", str(contacts), "--summary", str(summary), "--modulus-kpa", "90")
-    run("reconstruct", str(path), *words)
+    words = ("--grid", "8", "-o", contacts, "--summary", summary, "--modulus-kpa", "90")
+    run("reconstruct", path, *words)
     assert contacts.exists()
     made = json.loads(summary.read_text())
     assert "thickness=0.003, young_modulus=90000.0" in made["layer"]

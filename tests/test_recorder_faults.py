@@ -8,15 +8,15 @@ import subprocess
 import sys
 import threading
 import time
-import uuid
 
 import pytest
+from live_skins import wait_for
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine, missing_bytes
+from recorder_ring import FakeEngine, missing_bytes, whole
 
 from skinfield.files.mcap.container import FileOutput
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.record.recorder import Recorder, RecorderSettings, read_state
 from skinfield.record.recover import recover
 
 PATIENCE = 60.0  # s, on a machine that is busy
@@ -24,18 +24,14 @@ PATIENCE = 60.0  # s, on a machine that is busy
 
 @pytest.fixture
 def engine():
-    name = f"flt{uuid.uuid4().hex[:12]}"
-    made = FakeEngine(name)
-    yield made
-    made.close()
-    forget_state(name)
+    with FakeEngine() as made:
+        yield made
 
 
-def until(condition, what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, f"{what} did not come"
-        time.sleep(0.01)
+def step(engine, recorder, cycles: int = 1) -> None:
+    for _ in range(cycles):
+        engine.cycle()
+        recorder.step()
 
 
 class Process:
@@ -45,7 +41,7 @@ class Process:
         self.name, self.path = engine.ring.name, path
         command = [sys.executable, "-m", "skinfield.record.recorder", self.name, str(path)]
         self.child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-        until(lambda: read_state(self.name) is not None or self.child.poll() is not None, "start")
+        wait_for(lambda: read_state(self.name) or self.child.poll() is not None)
 
     def flushed(self) -> list[int]:
         """Numbers of the cycles that are in the file."""
@@ -69,7 +65,7 @@ def process(engine, tmp_path):
 def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
     for _ in range(50):
         engine.cycle()
-    until(lambda: process.flushed()[-1:] == [50], "a flush")
+    wait_for(lambda: process.flushed()[-1:] == [50])
     code, _ = process.end(signal.SIGKILL)
     assert code == -signal.SIGKILL
     assert "is gone" in read_state(process.name).ended
@@ -80,9 +76,7 @@ def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
     assert report.messages["/skin/cycles"] == 50
     with good.open("rb") as file:
         assert len(list(make_reader(file).iter_messages(topics=["/skin/cycles"]))) == 50
-    found = LiveRecording.open(good)
-    assert found.finished
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    whole(engine, good)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
@@ -91,19 +85,16 @@ def test_told_to_stop_it_finishes_its_file(engine, process, number):
         engine.cycle()
     code, said = process.end(number)
     assert (code, said) == (0, "")
-    found = LiveRecording.open(process.path)
-    assert found.finished
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    whole(engine, process.path)
     assert read_state(process.name) is None
 
 
 class SlowDisk(FileOutput):
-    """A file whose writes wait as long as `held` is set."""
+    """A file whose writes wait as long as `free` is not set."""
 
     def __init__(self, path):
         super().__init__(path)
-        self.held, self.waiting = threading.Event(), threading.Event()
-        self.free = threading.Event()
+        self.free, self.waiting = threading.Event(), threading.Event()
         self.free.set()
 
     def append(self, piece) -> None:
@@ -118,16 +109,12 @@ def test_a_slow_disk_costs_what_does_not_fit_and_that_is_told(engine, tmp_path):
     disk = SlowDisk(path)
     how = RecorderSettings(name=engine.ring.name, path=path, queue_bytes=1 << 14)
     recorder = Recorder(how, said.append, disk)
-    engine.cycle()
-    recorder.step()
-    until(lambda: recorder._queue.waiting == 0, "the first cycle")
+    step(engine, recorder)
+    wait_for(lambda: recorder._queue.waiting == 0)
     disk.free.clear()
-    engine.cycle()
-    recorder.step()
+    step(engine, recorder)
     assert disk.waiting.wait(PATIENCE)
-    for _ in range(400):  # some 250 bytes each
-        engine.cycle()
-        recorder.step()
+    step(engine, recorder, 400)  # some 250 bytes each
     recorder._next = 0.0
     recorder.step()
     assert recorder.state.dropped_bytes > 0
@@ -135,10 +122,8 @@ def test_a_slow_disk_costs_what_does_not_fit_and_that_is_told(engine, tmp_path):
     assert recorder.state.queue_bytes <= 1 << 14
     assert any("does not keep up" in text for text in said)
     disk.free.set()
-    until(lambda: recorder._queue.waiting == 0, "the queue's end")
-    for _ in range(5):
-        engine.cycle()
-        recorder.step()
+    wait_for(lambda: recorder._queue.waiting == 0)
+    step(engine, recorder, 5)
     state = recorder.close()
     assert state.finished
     found = LiveRecording.open(path)
@@ -183,14 +168,11 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     assert fill(ballast) > 300_000
 
     def write_on() -> float:
-        engine.cycle()
-        recorder.step()
+        step(engine, recorder)
         return recorder._disk.failing_since
 
-    until(write_on, "the full disk")
-    for _ in range(100):
-        engine.cycle()
-        recorder.step()
+    wait_for(write_on)
+    step(engine, recorder, 100)
     recorder._next = 0.0
     recorder.step()
     assert recorder.state.failing
@@ -199,13 +181,12 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     so_far = [cycle.number for cycle in LiveRecording.open(path).cycles()]  # it can be read
     assert so_far == list(range(1, len(so_far) + 1))
     ballast.unlink()
-    until(lambda: not recorder._disk.failing_since, "the disk")
+    wait_for(lambda: not recorder._disk.failing_since)
     assert path.stat().st_size > size
     state = recorder.close()
     assert state.finished
     assert state.lost == state.dropped_cycles == state.given_up == 0
-    found = LiveRecording.open(path)
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    found = whole(engine, path)
     (event,) = [each for each in found.events() if each["kind"] == "disk_failed"]
     assert "No space left" in event["text"]
     assert event["seconds"] > 0
@@ -218,11 +199,10 @@ def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
 
     def write_on() -> float:
         for _ in range(20):
-            engine.cycle()
-        recorder.step()
+            step(engine, recorder)
         return recorder._disk.failing_since
 
-    until(write_on, "the full disk")
+    wait_for(write_on)
     fill(small_disk / "ballast")
     state = recorder.close()
     assert not state.finished
@@ -249,19 +229,17 @@ def test_the_last_bytes_of_a_full_disk_take_the_end(engine, tmp_path):
     path = tmp_path / "a.mcap"
     disk = Room(path)
     recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), output=disk)
-    engine.cycle()
-    recorder.step()
-    until(lambda: recorder._disk.last_flush and disk.end > 12_000, "the first flush")
+    step(engine, recorder)
+    wait_for(lambda: recorder._disk.last_flush and disk.end > 12_000)
     disk.room = disk.end + 20_000
     engine.keep = False
     for _ in range(500):
-        engine.cycle()
-        recorder.step()
+        step(engine, recorder)
         if recorder._disk.failing_since:
             break
         if recorder._writer.waiting < 30_000:  # all in one chunk, longer than what is left
             recorder._disk.last_flush = time.monotonic()
-    until(lambda: recorder._disk.failing_since, "the failure")
+    wait_for(lambda: recorder._disk.failing_since)
     state = recorder.close()
     assert state.finished
     found = LiveRecording.open(path)

@@ -1,21 +1,20 @@
 """Answers of a fit beside the engine, from its ring into the file."""
 
 import time
-import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fit_rings import FakeFit, contact
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, recorder_of, whole
 
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.schema import FitRecord
 from skinfield.loop import fit_ring
 from skinfield.loop.fit_ring import Fitted, fit_name
 from skinfield.record.queue import Item, Queue
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.recorder import Recorder
 from skinfield.record.state import RecorderState
 from skinfield.ring import Field, Ring
 
@@ -27,20 +26,19 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(name="engine")
 def _engine() -> Iterator[FakeEngine]:
-    name = f"recfit{uuid.uuid4().hex[:12]}"
-    made = FakeEngine(name)
-    yield made
-    made.close()
-    forget_state(name)
+    with FakeEngine() as made:
+        yield made
+
+
+@pytest.fixture(name="fit")
+def _fit(engine: FakeEngine) -> Iterator[FakeFit]:
+    with FakeFit(engine.ring.name) as made:
+        yield made
 
 
 @pytest.fixture(name="path")
 def _path(tmp_path: Path) -> Path:
     return tmp_path / "a.mcap"
-
-
-def begun(engine: FakeEngine, path: Path) -> Recorder:
-    return Recorder(RecorderSettings(name=engine.ring.name, path=path))
 
 
 def step(engine: FakeEngine, recorder: Recorder) -> None:
@@ -52,16 +50,17 @@ def ended(engine: FakeEngine, recorder: Recorder, path: Path) -> list[FitRecord]
     """What is in the file, after it was seen that the engine was recorded whole."""
     state = recorder.close()
     assert state.finished
-    found = LiveRecording.open(path)
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    found = whole(engine, path)
     assert [each.number for each in found.cycles()] == list(range(1, engine.number + 1))
     told = list(found.fits())
     assert found.damage == []
     return told
 
 
-def test_each_answer_is_in_the_file_to_the_last_bit(engine: FakeEngine, path: Path) -> None:
-    fit, recorder = FakeFit(engine.ring.name), begun(engine, path)
+def test_each_answer_is_in_the_file_to_the_last_bit(
+    engine: FakeEngine, fit: FakeFit, path: Path
+) -> None:
+    recorder = recorder_of(engine, path)
     field = [0.0, 3.5, 0.0, 1e-30]
     fit.tell(contact(1e-3, force=2.0, track=4), contact(9e-3, track=7), pressure=field)
     fit.tell(contact(2e-3, force=1.0, track=4), pressure=[1.0])
@@ -69,7 +68,6 @@ def test_each_answer_is_in_the_file_to_the_last_bit(engine: FakeEngine, path: Pa
     fit.tell(state=Fitted.UNHELPFUL)
     step(engine, recorder)
     first, second, third = ended(engine, recorder, path)
-    fit.close()
     assert [each.number for each in (first, second, third)] == [1, 2, 3]
     assert first.time_ns < second.time_ns < third.time_ns <= time.time_ns()
     assert first.sizes == (1, 16, 8)
@@ -84,8 +82,8 @@ def test_each_answer_is_in_the_file_to_the_last_bit(engine: FakeEngine, path: Pa
     assert len(third.nodes) == len(third.contacts) == 0
 
 
-def test_what_says_nothing_new_is_left_out(engine: FakeEngine, path: Path) -> None:
-    fit, recorder = FakeFit(engine.ring.name), begun(engine, path)
+def test_what_says_nothing_new_is_left_out(engine: FakeEngine, fit: FakeFit, path: Path) -> None:
+    recorder = recorder_of(engine, path)
     for _ in range(3):
         fit.tell(state=Fitted.NOTHING)  # an untouched skin, looked at again
         step(engine, recorder)
@@ -95,18 +93,16 @@ def test_what_says_nothing_new_is_left_out(engine: FakeEngine, path: Path) -> No
     for _ in range(2):
         fit.tell(state=Fitted.NOTHING)
     told = ended(engine, recorder, path)
-    fit.close()
     assert [len(each.places) for each in told] == [1, 0]
 
 
 def test_a_fit_may_come_go_and_come_again(engine: FakeEngine, path: Path) -> None:
-    recorder = begun(engine, path)
+    recorder = recorder_of(engine, path)
     step(engine, recorder)
     for force in (1.0, 2.0):
-        fit = FakeFit(engine.ring.name)
-        fit.tell(contact(force=force))
-        step(engine, recorder)
-        fit.close()
+        with FakeFit(engine.ring.name) as fit:
+            fit.tell(contact(force=force))
+            step(engine, recorder)
         step(engine, recorder)
     told = ended(engine, recorder, path)
     forces = [each.contacts["normal_force"].tolist() for each in told]
@@ -114,47 +110,43 @@ def test_a_fit_may_come_go_and_come_again(engine: FakeEngine, path: Path) -> Non
     assert [each.number for each in told] == [1, 0, 1, 0]
 
 
-def test_one_that_runs_already_is_known_from_the_beginning(engine: FakeEngine, path: Path) -> None:
-    fit = FakeFit(engine.ring.name)
+def test_one_that_runs_already_is_known_from_the_beginning(
+    engine: FakeEngine, fit: FakeFit, path: Path
+) -> None:
     for force in range(1, 40):
         fit.tell(contact(force=force))
-    recorder = begun(engine, path)
-    told = ended(engine, recorder, path)
-    fit.close()
+    told = ended(engine, recorder_of(engine, path), path)
     assert told[-1].contacts["normal_force"].tolist() == [39.0]
-    assert recorder.state.finished
 
 
 def test_one_of_another_skin_is_left_out(engine: FakeEngine, path: Path) -> None:
-    fit, recorder = FakeFit(engine.ring.name, ("leg",)), begun(engine, path)
-    fit.tell(contact())
-    step(engine, recorder)
-    fit.close()
-    other = FakeFit(engine.ring.name, nodes=25)
-    other.tell(contact())
-    step(engine, recorder)
-    told = ended(engine, recorder, path)
-    other.close()
-    assert told == []
+    recorder = recorder_of(engine, path)
+    for other in ({"patches": ("leg",)}, {"nodes": 25}):
+        with FakeFit(engine.ring.name, **other) as fit:
+            fit.tell(contact())
+            step(engine, recorder)
+    assert ended(engine, recorder, path) == []
 
 
-def test_too_many_for_the_recorder_are_counted(engine: FakeEngine, path: Path) -> None:
-    fit, recorder = FakeFit(engine.ring.name), begun(engine, path)
+def test_too_many_for_the_recorder_are_counted(
+    engine: FakeEngine, fit: FakeFit, path: Path
+) -> None:
+    recorder = recorder_of(engine, path)
     fit.tell(contact(force=0.5))
     step(engine, recorder)
     for force in range(1, 60):
         fit.tell(contact(force=force))
     step(engine, recorder)
     told = ended(engine, recorder, path)
-    fit.close()
     assert told[-1].contacts["normal_force"].tolist() == [59.0]
     (event,) = [e for e in LiveRecording.open(path).events() if e["kind"] == "fit_missed"]
     assert event["answers"] > 0
 
 
-def test_a_full_queue_leaves_answers_out_and_no_readings(engine: FakeEngine, path: Path) -> None:
-    settings = RecorderSettings(name=engine.ring.name, path=path, queue_bytes=1 << 12)
-    fit, recorder = FakeFit(engine.ring.name), Recorder(settings)
+def test_a_full_queue_leaves_answers_out_and_no_readings(
+    engine: FakeEngine, fit: FakeFit, path: Path
+) -> None:
+    recorder = recorder_of(engine, path, queue_bytes=1 << 12)
     recorder._queue.take(0.0)
     recorder._queue.offer = lambda beside: False  # type: ignore[method-assign]
     fit.tell(contact(force=1.0))
@@ -164,7 +156,6 @@ def test_a_full_queue_leaves_answers_out_and_no_readings(engine: FakeEngine, pat
     fit.tell(contact(force=2.0))
     step(engine, recorder)
     told = ended(engine, recorder, path)
-    fit.close()
     assert [each.contacts["normal_force"].tolist() for each in told] == [[2.0]]
 
 
@@ -181,8 +172,10 @@ def test_a_queue_keeps_half_of_its_room_for_readings() -> None:
     assert not queue.offer(item(1))
 
 
-def test_wrong_numbers_in_the_ring_end_nothing(engine: FakeEngine, path: Path) -> None:
-    fit, recorder = FakeFit(engine.ring.name), begun(engine, path)
+def test_wrong_numbers_in_the_ring_end_nothing(
+    engine: FakeEngine, fit: FakeFit, path: Path
+) -> None:
+    recorder = recorder_of(engine, path)
     for wrong in (-1, 9, 1 << 30):
         fit.master.patches["contacts"] = wrong
         slot = fit.ring.begin()
@@ -195,14 +188,13 @@ def test_wrong_numbers_in_the_ring_end_nothing(engine: FakeEngine, path: Path) -
     fit.tell(contact(force=3.0), told_ns=1 << 62)  # a time that cannot be
     step(engine, recorder)
     told = ended(engine, recorder, path)
-    fit.close()
     assert [each.contacts["normal_force"].tolist() for each in told] == [[3.0]]
     assert told[0].time_ns <= time.time_ns()
 
 
 @pytest.mark.parametrize("what", ["another layout", "no words", "cut"])
 def test_a_ring_that_is_none_ends_nothing(engine: FakeEngine, path: Path, what: str) -> None:
-    recorder, name = begun(engine, path), fit_name(engine.ring.name)
+    recorder, name = recorder_of(engine, path), fit_name(engine.ring.name)
     fields = [Field("patches", "<u1", (8,))]
     said = {"skinfield_fit": 2, "patches": ["arm"]} if what == "another layout" else {}
     with Ring.create(name, fields, fields, said, 4, 1 << 12) as ring:

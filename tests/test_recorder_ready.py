@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 from live_skins import unique_name
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, recorder_of
 
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.record import launch
 from skinfield.record.launch import ReadyRecorders
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.record.recorder import read_state
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 PERIOD = 0.01  # s
@@ -21,10 +21,8 @@ PERIOD = 0.01  # s
 
 @pytest.fixture
 def engine() -> Iterator[FakeEngine]:
-    made = FakeEngine(unique_name())
-    yield made
-    made.close()
-    forget_state(made.ring.name)
+    with FakeEngine() as made:
+        yield made
 
 
 def cycles(engine: FakeEngine, count: int) -> None:
@@ -38,8 +36,7 @@ def numbers(path: Path) -> list[int]:
 
 
 def recorded(engine: FakeEngine, path: Path, since_ns: int) -> None:
-    settings = RecorderSettings(name=engine.ring.name, path=path, since_ns=since_ns)
-    recorder = Recorder(settings)
+    recorder = recorder_of(engine, path, since_ns=since_ns)
     recorder.step()
     engine.cycle()
     recorder.close()
@@ -68,18 +65,14 @@ def test_no_further_back_than_the_ring_goes(engine: FakeEngine, tmp_path: Path) 
         engine.cycle()
     recorded(engine, path := tmp_path / "a.mcap", 1)
     found = numbers(path)
-    assert found == list(range(200 - engine.sizes[0] * 3 // 4 + 2, 202))
+    assert found == list(range(200 - engine.layout[2] * 3 // 4 + 2, 202))
 
 
 def test_not_before_readings_that_are_gone(tmp_path: Path) -> None:
-    engine = FakeEngine(unique_name(), taxels=200, log_bytes=1 << 12)
-    try:
+    with FakeEngine(taxels=200, log_bytes=1 << 12) as engine:
         cycles(engine, 30)
         recorded(engine, path := tmp_path / "a.mcap", 1)
         assert numbers(path) == [31]
-    finally:
-        engine.close()
-        forget_state(engine.ring.name)
 
 
 # one that waits

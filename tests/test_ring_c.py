@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ring_scenes import SLOT, bytes_of, compiled, own_name, worker, write
-from ring_worker import LOG_BYTES, SLOTS
+from ring_scenes import LOG_BYTES, SLOT, SLOTS, bytes_of, compiled, own_name, worker, write
 
 from skinfield.ring import Field, Ring, RingReader, State, include_folder
 

@@ -7,8 +7,18 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 
 import pytest
-from ring_scenes import SLOT, bytes_of, numbers, own_name, worker, write
-from ring_worker import LOG_BYTES, SLOTS
+from ring_scenes import (
+    LOG_BYTES,
+    SLOT,
+    SLOTS,
+    bytes_of,
+    go,
+    numbers,
+    own_name,
+    reopened,
+    worker,
+    write,
+)
 
 from skinfield.errors import InputError
 from skinfield.ring import Ring, RingReader, State
@@ -24,10 +34,6 @@ def name() -> Iterator[str]:
         yield name
 
 
-def again(name: str) -> Ring:
-    return Ring.reopen(name, SLOT, slots=SLOTS, log_bytes=LOG_BYTES)
-
-
 def test_readers_at_full_speed_see_nothing_torn(name: str) -> None:
     reading = ("read", name, COUNT)
     with (
@@ -39,8 +45,7 @@ def test_readers_at_full_speed_see_nothing_torn(name: str) -> None:
         everyone = (writer, first, second, victim)
         assert [each.stdout.readline() for each in everyone] == ["ready\n"] * 4
         with RingReader(name) as reader:
-            writer.stdin.write("go\n")
-            writer.stdin.flush()
+            go(writer)
             while reader.wait(0, 60) < COUNT // 10:
                 assert reader.alive
         victim.send_signal(signal.SIGKILL)
@@ -57,7 +62,7 @@ def test_readers_at_full_speed_see_nothing_torn(name: str) -> None:
 
 @pytest.mark.parametrize("where", [0, 1], ids=["slot", "log"])
 def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int) -> None:
-    ring = again(name)
+    ring = reopened(name)
     write(ring, 10)
     ring.log(bytes_of(b"whole"))
     ring.close()
@@ -66,7 +71,7 @@ def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int
         assert [writer.stdout.readline() for _ in range(2)] == ["ready\n", "half\n"]
         assert (reader.alive, reader.pid) == (True, writer.pid)
         with pytest.raises(InputError, match=f"living process .process {writer.pid}"):
-            again(name)
+            reopened(name)
         before = numbers(reader)
         assert before == ([8, 9, 10] if where == 0 else [7, 8, 9, 10])
         writer.send_signal(signal.SIGKILL)
@@ -75,7 +80,7 @@ def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int
         assert numbers(reader) == before
         (found,) = (each for each in Ring.names() if each.name == name)
         assert (found.alive, found.pid, found.state) == (False, writer.pid, State.STARTING)
-        with again(name) as ring:
+        with reopened(name) as ring:
             assert (ring.number, ring.generation, ring.log_end) == (10, 4, 5)
             assert numbers(reader) == before
             write(ring)
@@ -91,8 +96,7 @@ def test_a_writer_killed_anywhere_leaves_a_good_ring(name: str) -> None:
             newest = reader.number
             with worker("write", name, 10**9) as writer:
                 writer.stdout.readline()
-                writer.stdin.write("go\n")
-                writer.stdin.flush()
+                go(writer)
                 while reader.wait(newest, 60) < newest + 1000:
                     assert reader.alive
                 writer.send_signal(signal.SIGKILL)
@@ -100,7 +104,7 @@ def test_a_writer_killed_anywhere_leaves_a_good_ring(name: str) -> None:
             newest = reader.number
             assert set(numbers(reader)[-3:]) >= {newest - 1, newest}
             log = reader.log_reader(reader.log_end)
-            with again(name) as ring:
+            with reopened(name) as ring:
                 assert ring.number == newest
                 write(ring, 2 * SLOTS)
                 ring.log(bytes_of(b"12345678"))
@@ -123,7 +127,7 @@ def test_a_child_that_outlives_the_writer_is_no_writer(name: str) -> None:
             writer.kill()
             writer.wait(60)
             assert not reader.alive
-            again(name).close()
+            reopened(name).close()
         finally:
             os.kill(child, signal.SIGKILL)
 
@@ -133,8 +137,7 @@ def test_of_many_makers_one_wins() -> None:
         makers = [stack.enter_context(worker("create", name)) for _ in range(3)]
         assert [each.stdout.readline() for each in makers] == ["ready\n"] * 3
         for each in makers:
-            each.stdin.write("go\n")
-            each.stdin.flush()
+            go(each)
         said = [each.stdout.readline() for each in makers]
         assert sorted(said) == ["refused\n"] * 2 + ["won\n"]
         with RingReader(name) as reader:

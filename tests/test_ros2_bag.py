@@ -1,16 +1,14 @@
 """Bags of ROS 2 made of recordings, read back by rosbags."""
 
-import uuid
-
 import numpy as np
 import pytest
-from command_line import invoke
+from command_line import refused, run
+from recorder_ring import recorder_of
 from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 from rosbags.highlevel import AnyReader
 
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.files.ros import BagExport
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 
 CYCLES = 12
 TAXELS = "sensor_msgs/msg/PointCloud2"
@@ -39,30 +37,20 @@ def touch_of(cycle: int):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    name = f"rosb{uuid.uuid4().hex[:10]}"
     path = tmp_path_factory.mktemp("bag") / "a.mcap"
-    engine = TwoPatches(name)
-    how = RecorderSettings(name=name, path=path, view_rate=1000.0)
-    recorder = Recorder(how)
-    for cycle in range(CYCLES):
-        engine.cycle(touch_of(cycle), counts=counts_of(cycle))
-        recorder.step()
-    recorder.close()
-    engine.close()
-    forget_state(name)
+    with TwoPatches() as engine:
+        recorder = recorder_of(engine, path, view_rate=1000.0)
+        for cycle in range(CYCLES):
+            engine.cycle(touch_of(cycle), counts=counts_of(cycle))
+            recorder.step()
+        recorder.close()
     return path
-
-
-def run(*words: str, code: int = 0, form: str = "rosbag2") -> str:
-    found = invoke(["export", *map(str, words), "--format", form])
-    assert found.exit_code == code, found.output
-    return " ".join(found.output.split())
 
 
 @pytest.fixture(scope="module")
 def bags(recorded):
     for form in ("rosbag2", "rosbag2-sqlite"):
-        run(recorded, "-o", recorded.with_name(form), form=form)
+        run("export", recorded, "--format", form, "-o", recorded.with_name(form))
     return recorded.with_name("rosbag2"), recorded.with_name("rosbag2-sqlite")
 
 
@@ -118,7 +106,7 @@ def test_what_it_says(bags):
 
 def test_one_patch(recorded):
     bag = recorded.with_name("one")
-    run(recorded, "-o", bag, "--patch", "2nd-finger")
+    run("export", recorded, "--format", "rosbag2", "-o", bag, "--patch", "2nd-finger")
     found = rows(bag)
     topics = {topic for topic, *_ in found}
     its = {f"/skin/patch_2nd_finger/{what}" for what in OF_PATCH}
@@ -127,7 +115,7 @@ def test_one_patch(recorded):
 
 
 def test_a_name_that_is_taken(bags, recorded):
-    said = run(recorded, "-o", bags[0], code=2)
+    said = refused("export", recorded, "--format", "rosbag2", "-o", bags[0])
     assert "expected" in said
     assert rows(bags[0])
 
@@ -137,7 +125,7 @@ def test_nothing_is_left_of_half_a_bag(recorded, tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("rosbags.rosbag2.Writer.write", full)
-    said = run(recorded, "-o", tmp_path / "bag", code=2)
+    said = refused("export", recorded, "--format", "rosbag2", "-o", tmp_path / "bag")
     assert "No space left" in said
     assert list(tmp_path.iterdir()) == []
 

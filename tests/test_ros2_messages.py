@@ -1,7 +1,6 @@
 """Messages of a known skin, against values worked out by hand, and their bytes."""
 
 import struct
-import uuid
 
 import numpy as np
 import pytest
@@ -26,11 +25,10 @@ WHAT = ("contacts", "frames", "contact_wrench", "wrench", "taxels")
 
 @pytest.fixture
 def running():
-    engine = TwoPatches(f"rosm{uuid.uuid4().hex[:10]}")
-    engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
-    with Live(engine.ring.name) as live:
-        yield engine, live
-    engine.close()
+    with TwoPatches() as engine:
+        engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
+        with Live(engine.ring.name) as live:
+            yield engine, live, Speaker(live.skin, RosbagKinds())
 
 
 def said(live, speaker, what):
@@ -42,8 +40,7 @@ def xyz(message):
 
 
 def test_contacts(running):
-    _, live = running
-    speaker = Speaker(live.skin, RosbagKinds())
+    _, live, speaker = running
     (array,) = said(live, speaker, "contacts").values()
     first, second = array.contacts
     assert (array.header.stamp.sec, array.header.stamp.nanosec) == (1_700_000_000, 128)
@@ -62,8 +59,7 @@ def test_contacts(running):
 
 def test_frames_and_wrenches_agree(running):
     """A contact's force, brought from its own frame to the link's, is the contacts' one."""
-    _, live = running
-    speaker = Speaker(live.skin, RosbagKinds())
+    _, live, speaker = running
     (frames,) = said(live, speaker, "frames").values()
     wrenches = said(live, speaker, "contact_wrench")
     totals = said(live, speaker, "wrench")
@@ -87,9 +83,9 @@ def test_frames_and_wrenches_agree(running):
 
 
 def test_taxels(running):
-    engine, live = running
-    speaker = Speaker(live.skin, RosbagKinds())
-    cloud = said(live, speaker, "taxels")["/skin/left_palm/taxels"]
+    engine, live, speaker = running
+    clouds = said(live, speaker, "taxels")
+    cloud = clouds["/skin/left_palm/taxels"]
     points = np.frombuffer(cloud.data.tobytes(), "<f4").reshape(6, 4)
     places = engine.skin[0].positions @ TURN.T + MOVE
     np.testing.assert_allclose(points[:, :3], places, rtol=1e-6)
@@ -98,13 +94,11 @@ def test_taxels(running):
     assert [field.offset for field in cloud.fields] == [0, 4, 8, 12]
     assert (cloud.point_step, cloud.row_step, cloud.width, cloud.height) == (16, 96, 6, 1)
     assert not cloud.is_dense
-    other = said(live, Speaker(live.skin, RosbagKinds()), "taxels")
-    assert other["/skin/patch_2nd_finger/taxels"].is_dense
+    assert clouds["/skin/patch_2nd_finger/taxels"].is_dense
 
 
 def test_a_reading_is_told_once(running):
-    engine, live = running
-    speaker = Speaker(live.skin, RosbagKinds())
+    engine, live, speaker = running
     assert len(list(speaker.of_snapshot(live.latest(), WHAT))) == 1 + 1 + 2 + 2 + 2
     assert list(speaker.of_snapshot(live.latest(), WHAT)) == []
     engine.cycle([FIRST, SECOND], (STAMP, STAMP + 9))  # the second patch only
@@ -121,9 +115,8 @@ def test_a_reading_is_told_once(running):
 
 
 def test_a_patch_without_an_answer_says_nothing(running):
-    engine, live = running
+    engine, live, speaker = running
     engine.cycle([FIRST, SECOND], (STAMP + 9, STAMP + 9), answers=(0, 2))
-    speaker = Speaker(live.skin, RosbagKinds())
     out = list(speaker.of_snapshot(live.latest(), WHAT))
     assert not [each for each in out if "left_palm" in each.topic]
     assert [each.id for each in out[0].message.contacts] == [9]
@@ -144,9 +137,9 @@ class Fit:
 
 
 def test_the_fit_counts_where_it_is_recent(running):
-    _, live = running
+    _, live, speaker = running
     fit = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP)
-    out = Speaker(live.skin, RosbagKinds()).of_snapshot(live.latest(), WHAT, fit)
+    out = speaker.of_snapshot(live.latest(), WHAT, fit)
     of = {each.topic: each.message for each in out}
     told = [(c.id, c.normal_force, c.fitted) for c in of["/skin/contacts"].contacts]
     assert told == [(7, 2.5, True), (9, 1.5, False)]
@@ -157,9 +150,8 @@ def test_the_fit_counts_where_it_is_recent(running):
 
 
 def test_nothing_touches(running):
-    engine, live = running
+    engine, live, speaker = running
     engine.cycle([], (STAMP + 9, 0))
-    speaker = Speaker(live.skin, RosbagKinds())
     out = {o.topic: o.message for o in speaker.of_snapshot(live.latest(), WHAT)}
     assert set(out) == {"/skin/contacts", "/skin/left_palm/wrench", "/skin/left_palm/taxels"}
     assert out["/skin/contacts"].contacts == []
@@ -189,9 +181,9 @@ class Cdr:
 
 def test_bytes_of_contacts(running):
     """Field by field in the order of the .msg files, by a reader that shares nothing."""
-    _, live = running
+    _, live, speaker = running
     kinds = RosbagKinds()
-    (array,) = said(live, Speaker(live.skin, kinds), "contacts").values()
+    (array,) = said(live, speaker, "contacts").values()
     cdr = Cdr(kinds.bytes_of(CONTACTS, array))
     assert (cdr.take("i"), cdr.take("I"), cdr.text(), cdr.take("I")) == (1_700_000_000, 128, "", 2)
     assert (cdr.take("i"), cdr.take("I"), cdr.text()) == (1_700_000_000, 123, "l_hand")
@@ -203,16 +195,18 @@ def test_bytes_of_contacts(running):
     assert cdr.take("?") is False
 
 
-def levels(live):
-    speaker = Speaker(live.skin, RosbagKinds())
-    out = speaker.of_status(Observer(live.reader).look(), STAMP)
-    assert out.message.header.stamp.nanosec == 123
-    return {each.name.partition(": ")[2]: each for each in out.message.status}
-
-
 def test_diagnostics(running):
-    engine, live = running
-    told = levels(live)
+    engine, live, speaker = running
+
+    def levels():
+        out = speaker.of_status(Observer(live.reader).look(), STAMP)
+        assert out.message.header.stamp.nanosec == 123
+        kinds = RosbagKinds()
+        back = kinds.store.deserialize_cdr(kinds.bytes_of(out.kind, out.message), out.kind)
+        assert [each.level for each in back.status] == [each.level for each in out.message.status]
+        return {each.name.partition(": ")[2]: each for each in out.message.status}
+
+    told = levels()
     assert told["engine"].level == 0
     assert told["engine"].hardware_id == engine.ring.name
     assert told["patch left palm"].level == 1
@@ -223,15 +217,10 @@ def test_diagnostics(running):
     assert told["patch 2nd-finger"].level == 0
     engine.ring.status["stale_ns"][0] = 10**6
     engine.cycle([], (STAMP, 0), answers=(2, 0))
-    told = levels(live)
+    told = levels()
     assert [told[f"patch {name}"].level for name in ("left palm", "2nd-finger")] == [3, 3]
     engine.ring.set_state(State.FAILED)
-    assert levels(live)["engine"].level == 2
-    kinds = RosbagKinds()
-    speaker = Speaker(live.skin, kinds)
-    out = speaker.of_status(Observer(live.reader).look(), STAMP)
-    back = kinds.store.deserialize_cdr(kinds.bytes_of(out.kind, out.message), out.kind)
-    assert [each.level for each in back.status] == [each.level for each in out.message.status]
+    assert levels()["engine"].level == 2
 
 
 def test_channels():

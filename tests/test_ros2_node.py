@@ -3,7 +3,6 @@
 import ast
 import sys
 import time
-import uuid
 from pathlib import Path
 
 import pytest
@@ -19,9 +18,8 @@ PATIENCE = 60.0  # s
 
 @pytest.fixture
 def engine():
-    made = TwoPatches(f"rosn{uuid.uuid4().hex[:10]}")
-    yield made
-    made.close()
+    with TwoPatches() as made:
+        yield made
 
 
 def spun(monkeypatch, engine, wanted: int, leave_out=(), parameters=None):
@@ -46,7 +44,7 @@ def spun(monkeypatch, engine, wanted: int, leave_out=(), parameters=None):
 
 def test_it_publishes_all(monkeypatch, engine):
     node = spun(monkeypatch, engine, 9)
-    assert node.name == f"skinfield_{engine.ring.name}"
+    assert node.name == "skinfield_" + engine.ring.name.replace("-", "_")
     assert node.gone
     ((seconds, _),) = node.timers
     assert seconds == pytest.approx(0.01)

@@ -1,22 +1,21 @@
 """The bridge as a process of its own, heard by a plain zenoh subscriber."""
 
 import json
-import subprocess
-import sys
-import time
-import uuid
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
+from live_skins import wait_for
 from ros2_ring import TwoPatches, contact
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from skinfield.bridges.launch import bridge_settings
+from skinfield.bridges.launch import Bridge
 from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.ros2.rmw_zenoh import ATTACHMENT, gid_of
 from skinfield.errors import InputError
 from skinfield.files.ros import interface_package
-from skinfield.settings import BridgeSettings, from_plain
+from skinfield.settings import from_plain
 
 zenoh = pytest.importorskip("zenoh")
 PATIENCE = 120.0  # s
@@ -50,37 +49,19 @@ def router(tmp_path):
 
 @pytest.fixture
 def engine():
-    made = TwoPatches(f"rosp{uuid.uuid4().hex[:10]}")
-    yield made
-    made.close()
+    with TwoPatches() as made:
+        yield made
 
 
-class Child:
-    """The bridge; settings on top of the usual ones."""
-
-    def __init__(self, name: str, address: str, **more) -> None:
-        session = {"connect": [address]}
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "skinfield.bridges.ros2", name],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        plain = {"domain": DOMAIN, "session": session} | more
-        self.process.stdin.write(json.dumps(plain).encode())
-        self.process.stdin.close()
-        self.told = json.loads(self.process.stdout.readline() or b"{}")
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.told.get("ready"):
-            self.process.terminate()
-        try:
-            assert self.process.wait(PATIENCE) == (0 if self.told.get("ready") else 2)
-        finally:
-            self.process.kill()
-            self.process.stdout.close()
+@contextmanager
+def bridge(engine: TwoPatches, address: str, **more) -> Iterator[dict]:
+    """The bridge, with settings on top of the usual ones; what it said when it was there."""
+    plain = {"domain": DOMAIN, "session": {"connect": [address]}} | more
+    with Bridge("ros2", engine.ring.name, from_plain(RosSettings, plain)) as made:
+        made.begin()
+        child = made.child
+        yield made.facts
+    assert child.returncode == 0
 
 
 def tokens(session) -> list[str]:
@@ -98,11 +79,7 @@ def settled_tokens(session) -> list[str]:
 
 
 def until(true, step=lambda: None):
-    end = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < end
-        step()
-        time.sleep(0.01)
+    wait_for(lambda: (step(), true())[1], PATIENCE)
 
 
 def listener_store():
@@ -118,14 +95,13 @@ def test_a_plain_subscriber_hears_it(engine, router):
     heard = []
     with zenoh.open(config_of("client", connect=[router])) as session:
         topics = session.declare_subscriber(f"{DOMAIN}/**", heard.append)
-        with Child(engine.ring.name, router, rates={"diagnostics": 50, "wrench": 5}) as child:
-            assert child.told["ready"] is True
+        with bridge(engine, router, rates={"diagnostics": 50, "wrench": 5}) as facts:
             until(
                 lambda: len({str(each.key_expr) for each in heard}) == 9 and len(heard) > 60,
                 lambda: engine.cycle(TOUCH),
             )
             there = settled_tokens(session)
-            check_tokens(there, child.told["node"])
+            check_tokens(there, facts["node"])
         check_messages(list(heard), there, engine)
         until(lambda: not tokens(session))  # it is gone when it is gone
         topics.undeclare()
@@ -181,7 +157,7 @@ def test_humble_and_a_named_robot(engine, router):
     with zenoh.open(config_of("peer", **peer)) as session:
         topics = session.declare_subscriber(f"{DOMAIN}/**", heard.append)
         more = {"robot": "left.arm", "distribution": "humble", "rates": rates, "session": peer}
-        with Child(engine.ring.name, router, **more):
+        with bridge(engine, router, **more):
             until(lambda: len(heard) > 4, lambda: engine.cycle(TOUCH))
             there = settled_tokens(session)
             assert {token.split("/")[7] for token in there} == {"%left_arm"}
@@ -208,19 +184,3 @@ def test_humble_and_a_named_robot(engine, router):
 def test_what_is_wrong_is_said(plain, why):
     with pytest.raises(InputError, match=why):
         from_plain(RosSettings, plain)
-
-
-@pytest.mark.parametrize(
-    ("more", "why"),
-    [
-        ({"ros_rate": ("wrench",)}, "such as wrench=500"),
-        ({"ros_rate": ("force=5",)}, "expected one of contact_wrench, contacts"),
-        ({"ros_rate": ("wrench=nan",)}, "messages a second"),
-        ({"ros_rate": ("wrench=5",), "ros2": False}, "expected ros2 with it"),
-        ({"robot": 80 * "a" + "b", "ros_domain": 3}, "robot is"),
-    ],
-)
-def test_options_that_mean_nothing(more, why):
-    bridge_settings(BridgeSettings(ros2=True, ros_rate=("wrench=500", "taxels=0"), ros_domain=3))
-    with pytest.raises(InputError, match=why):
-        bridge_settings(BridgeSettings(**{"ros2": True} | more))

@@ -1,6 +1,5 @@
 """When messages are sent: each reading once, none more often than asked for."""
 
-import uuid
 from collections import Counter
 from types import SimpleNamespace
 
@@ -22,9 +21,8 @@ STAMP = 1_700_000_000_000_000_000
 
 @pytest.fixture
 def engine():
-    made = TwoPatches(f"rost{uuid.uuid4().hex[:10]}")
-    yield made
-    made.close()
+    with TwoPatches() as made:
+        yield made
 
 
 def talker_of(live, rates, heard):

@@ -15,11 +15,16 @@ REST = [bytes.fromhex("40 f0f0f0f0f0f0f0"), bytes.fromhex("c0 f0f0f0f0f0 0000")]
 COUNTS_PER_CHANGE = 0.16689e-12 / (16e-12 / 65536)  # pad of 4 mm, converter of 16 pF in 16 bits
 
 
-def test_a_skin_at_rest_sends_the_golden_bytes():
-    with Stepped(at_once=True) as stepped:
-        messages = stepped.step()
-        assert [identifier for identifier, _ in messages] == [0x410 + i // 2 for i in range(12)]
-        assert [data for _, data in messages] == REST * 6
+@pytest.fixture
+def stepped():
+    with Stepped(at_once=True) as made:
+        yield made
+
+
+def test_a_skin_at_rest_sends_the_golden_bytes(stepped):
+    messages = stepped.step()
+    assert [identifier for identifier, _ in messages] == [0x410 + i // 2 for i in range(12)]
+    assert [data for _, data in messages] == REST * 6
 
 
 def test_boards_are_silent_until_they_are_configured_and_started():
@@ -38,23 +43,19 @@ def test_boards_are_silent_until_they_are_configured_and_started():
 
 
 def test_the_host_sets_the_period_unless_a_rate_is_given():
-    with Stepped(rate=None) as stepped:
-        stepped.tell("4D 02 05 F0", *START[1:])
-        heads = [m for _ in range(20) for m in stepped.step(0.001) if m[0] == 0x410]
-        assert len(heads) == 2 * 4  # 20 ms at 5 ms
-    with Stepped(rate=1000.0) as stepped:
-        stepped.tell("4D 02 05 F0", *START[1:])
-        heads = [m for _ in range(20) for m in stepped.step(0.001) if m[0] == 0x410]
-        assert len(heads) == 2 * 20
+    for rate, readings in ((None, 4), (1000.0, 20)):  # 20 ms at 5 ms, or at 1 ms
+        with Stepped(rate=rate) as stepped:
+            stepped.tell("4D 02 05 F0", *START[1:])
+            heads = [m for _ in range(20) for m in stepped.step(0.001) if m[0] == 0x410]
+            assert len(heads) == 2 * readings
 
 
-def test_a_press_reads_as_the_forward_model_says():
-    with Stepped(at_once=True) as stepped:
-        stepped.step()
-        patch = stepped.skin.skin.patches[0]
-        place = (patch.plane[40] + [1.3e-3, -0.7e-3]).tolist()
-        stepped.skin.world.press({"x": place[0], "y": place[1], "force": 5.0})
-        found = bytes_by_channel(stepped.step())[patch.channel]
+def test_a_press_reads_as_the_forward_model_says(stepped):
+    stepped.step()
+    patch = stepped.skin.skin.patches[0]
+    place = (patch.plane[40] + [1.3e-3, -0.7e-3]).tolist()
+    stepped.skin.world.press({"x": place[0], "y": place[1], "force": 5.0})
+    found = bytes_by_channel(stepped.step())[patch.channel]
     made = press(Layer(), [Sphere(radius=10e-3, force=5.0)], cell=0.25e-3, extent=30e-3)
     exact = made.capacitance(patch.plane - place, patch.pad_diameter)
     expected = [byte_of(round(COUNTS_PER_CHANGE * each)) for each in exact]
@@ -63,21 +64,21 @@ def test_a_press_reads_as_the_forward_model_says():
     assert np.mean(found != expected) < 0.2
 
 
-def test_presses_that_are_apart_add_up():
-    with Stepped(at_once=True) as stepped:
-        world, change = stepped.skin.world, stepped.skin.hardware.converters.change
-        world.press({"taxel": 3, "id": "one"})
-        world.update(-1.0, change)
-        one = change.copy()
-        world.press({"taxel": 60, "force": 0.5, "id": "two"})
-        world.update(-1.0, change)
-        both = change.copy()
-        world.release({"id": "one"})
-        world.update(-1.0, change)
-        np.testing.assert_allclose(both, one + change, atol=1e-12)
-        world.release({})
-        world.update(-1.0, change)
-        assert not change.any()
+def test_presses_that_are_apart_add_up(stepped):
+    world = stepped.skin.world
+
+    def change():
+        world.update(-1.0, stepped.skin.hardware.converters.change)
+        return stepped.skin.hardware.converters.change.copy()
+
+    world.press({"taxel": 3, "id": "one"})
+    one = change()
+    world.press({"taxel": 60, "force": 0.5, "id": "two"})
+    both = change()
+    world.release({"id": "one"})
+    np.testing.assert_allclose(both, one + change(), atol=1e-12)
+    world.release({})
+    assert not change().any()
 
 
 def test_an_unplugged_triangle_says_so():
@@ -128,48 +129,44 @@ def test_a_bus_that_is_gone_counts_what_it_withholds():
 @pytest.mark.parametrize(
     ("kind", "byte"), [("dead", 240), ("saturated", 0), ("no-ack", 255), ("stuck", None)]
 )
-def test_a_taxel_with_a_fault_does_not_feel(kind, byte):
-    with Stepped(at_once=True) as stepped:
+def test_a_taxel_with_a_fault_does_not_feel(stepped, kind, byte):
+    stepped.step()
+    stepped.skin.world.press({"taxel": 7, "force": 0.4})
+    pressed = bytes_by_channel(stepped.step())
+    stepped.skin.faults.add(Fault(kind, "7", 0.03, 0.05))
+    for _ in range(4):
         stepped.step()
-        stepped.skin.world.press({"taxel": 7, "force": 0.4})
-        pressed = bytes_by_channel(stepped.step())
-        stepped.skin.faults.add(Fault(kind, "7", 0.03, 0.05))
-        for _ in range(4):
-            stepped.step()
-        stepped.skin.world.press({"taxel": 7, "force": 2.0, "id": "press-1"})
-        stepped.skin.faults.add(Fault("dead", "*", 1e6))  # far away: changes nothing
-        messages = stepped.step()
-        found = bytes_by_channel(messages)
-        assert found[7] == (pressed[7] if byte is None else byte)
-        tail = next(
-            data for identifier, data in messages if identifier == 0x410 and data[0] == 0xC0
-        )
-        assert (tail[7] & 1) == (kind == "no-ack")
-        for _ in range(5):
-            found = bytes_by_channel(stepped.step())
-        assert found[7] < pressed[7] - 10  # it feels again
+    stepped.skin.world.press({"taxel": 7, "force": 2.0, "id": "press-1"})
+    stepped.skin.faults.add(Fault("dead", "*", 1e6))  # far away: changes nothing
+    messages = stepped.step()
+    found = bytes_by_channel(messages)
+    assert found[7] == (pressed[7] if byte is None else byte)
+    tail = next(data for identifier, data in messages if identifier == 0x410 and data[0] == 0xC0)
+    assert (tail[7] & 1) == (kind == "no-ack")
+    for _ in range(5):
+        found = bytes_by_channel(stepped.step())
+    assert found[7] < pressed[7] - 10  # it feels again
+
+
+def converted(stepped):
+    """Counts (2000, taxels) of one scan after the other."""
+    rows, converters = [], stepped.skin.hardware.converters
+    for _ in range(2000):
+        converters.convert(0.0)
+        rows.append(converters.counts.copy())
+    return np.array(rows)
 
 
 def test_noise_has_the_spread_that_is_asked_for():
     with Stepped(at_once=True, noise=1.0, seed=5) as stepped:
-        converters = stepped.skin.hardware.converters
-        rows = []
-        for _ in range(2000):
-            converters.convert(0.0)
-            rows.append(converters.counts.copy())
-        measured, asked = np.std(rows, axis=0), converters.white
+        measured, asked = np.std(converted(stepped), axis=0), stepped.skin.hardware.converters.white
         np.testing.assert_allclose(measured, np.hypot(asked, 12**-0.5), rtol=0.12)
         assert np.median(asked) == pytest.approx(4 * 3.1, rel=0.3)
 
 
 def test_common_noise_is_shared_by_a_triangle():
     with Stepped(at_once=True, common_noise=2.0) as stepped:
-        converters = stepped.skin.hardware.converters
-        rows = []
-        for _ in range(2000):
-            converters.convert(0.0)
-            rows.append(converters.counts[:24].copy())
-        together = np.corrcoef(np.array(rows).T)
+        together = np.corrcoef(converted(stepped)[:, :24].T)
         assert together[0, 11] > 0.95
         assert abs(together[0, 12]) < 0.1
 
@@ -184,15 +181,14 @@ def test_thermal_pads_take_the_drift_off() -> None:
         assert np.abs(10.0 * drift).max() > 1 << 3  # which is more than a byte without them
 
 
-def test_the_base_that_a_board_takes_has_the_press_in_it():
-    with Stepped(at_once=True) as stepped:
-        stepped.step()
-        stepped.skin.world.press({"taxel": 7, "force": 1.0})
-        stepped.step()
-        stepped.tell("50 00 0F 02 01 00 22", "07 00")
-        assert set(bytes_by_channel(stepped.step())[:72]) == {240}
-        stepped.skin.world.release({})
-        assert bytes_by_channel(stepped.step())[7] == 255
+def test_the_base_that_a_board_takes_has_the_press_in_it(stepped):
+    stepped.step()
+    stepped.skin.world.press({"taxel": 7, "force": 1.0})
+    stepped.step()
+    stepped.tell("50 00 0F 02 01 00 22", "07 00")
+    assert set(bytes_by_channel(stepped.step())[:72]) == {240}
+    stepped.skin.world.release({})
+    assert bytes_by_channel(stepped.step())[7] == 255
 
 
 def test_every_fault_of_the_wire_is_counted_exactly():

@@ -1,13 +1,11 @@
 """Contacts out to YARP: from a robot's port through the engine to skin_events, and its numbers."""
 
-import json
-import os
 import socket
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
 
 import numpy as np
 import pytest
@@ -15,6 +13,7 @@ from live_skins import pressed_counts, settings, unique_name, wait_for
 from yarp_peers import NameServer, Sender, values_of
 
 import skinfield as sf
+from skinfield.bridges.launch import Bridge
 from skinfield.bridges.yarp import YarpSettings, publisher
 from skinfield.errors import InputError
 from skinfield.loop.client import connect
@@ -79,55 +78,31 @@ def running(robot: Robot) -> Iterator[Supervisor]:
         yield supervisor
 
 
-class Bridge:
-    """The bridge's process, and a reader of its port by plain lines."""
-
-    def __init__(self, name: str, robot: Robot) -> None:
-        self.robot = robot
-        command = [sys.executable, "-m", "skinfield.bridges.yarp", name]
-        self.child = subprocess.Popen(
-            [*command, "--parent", str(os.getpid())], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
-        server = f"127.0.0.1:{robot.names.port}"
-        told = {"robot": "icub", "name_server": server, "port": NAME, "taxels": True}
-        self.child.stdin.write(json.dumps(told).encode())
-        self.child.stdin.close()
-        self.facts = json.loads(self.child.stdout.readline())
-        self.links: list[socket.socket] = []
-
-    def read(self, port: str) -> Iterator[tuple[str, list]]:
-        """Stamps and values of a port."""
-        link = socket.create_connection(self.robot.names.known[port], 60.0)
-        self.links.append(link)
+@contextmanager
+def port_reader(robot: Robot, port: str) -> Iterator[Iterator[tuple[str, list]]]:
+    """Stamps and values of a port, as plain lines."""
+    with socket.create_connection(robot.names.known[port], 60.0) as link:
         lines = link.makefile("r", newline="\r\n")
         link.sendall(b"CONNECT /reader\r\nr\r\n")
         assert lines.readline() == "Welcome /reader\r\n"
-        while True:
-            yield lines.readline().rstrip(), values_of(lines.readline().rstrip())
-
-    def close(self) -> None:
-        for link in self.links:
-            link.close()
-        self.child.terminate()
-        assert self.child.wait(60.0) == 0
-        self.child.stdout.close()
+        yield ((lines.readline().rstrip(), values_of(lines.readline().rstrip())) for _ in count())
 
 
 def test_a_press_on_the_robot_comes_out_as_a_contact(robot: Robot, running: Supervisor) -> None:
-    bridge = Bridge(running.settings.name, robot)
-    try:
-        assert bridge.facts["ready"], bridge.facts
-        own = {NAME, f"/icub/skinfield/{running.settings.name}/l_forearm_comp:o"}
-        assert own <= set(robot.names.known)
-        follow_a_press(bridge, robot, running.settings.name)
-    finally:
-        bridge.close()
-    assert not own & set(robot.names.known)
+    name, server = running.settings.name, f"127.0.0.1:{robot.names.port}"
+    told = {"robot": "icub", "name_server": server, "port": NAME, "taxels": True}
+    with Bridge("yarp", name, from_plain(YarpSettings, told)) as bridge:
+        bridge.begin()
+        child, taxels = bridge.child, f"/icub/skinfield/{name}/l_forearm_comp:o"
+        assert (bridge.facts["port"], bridge.facts["taxels"]) == (NAME, [taxels])
+        assert {NAME, taxels} <= set(robot.names.known)
+        with port_reader(robot, NAME) as events:
+            follow_a_press(events, taxels, robot, name)
+    assert child.returncode == 0
+    assert not {NAME, taxels} & set(robot.names.known)
 
 
-def follow_a_press(bridge: Bridge, robot: Robot, name: str) -> None:
-    assert bridge.facts["port"] == NAME
-    events = bridge.read(NAME)
+def follow_a_press(events: Iterator, port: str, robot: Robot, name: str) -> None:
     _, nothing = next(events)
     assert nothing == []
     robot.counts = pressed_counts(FORCE, PLACE)
@@ -146,7 +121,8 @@ def follow_a_press(bridge: Bridge, robot: Robot, name: str) -> None:
     assert abs(force - row["normal_force"]) < 0.3 * FORCE  # noise moves it from reading to reading
     assert abs(force - FORCE) < 2.0 * row["force_std"]
     assert found[-1][0][0] == row["track"]
-    taxels = next(bridge.read(bridge.facts["taxels"][0]))[1]
+    with port_reader(robot, port) as values:
+        taxels = next(values)[1]
     assert len(taxels) == 72
     assert np.argmax(taxels) in found[-1][6]
     robot.counts = np.full(72, 240.0)

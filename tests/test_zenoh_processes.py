@@ -25,11 +25,12 @@ from skinfield.bridges.zenoh.discovery import ZenohSources
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 TESTS = Path(__file__).resolve().parent
 LONG = 600.0  # s: on a busy machine
+ROS2 = {"ros2": True}
 
 
 @contextmanager
 def engine(name: str, address: str) -> Iterator["subprocess.Popen[bytes]"]:
-    command = [sys.executable, str(TESTS / "zenoh_engine.py"), name, "robot", address]
+    command = [sys.executable, str(TESTS / "zenoh_peers.py"), name, "robot", address]
     child = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, env=os.environ | {"OMP_NUM_THREADS": "1"}
     )
@@ -125,9 +126,15 @@ def test_a_bridge_that_cannot_start_says_why() -> None:
         ({"ros_domain": 3}, "expected ros2"),
         ({"robot": "a/b"}, "robot is 'a/b'"),
         ({"zenoh": True, "zenoh_connect": ("robot",)}, "expected an address such as"),
+        (ROS2 | {"ros_rate": ("wrench",)}, "such as wrench=500"),
+        (ROS2 | {"ros_rate": ("force=5",)}, "expected one of contact_wrench, contacts"),
+        (ROS2 | {"ros_rate": ("wrench=nan",)}, "messages a second"),
+        ({"ros_rate": ("wrench=5",)}, "expected ros2 with it"),
+        (ROS2 | {"robot": 80 * "a" + "b", "ros_domain": 3}, "robot is"),
     ],
 )
 def test_options_that_cannot_be_are_refused_before_anything_starts(given, match) -> None:
+    bridge_settings(BridgeSettings(ros2=True, ros_rate=("wrench=500", "taxels=0"), ros_domain=3))
     with pytest.raises(InputError, match=match):
         bridge_settings(BridgeSettings(**given))
 

@@ -68,10 +68,22 @@ def arrived(scene: SimpleNamespace, *forces: float, stamp_ns: int | None = None)
     return wait_for(there, LONG)
 
 
-def wait_wanted(scene: SimpleNamespace, what: str) -> None:
-    """Wait until both subscribers are known here: each is told by itself, in any order."""
-    outlets = scene.publisher._outlets
+def published(scene: SimpleNamespace, what: str, *forces: float) -> tuple[int, list]:
+    """A cycle's number and what is sent of it: for the whole skin, and for its patch."""
+    outlets, got = scene.publisher._outlets, {}
+    keys = scene.part.key(what), scene.part.patch_key("hexagon72", what)
+    subscribers = [
+        scene.there.declare_subscriber(key, lambda s: got.setdefault(str(s.key_expr), s))
+        for key in keys
+    ]  # each is known here by itself, in any order
     wait_for(lambda: outlets.wanted(what) and outlets.wanted(what, 0), LONG)
+    number = fill(scene.ring, scene.rng, 10**18, *forces)
+    scene.publisher.step()
+    wait_for(lambda: len(got) == 2, LONG)
+    for each in subscribers:
+        each.undeclare()
+    wait_for(lambda: not outlets.wanted(what, 0), LONG)
+    return number, [got[key] for key in keys]
 
 
 def test_a_snapshot_there_is_the_cycle_here_bit_for_bit(scene) -> None:
@@ -125,19 +137,10 @@ def test_a_message_that_took_longer_is_older() -> None:
 
 
 def test_contacts_are_plain_json_of_the_ring(scene) -> None:
-    whole, patch = scene.part.key("contacts"), scene.part.patch_key("hexagon72", "contacts")
-    got: dict[str, list] = {whole: [], patch: []}
-    subscribers = [
-        scene.there.declare_subscriber(key, lambda s: got[str(s.key_expr)].append(s)) for key in got
-    ]
-    wait_wanted(scene, "contacts")
-    number = fill(scene.ring, scene.rng, 10**18, 2.0)
-    scene.publisher.step()
-    wait_for(lambda: all(got.values()), LONG)
+    number, samples = published(scene, "contacts", 2.0)
     with Live(scene.ring.name) as live:
         row = live.latest().contacts[0]
-    for key in got:
-        sample = got[key][0]
+    for sample in samples:
         plain = json.loads(sample.payload.to_bytes())
         head = EstimateHead.of(sample.attachment.to_bytes())
         assert (plain["number"], plain["stamp_ns"]) == (number, 10**18)
@@ -150,25 +153,14 @@ def test_contacts_are_plain_json_of_the_ring(scene) -> None:
         assert contact["force"] == [0.0, 0.0, -2.0]  # pressed onto the skin, whose normal is +z
         assert contact["force_std"] == pytest.approx(0.2)
         assert contact["place_std"] is None  # what is not known is null, not NaN
-    for each in subscribers:
-        each.undeclare()
-    wait_for(lambda: not scene.publisher._outlets.wanted("contacts", 0), LONG)
 
 
 def test_raw_counts_arrive_for_the_whole_and_for_a_patch(scene) -> None:
-    got: dict[str, bytes] = {}
-    keys = [scene.part.key("raw"), scene.part.patch_key("hexagon72", "raw")]
-    for key in keys:
-        scene.there.declare_subscriber(
-            key, lambda s: got.update({str(s.key_expr): s.payload.to_bytes()})
-        )
-    wait_wanted(scene, "raw")
-    fill(scene.ring, scene.rng, 10**18)
-    scene.publisher.step()
-    wait_for(lambda: len(got) == 2, LONG)
+    _, samples = published(scene, "raw")
     with Live(scene.ring.name) as live:
-        for key in keys:
-            assert_array_equal(np.frombuffer(got[key], "<f4"), live.latest().readings)
+        for sample in samples:
+            counts = np.frombuffer(sample.payload.to_bytes(), "<f4")
+            assert_array_equal(counts, live.latest().readings)
 
 
 def test_layout_status_and_health_answer_queries(scene, tmp_path) -> None:

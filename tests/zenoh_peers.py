@@ -1,15 +1,27 @@
-"""Rings and sessions for tests of zenoh: each test at a port of its own."""
+"""Rings and sessions for tests of zenoh: each test at a port of its own.
 
+python zenoh_peers.py NAME ROBOT ADDRESS: publish a ring that is filled
+"""
+
+import signal
 import socket
+import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-from skinfield.bridges.zenoh.publisher import Publisher
+import numpy as np
+from live_skins import fill, settings, skin_ring
+
+from skinfield.bridges.zenoh.publisher import Publisher, PublisherSettings, serve
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 from skinfield.errors import InputError
 from skinfield.loop.client import Live
 from skinfield.ring import Ring
+
+FORCE = 1.5  # N
 
 
 def free_port() -> int:
@@ -49,3 +61,27 @@ def publishing(session: Any, ring: Ring, part: Any, **values: Any) -> Iterator[P
         publisher = Publisher(session, live, part, **values)
         with publisher.there():
             yield publisher
+
+
+def main() -> None:
+    name, robot, address = sys.argv[1:]
+    stop, rng = threading.Event(), np.random.default_rng(1)
+    signal.signal(signal.SIGTERM, lambda *_: stop.set())
+    with skin_ring(settings(name=name)) as ring:
+
+        def work() -> None:
+            while not stop.wait(0.01):
+                fill(ring, rng, time.time_ns(), FORCE)
+
+        worker = threading.Thread(target=work)
+        worker.start()
+        session = ZenohSettings(connect=(address,))
+        try:
+            serve(name, PublisherSettings(robot=robot, session=session), stop)
+        finally:
+            stop.set()
+            worker.join()
+
+
+if __name__ == "__main__":
+    main()

@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 import threading
-from types import TracebackType
 from typing import Any
 
 from skinfield.emulator.scenes import FINGER
@@ -86,12 +85,7 @@ class VirtualProcess:
     def __enter__(self) -> "VirtualProcess":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     @property

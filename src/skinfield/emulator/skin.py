@@ -189,6 +189,11 @@ class VirtualSkin:
     ------
     InputError
         If a setting cannot be used, or an address is taken.
+
+    Attributes
+    ----------
+    pressing : list of Touch
+        What presses now.
     """
 
     def __init__(self, settings: VirtualSettings, clock: Callable[[], int] = time.time_ns) -> None:
@@ -203,7 +208,7 @@ class VirtualSkin:
         self.started_ns = self.clock()
         self.stream_ns = 0  # when the first reading was sent
         self._scene_ns = 0
-        self._pressing: list[Touch] = []
+        self.pressing: list[Touch] = []
         self._slow_ns = 0
         try:
             self.faults = FaultClock(self.skin, self.hardware)
@@ -304,15 +309,10 @@ class VirtualSkin:
         scene = (moment_ns - self._scene_ns) / SECOND if self._scene_ns else -1.0
         touches = self.world.update(scene, self.hardware.converters.change)
         if touches is not None:
-            self._pressing = [touch for touch, _ in touches]
+            self.pressing = [touch for touch, _ in touches]
             self.truth.note(touches, moment_ns)
         else:
             self.truth.settle(moment_ns)
-
-    @property
-    def pressing(self) -> list[Touch]:
-        """What presses now."""
-        return self._pressing
 
     def play(self, text: str) -> None:
         """Play another scene, from its beginning.

@@ -9,15 +9,30 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from skinfield.bridges.child import say_ready
-from skinfield.bridges.zenoh.messages import EstimateHead, newest_stamp
+from skinfield.bridges.zenoh.messages import (
+    Calibration,
+    EstimateHead,
+    described,
+    fingerprint_of,
+    newest_stamp,
+)
 from skinfield.bridges.zenoh.session import Part, ZenohSettings, load_zenoh, open_session
-from skinfield.bridges.zenoh.status_messages import StatusEncoder, layout_text
+from skinfield.bridges.zenoh.status_messages import (
+    contact_plain,
+    contacts_of,
+    layout_text,
+    status_and_health,
+)
 from skinfield.errors import InputError, check_positive, check_type
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
+from skinfield.loop.model_config import configuration_of
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import Observer
 from skinfield.ring import State
 from skinfield.ring.reader import Slot as Copy
 
@@ -108,6 +123,7 @@ class Outlets:
 
 
 SLICE = 0.1  # s at most without a look whether to stop
+RECENT = 1.0  # s that the status calls the last
 STATUS = 0.5  # s between what is said of the state
 QUIET = 0.25  # s after which a cycle goes out though it has no new reading
 BACK = 20  # cycles that are looked through for one with a new reading
@@ -152,13 +168,17 @@ class Publisher:
 
     def __init__(self, session: Any, live: Live, part: Part, rate: float = RATE) -> None:
         self._live, self._reader = live, live.reader
-        self._encoder, self._fit = StatusEncoder(live, part), FitReader(live.name)
+        self._observer, self._fit = Observer(live.reader, window=RECENT), FitReader(live.name)
+        fields = live.reader.slot_fields
+        self._description = described(part.robot, part.name, live.reader.description, fields)
+        self._fingerprint = fingerprint_of(self._description)
         self._patches = range(len(live.skin))
         self._starts = live.models.starts
         self._outlets = Outlets(session, part, [patch.name for patch in live.skin])
         self._part, self._every = part, 1.0 / rate
         self._instance = secrets.randbits(64)
         self._taken, self._spare = (self._room() for _ in range(2))
+        self._said = b"", b""  # status and health
         self._seen = 0
         self._owed = False  # whether what was taken is held back for the rate's sake
         self._next = self._status = self._sent = 0.0
@@ -170,21 +190,21 @@ class Publisher:
     @contextmanager
     def there(self) -> Iterator[None]:
         """Answer queries, and show that the engine lives."""
-        encoder, part = self._encoder, self._part
-        answers = {
-            "description": lambda: encoder.description,
-            "layout": lambda: encoder.layout,
-            "calibration": encoder.calibration,
-            "status": lambda: encoder.status,
-            "health": lambda: encoder.health,
+        part, skin = self._part, self._live.skin
+        answers: dict[str, Callable[[], bytes]] = {
+            "description": lambda: self._description,
+            "layout": partial(layout_text, skin),
+            "calibration": self._calibration,
+            "status": lambda: self._said[0],
+            "health": lambda: self._said[1],
         }
-        for patch in self._live.skin:
+        for patch in skin:
             key = part.patch_key(patch.name, "layout").removeprefix(part.key(""))
             answers[key] = partial(layout_text, patch)
         try:
+            self._tell(time.monotonic())
             for what, answer in answers.items():
                 self._outlets.answer(what, answer)
-            self._tell(time.monotonic())
             yield
         finally:
             self._outlets.close()
@@ -209,9 +229,22 @@ class Publisher:
     def _tell(self, now: float) -> None:
         self._status = now + STATUS
         self._outlets.live(self._reader.alive and self._reader.state < State.STOPPED)
-        self._encoder.look()
-        self._outlets.put("status", self._encoder.status)
-        self._outlets.put("health", self._encoder.health)
+        self._said = status_and_health(self._observer.look().as_dict(), self._tares())
+        for what, data in zip(("status", "health"), self._said, strict=True):
+            self._outlets.put(what, data)
+
+    def _tares(self) -> int:
+        return int(self._reader.status_view["tares"][0])
+
+    def _calibration(self) -> bytes:
+        """Noise of all taxels and solver, by which a reader makes uncertainties."""
+        reader, told = self._reader, configuration_of(self._reader)
+        return Calibration(
+            tares=self._tares(),
+            generation=reader.generation if told is None else told.generation,
+            solver=None if told is None else told.solver,
+            noise_std=np.asarray(self._live.models.noise_std),
+        ).packed()
 
     def _take(self, number: int, now: float) -> bool:
         """Take the newest cycle with a new reading; another only if none went out for long."""
@@ -233,9 +266,9 @@ class Publisher:
             number=copy.number,
             stamp_ns=newest_stamp(slot),
             sent_ns=time.time_ns(),
-            tares=int(self._reader.status_view["tares"][0]),
+            tares=self._tares(),
             instance=self._instance,
-            fingerprint=self._encoder.fingerprint,
+            fingerprint=self._fingerprint,
         ).packed()
 
     def _send_contacts(self) -> None:
@@ -245,12 +278,12 @@ class Publisher:
         copy, slot = self._taken
         snapshot = Snapshot(slot, copy.number, self._live.models, time.time_ns())
         rows, by = best_contacts(snapshot, self._fit)
-        head = self._head()
-        self._outlets.put("contacts", self._encoder.contacts(snapshot, rows, by), head)
+        head, skin = self._head(), list(self._live.skin)
+        plain = [contact_plain(row, skin, who) for row, who in zip(rows, by, strict=True)]
+        self._outlets.put("contacts", contacts_of(snapshot, plain), head)
         for patch in several:
-            self._outlets.put(
-                "contacts", self._encoder.contacts(snapshot, rows, by, patch), head, patch
-            )
+            its = [each for each in plain if each["patch"] == skin[patch].name]
+            self._outlets.put("contacts", contacts_of(snapshot, its), head, patch)
 
     def _send_estimate(self) -> None:
         head = self._head()

@@ -5,29 +5,20 @@ from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
-import numpy as np
 from msgspec import Struct, field
-from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import (
     MOST_STATUS,
     PLAIN,
-    Calibration,
     ContactMessage,
     Whole,
     decoded,
-    described,
-    fingerprint_of,
     strict_json,
 )
-from skinfield.bridges.zenoh.session import Part
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import save_layout
-from skinfield.loop.client import Live
-from skinfield.loop.model_config import configuration_of
 from skinfield.loop.realtime.timing import TIMES, TOTALS
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Observer
 from skinfield.skin import Patch, Skin
 
 BLANK_TIMING = dict.fromkeys(TOTALS, 0) | {f"{name}_us": None for name in TIMES}
@@ -102,94 +93,40 @@ def _plain(status: StatusMessage) -> dict[str, Any]:
     return found
 
 
-RECENT = 1.0  # s that the status calls the last
+def status_and_health(plain: dict[str, Any], tares: int) -> tuple[bytes, bytes]:
+    """What `skinfield status --json` tells, and counters of what goes wrong.
 
-
-class StatusEncoder:
-    """Makes what is sent about one ring.
-
-    Attributes
+    Parameters
     ----------
-    description : bytes
-        See `messages.described`.
-    fingerprint : bytes
-    layout : bytes
-        The skin as skinfield's own layout in TOML.
-    status, health : bytes
-        What `skinfield status --json` tells, and counters of what goes wrong, of the last `look`.
+    plain : dict
+        As `Status.as_dict` has it.
+    tares : int
+        How many baselines were taken.
     """
+    recorder = (plain.get("beside") or {}).get("recorder")
+    if isinstance(recorder, dict):  # where it writes to is nobody's business elsewhere
+        recorder.pop("path", None)
+    patches, totals = plain["patches"], plain["since_start"]
+    health = {
+        "state": plain["state"],
+        "rate": plain["rate"],
+        **{name: totals[name] for name in ("cycles", "late", "skipped")},
+        "lost": plain["lost"],
+        "sources": plain["sources"],
+        "invalid": {each["name"]: each["invalid"] for each in patches if each["invalid"]},
+        "stale": [each["name"] for each in patches if each["stale"]],
+        "missing": [each["name"] for each in patches if each["answer"] == "missing"],
+        "tares": tares,
+        "restarts": plain["generation"] - 1,
+    }
+    return strict_json(plain | {"tares": tares}), strict_json(health)
 
-    def __init__(self, live: Live, part: Part) -> None:
-        reader = live.reader
-        self._live, self._reader = live, reader
-        self._observer = Observer(reader, window=RECENT)
-        self._patches = list(live.skin)
-        self.description = described(part.robot, part.name, reader.description, reader.slot_fields)
-        self.fingerprint = fingerprint_of(self.description)
-        self.layout = layout_text(live.skin)
-        self.look()
 
-    def look(self) -> None:
-        """Look at the state once for both, status and health."""
-        plain = self._observer.look().as_dict()
-        recorder = (plain.get("beside") or {}).get("recorder")
-        if isinstance(recorder, dict):  # where it writes to is nobody's business elsewhere
-            recorder.pop("path", None)
-        tares = int(self._reader.status_view["tares"][0])
-        self.status = strict_json(plain | {"tares": tares})
-        patches = plain["patches"]
-        self.health = strict_json(
-            {
-                "state": plain["state"],
-                "rate": plain["rate"],
-                "cycles": plain["since_start"]["cycles"],
-                "late": plain["since_start"]["late"],
-                "skipped": plain["since_start"]["skipped"],
-                "lost": plain["lost"],
-                "sources": plain["sources"],
-                "invalid": {each["name"]: each["invalid"] for each in patches if each["invalid"]},
-                "stale": [each["name"] for each in patches if each["stale"]],
-                "missing": [each["name"] for each in patches if each["answer"] == "missing"],
-                "tares": tares,
-                "restarts": plain["generation"] - 1,
-            }
-        )
-
-    def calibration(self) -> bytes:
-        """Noise of all taxels and solver, by which a reader makes uncertainties."""
-        reader, told = self._reader, configuration_of(self._reader)
-        return Calibration(
-            tares=int(reader.status_view["tares"][0]),
-            generation=reader.generation if told is None else told.generation,
-            solver=None if told is None else told.solver,
-            noise_std=np.asarray(self._live.models.noise_std),
-        ).packed()
-
-    def contacts(
-        self, snapshot: Snapshot, rows: NDArray[Any], by: list[str], patch: int | None = None
-    ) -> bytes:
-        """Contacts of a cycle, on all patches or on one.
-
-        Parameters
-        ----------
-        snapshot : Snapshot
-        rows : (N,) array of CONTACT
-        by : list of str
-            Who found each: "engine" or "fit".
-        patch : int, optional
-            Those of this one alone.
-        """
-        return strict_json(
-            {
-                "number": snapshot.number,
-                "stamp_ns": snapshot.stamp_ns,
-                "contacts": [
-                    contact_plain(row, self._patches, who)
-                    for row, who in zip(rows, by, strict=True)
-                    if patch is None or int(row["patch"]) == patch
-                ],
-            }
-        )
+def contacts_of(snapshot: Snapshot, plain: list[dict[str, Any]]) -> bytes:
+    """Contacts of a cycle, each as `contact_plain` makes it."""
+    return strict_json(
+        {"number": snapshot.number, "stamp_ns": snapshot.stamp_ns, "contacts": plain}
+    )
 
 
 def contact_plain(row: Any, patches: list[Patch], by: str) -> dict[str, Any]:
