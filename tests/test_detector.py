@@ -23,6 +23,7 @@ NOISE = 3.8e3  # Pa, at which the paper's method misses 0.2 N
 HEXAGON = sf.layouts.hexagon72()
 TRIANGLE = HEXAGON.subset(HEXAGON.module == 0)
 SINGLE = sf.Patch(np.zeros((1, 2)))
+QUANTITIES = {"stress": sf.BaseStress(), "gap": sf.Gap(), "capacitance": sf.Capacitance()}
 TICK = 20_000_000  # ns: 50 Hz
 
 
@@ -74,8 +75,7 @@ def test_a_template_carries_one_newton() -> None:
 )
 def test_a_simulated_ball_looks_like_a_template(quantity: str, share: float, least: float) -> None:
     """The simulator has its own contact solver. ΔC/C₀ is not linear: 0.1 N reads as 0.12 N."""
-    kinds = {"stress": sf.BaseStress(), "gap": sf.Gap(), "capacitance": sf.Capacitance()}
-    templates = round_touches(HEXAGON, LAYER, sf.BondedLayer(), kinds[quantity]).readings
+    templates = round_touches(HEXAGON, LAYER, sf.BondedLayer(), QUANTITIES[quantity]).readings
     truth = ball(0.1, tuple(HEXAGON.plane[30].tolist()), quantity)
     likeness = templates @ truth / np.linalg.norm(templates, axis=1) / np.linalg.norm(truth)
     best = int(likeness.argmax())
@@ -332,8 +332,7 @@ def test_a_stream_forgets_what_is_old() -> None:
 @pytest.mark.parametrize("force", [0.5, 1.5])
 def test_strong_touches_are_not_overconfident(quantity: str, std: float, force: float) -> None:
     """The simulator's balls are no templates: without a model error, 3 to 30 deviations off."""
-    kinds = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
-    detector = Detector(HEXAGON, LAYER, quantity=kinds[quantity], noise_std=std)
+    detector = Detector(HEXAGON, LAYER, quantity=QUANTITIES[quantity], noise_std=std)
     rng, misses = np.random.default_rng(11), []
     inner = HEXAGON.plane[np.linalg.norm(HEXAGON.plane, axis=1) < 18e-3]
     moves = rng.uniform(-2e-3, 2e-3, (8, 2))

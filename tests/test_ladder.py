@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engine_scenes import HEXAGON, LAYER, NOISE
+from engine_scenes import HEXAGON, LAYER, NOISE, touched
 from engine_scenes import TRIANGLE as PATCH
-from engine_scenes import touched as scene_touched
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
@@ -17,9 +16,7 @@ from skinfield.reconstruct.multigrid_levels import RestrictedPosterior, Restrict
 RUNGS = (6, 12, 24)
 
 
-def touched() -> Floats:
-    """Readings of a ball on a taxel, with noise."""
-    return scene_touched(PATCH, 0, taxel=4)
+READINGS = touched(PATCH, 0, taxel=4)
 
 
 def ladder_of(solver: Any) -> sf.Ladder:
@@ -39,7 +36,7 @@ def searching() -> sf.Ladder:
 def test_the_finest_rung_is_a_reconstructor(linear: sf.Ladder) -> None:
     rec = sf.Reconstructor(PATCH, LAYER, sf.Grid.square(PATCH, 24), noise_std=NOISE)
     linear.rung = 24
-    ours, alone = linear(touched(), stamp_ns=5), rec(touched())
+    ours, alone = linear(READINGS, stamp_ns=5), rec(READINGS)
     for name in ("pressure", "displacement", "pressure_std", "residual", "traction"):
         expected = getattr(alone, name)
         np.testing.assert_allclose(
@@ -53,7 +50,7 @@ def test_all_rungs_state_the_same_force_and_moment(linear: sf.Ladder) -> None:
     forces, middles = [], []
     for nodes in RUNGS:
         linear.rung = nodes
-        estimate = linear(touched())
+        estimate = linear(READINGS)
         assert len(estimate.pressure) == nodes**2 == len(linear.grid)
         forces.append(estimate.normal_force)
         middles.append(estimate.pressure @ estimate.grid.plane * estimate.grid.cell_area)
@@ -79,9 +76,7 @@ def test_coarse_uncertainty_is_that_of_averages(linear: sf.Ladder) -> None:
     np.testing.assert_allclose(restriction.transposed(np.eye(36)), matrix)
     expected = matrix @ covariance @ matrix.T
     linear.rung = 6
-    np.testing.assert_allclose(
-        linear(touched()).pressure_std, np.sqrt(np.diag(expected)), rtol=1e-6
-    )
+    np.testing.assert_allclose(linear(READINGS).pressure_std, np.sqrt(np.diag(expected)), rtol=1e-6)
     posterior = RestrictedPosterior(fine, restriction, np.arange(36))
     cells = np.array([14, 15, 20, 14])  # one of them twice
     weights = np.random.default_rng(0).normal(size=(3, 4))
@@ -127,13 +122,12 @@ def allocated(action: Any, times: int) -> int:
 )
 def test_switching_and_answering_allocate_nothing(name: str, most: int, request: Any) -> None:
     ladder: sf.Ladder = request.getfixturevalue(name)
-    readings = touched()
     outs = {nodes: np.zeros(nodes**2) for nodes in RUNGS}
 
     def turn() -> None:
         for nodes in RUNGS:
             ladder.rung = nodes
-            ladder.apply(readings, outs[nodes])
+            ladder.apply(READINGS, outs[nodes])
 
     assert allocated(turn, 40) < most  # the fields of one turn have 6 kB
     for nodes in RUNGS:
@@ -142,23 +136,22 @@ def test_switching_and_answering_allocate_nothing(name: str, most: int, request:
 
 
 def test_a_search_goes_on_from_rung_to_rung(searching: sf.Ladder) -> None:
-    readings = touched()
     searching.reset()
     searching.rung = 24
-    cold = searching(readings)
+    cold = searching(READINGS)
     assert 0.0 <= cold.gap <= 1e-4
     assert cold.pressure.min() == 0.0
     searching.reset()
     searching.rung = 12
-    searching(readings)
+    searching(READINGS)
     searching.rung = 24
-    warm = searching(readings)
+    warm = searching(READINGS)
     assert warm.iterations <= cold.iterations
     np.testing.assert_allclose(warm.pressure, cold.pressure, atol=0.02 * cold.pressure.max())
     rec = sf.Reconstructor(
         PATCH, LAYER, sf.Grid.square(PATCH, 24), solver=sf.NonNegative(), noise_std=NOISE
     )
-    alone = rec(readings)
+    alone = rec(READINGS)
     np.testing.assert_allclose(cold.pressure, alone.pressure, atol=0.02 * cold.pressure.max())
     np.testing.assert_allclose(cold.residual, alone.residual, atol=0.1 * NOISE)
     assert cold.contacts[0].normal_force == pytest.approx(alone.contacts[0].normal_force, rel=0.02)
@@ -171,11 +164,11 @@ def focus_on_contact(ladder: sf.Ladder, readings: np.ndarray, margin: float) -> 
 
 def test_a_linear_focus_is_a_part_of_the_whole(linear: sf.Ladder) -> None:
     linear.rung = 24
-    whole = linear(touched())
+    whole = linear(READINGS)
     linear.rung = 6
-    focus_on_contact(linear, touched(), margin=2e-3)
+    focus_on_contact(linear, READINGS, margin=2e-3)
     assert linear.rung == 24
-    part = linear(touched())
+    part = linear(READINGS)
     assert len(part.pressure) == len(linear.grid) < len(whole.pressure)
     offset = (linear.grid.plane[:, None] - whole.grid.plane[None]).reshape(-1, 2)
     near = np.linalg.norm(offset, axis=1).reshape(len(part.pressure), -1).argmin(axis=1)
@@ -185,26 +178,25 @@ def test_a_linear_focus_is_a_part_of_the_whole(linear: sf.Ladder) -> None:
     np.testing.assert_allclose(part.residual, whole.residual)
     assert part.contacts[0].normal_force == pytest.approx(whole.contacts[0].normal_force, rel=0.05)
     out = np.empty(len(linear.grid))
-    linear.apply(touched(), out)
+    linear.apply(READINGS, out)
     np.testing.assert_allclose(out, part.pressure)
     linear.rung = 12
     assert len(linear.grid) == 144
 
 
 def test_the_gap_of_a_focus_tells_what_was_left_out(searching: sf.Ladder) -> None:
-    readings = touched()
     searching.rung = 12
-    focus_on_contact(searching, readings, margin=3e-3)
-    good = searching(readings)
+    focus_on_contact(searching, READINGS, margin=3e-3)
+    good = searching(READINGS)
     assert good.grid.shape == (24, 24)
     assert good.gap < 0.05
     searching.rung = 24
-    whole = searching(readings)
+    whole = searching(READINGS)
     np.testing.assert_allclose(good.pressure, whole.pressure, atol=0.1 * whole.pressure.max())
     searching.rung = 6
     far = PATCH.plane[np.linalg.norm(PATCH.plane - PATCH.plane[4], axis=1).argmax()]
     searching.focus(far - 2e-3, far + 2e-3, rung=24)  # where nothing presses
-    bad = searching(readings)
+    bad = searching(READINGS)
     assert bad.gap > 2 * good.gap
     assert bad.pressure.min() == 0.0
 
@@ -212,7 +204,7 @@ def test_the_gap_of_a_focus_tells_what_was_left_out(searching: sf.Ladder) -> Non
 def test_a_deadline_reaches_the_search(searching: sf.Ladder) -> None:
     searching.rung = 24
     searching.reset()
-    hasty = searching(touched(), deadline=1e-9)
+    hasty = searching(READINGS, deadline=1e-9)
     assert not hasty.deadline_met
     assert hasty.pressure.min() >= 0.0
 
@@ -251,7 +243,7 @@ def test_a_window_without_a_place_is_refused(linear: sf.Ladder, low: Any, high: 
 def test_a_deadline_beyond_reason_is_none(name: str, deadline: float, request: Any) -> None:
     ladder: sf.Ladder = request.getfixturevalue(name)
     ladder.rung = 6
-    assert ladder(touched(), deadline=deadline).deadline_met
+    assert ladder(READINGS, deadline=deadline).deadline_met
 
 
 FINEST = sf.Grid.square(HEXAGON, 24)

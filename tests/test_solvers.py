@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from non_negative_reference import small_model
 
 from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, ObservationModel
 from skinfield.errors import InputError
@@ -51,13 +52,6 @@ class TestContactFit(SolverContract):
     solver = ContactFit()
     force_ratio = (0.97, 1.03)
     place_error = 0.2e-3
-
-
-def small_model(nodes: int = 9, quantity: BaseStress | None = None) -> ObservationModel:
-    patch = square_patch(side=5)
-    grid = Grid.square(patch, nodes=nodes)
-    quantity = quantity or BaseStress()
-    return ObservationModel.of(patch, Layer(), grid, BondedLayer(), quantity, 20.0)
 
 
 @pytest.mark.parametrize("solver", [Tikhonov(), GaussianField(), PseudoInverse()])

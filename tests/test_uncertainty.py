@@ -1,13 +1,11 @@
 """Stated covariances against dense algebra, and against draws of what they speak of."""
 
-from functools import lru_cache
-
 import numpy as np
 import pytest
 from contacts_reference import area_moves
+from non_negative_reference import small_model
 
-import skinfield as sf
-from skinfield.elastic import BaseStress, ObservationModel
+from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
 from skinfield.estimate import ContactFinder, ModelError, PressureNoise, PressurePosterior
 from skinfield.estimate.uncertainty import normal_interval, normal_radius
@@ -20,12 +18,8 @@ SOLVERS = [GaussianField(snr=12.0, length_scale=3e-3), GaussianField(), Tikhonov
 DRAWS = 3000  # a variance is then known to 2.6 %, a standard deviation to 1.3 %
 
 
-@lru_cache(maxsize=2)
-def model(nodes: int = 20) -> ObservationModel:
-    patch = square_patch(side=5)
-    return ObservationModel.of(
-        patch, sf.Layer(), Grid.square(patch, nodes), sf.BondedLayer(), BaseStress(), 20.0
-    )
+def model() -> ObservationModel:
+    return small_model(20)
 
 
 def dense(solver: GaussianField | Tikhonov) -> tuple[np.ndarray, np.ndarray]:
