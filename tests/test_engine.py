@@ -196,7 +196,7 @@ def test_arguments_that_do_not_fit() -> None:
         engine_of(sf.GaussianField(), TRIANGLE, budget=-1)
     with pytest.raises(InputError, match="layer has no entry for patch 'hexagon72'"):
         Engine(SKIN, {"moved": LAYER, "icub_triangle": LAYER})
-    with pytest.raises(InputError, match="noise_std names 'arm', expected names of patches"):
+    with pytest.raises(InputError, match="noise_std names 'arm', which is no patch"):
         engine_of(sf.GaussianField(), noise_std={"arm": 1.0})
     with pytest.raises(InputError, match="skin is a list, expected a Skin or a Patch"):
         engine_of(sf.GaussianField(), [TRIANGLE])  # type: ignore[arg-type]
