@@ -192,12 +192,6 @@ def test_a_drawn_out_atom_is_a_row_of_round_ones(family: int, worst: float) -> N
     assert apart(*moved) < worst
 
 
-def test_fields_of_several_atoms_add_up() -> None:
-    atoms = np.vstack([atom(-3e-3, 2e-3, 1.0, 1e-3), atom(4e-3, 0.0, 0.5, 2e-3, 1e-3, 0.5)])
-    both = pressure(GRID, atoms, BALL)
-    assert both == pytest.approx(sum(pressure(GRID, one[None], BALL) for one in atoms), rel=1e-12)
-
-
 def test_the_std_of_the_pressure_is_what_random_atoms_have() -> None:
     atoms = atom(radius=3e-3, half=1e-3, angle=0.4)
     root = np.diag([0.1e-3, 0.15e-3, 0.05, 0.1e-3, 0.15e-3, 0.05])
@@ -373,12 +367,6 @@ def test_an_atom_between_or_beside_the_nodes_has_the_nearest() -> None:
     beside = contact_of(np.array([0.05, 0.0, 1.0, 2e-3, 0.0, 0.0]))
     assert CLOSE.plane[beside.cells[0], 0] == CLOSE.plane[:, 0].max()
     assert beside.normal_force == pytest.approx(1.0)
-
-
-def test_contacts_come_by_falling_force() -> None:
-    atoms = np.stack([ROUND, LONG])
-    first, second = RENDERER.contacts(atoms, np.zeros(2, dtype=int), np.stack([COVARIANCE] * 2))
-    assert (first.shape, second.shape) == ("line", "sphere")
 
 
 def lens(radius: float, apart: float) -> float:

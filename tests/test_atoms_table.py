@@ -114,17 +114,11 @@ def test_the_stress_below_carries_the_force(family: int, radius: float) -> None:
     assert total == pytest.approx(1.0, abs=6e-3)  # the rest lies beyond what is tabulated
 
 
-@lru_cache(maxsize=1)
-def first_order() -> Tables:
-    quantity: Quantity = Capacitance(order=1)
-    return atom_tables(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("radius", [0.5, 2.0])
 def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> None:
     """The field in a gap that hardly changes is that of its linear kernel, on a grid."""
-    table = first_order()
+    table = tables("first order")
     assert not table.strain.size
     atom = np.array([[0.0, 0.0, np.log(1e-4), np.log(radius), 0.0, 0.0]])
     taxels = LINE / H
@@ -174,10 +168,10 @@ QUANTITIES: dict[str, Quantity] = {"stress": BaseStress(), "capacitance": Capaci
 NAMES = pytest.mark.parametrize("name", list(QUANTITIES))
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=3)
 def tables(name: str) -> Tables:
-    physics = Physics(LAYER, BondedLayer(), QUANTITIES[name], PATCH.pad_diameter)
-    return atom_tables(physics)
+    quantity = QUANTITIES.get(name, Capacitance(order=1))
+    return atom_tables(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
 
 
 def read(name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS) -> Floats:

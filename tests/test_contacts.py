@@ -96,12 +96,6 @@ def test_false_alarms_stay_at_the_stated_rate() -> None:
     assert 0.05 <= seen / 400 <= 0.16  # binomial, three standard deviations
 
 
-def test_force_std_adds_what_the_cells_share() -> None:
-    (contact,) = ContactFinder()(GRID, dome(GRID, 0, 0, 6e-3), QUIET)
-    # All cells move together here: 4 readings, 10 Pa each.
-    assert contact.force_std == pytest.approx(20.0 * contact.area)
-
-
 @settings(max_examples=60, deadline=None)
 @given(hnp.arrays(bool, (5, 6)))
 def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> None:
