@@ -69,7 +69,7 @@ def test_inverse_on_the_taxels_needs_as_many_nodes() -> None:
     operator = Inverse(resample=False).prepare(square)
     assert operator.matrix @ square.matrix == pytest.approx(np.eye(25), abs=1e-9)
     with pytest.raises(InputError, match=r"matrix is \(25, 81\), expected as many nodes as taxels"):
-        Inverse(resample=False).prepare(small_model())
+        Inverse(resample=False).prepare(small_model(9))
 
 
 def test_inverse_puts_a_force_on_covered_nodes_only() -> None:
