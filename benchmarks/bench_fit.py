@@ -28,8 +28,8 @@ from skinfield.lab.bench.machine import laps as lap
 from skinfield.lab.paper import reconstruct_as_paper
 from skinfield.simulate import Sphere, press
 from skinfield.skin.generators import icub_hexagon
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict, tables_of
-from skinfield.solve.atoms.table import atom_table
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
+from skinfield.solve.atoms.table import atom_tables
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 PATCH = icub_hexagon()
@@ -74,7 +74,7 @@ def times_of(rec: sf.Reconstructor, readings: np.ndarray) -> dict[str, float]:
 def floor_of_fit(rec: sf.Reconstructor, contacts: int) -> float:
     """Seconds of one evaluation of the fit's model, with derivatives, at about the truth."""
     h = LAYER.thickness
-    tables = tables_of(atom_table(rec.model.physics))
+    tables = atom_tables(rec.model.physics)
     atoms = np.zeros((contacts, PARAMETERS))
     atoms[:, :2] = PLACES[:contacts] / h
     atoms[:, 3] = np.log(2.6e-3 / h)

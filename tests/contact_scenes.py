@@ -161,17 +161,3 @@ def regions(
     count = kernel.flood(flat, least, columns, 1.0, 0.0, floor, edge, work)
     starts, cells = work[2][kernel.STARTS], work[2][kernel.REGIONS]
     return [cells[starts[n] : starts[n + 1]].copy() for n in range(count)]
-
-
-def area_moves(
-    grid: Grid, pressure: np.ndarray, cells: np.ndarray, edge: float
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Cells around the border of a region, m²/Pa of each, and one deviation of the area."""
-    starts = np.array([0, len(cells)])
-    table = np.zeros((1, kernel.WIDTH))
-    table[0, kernel.PEAK] = pressure[cells].max()
-    flat = np.ascontiguousarray(pressure, dtype=np.float64)
-    _, around, weights = kernel.borders(
-        flat, grid.shape[1], grid.cell_area, edge, starts, cells, table
-    )
-    return around, weights, float(table[0, kernel.ROUNDING])

@@ -21,12 +21,12 @@ CUT = 3e-3  # what a stamped product may leave out of a linear answer
 RUNGS = (8, 16, 32)
 
 
-def touched(patch: sf.Patch, seed: int) -> Floats:
-    """Readings of a press whose truth is solved on a grid of its own, with noise."""
+def touched(patch: sf.Patch, seed: int, taxel: int | None = None) -> Floats:
+    """Readings of a ball on a taxel, solved on a grid of its own, with noise."""
     rng = np.random.default_rng(seed)
-    taxel = patch.plane[rng.integers(len(patch))]
-    at = np.column_stack([patch.plane - taxel, np.zeros(len(patch))])
-    clean = BALL.readings(at[:, :2], patch.pad_diameter, "capacitance")
+    taxel = int(rng.integers(len(patch))) if taxel is None else taxel
+    at = patch.plane - patch.plane[taxel]
+    clean = BALL.readings(at, patch.pad_diameter, "capacitance")
     return np.asarray(clean + rng.normal(0.0, NOISE, len(patch)))
 
 

@@ -5,10 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 from contact_truth import LAYER, PATCH, truth
+from numpy.testing import assert_array_equal
 from numpy.typing import NDArray
 
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
+from skinfield.solve.atoms.fit_kernel import refine
 from skinfield.solve.atoms.fitter import CURVATURE_STD, ContactFitter
 from skinfield.solve.atoms.posterior import Effort, belief_of, laplace
 from skinfield.solve.atoms.search import LOG_FORCES, AtomSet, Problem, search
@@ -21,11 +23,11 @@ BALL_6 = sf.simulate.Sphere(radius=6e-3, force=1.0)
 PLACE = (-3.8e-3, 6.1e-3)
 
 
-def fitter_of(name: str) -> ContactFitter:
+def fitter_of(name: str, **settings: Any) -> ContactFitter:
     quantity: Quantity = BaseStress() if name == "stress" else Capacitance()
     grid = sf.Grid.square(PATCH, nodes=12)
     model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), quantity, NOISE[name])
-    return ContactFitter(sf.ContactFit(extended=None), model)
+    return ContactFitter(sf.ContactFit(extended=None, **settings), model)
 
 
 @pytest.fixture(scope="module", name="fitters")
@@ -147,12 +149,38 @@ def test_noise_alone_is_seldom_taken_for_a_contact(
 
 def test_the_stated_rate_sets_the_threshold(fitters: dict[str, ContactFitter]) -> None:
     """At a rate a hundred times higher, weaker touches are found; idle ones more often, too."""
-    grid = sf.Grid.square(PATCH, nodes=12)
-    model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), BaseStress(), NOISE["stress"])
-    bold = ContactFitter(sf.ContactFit(false_alarm_rate=0.1, extended=None), model)
-    careful = fitters["stress"]
+    bold, careful = fitter_of("stress", false_alarm_rate=0.1), fitters["stress"]
     assert bold.problem(np.zeros(72)).threshold < careful.problem(np.zeros(72)).threshold
     rng = np.random.default_rng(7)
     idle = rng.normal(scale=NOISE["stress"], size=(600, len(PATCH)))
     seen = sum(len(search(bold.problem(readings), None, 8, 8)) > 0 for readings in idle)
     assert 1 <= seen <= 85  # 60 and three deviations
+
+
+def test_touches_are_what_a_fit_says_without_what_takes_longest(
+    fitters: dict[str, ContactFitter],
+) -> None:
+    fitter, readings = fitters["capacitance"], noisy("capacitance", 4)
+    found = fitter.touches(readings)
+    assert "_moves" not in vars(fitter._renderer)  # displacements are not tabulated
+    fitter.reset()
+    fit = fitter.fit(readings)
+    fitter.reset()
+    assert len(found.contacts) == len(fit.contacts) == 1
+    assert found.explained
+    assert_array_equal(found.pressure, fit.pressure)
+    assert_array_equal(found.contacts[0].covariance, fit.contacts[0].covariance)
+    idle = fitter.touches(0.0 * readings)
+    assert idle.explained
+    assert not idle.contacts
+    assert not idle.pressure.any()
+    fitter.reset()
+
+
+def test_all_that_is_refined_is_compiled_once(fitters: dict[str, ContactFitter]) -> None:
+    fitter = fitters["capacitance"]
+    for seed in (1, 2):
+        fitter.touches(noisy("capacitance", seed))
+        fitter.touches(noisy("capacitance", seed, (2e-3, -5e-3)) + noisy("capacitance", 3))
+    fitter.reset()
+    assert len(refine.signatures) == 1

@@ -1,4 +1,4 @@
-"""Tabulated readings of single contacts against simulated presses, equilibrium and kernels."""
+"""Readings of single contacts against simulated presses, equilibrium and kernels."""
 
 from functools import lru_cache
 from typing import Any
@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from contact_truth import LAYER, PATCH, solved
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
-from test_atoms_kernel import read, tables
 
 import skinfield as sf
 from skinfield.elastic import (
+    BaseStress,
     BondedLayer,
     Capacitance,
     HalfSpace,
@@ -20,13 +22,14 @@ from skinfield.elastic import (
     Quantity,
 )
 from skinfield.elastic.axisymmetric import Ball, indent_by_force
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
 from skinfield.solve.atoms.table import (
     BALL,
     FAMILIES,
     FLAT,
     RING,
-    AtomTable,
-    atom_table,
+    Tables,
+    atom_tables,
     curvature_force,
     load_quadrature,
     unit_indentation,
@@ -111,24 +114,16 @@ def test_the_stress_below_carries_the_force(family: int, radius: float) -> None:
     assert total == pytest.approx(1.0, abs=6e-3)  # the rest lies beyond what is tabulated
 
 
-@lru_cache(maxsize=1)
-def first_order() -> AtomTable:
-    quantity: Quantity = Capacitance(order=1)
-    return atom_table(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("radius", [0.5, 2.0])
 def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> None:
     """The field in a gap that hardly changes is that of its linear kernel, on a grid."""
-    from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict, tables_of
-
-    table = first_order()
-    assert table.linear
+    table = tables("first order")
+    assert not table.strain.size
     atom = np.array([[0.0, 0.0, np.log(1e-4), np.log(radius), 0.0, 0.0]])
     taxels = LINE / H
     expected, slopes = np.empty(len(taxels)), np.empty((len(taxels), 1, PARAMETERS))
-    predict(atom, np.array([family]), taxels, tables_of(table), expected, slopes)
+    predict(atom, np.array([family]), taxels, table, expected, slopes)
     found = read("capacitance", atom[0], [family], taxels)
     share = 0.04 if family == RING else 0.02
     assert np.abs(found - expected).max() < share * np.abs(expected).max()
@@ -167,12 +162,127 @@ def test_on_a_thick_layer_contacts_are_hertz_and_boussinesq() -> None:
     assert depth == pytest.approx(1 / (2 * reduced * radius), rel=0.03)
 
 
-def test_taxels_and_contacts_change_places() -> None:
-    """Reciprocity: a pad under a point load of the pad's size reads what the load would."""
-    table = tables("stress")
-    near = np.array([0.0, 0.0, 0.0, np.log(0.5), 0.0, 0.0])
-    away = np.array([[1.7, 0.0]])
-    forth = read("stress", near, [BALL], away)
-    swapped = read("stress", near + np.array([1.7, 0, 0, 0, 0, 0]), [BALL], np.zeros((1, 2)))
-    assert forth == pytest.approx(swapped, rel=1e-12)
-    assert table.strain.size == 0
+THICKNESS = LAYER.thickness
+TAXELS = np.ascontiguousarray(PATCH.plane / THICKNESS)
+QUANTITIES: dict[str, Quantity] = {"stress": BaseStress(), "capacitance": Capacitance()}
+NAMES = pytest.mark.parametrize("name", list(QUANTITIES))
+
+
+@lru_cache(maxsize=3)
+def tables(name: str) -> Tables:
+    quantity = QUANTITIES.get(name, Capacitance(order=1))
+    return atom_tables(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
+
+
+def read(name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS) -> Floats:
+    return read_with_slopes(name, atoms, family, taxels)[0]
+
+
+def read_with_slopes(
+    name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS
+) -> tuple[Floats, Floats]:
+    atoms = np.atleast_2d(np.asarray(atoms, dtype=float))
+    out = np.empty(len(taxels))
+    slopes = np.empty((len(taxels), len(atoms), PARAMETERS))
+    predict(atoms, np.array(family), np.ascontiguousarray(taxels), tables(name), out, slopes)
+    return out, slopes
+
+
+def shallow(name: str, log_radius: float) -> float:
+    """ln force that a gap of this contact radius bears far from closing."""
+    return 2.0 * log_radius - 1.5 if name == "capacitance" else 0.0
+
+
+LOG_RADIUS = st.floats(float(np.log(0.25)), float(np.log(4.0)))
+PLACE = st.floats(-6.0, 6.0)
+ANY = {
+    "x": PLACE,
+    "y": PLACE,
+    "lighter": st.floats(0.0, 3.0),
+    "log_radius": LOG_RADIUS,
+    "half": st.one_of(st.just(0.0), st.floats(0.2, 4.0)),
+    "angle": st.floats(0.0, 3.1),
+    "family": st.sampled_from(FAMILIES),
+    "name": st.sampled_from(list(QUANTITIES)),
+}
+
+
+@given(**ANY)
+def test_derivatives_are_those_of_the_readings(
+    x: float, y: float, lighter: float, log_radius: float, half: float, angle: float, family: int,
+    name: str,
+) -> None:  # fmt: skip
+    force = shallow(name, log_radius) - lighter
+    atom = np.array([x, y, force, log_radius, half * np.cos(angle), half * np.sin(angle)])
+    _, slopes = read_with_slopes(name, atom, [family])
+    step = 1e-5
+    for index in range(PARAMETERS if half else 4):
+        up, down = atom.copy(), atom.copy()
+        up[index] += step
+        down[index] -= step
+        numeric = (read(name, up, [family]) - read(name, down, [family])) / (2 * step)
+        size = np.abs(slopes[:, 0, index]).max()
+        off = np.abs(slopes[:, 0, index] - numeric).max()
+        assert off <= 2e-4 * max(size, np.abs(numeric).max()) + 1e-9
+
+
+@NAMES
+def test_atoms_add_up_and_each_has_its_own_derivatives(name: str) -> None:
+    first = np.array([0.3, -1.0, -1.0, 0.2, 0.0, 0.0])
+    second = np.array([3.1, 2.0, -2.0, 0.0, 1.5, -0.7])
+    both, slopes = read_with_slopes(name, np.stack([first, second]), [BALL, FLAT])
+    assert both == pytest.approx(read(name, first, [BALL]) + read(name, second, [FLAT]), rel=1e-12)
+    assert slopes[:, 0] == pytest.approx(read_with_slopes(name, first, [BALL])[1][:, 0])
+    assert slopes[:, 1] == pytest.approx(read_with_slopes(name, second, [FLAT])[1][:, 0])
+
+
+@given(turn=st.floats(0.0, 6.2), half=st.floats(0.1, 3.0), family=st.sampled_from([BALL, FLAT]))
+def test_turning_the_skin_with_what_presses_changes_nothing(
+    turn: float, half: float, family: int
+) -> None:
+    cos, sin = np.cos(turn), np.sin(turn)
+    turned = np.array([[cos, sin], [-sin, cos]])
+    atom = np.array([1.0, 0.5, -1.0, 0.1, half, 0.4 * half])
+    moved = atom.copy()
+    moved[:2], moved[4:] = atom[:2] @ turned, atom[4:] @ turned
+    for name in QUANTITIES:
+        expected = read(name, atom, [family])
+        found = read(name, moved, [family], TAXELS @ turned)
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
+
+
+@NAMES
+@pytest.mark.parametrize("family", [BALL, FLAT])
+def test_a_line_of_no_length_is_round(name: str, family: int) -> None:
+    atom = np.array([1.0, 0.5, -1.5, 0.1, 0.0, 0.0])
+    nearly = atom + np.array([0, 0, 0, 0, 1e-4, 0])
+    assert read(name, nearly, [family]) == pytest.approx(
+        read(name, atom, [family]), rel=1e-3, abs=1e-3 * read(name, atom, [family]).max()
+    )
+    back = atom + np.array([0, 0, 0, 0, 2.0, 1.0])
+    forth = atom - np.array([0, 0, 0, 0, 2.0, 1.0])
+    assert read(name, back, [family]) == pytest.approx(read(name, forth, [family]), rel=1e-12)
+
+
+def test_stress_is_proportional_to_force_and_capacitance_grows_faster() -> None:
+    atom = np.array([TAXELS[30, 0], TAXELS[30, 1], -3.0, 0.2, 0.0, 0.0])
+    ten = atom + np.array([0, 0, np.log(10.0), 0, 0, 0])
+    for family in FAMILIES:
+        assert read("stress", ten, [family]) == pytest.approx(10.0 * read("stress", atom, [family]))
+    change = [read("capacitance", each, [BALL])[30] for each in (atom, ten)]
+    assert 1.1 < change[1] / change[0] / 10.0 < 1.5
+
+
+@NAMES
+def test_far_taxels_read_nothing_and_nothing_is_ever_nan(name: str) -> None:
+    far = np.array([[60.0, 0.0], [0.0, -1e6]])
+    atom = np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0])
+    assert not read(name, atom, [BALL], far).any()
+    for log_force in (-20.0, 12.0):
+        for log_radius in (np.log(0.18), np.log(7.0)):
+            for half in (0.0, 20.0):
+                wild = np.array([0.0, 0.0, log_force, log_radius, half, 0.0])
+                for family in (BALL, FLAT, RING):
+                    out, slopes = read_with_slopes(name, wild, [family])
+                    assert np.isfinite(out).all()
+                    assert np.isfinite(slopes).all()

@@ -248,19 +248,12 @@ def test_any_deadline_leaves_an_answer(recs: dict[str, sf.Reconstructor], deadli
     late = any("deadline" in note for note in est.notes)
     if deadline < 1e-6:
         assert late
+        later = cold(recs["stress"], readings, deadline=1.0).residual
+        assert np.square(later).sum() < np.square(est.residual).sum()
     if not late:
         assert len(est.contacts) == 2
     for contact in est.contacts:
         assert np.isfinite(contact.covariance).all()
-
-
-def test_later_deadlines_are_not_worse(recs: dict[str, sf.Reconstructor]) -> None:
-    readings = noisy("stress", truth(BALL, SEEN[0], "stress") + truth(LIGHT, SEEN[3], "stress"), 9)
-    left = [
-        float(np.square(cold(recs["stress"], readings, deadline=until).residual).sum())
-        for until in (1e-9, 1.0)
-    ]
-    assert left[1] < left[0]
 
 
 # ---- patches, grids, mechanics

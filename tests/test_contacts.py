@@ -1,16 +1,22 @@
-"""Regions, borders and contacts of fields that are known in closed form."""
+"""Regions, borders and contacts: closed forms, the slow definition, and what comes later."""
 
+import copy
+import pickle
+from dataclasses import asdict, fields, replace
+
+import contacts_reference as reference
 import numpy as np
 import pytest
-from contact_scenes import regions
+from contact_scenes import FINDERS, bumps, errors_on, grids, regions, scenes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from skinfield.estimate import ContactFinder, PressureNoise
+from skinfield.errors import InputError
+from skinfield.estimate import Contact, ContactFinder, ModelError, PressureNoise
 from skinfield.estimate.finder import border
+from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
 from skinfield.skin import Grid, Patch
-from skinfield.skin.generators import cylinder
 
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
 GRID = Grid.square(SQUARE, nodes=41)
@@ -90,59 +96,6 @@ def test_false_alarms_stay_at_the_stated_rate() -> None:
     assert 0.05 <= seen / 400 <= 0.16  # binomial, three standard deviations
 
 
-def test_force_std_adds_what_the_cells_share() -> None:
-    (contact,) = ContactFinder()(GRID, dome(GRID, 0, 0, 6e-3), QUIET)
-    # All cells move together here: 4 readings, 10 Pa each.
-    assert contact.force_std == pytest.approx(20.0 * contact.area)
-
-
-def test_the_outline_surrounds_the_region() -> None:
-    (contact,) = ContactFinder()(GRID, dome(GRID, 4e-3, -3e-3, 6e-3), QUIET)
-    outline = contact.outline
-    assert outline[0] == pytest.approx(outline[-1])
-    x, y = outline[:, 0], outline[:, 1]
-    shoelace = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
-    assert shoelace == pytest.approx(contact.area)  # counter-clockwise, without holes
-
-
-def test_a_contact_on_a_curved_patch_points_inwards() -> None:
-    patch = cylinder(radius=40e-3)
-    grid = Grid.square(patch, nodes=30)
-    middle = grid.plane[len(grid) // 2 + 15]
-    pressure = dome(grid, *middle, 8e-3)
-    (contact,) = ContactFinder()(grid, pressure, PressureNoise(np.full((len(grid), 1), 1.0)))
-    assert contact.normal_force > 0.9 * pressure.sum() * grid.cell_area
-    assert np.cross(contact.force, contact.normal) == pytest.approx(0, abs=0.1)
-    assert np.linalg.norm(contact.position[:2]) != pytest.approx(0)
-
-
-@settings(max_examples=60, deadline=None)
-@given(hnp.arrays(float, (6, 7), elements=st.integers(-3, 9).map(float)), st.floats(0, 1))
-def test_regions_are_disjoint_connected_and_hold_their_peak(
-    values: np.ndarray, share: float
-) -> None:
-    found = regions(values, share * np.abs(values), 0.0, edge=0.0)
-    cells = np.concatenate([*found, np.empty(0, int)])
-    assert sorted(cells) == sorted(np.flatnonzero(values.ravel() > 0))  # a partition
-    for part in found:
-        rows, columns = np.divmod(part, 7)
-        reached, waiting = {0}, [0]
-        while waiting:
-            here = waiting.pop()
-            near = (abs(rows - rows[here]) <= 1) & (abs(columns - columns[here]) <= 1)
-            fresh = set(np.flatnonzero(near).tolist()) - reached
-            reached |= fresh
-            waiting += fresh
-        assert len(reached) == len(part)
-
-
-def test_the_border_of_cells_that_touch_at_a_corner_holds_both() -> None:
-    loop = border(np.array([0, 4]), (3, 3))
-    assert (loop[0] == loop[-1]).all()
-    x, y = loop.T
-    assert 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) == 2.0
-
-
 @settings(max_examples=60, deadline=None)
 @given(hnp.arrays(bool, (5, 6)))
 def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> None:
@@ -162,3 +115,217 @@ def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> N
 def test_fractions_are_checked() -> None:
     with pytest.raises(ValueError, match="edge is 2, expected a number from 0 to 1"):
         ContactFinder(edge=2)
+
+
+ROUNDED = st.integers(-8, 8).map(lambda steps: 1.0 + steps * 2e-16)
+
+
+@given(st.lists(st.tuples(st.sampled_from([0.5, 1.0, 1.0 + 1e-7, 3.0]), ROUNDED), min_size=1))
+def test_rounding_changes_no_order(pairs: list[tuple[float, float]]) -> None:
+    plain, rounded = [value for value, _ in pairs], [value * part for value, part in pairs]
+    ties = list(range(len(pairs)))[::-1]
+    assert falling_order(rounded, ties) == falling_order(plain, ties)
+    assert falling_order(plain, ties) == sorted(ties, key=lambda i: (-plain[i], ties[i]))
+    assert first_largest(np.array(rounded)) == plain.index(max(plain))
+
+
+@pytest.mark.parametrize("rounding", [-4e-16, 0.0, 4e-16])
+def test_mirror_images_come_by_their_cells(rounding: float) -> None:
+    grid = Grid(SQUARE, (5, 9), 2e-3, np.zeros(2))
+    picture = np.zeros(grid.shape)
+    picture[1:4, 1] = picture[1:4, 7] = [300.0, 1000.0, 300.0]
+    picture[2, 7] *= 1.0 + rounding
+    noise = PressureNoise(np.full((len(grid), 1), 1.0))
+    found = ContactFinder()(grid, picture.ravel(), noise)
+    assert [int(each.cells[0]) for each in found] == [10, 16]
+    assert [int(each.cells[0]) for each in by_falling_force(found[::-1])] == [10, 16]
+
+
+NAMES = [field.name for field in fields(Contact)]
+LATE = {"covariance", "area_std", "outline"}
+CLOSE = 1e-9  # of the largest entry of an attribute
+
+
+def check_same(found: Contact, expected: Contact) -> None:
+    """Compare all attributes, each with the scale on which its error is seen."""
+    assert found.cells.tolist() == expected.cells.tolist()
+    reach, force = expected.axes[0], float(np.linalg.norm(expected.force))
+    place = np.hypot(expected.place_std, 1e-3 * reach)
+    size = np.array([place, place, np.hypot(expected.force_std, 1e-3 * force)])
+    scales = {"position": reach, "moment": force * reach, "covariance": np.outer(size, size)}
+    for name in NAMES:
+        mine, other = getattr(found, name), getattr(expected, name)
+        assert type(mine) is type(other), name
+        assert np.shape(mine) == np.shape(other), name
+        if name in ("shape", "track_id", "spread", "cells"):
+            assert np.array_equal(mine, other), name
+        elif name == "angle":  # a round region has none
+            minor = expected.axes[1]
+            assert abs(np.sin(mine - other)) * (1 - (minor / reach) ** 2) < CLOSE
+        else:
+            scale = scales.get(name, np.abs(other).max())
+            assert np.max(np.abs(mine - other) / scale) < CLOSE, name
+
+
+def of_note(contacts: tuple[Contact, ...]) -> list[Contact]:
+    """Without what edges at 0 leave of the tails of other bumps: its place is rounding."""
+    return [c for c in contacts if c.normal_force > 1e-5 * contacts[0].normal_force]
+
+
+@pytest.mark.parametrize("kind", list(grids()))
+def test_all_is_as_defined(kind: str) -> None:
+    counts = []
+    for scene in scenes(seed=11, each=5, kinds={kind: grids()[kind]}):
+        found = scene()
+        expected = reference.contacts(
+            scene.finder, scene.grid, scene.pressure, scene.noise, scene.error, scene.model_error
+        )
+        assert len(found) == len(expected), scene.name
+        for mine, other in zip(of_note(found), of_note(expected), strict=True):
+            check_same(mine, other)
+        counts.append(len(found))
+    assert 0 in counts
+    assert max(counts) >= (1 if kind == "node" else 3)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    hnp.arrays(float, (5, 8), elements=st.integers(-2, 6).map(float)),
+    st.sampled_from([0.0, 0.3, 1.0]),
+    st.sampled_from([0.0, 0.2, 0.7]),
+)
+def test_regions_of_plateaus_and_equal_peaks(values: np.ndarray, share: float, edge: float) -> None:
+    drop = share * np.abs(values)
+    found = regions(values, drop, 0.5, edge)
+    expected = reference.regions(values.ravel(), drop.ravel(), 0.5, edge, 8)
+    assert [cells.tolist() for cells in found] == [cells.tolist() for cells in expected]
+
+
+def test_hills_of_one_height_that_meet_in_turn_stay_whole() -> None:
+    values = np.array([[2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]])
+    for turned in (values, values.T.copy(), values[:, ::-1].copy()):
+        (found,) = regions(turned, np.full(turned.shape, 5.0), 0.0, 0.0)
+        assert found.tolist() == list(range(7))
+
+
+def test_numbers_that_are_not_finite_hide_all_contacts_as_ever() -> None:
+    grid = grids()["coarse"]
+    noise, _ = errors_on(grid, np.random.default_rng(1))
+    pressure = bumps(grid, np.random.default_rng(1), 2)
+    assert len(ContactFinder()(grid, pressure, noise)) > 0
+    for place in (0, 70, len(grid) - 1):
+        broken = pressure.copy()
+        broken[place] = np.nan
+        assert ContactFinder()(grid, broken, noise) == ()
+
+
+def test_pressure_in_single_precision_read_only_or_strided() -> None:
+    (scene, *_) = (s for s in scenes(3, 1, {"hexagon": grids()["hexagon"]}) if "bumps" in s.name)
+    whole = replace(scene, pressure=scene.pressure.astype(np.float32).astype(np.float64))
+    table = np.zeros((len(scene.pressure), 2))
+    table[:, 1] = whole.pressure
+    frozen = whole.pressure.copy()
+    frozen.setflags(write=False)
+    for pressure in (whole.pressure.astype(np.float32), frozen, table[:, 1]):
+        for mine, other in zip(replace(scene, pressure=pressure)(), whole(), strict=True):
+            check_same(mine, other)
+
+
+def test_shapes_are_checked() -> None:
+    grid = grids()["coarse"]
+    noise, _ = errors_on(grid, np.random.default_rng(1))
+    with pytest.raises(InputError, match="pressure has shape"):
+        ContactFinder()(grid, np.zeros(len(grid) + 1), noise)
+    with pytest.raises(InputError, match=r"noise\.std has shape"):
+        ContactFinder()(grid, np.zeros(len(grid)), PressureNoise(noise.factor[:-1]))
+    with pytest.raises(InputError, match=r"cells go from 0 to 144, expected from 0 to 143"):
+        noise.covariance_of_sums(np.array([0, 144]), np.ones((1, 2)))
+    with pytest.raises(InputError, match=r"weights have shape \(1, 3\), expected \(M, 2\)"):
+        noise.covariance_of_sums(np.array([0, 1]), np.ones((1, 3)))
+
+
+@pytest.mark.parametrize("count", [0, 1, 30, 499, 501])
+def test_covariances_of_sums_are_those_of_the_dense_matrix(count: int) -> None:
+    grid, rng = grids()["hexagon"], np.random.default_rng(count)
+    noise, posterior = errors_on(grid, rng)
+    cells, weights = rng.integers(0, len(grid), count), rng.normal(size=(3, count))
+    columnwise = PressureNoise(np.asfortranarray(noise.factor))
+    part = posterior.on(np.arange(len(grid))[::-1])
+    for error in (noise, columnwise, posterior, part):
+        found = error.covariance_of_sums(cells, weights)
+        expected = reference.covariance_of_sums(error, cells, weights)
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+
+
+def one_contact() -> Contact:
+    (scene, *_) = (s for s in scenes(3, 1, {"pipe": grids()["pipe"]}) if "bumps" in s.name)
+    return scene()[0]
+
+
+def eager(contact: Contact) -> Contact:
+    return Contact(**{name: getattr(contact, name) for name in NAMES})
+
+
+def test_what_is_dear_is_worked_out_once_and_when_asked_for() -> None:
+    contact = one_contact()
+    assert not LATE & vars(contact).keys()
+    assert contact.covariance is contact.covariance
+    assert LATE & vars(contact).keys() == {"covariance"}
+    assert contact.force_std == np.sqrt(contact.covariance[2, 2])
+    with pytest.raises(AttributeError, match="'Contact' object has no attribute 'weight'"):
+        contact.weight  # noqa: B018
+    with pytest.raises(AttributeError, match="cannot assign"):
+        contact.area = 0.0
+
+
+def test_copies_and_pickles_hold_all_and_nothing_else() -> None:
+    import skinfield.estimate.finder as resultant
+
+    for made in (
+        copy.copy(one_contact()),
+        copy.deepcopy(one_contact()),
+        pickle.loads(pickle.dumps(one_contact())),
+        replace(one_contact(), track_id=None),
+        eager(one_contact()),
+    ):
+        assert vars(made).keys() == set(NAMES)
+        check_same(made, eager(one_contact()))
+    assert repr(one_contact()) == repr(eager(one_contact()))
+    assert asdict(one_contact()).keys() == set(NAMES)
+    assert resultant.Details.__name__.encode() not in pickle.dumps(one_contact())
+
+
+def test_a_contact_lends_what_another_does_not_have() -> None:
+    lender = one_contact()
+    contact = Contact.later(lender, area=2 * lender.area, track_id=7)
+    assert (contact.area, contact.track_id) == (2 * lender.area, 7)
+    assert contact.outline is lender.outline
+    assert contact.spread is None
+    assert vars(Contact.later(contact)).keys() == {"_rest"}
+    assert Contact.later(contact).track_id == 7
+    with pytest.raises(InputError, match="Contact has no size: expected its attributes"):
+        Contact.later(lender, size=3.0)
+
+
+def test_what_comes_later_does_not_see_what_is_written_into_the_field() -> None:
+    (scene, *_) = (s for s in scenes(3, 1, {"hexagon": grids()["hexagon"]}) if "bumps" in s.name)
+    expected = [eager(contact) for contact in scene()]
+    field = scene.pressure.copy()
+    found = replace(scene, pressure=field)()
+    field[:] = 0.0
+    for mine, other in zip(found, expected, strict=True):
+        check_same(mine, other)
+
+
+def test_an_error_of_ones_own_is_asked() -> None:
+    class Flat:
+        std = np.zeros(0)
+
+        def covariance_of_sums(self, cells: np.ndarray, weights: np.ndarray) -> np.ndarray:
+            return np.eye(len(weights)) * len(cells)
+
+    grid = grids()["coarse"]
+    noise, _ = errors_on(grid, np.random.default_rng(1))
+    pressure = bumps(grid, np.random.default_rng(1), 1)
+    (contact,) = FINDERS[0](grid, pressure, noise, Flat(), ModelError(place=2.0))
+    assert contact.covariance == pytest.approx(np.eye(3) * len(contact.cells) + np.diag([4, 4, 0]))

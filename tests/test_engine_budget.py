@@ -1,4 +1,4 @@
-"""How an engine spends its budget: planning and promises, by a clock that is told."""
+"""Budget of an engine: planning, predictions and promises, by a clock that is told."""
 
 import itertools
 from typing import Any
@@ -9,8 +9,20 @@ from engine_clock import PATCH, engine_of, readings_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.reconstruct.engine.cycle_kernel import plan
-from skinfield.reconstruct.engine.state import Step
+from skinfield.errors import Floats
+from skinfield.reconstruct.engine.cycle_kernel import plan, relax, take_in
+from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR, State, Step
+from skinfield.reconstruct.engine.timing_model import CostModel
+
+
+def planned(costs: Floats, unresolved: Floats, energy: Floats, left: float) -> tuple[Any, Any]:
+    """Rung of each patch, -1 for none, and the patches that are searched, in their order."""
+    count, ones, none = len(energy), np.ones(len(energy)), np.zeros(len(energy), dtype=np.int64)
+    target, order = none.copy(), none.copy()
+    free = none + costs.shape[2] - 1, ones
+    arrays = (energy, energy, none, *free, costs, unresolved, left, target, order)
+    chosen = plan(np.arange(count), none, none, none - 1, *arrays, none.copy(), 0.0 * ones)
+    return target, order[:chosen]
 
 
 @given(
@@ -27,27 +39,7 @@ def test_a_plan_fits_and_leaves_nothing_out_that_would_fit(
     costs = np.cumsum(rng.uniform(0.05, 1.0, (1, 1, rungs)), axis=2)
     unresolved = np.sort(rng.uniform(0.0, 0.9, (1, rungs)))[:, ::-1].copy()
     energy = rng.uniform(1.0, 100.0, patches)
-    none = np.zeros(patches, dtype=np.int64)
-    target, order, work = none.copy(), none.copy(), none.copy()
-    count = plan(
-        np.arange(patches),
-        none,
-        none,
-        none - 1,
-        energy,
-        energy,
-        none,
-        none + rungs - 1,
-        np.ones(patches),
-        costs,
-        unresolved,
-        left,
-        target,
-        order,
-        work,
-        np.zeros(patches),
-    )
-    chosen = order[:count]
+    target, chosen = planned(costs, unresolved, energy, left)
     assert sorted(chosen) == sorted(np.flatnonzero(target >= 0))
     paid = costs[0, 0, target[chosen]].sum()
     assert paid <= left + 1e-9
@@ -62,12 +54,8 @@ def test_a_plan_gains_nearly_what_the_best_of_all_plans_gains() -> None:
     for _ in range(60):
         costs = np.cumsum(rng.uniform(0.05, 1.0, (1, 1, 3)), axis=2)
         unresolved = np.array([[0.5, 0.2, 0.0]])
-        energy, none = rng.uniform(1.0, 10.0, 4), np.zeros(4, dtype=np.int64)
-        target, order = none.copy(), none.copy()
-        left = float(rng.uniform(0.5, 6.0))
-        free = none + 2, np.ones(4)
-        arrays = (energy, energy, none, *free, costs, unresolved, left, target, order)
-        plan(np.arange(4), none, none, none - 1, *arrays, none.copy(), np.zeros(4))
+        energy, left = rng.uniform(1.0, 10.0, 4), float(rng.uniform(0.5, 6.0))
+        target, _ = planned(costs, unresolved, energy, left)
 
         def gain(choice: Any, energy: Any = energy, unresolved: Any = unresolved) -> float:
             kept = [0.0 if r < 0 else 1.0 - unresolved[0, r] for r in choice]
@@ -210,3 +198,49 @@ def test_a_budget_beyond_reason_is_enough() -> None:
     report = ENGINE(readings_of(ENGINE, {1}), budget=1e300).report
     assert report["p1"].rung == 16
     assert not report.overrun
+
+
+def test_the_cost_model_follows_a_high_quantile() -> None:
+    rng = np.random.default_rng(0)
+    model = CostModel(np.array([1e-3]), quantile=0.9, pace=0.05)
+    laps = 50e-6 * rng.lognormal(sigma=0.4, size=6000)
+    predicted = []
+    for lap in laps:
+        predicted.append(model.predict(0))
+        model.observe(0, lap)
+    inside = np.mean(laps[1000:] <= np.array(predicted)[1000:])
+    assert 0.87 < inside < 0.93
+    exact = 50e-6 * np.exp(0.4 * 1.2816)
+    assert np.median(predicted[1000:]) == pytest.approx(exact, rel=0.06)
+
+
+def test_one_interrupted_step_moves_the_prediction_little() -> None:
+    model = CostModel(np.array([50e-6]))
+    model.observe(0, 10.0)
+    assert 50e-6 < model.predict(0) < 56e-6
+    for _ in range(200):
+        relax(model.steps, model.base)
+    assert model.predict(0) == pytest.approx(50e-6)
+
+
+def test_a_worse_answer_does_not_replace_a_better_one() -> None:
+    state = State(np.zeros(2, dtype=np.int64))
+    state.answer[:], state.energy[:] = LINEAR, 100.0
+    arrays = (state.group, state.integers, state.numbers, state.settled, np.array([[0.2, 0.1]]))
+    times, moves = np.full((2, 1, 6, 2), 1e-5), np.ones((2, 3))
+
+    def search(rung: int, gap: float, missing: float) -> None:
+        row = (1, rung, gap, missing, missing == 0.0, 3, 2e-5, 0.0, 0, 10_000)
+        take_in(np.array([row], dtype=np.float64), *arrays, times, moves)
+
+    search(0, 1e-3, 0.0)
+    assert (state.answer[1], state.rung[1], state.at[1], state.gap[1]) == (FEASIBLE, 0, 0, 1e-3)
+    assert state.excess[1] == 20.0  # what the coarse grid leaves
+    search(1, 0.5, 50.0)
+    assert (state.rung[1], state.gap[1], state.settled[1]) == (0, 1e-3, True)
+    search(1, 1e-2, 5.0)
+    assert (state.rung[1], state.gap[1], state.settled[1]) == (1, 1e-2, False)
+    assert state.excess[1] == 15.0
+    assert state.iterations[1] == 9
+    assert state.spent[1] == pytest.approx(30e-6)
+    assert state.answer[0] == LINEAR

@@ -114,7 +114,7 @@ def shares(
 @pytest.mark.parametrize(("bias", "spread"), [(0.0, 0.05), (1.0, 0.3)])
 def test_whatever_a_solver_states_intervals_hold_the_truth(bias: float, spread: float) -> None:
     solve = pretended(bias, spread)
-    learnt = learn(solve, PATCH, invented(900, 1), np.zeros(len(PATCH)) + 1e-30, "None", "x")
+    learnt = learn(solve, PATCH, invented(900, 1), np.full(len(PATCH), 1e-30), "None", "x")
     test = invented(1500, 2)
     found = shares(solve, learnt, test, test.readings)
     for name in ("force", "place", "area"):  # 600 and 1500 presses: 1.7 % and 1.0 % at 90 %
@@ -124,7 +124,7 @@ def test_whatever_a_solver_states_intervals_hold_the_truth(bias: float, spread: 
 
 def test_sure_and_unsure_contacts_have_intervals_of_their_own() -> None:
     solve = pretended(0.0, 0.05)
-    learnt = learn(solve, PATCH, invented(900, 1), np.zeros(len(PATCH)) + 1e-30, "None", "x")
+    learnt = learn(solve, PATCH, invented(900, 1), np.full(len(PATCH), 1e-30), "None", "x")
     assert len(learnt.groups) > 1
     reading = invented(1, 3).readings[0]
     each = [learnt(solve(reading).contacts)[0] for _ in range(200)]

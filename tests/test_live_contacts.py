@@ -15,6 +15,8 @@ from skinfield.estimate.live_contacts import CONTACT, KNOWN
 from skinfield.reconstruct.engine import SkinContacts
 from skinfield.skin import Grid
 
+GRID = grids()["hexagon"]
+STILL = level_of(GRID, PressureNoise(np.zeros((len(GRID), 1))))
 THINNED = 96  # cells of a region beyond which deviations are those of a sample
 
 
@@ -62,15 +64,14 @@ def test_rows_are_the_finders_contacts(kind: str) -> None:
 
 def test_what_is_not_known_is_not_a_number() -> None:
     class Told:
-        std, felt = np.zeros(len(grids()["hexagon"])), 0
+        std, felt = np.zeros(len(GRID)), 0
 
         def covariance_of_sums(self, cells, weights):
             raise AssertionError
 
-    grid = grids()["hexagon"]
-    live = LiveContacts([level_of(grid, Told())])
+    live = LiveContacts([level_of(GRID, Told())])
     out = np.zeros(8, CONTACT)
-    assert live(0, bumps(grid, np.random.default_rng(0), 2).clip(0), 0, out) >= 1
+    assert live(0, bumps(GRID, np.random.default_rng(0), 2).clip(0), 0, out) >= 1
     assert np.isnan(out[0]["force_std"])
     assert np.isnan(out[0]["place_std"])
 
@@ -107,18 +108,17 @@ def followed(steps, habits: Habits, rows: int) -> list[list[int]]:
     return found
 
 
-def picture(grid: Grid, cells: list[int]) -> np.ndarray:
+def picture(cells: list[int]) -> np.ndarray:
     """Single pressed cells, each less than the one before."""
-    pressure = np.zeros(len(grid))
+    pressure = np.zeros(len(GRID))
     pressure[cells] = 100.0 - np.arange(len(cells))
     return pressure
 
 
 def test_numbers_last_as_a_brute_force_says() -> None:
-    grid, rng = grids()["hexagon"], np.random.default_rng(5)
-    still = PressureNoise(np.zeros((len(grid), 1)))
+    rng = np.random.default_rng(5)
     habits = Habits(reach=3e-3, speed=0.3, hold=0.02)
-    live = LiveContacts([level_of(grid, still)], rows=6, habits=habits)
+    live = LiveContacts([STILL], rows=6, habits=habits)
     now, steps, told = 0, [], []
     walkers = [(20, 20), (8, 30), (33, 9)]
     for _ in range(300):
@@ -131,9 +131,9 @@ def test_numbers_last_as_a_brute_force_says() -> None:
             for i, w in enumerate(shown)
             if all(np.hypot(*np.subtract(w, v)) > 2 for v in shown[:i])
         ]
-        cells = [int(a * grid.shape[1] + b) for a, b in distinct]
+        cells = [int(a * GRID.shape[1] + b) for a, b in distinct]
         out = np.zeros(6, CONTACT)
-        count = live(0, picture(grid, cells), now, out)
+        count = live(0, picture(cells), now, out)
         assert count == len(cells)
         steps.append((now, [(float(r["x"]), float(r["y"])) for r in out[:count]]))
         told.append(out[:count]["track"].tolist())
@@ -142,44 +142,40 @@ def test_numbers_last_as_a_brute_force_says() -> None:
 
 
 def test_what_lasts_can_be_put_back() -> None:
-    grid = grids()["hexagon"]
-    still = PressureNoise(np.zeros((len(grid), 1)))
-    one, other = (LiveContacts([level_of(grid, still)], rows=3) for _ in range(2))
+    one, other = (LiveContacts([STILL], rows=3) for _ in range(2))
     out, again = np.zeros(3, CONTACT), np.zeros(3, CONTACT)
     for step in range(40):
         cells = [400 + step, 900 + 2 * step][: 1 + step % 3]
         if step == 20:
             other.memory[:], other.ids[:] = one.memory, one.ids
-        count = one(0, picture(grid, cells), step * 10**6, out)
+        count = one(0, picture(cells), step * 10**6, out)
         if step >= 20:
-            assert other(0, picture(grid, cells), step * 10**6, again) == count
+            assert other(0, picture(cells), step * 10**6, again) == count
             assert out[:count].tobytes() == again[:count].tobytes()
     assert one.memory.dtype == KNOWN
     one.reset()
-    assert one(0, picture(grid, [400]), 41 * 10**6, out) == 1
+    assert one(0, picture([400]), 41 * 10**6, out) == 1
     assert out[0]["track"] == one.ids[0]
 
 
 def test_age_and_speed_of_a_steady_contact() -> None:
-    grid = grids()["hexagon"]
-    still = PressureNoise(np.zeros((len(grid), 1)))
-    live, out = LiveContacts([level_of(grid, still)], rows=2), np.zeros(2, CONTACT)
+    live, out = LiveContacts([STILL], rows=2), np.zeros(2, CONTACT)
     for step in range(400):
         place = 0.05 * step
         cell, part = divmod(place, 1.0)
-        pressure = np.zeros(len(grid))
-        line = 20 * grid.shape[1] + 8 + int(cell)
+        pressure = np.zeros(len(GRID))
+        line = 20 * GRID.shape[1] + 8 + int(cell)
         pressure[line], pressure[line + 1] = 100 * (1 - part), 100 * part
         live(0, pressure, step * 10**6, out)
     assert out[0]["age"] == pytest.approx(0.399)
-    assert out[0]["speed"] == pytest.approx(0.05 * grid.pitch * 1e3, rel=0.1)
+    assert out[0]["speed"] == pytest.approx(0.05 * GRID.pitch * 1e3, rel=0.1)
 
 
 def test_nothing_is_allocated() -> None:
-    grid, rng = grids()["hexagon"], np.random.default_rng(3)
-    noise, error = PressureNoise(np.zeros((len(grid), 4))), None
-    live, out = LiveContacts([level_of(grid, noise, error)]), np.zeros(8, CONTACT)
-    pressure = bumps(grid, rng, 3).clip(0)
+    rng = np.random.default_rng(3)
+    noise, error = PressureNoise(np.zeros((len(GRID), 4))), None
+    live, out = LiveContacts([level_of(GRID, noise, error)]), np.zeros(8, CONTACT)
+    pressure = bumps(GRID, rng, 3).clip(0)
     live(0, pressure, 0, out)
     tracemalloc.start()
     try:
@@ -194,15 +190,13 @@ def test_nothing_is_allocated() -> None:
 
 
 def test_refusals() -> None:
-    grid = grids()["hexagon"]
-    still = PressureNoise(np.zeros((len(grid), 1)))
-    live = LiveContacts([level_of(grid, still)], rows=2)
+    live = LiveContacts([STILL], rows=2)
     with pytest.raises(InputError, match="one per node"):
         live(0, np.zeros(5), 0, np.zeros(2, CONTACT))
     with pytest.raises(InputError, match="at most 2"):
-        live(0, np.zeros(len(grid)), 0, np.zeros(3, CONTACT))
+        live(0, np.zeros(len(GRID)), 0, np.zeros(3, CONTACT))
     with pytest.raises(InputError, match="rows is 0"):
-        LiveContacts([level_of(grid, still)], rows=0)
+        LiveContacts([STILL], rows=0)
     with pytest.raises(InputError, match="reach"):
         replace(Habits(), reach=0.0)
 

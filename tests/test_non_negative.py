@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from non_negative_reference import Dense, Either, made_model, pressed, small_model, solve
-from scipy.stats import norm
 from test_readme import ROOT, follow
 
 import skinfield as sf
@@ -45,23 +44,6 @@ def test_false_alarms_stay_below_the_stated_rate(quantity: Either, rate: float) 
     alarms = np.mean([pressed for pressed, _ in answers])
     assert 0.1 * rate < alarms < rate  # nodes share taxels, so Boole's bound is not reached
     assert all(pressed != idle for pressed, idle in answers)
-
-
-def test_booles_bound_is_near_where_nodes_share_nothing() -> None:
-    """A taxel per node: the largest of independent scores, whose chance is known exactly."""
-    rate, nodes = 0.2, 30
-    model = made_model(np.eye(nodes) * np.arange(1, nodes + 1)[:, None], (5, 6))
-    operator = NonNegative(length_scale=0.0, false_alarm_rate=rate).prepare(model)
-    assert operator.threshold == pytest.approx(norm.isf(rate / nodes))
-    noise = np.random.default_rng(8).normal(size=(6000, nodes))
-    alarms = np.mean([not _idle(operator, readings) for readings in noise])
-    expected = 1.0 - (1.0 - rate / nodes) ** nodes
-    assert alarms == pytest.approx(expected, abs=4 * np.sqrt(expected * (1 - expected) / 6000))
-
-
-def _idle(operator: Any, readings: Any) -> bool:
-    solve(operator, readings)
-    return bool(operator.idle)
 
 
 @pytest.mark.parametrize("quantity", BOTH)

@@ -25,6 +25,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative, non_negative
+from skinfield.solve.non_negative import NonNegativeOperator
 
 BOTH = [BaseStress(), Capacitance()]
 LOOSE = 2e-6
@@ -292,3 +293,110 @@ def test_apply_allocates_nothing(precision: type[np.floating]) -> None:
     finally:
         tracemalloc.stop()
         gc.enable()
+
+
+ROUNDING = 2e-6
+
+
+def blob(model: ObservationModel, x: float, y: float, radius: float, strength: float) -> Floats:
+    """Readings (L,) without noise of a paraboloid of pressure, in noise deviations at its taxel."""
+    square = np.sum((model.grid.plane - (x, y)) ** 2, axis=1)
+    clean = model.matrix @ np.maximum(0.0, 1 - square / radius**2)
+    return np.asarray(clean * strength / max(np.abs(clean / model.noise_std).max(), 1e-12))
+
+
+def moving(model: ObservationModel, count: int, rng: np.random.Generator) -> list[Floats]:
+    """Two contacts that wander, come, go and jump, with noise."""
+    rows = []
+    for index in range(count):
+        angle = 0.05 * index
+        clean = blob(model, 6e-3 * np.cos(angle), 6e-3 * np.sin(angle), 4e-3, 40.0)
+        if 60 <= index % 120 < 100:  # another appears, jumps in the middle of its stay, vanishes
+            side = -5e-3 if index % 120 < 80 else 5e-3
+            clean = clean + blob(model, side, 2e-3, 2.5e-3, 25.0)
+        if index % 120 in range(20, 30):
+            clean = np.zeros(len(clean))
+        rows.append(clean + rng.normal(size=len(clean)) * model.noise_std)
+    return rows
+
+
+def assert_same_within_proofs(
+    warm: NonNegativeOperator, cold: NonNegativeOperator, readings: Floats
+) -> None:
+    """Two answers to one reading are as near to each other as their gaps say."""
+    found, expected = solve(warm, readings), solved(cold, readings)
+    assert found.min() >= 0.0
+    assert np.isfinite(found).all()
+    assert warm.idle == cold.idle
+    apart = sum(np.sqrt(2 * (each.gap + ROUNDING) * each.objective) for each in (warm, cold))
+    assert np.linalg.norm(amounts_of(warm) - amounts_of(cold)) <= apart
+    if not expected.any():
+        assert warm.idle or warm.gap <= warm.problem.tolerance + ROUNDING
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
+@pytest.mark.parametrize("length", [None, 0.0])
+def test_every_answer_of_a_chain_of_moving_contacts_against_nnls(
+    quantity: Either, tolerance: float, length: float | None
+) -> None:
+    model = small_model(13, 5, quantity)
+    solver = NonNegative(tolerance=tolerance, length_scale=length)
+    operator, dense = solver.prepare(model), Dense.of(solver, model)
+    idle = 0
+    for readings in moving(model, 200, np.random.default_rng(1)):
+        solve(operator, readings)
+        if operator.idle:
+            idle += 1
+            assert dense.score(readings).max() <= dense.threshold * (1 + 1e-5)
+            continue
+        reached = dense.objective(amounts_of(operator), readings)
+        least = dense.objective(dense.minimum_by_squares(readings), readings)
+        assert -1e-9 * least <= reached - least <= (operator.gap + ROUNDING) * reached
+        assert operator.gap <= tolerance + ROUNDING
+        assert operator.iterations <= 40
+    assert 8 <= idle <= 25  # the readings of noise alone, at the least
+
+
+def test_a_reading_that_stays_needs_no_step() -> None:
+    model = small_model(21, 7)
+    operator = NonNegative().prepare(model)
+    readings = moving(model, 1, np.random.default_rng(3))[0]
+    first = solve(operator, readings)
+    assert operator.iterations > 0
+    for _ in range(5):
+        assert solve(operator, readings) == pytest.approx(first, abs=1e-3 * first.max())
+        assert operator.iterations <= 1
+    constant = np.full(len(readings), 30.0 * model.noise_std[0])
+    cold = operator.twin()
+    for _ in range(3):
+        assert_same_within_proofs(operator, cold, constant)
+
+
+def test_a_warm_start_saves_steps_where_little_changes() -> None:
+    model = small_model(21, 7)
+    warm = NonNegative().prepare(model)
+    cold = warm.twin()
+    clean = blob(model, 1e-3, 2e-3, 4e-3, 60.0)
+    rng = np.random.default_rng(4)
+    steps = []
+    for _ in range(100):
+        readings = clean + 0.2 * rng.normal(size=len(clean)) * model.noise_std
+        assert_same_within_proofs(warm, cold, readings)
+        steps.append((warm.iterations, cold.iterations))
+    found = np.mean(steps, axis=0)
+    assert found[0] < 0.7 * found[1]
+
+
+def test_deadlines_in_a_chain_leave_no_trace() -> None:
+    """A reading that was cut short starts the next one badly at most, never wrongly."""
+    model = small_model(21, 7, BOTH[1])
+    warm = NonNegative().prepare(model)
+    cold = warm.twin()
+    rng = np.random.default_rng(5)
+    for index, readings in enumerate(moving(model, 200, rng)):
+        if index % 3:
+            solve(warm, readings, time.perf_counter_ns() + int(rng.integers(0, 150_000)))
+            continue
+        assert_same_within_proofs(warm, cold, readings)
+        assert warm.gap <= 1e-4 + ROUNDING

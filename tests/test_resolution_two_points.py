@@ -11,7 +11,8 @@ from skinfield.design.discrimination import needed_noncentrality
 from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import Floats, InputError
 from skinfield.skin.generators import hexagon72
-from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, Tables, predict
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, predict
+from skinfield.solve.atoms.table import Tables
 
 THICKNESS = 4e-3
 LAYER = Layer(THICKNESS, 150e3, 0.5)

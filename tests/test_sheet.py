@@ -1,15 +1,22 @@
-"""A sheet of many taxels against dense solutions on the same cells."""
+"""A sheet of many taxels and its contacts against dense solutions on the same cells; refusals."""
 
 import tracemalloc
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from test_readme import ROOT, follow
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
+from skinfield.estimate import PressureNoise
+from skinfield.solve.sheet.contacts import TILE, WindowNoise, windows
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
 PAD = 4e-3
@@ -97,35 +104,11 @@ def test_a_late_cut_brings_it_nearer() -> None:
     assert near < 5e-4
 
 
-def test_gram_is_that_of_the_model() -> None:
-    sheet, dense = fine_pair()
-    plan, gram = sheet.plan, sheet.plan.gram
-    order = plan.placing.order
-    taxels = len(sheet)
-    full = np.zeros((taxels, taxels))
-    row = np.repeat(np.arange(taxels), np.diff(gram.start))
-    np.add.at(full, (row, gram.other), gram.value)
-    full += full.T + np.eye(taxels)
-    spread = dense.matrix @ np.linalg.inv(np.eye(taxels) - dense.model.matrix @ dense.matrix)
-    exact = dense.model.matrix @ spread  # A Q A^T / noise², from the solver's own matrix
-    exact = (exact + np.eye(taxels))[np.ix_(order, order)]
-    scale = 1.0 / np.sqrt(np.diag(exact))
-    assert np.abs(full - exact * np.outer(scale, scale)).max() < 3e-4
-
-
 def test_prediction_is_the_models() -> None:
     sheet, dense = fine_pair()
     field = np.random.default_rng(1).normal(size=len(sheet.grid))
     exact = dense.model.matrix @ field
     assert off(sheet.predict(field), exact) < 1e-3
-
-
-def test_it_is_linear() -> None:
-    sheet, dense = fine_pair()
-    other = np.random.default_rng(5).normal(size=len(sheet)) * 400.0
-    mixed = sheet(2.0 * dense.readings - 3.0 * other).pressure
-    apart = 2.0 * sheet(dense.readings).pressure - 3.0 * sheet(other).pressure
-    assert off(mixed, apart) < 1e-6
 
 
 def test_a_silent_taxel_is_left_out() -> None:
@@ -213,13 +196,6 @@ def test_a_new_sheet_knows_what_a_reading_takes() -> None:
     assert prompt.iterations == sheet(readings).iterations, "it began from nothing"
 
 
-def test_noise_of_each_taxel_counts() -> None:
-    noise = np.where(PLACES[:, 0] > PLACES[:, 0].mean(), 4000.0, 400.0)
-    sheet = sf.Sheet(PLACES, LAYER, noise_std=noise, tolerance=1e-5)
-    dense = dense_of(sheet, sf.GaussianField())
-    assert off(sheet(dense.readings).pressure, dense.pressure) < 5e-3
-
-
 def test_it_allocates_nothing_per_reading() -> None:
     sheet = sf.Sheet(jittered(60, np.random.default_rng(8)), LAYER)
     readings = np.random.default_rng(9).normal(size=len(sheet)).astype(np.float32) * 100
@@ -255,12 +231,6 @@ def test_displacement_does_not_know_of_strips() -> None:
     assert np.abs(sheet.displacement(pressure) - exact).max() < 1e-4 * np.abs(exact).max()
 
 
-def test_force_of_a_press() -> None:
-    sheet, dense = fine_pair()
-    exact = dense.pressure.sum() * sheet.pitch**2
-    assert sheet(dense.readings).normal_force == pytest.approx(exact, rel=5e-4)
-
-
 def test_one_taxel() -> None:
     sheet = sf.Sheet([[0.01, 0.02]], LAYER)
     estimate = sheet([500.0])
@@ -273,3 +243,279 @@ def test_lonely_and_coincident_taxels() -> None:
     sheet = sf.Sheet(places, LAYER, solver=sf.Tikhonov(), tolerance=1e-6, noise_std=100.0)
     dense = dense_of(sheet, sf.Tikhonov(), places)
     assert off(sheet(dense.readings).pressure, dense.pressure) < 5e-3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"positions": np.zeros((0, 2))}, "at least one taxel"),
+        ({"positions": np.zeros((5, 3))}, r"shape \(5, 3\)"),
+        ({"positions": [[0.0, np.nan]]}, "positions"),
+        ({"positions": PLACES * 1e3}, "metres"),
+        ({"pitch": 0.0}, "pitch"),
+        ({"pitch": 1e-300}, "pitch is 1e-300, expected a number from 1e-06 to 1"),
+        ({"pitch": 1e300}, "pitch"),
+        ({"pad_diameter": np.nan}, "pad_diameter"),
+        ({"noise_std": -1.0}, r"noise_std\[0\]"),
+        ({"noise_std": 1e-300}, r"noise_std\[0\]"),
+        ({"noise_std": np.inf}, r"noise_std\[0\]"),
+        ({"noise_std": np.ones(3)}, "one per taxel"),
+        ({"solver": sf.PseudoInverse()}, "GaussianField"),
+        ({"layer": 2e-3}, "Layer"),
+        ({"quantity": sf.Gap}, "object"),
+        ({"mechanics": "bonded"}, "BondedLayer"),
+        ({"finder": sf.ContactFinder}, "object"),
+        ({"cut": 0.5}, "cut"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"most_iterations": 0}, "most_iterations"),
+        ({"precision": np.int32}, "precision"),
+        ({"pitch": 0.2e-3}, "larger cells"),
+        ({"solver": sf.GaussianField(length_scale=12e-3)}, "length_scale"),
+        ({"quantity": sf.Gap(pad_averaged=False), "mechanics": sf.HalfSpace()}, "edges"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else next(iter(value)),
+)
+def test_what_cannot_be_used_is_refused(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        sf.Sheet(**{"positions": PLACES, "layer": LAYER, **arguments})
+
+
+def test_wrong_readings_are_refused() -> None:
+    sheet = usual_pair()[0]
+    with pytest.raises(InputError, match="one per taxel"):
+        sheet(np.zeros(3))
+    with pytest.raises(InputError, match=r"readings\[7\] is inf"):
+        sheet(np.where(np.arange(len(sheet)) == 7, np.inf, 0.0))
+    out = np.empty(len(sheet.grid), dtype=np.float32)
+    with pytest.raises(InputError, match="float64"):
+        sheet.apply(np.zeros(len(sheet)), out)
+    with pytest.raises(InputError, match=r"one per cell of sheet\.grid"):
+        sheet.apply(np.zeros(len(sheet), dtype=np.float32), out[1:])
+
+
+@pytest.mark.parametrize("reading", [1e300, -1e300, 1e30])
+def test_readings_beyond_single_precision_are_refused(reading: float) -> None:
+    sheet, dense = usual_pair()
+    before = sheet(dense.readings).pressure
+    readings = dense.readings.copy()
+    readings[7] = reading
+    with pytest.raises(InputError, match=r"readings\[7\] is .*expected at most 1e\+12 times its"):
+        sheet(readings)
+    out = np.empty(len(sheet.grid), dtype=np.float32)
+    single = dense.readings.astype(np.float32)
+    for wrong in (np.inf, 3e38):
+        single[7] = wrong
+        with pytest.raises(InputError, match="deviations of their noise, expected finite ones"):
+            sheet.apply(single, out)
+    again = sheet(dense.readings).pressure
+    assert np.abs(again - before).max() < 1e-2 * before.max(), "it goes on as before"
+
+
+def test_the_highest_reading_that_is_taken_is_answered() -> None:
+    sheet = usual_pair()[0]
+    sheet.reset()
+    unit = sheet(np.where(np.arange(len(sheet)) == 7, sheet.noise_std, 0.0)).pressure
+    sheet.reset()
+    most = sheet(np.where(np.arange(len(sheet)) == 7, 1e12 * sheet.noise_std, 0.0)).pressure
+    assert np.abs(most - 1e12 * unit).max() < 1e-4 * most.max()
+    sheet.reset()
+
+
+def test_a_capacitance_that_no_pad_has_is_refused() -> None:
+    sheet = sf.Sheet(PLACES[:5], LAYER, quantity=sf.Capacitance())
+    for reading in (-1.0, -3.0):
+        with pytest.raises(InputError, match=r"readings\[2\] is -.*expected above -1"):
+            sheet([0.0, 0.0, reading, 0.0, 0.0])
+    with pytest.raises(InputError, match="deviations of their noise"):
+        sheet([0.0, 0.0, np.nextafter(-1.0, 0.0), 0.0, 0.0])
+
+
+@pytest.mark.parametrize("deadline", [1e10, 1e300])
+def test_a_deadline_beyond_reason_is_none(deadline: float) -> None:
+    sheet, dense = usual_pair()
+    sheet.reset()
+    free = sheet(dense.readings)
+    sheet.reset()
+    late = sheet(dense.readings, deadline=deadline)
+    assert late.deadline_met
+    assert late.iterations == free.iterations
+
+
+def test_taxels_too_dense_for_the_cut_are_told() -> None:
+    """Cut late, the matrix is positive definite; cut early, it has eigenvalues below 0."""
+    places = np.random.default_rng(0).uniform(-20e-3, 0, (60, 2)) * [1.0, 0.0]
+    fine = sf.Sheet(places, LAYER, solver=sf.Tikhonov(snr=30.0), cut=1e-4)
+    _ = fine(fine.noise_std).contacts
+    coarse = sf.Sheet(places, LAYER, solver=sf.Tikhonov(snr=30.0), cut=2e-2)
+    with pytest.raises(InputError, match="positions are so dense"):
+        _ = coarse(np.random.default_rng(1).normal(size=60)).contacts
+
+
+def test_contacts_of_taxels_in_one_place() -> None:
+    sheet = sf.Sheet(np.full((150, 2), 3e-3), LAYER, solver=sf.Tikhonov())
+    readings = sheet.noise_std * (50.0 + np.random.default_rng(0).normal(size=150))
+    (contact,) = sheet(readings).contacts
+    assert np.abs(contact.position[:2] - 3e-3).max() < 0.2e-3
+
+
+def assert_on_the_lattice(sheet: sf.Sheet) -> None:
+    rows, columns = sheet.shape
+    for stamp in (sheet.plan.stamps.read, sheet.plan.stamps.spread):
+        column, row = (sheet.plan.placing.cell - (stamp.reach - 1)).T
+        corner = sheet.plan.placing.corner(stamp.reach, columns)
+        assert (corner == row * columns + column).all()
+        assert min(column.min(), row.min()) >= 0
+        assert (column + stamp.width).max() <= columns
+        assert (row + 2 * stamp.reach).max() <= rows
+
+
+def rows_of_taxels() -> Iterator[tuple[Floats, float]]:
+    """Places (L, 2) along some directions and far away, and a pitch that divides them."""
+    for along, pitch in product(((1.0, 0.0), (0.0, 1.0), (0.6, -0.8)), (1.1e-3, 1.5e-3, 2.7e-3)):
+        for far in (0.0, -3 * pitch, 1.0, -1e3, 1e9):
+            yield np.outer(np.arange(-9, 10) * 3 * pitch, along) + far, pitch
+
+
+@pytest.mark.parametrize("length", [0.5e-3, 1.5e-3, 4e-3])
+def test_all_stamps_lie_on_the_lattice(length: float) -> None:
+    solver, rng = sf.GaussianField(length_scale=length), np.random.default_rng(0)
+    cases = list(rows_of_taxels()) if length == 1.5e-3 else []
+    for index in range(60):
+        places = PLACES[: 1 + index % 7] + rng.uniform(-1.0, 1.0, 2)
+        if index % 2:
+            places = np.round(places / 1.5e-3) * 1.5e-3  # where rounding decides on the cell
+        cases.append((places, 1.5e-3))
+    for places, pitch in cases:
+        assert_on_the_lattice(sf.Sheet(places, LAYER, pitch=pitch, solver=solver, cut=5e-3))
+
+
+def test_where_a_sheet_lies_does_not_matter() -> None:
+    readings = usual_pair()[1].readings
+    expected = usual_pair()[0](readings).pressure
+    for shift in ((300, -700), (-67_000, 67_000)):  # cells: half a metre, a hundred
+        moved = sf.Sheet(PLACES + np.array(shift) * 1.5e-3, LAYER)
+        assert np.abs(moved(readings).pressure - expected).max() < 1e-4 * expected.max()
+
+
+def test_a_place_that_numbers_cannot_tell_is_refused() -> None:
+    for far in (1e14, -1e20, 1e200):
+        with pytest.raises(InputError, match="expected metres from an origin on or near the sheet"):
+            sf.Sheet(PLACES + far, LAYER)
+
+
+@pytest.mark.parametrize("fewer", [(2, 0), (0, 2), (0, 0)])
+def test_no_stamp_is_written_beside_the_lattice(
+    fewer: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Compiled code checks nothing, so it must not be reached."""
+    from skinfield.solve.sheet import plan
+
+    around = plan.lattice_of
+
+    def tight(*arguments: Any) -> sf.Grid:
+        good = around(*arguments)
+        moved = 0.0 if any(fewer) else 0.6  # cells
+        shape = good.shape[0] - fewer[0], good.shape[1] - fewer[1]
+        return sf.Grid(good.patch, shape, good.pitch, good.origin + moved * good.pitch)
+
+    monkeypatch.setattr(plan, "lattice_of", tight)
+    with pytest.raises(InputError, match="rounding moves them by cells"):
+        sf.Sheet(PLACES, LAYER)
+
+
+TOUCHED = np.array([[0.02, 0.02], [0.032, 0.024], [0.065, 0.02], [0.055, 0.06]])
+
+
+@lru_cache
+def solved() -> tuple[sf.Sheet, ObservationModel, Floats, Floats]:
+    """A sheet, the dense model of its cells, the dense solver's matrix and readings of touches."""
+    places = jittered(14, np.random.default_rng(3))
+    noise_std = np.random.default_rng(1).uniform(100.0, 300.0, len(places))
+    sheet = sf.Sheet(
+        places, LAYER, noise_std=noise_std, cut=3e-4, tolerance=1e-6, precision=np.float64
+    )
+    grid = sheet.grid
+    model = ObservationModel.of(
+        sheet.patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
+    )
+    pressed = np.zeros(len(grid))
+    for place in TOUCHED:
+        pressed += 3e4 * np.exp(-np.square(grid.plane - place).sum(axis=1) / 5e-3**2)
+    noise = np.random.default_rng(4).normal(size=len(places)) * noise_std
+    return sheet, model, sf.GaussianField().prepare(model).matrix, model.matrix @ pressed + noise
+
+
+def whole(sheet: sf.Sheet, valid: Floats | None = None) -> WindowNoise:
+    every = np.ones(len(sheet), dtype=bool) if valid is None else valid
+    return WindowNoise.whole(sheet.plan, every)
+
+
+def test_noise_is_that_of_the_dense_solver() -> None:
+    sheet, _, matrix, _ = solved()
+    exact, noise = PressureNoise(matrix * sheet.noise_std), whole(sheet)
+    assert np.abs(noise.std - exact.std).max() < 1e-3 * exact.std.max()
+    cells = np.flatnonzero(np.random.default_rng(0).uniform(size=len(exact.std)) < 0.03)
+    weights = np.random.default_rng(1).normal(size=(3, len(cells)))
+    covariance = exact.covariance_of_sums(cells, weights)
+    error = np.abs(noise.covariance_of_sums(cells, weights) - covariance)
+    assert error.max() < 2e-3 * np.abs(covariance).max()
+
+
+def test_contacts_are_the_dense_solvers() -> None:
+    sheet, model, matrix, readings = solved()
+    found = sheet(readings).contacts
+    noise = PressureNoise(matrix * sheet.noise_std)
+    exact = sf.ContactFinder()(model.grid, matrix @ readings, noise)
+    assert len(found) == len(exact) >= len(TOUCHED)
+    for mine, other in zip(found, exact, strict=True):
+        assert np.abs(mine.position - other.position).max() < 20e-6
+        assert mine.normal_force == pytest.approx(other.normal_force, rel=3e-3)
+        assert mine.force_std == pytest.approx(other.force_std, rel=3e-3)
+        assert mine.area_std == pytest.approx(other.area_std, rel=2e-2)
+        assert len(np.setxor1d(mine.cells, other.cells)) <= 0.05 * len(other.cells)
+
+
+def test_an_idle_sheet_has_no_contact() -> None:
+    """The finder's rate is one false alarm in a thousand readings."""
+    sheet = sf.Sheet(jittered(30, np.random.default_rng(5)), LAYER, noise_std=200.0)
+    rng = np.random.default_rng(6)
+    for _ in range(10):
+        assert sheet(rng.normal(size=len(sheet)) * 200.0).contacts == ()
+
+
+def test_faint_and_strong_contacts_far_apart() -> None:
+    sheet = sf.Sheet(jittered(40, np.random.default_rng(7)), LAYER, noise_std=20.0)
+    rows, columns = np.indices(sheet.shape)
+    pressed = np.zeros(sheet.shape)
+    for (row, column), peak in (((40, 40), 60e3), ((120, 120), 3e3)):
+        pressed += peak * np.exp(-((rows - row) ** 2 + (columns - column) ** 2) / 3.5**2)
+    estimate = sheet(sheet.predict(pressed.ravel()))
+    found = estimate.contacts  # that drops what is below a fifth of the highest
+    assert np.argmax(estimate.pressure) in found[0].cells
+    faint = sheet.origin + np.array([120, 120]) * sheet.pitch
+    apart = [np.hypot(*(contact.position[:2] - faint)) for contact in found]
+    nearest = found[int(np.argmin(apart))]
+    assert min(apart) < DISTANCE
+    assert nearest.peak_pressure < 0.1 * found[0].peak_pressure
+
+
+def test_nothing_but_silence() -> None:
+    sheet = solved()[0]
+    assert sheet(np.full(len(sheet), np.nan)).contacts == ()
+
+
+def test_windows_hold_what_is_marked_once() -> None:
+    rng = np.random.default_rng(0)
+    high = rng.uniform(size=(230, 310)) < 2e-4
+    count = np.zeros(high.shape, dtype=int)
+    for rows, columns, free in windows(high):
+        count[rows, columns] += free
+    assert (count[high] == 1).all()
+    for row, column in np.argwhere(high):  # with at least a tile around, once or more
+        low, left = max(row - TILE, 0), max(column - TILE, 0)
+        assert (count[low : row + TILE + 1, left : column + TILE + 1] >= 1).all()
+
+
+def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "sheet.md") == (1, 0)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from non_negative_reference import small_model
 
 from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, ObservationModel
 from skinfield.errors import InputError
 from skinfield.skin import Grid
 from skinfield.solve import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
-from skinfield.solve.linear import smoothed
 from skinfield.testing import SolverContract
 from skinfield.testing.solver import square_patch
 
@@ -54,23 +54,6 @@ class TestContactFit(SolverContract):
     place_error = 0.2e-3
 
 
-def small_model(nodes: int = 9, quantity: BaseStress | None = None) -> ObservationModel:
-    patch = square_patch(side=5)
-    grid = Grid.square(patch, nodes=nodes)
-    quantity = quantity or BaseStress()
-    return ObservationModel.of(patch, Layer(), grid, BondedLayer(), quantity, 20.0)
-
-
-def test_tikhonov_minimises_its_functional() -> None:
-    model, solver = small_model(), Tikhonov(snr=7.0)
-    readings = np.random.default_rng(1).normal(size=25) * 1e3
-    weighted = model.matrix / model.noise_std[:, None]
-    penalty = np.trace(weighted @ weighted.T) / (25 * solver.snr**2)
-    stacked = np.vstack([weighted, np.sqrt(penalty) * np.eye(81)])
-    expected = np.linalg.lstsq(stacked, np.r_[readings / model.noise_std, np.zeros(81)])[0]
-    assert solver.prepare(model).matrix @ readings == pytest.approx(expected, rel=1e-8, abs=1e-6)
-
-
 @pytest.mark.parametrize("solver", [Tikhonov(), GaussianField(), PseudoInverse()])
 def test_the_unit_of_the_readings_does_not_matter(solver: Solver) -> None:
     model = small_model()
@@ -81,41 +64,12 @@ def test_the_unit_of_the_readings_does_not_matter(solver: Solver) -> None:
     assert solver.prepare(scaled).matrix * 1e-6 == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
-def test_gaussian_field_is_the_posterior_of_its_prior() -> None:
-    model, solver = small_model(), GaussianField(snr=12.0, length_scale=3e-3)
-    plane = model.grid.plane
-    distance = np.sqrt(3) * np.linalg.norm(plane[:, None] - plane[None], axis=-1) / 3e-3
-    correlation = (1 + distance) * np.exp(-distance)
-    noise = np.diag(model.noise_std**2)
-    spread = np.trace(model.matrix @ correlation @ model.matrix.T / model.noise_std**2)
-    prior = correlation * solver.snr**2 * 25 / spread
-    gain = prior @ model.matrix.T @ np.linalg.inv(model.matrix @ prior @ model.matrix.T + noise)
-    operator = solver.prepare(model)
-    assert operator.matrix == pytest.approx(gain, rel=1e-7, abs=1e-9)
-    variance = np.diag(prior - gain @ model.matrix @ prior)
-    assert operator.pressure_std**2 == pytest.approx(variance, rel=1e-6)
-
-
-def test_gaussian_field_doubts_what_no_taxel_sees() -> None:
-    model = small_model(nodes=41)
-    std = GaussianField(snr=100.0).prepare(model).pressure_std.reshape(41, 41)
-    assert std[20, 20] < 0.8 * std[15, 15]  # on the middle taxel; between four taxels
-
-
-def test_smoothing_by_convolution_is_the_dense_product() -> None:
-    model = small_model()
-    plane = model.grid.plane
-    distance = np.sqrt(3) * np.linalg.norm(plane[:, None] - plane[None], axis=-1) / 2e-3
-    dense = model.matrix @ ((1 + distance) * np.exp(-distance))
-    assert smoothed(model.grid, model.matrix, 2e-3) == pytest.approx(dense, rel=1e-9, abs=1e-12)
-
-
 def test_inverse_on_the_taxels_needs_as_many_nodes() -> None:
     square = small_model(nodes=5)
     operator = Inverse(resample=False).prepare(square)
     assert operator.matrix @ square.matrix == pytest.approx(np.eye(25), abs=1e-9)
     with pytest.raises(InputError, match=r"matrix is \(25, 81\), expected as many nodes as taxels"):
-        Inverse(resample=False).prepare(small_model())
+        Inverse(resample=False).prepare(small_model(9))
 
 
 def test_inverse_puts_a_force_on_covered_nodes_only() -> None:

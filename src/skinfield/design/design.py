@@ -21,7 +21,7 @@ from skinfield.errors import Floats, InputError, Ints, as_floats, check_positive
 from skinfield.skin import Grid, Patch
 
 if TYPE_CHECKING:
-    from skinfield.solve.atoms.fit_kernel import Tables
+    from skinfield.solve.atoms.table import Tables
 
 
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
@@ -250,10 +250,9 @@ class Responses:
 
 def tables_of_design(design: SkinDesign) -> "Tables":
     """Readings of round contacts on this skin, as compiled functions take them."""
-    from skinfield.solve.atoms.fit_kernel import tables_of
-    from skinfield.solve.atoms.table import atom_table
+    from skinfield.solve.atoms.table import atom_tables
 
-    return tables_of(atom_table(design.physics))
+    return atom_tables(design.physics)
 
 
 def largest_force(design: SkinDesign, radius: float) -> float:

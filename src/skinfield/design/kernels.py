@@ -9,10 +9,10 @@ from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.fit_kernel import (
     HIGHEST_LOG,
     LOWEST_LOG,
-    Tables,
     cholesky_solve,
     predict,
 )
+from skinfield.solve.atoms.table import Tables
 
 
 @njit

@@ -1,4 +1,4 @@
-"""Tracked contacts, what happens to them, and the settings of a tracker: motion, gate, habits."""
+"""Tracked contacts, what happens to them, and the settings of a tracker: motion and gate."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -167,7 +167,7 @@ class Gate:
 
 
 @dataclass(eq=False, kw_only=True)
-class Habits:
+class TrackerSettings:
     """Settings of a `Tracker`, which says what they are."""
 
     period: float = 0.02

@@ -7,13 +7,13 @@ import numpy as np
 from skinfield.errors import InputError, check_type
 from skinfield.estimate.estimate import Estimate
 from skinfield.estimate.ranking import falling_order
-from skinfield.estimate.tracked import ContactEvent, EventKind, Habits, TrackedContact
+from skinfield.estimate.tracked import ContactEvent, EventKind, TrackedContact, TrackerSettings
 
 if TYPE_CHECKING:
     from skinfield.estimate.developed_plane import Chart
 
 
-class Tracker(Habits):
+class Tracker(TrackerSettings):
     """Follows the contacts of one patch; call it with each estimate in turn.
 
     Each contact is followed by a Kalman filter of place, force and their rates. Contacts go on

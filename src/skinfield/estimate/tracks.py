@@ -9,7 +9,7 @@ import numpy as np
 from skinfield.errors import Floats
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.ranking import falling_order
-from skinfield.estimate.tracked import Gate, Habits, Motion
+from skinfield.estimate.tracked import Gate, Motion, TrackerSettings
 from skinfield.estimate.tracking_kernel import gains, predict, update
 
 
@@ -220,7 +220,9 @@ def apart(one: Load, other: Load) -> float:
     return float(np.hypot(*(one.value[:2] - other.value[:2])))
 
 
-def merged_score(stays: Track, goes: Track, seen: Measurement, habits: Habits) -> float | None:
+def merged_score(
+    stays: Track, goes: Track, seen: Measurement, habits: TrackerSettings
+) -> float | None:
     """How badly `seen` fits both tracks as one contact; None if it is not that.
 
     Either one of them may go on alone: then what is seen fits it better than both.
@@ -235,7 +237,7 @@ def merged_score(stays: Track, goes: Track, seen: Measurement, habits: Habits) -
 
 
 def split_score(
-    whole: Track, half: Measurement, other: Measurement, habits: Habits
+    whole: Track, half: Measurement, other: Measurement, habits: TrackerSettings
 ) -> float | None:
     """How badly two contacts fit one track; None if one of them is a contact by itself.
 
@@ -262,7 +264,7 @@ def absorbed(goes: Track, stays: Track, now: float) -> Absorbed:
     return Absorbed(goes.known, now, goes.mean - stays.mean, forces, variance)
 
 
-def is_exchanged(memory: Absorbed, stays: Track, child: Track, habits: Habits) -> bool:
+def is_exchanged(memory: Absorbed, stays: Track, child: Track, habits: TrackerSettings) -> bool:
     """Whether after a split the child is the one that had stayed, and the other one came back.
 
     The distance of both is carried on from when they merged. Solid bodies do not pass through each
@@ -304,7 +306,7 @@ class Follower:
         That the next contact gets.
     """
 
-    def __init__(self, habits: Habits, next_number: int = 0) -> None:
+    def __init__(self, habits: TrackerSettings, next_number: int = 0) -> None:
         self.habits, self.now = habits, 0.0
         self.tracks: list[Track] = []
         self.changes: list[Change] = []

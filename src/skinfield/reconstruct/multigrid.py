@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,8 +24,6 @@ from skinfield.estimate import (
     Contact,
     ContactFinder,
     Estimate,
-    ModelError,
-    PressureError,
     PressureNoise,
 )
 from skinfield.reconstruct.multigrid_levels import Rung, linear_rung, prepare_rungs
@@ -33,6 +31,7 @@ from skinfield.reconstruct.plan import MOST
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.skin import Grid, Patch
 from skinfield.solve import FieldOperator, GaussianField, InverseOperator, Solver
+from skinfield.solve.operator import Beliefs
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,30 +110,6 @@ def offered(operator: FieldOperator, method: str) -> Any:
             "as that of NonNegative(): for others, prepare a Reconstructor of what is wanted"
         )
     return found
-
-
-class Beliefs(Protocol):
-    """What is known of an answer's errors: of a linear one by its rung, else by its operator."""
-
-    @property
-    def noise(self) -> PressureNoise:
-        """By which contacts are told from noise."""
-        ...
-
-    @property
-    def posterior(self) -> PressureError | None:
-        """By which contacts are said to be sure."""
-        ...
-
-    @property
-    def pressure_std(self) -> Floats:
-        """As the solver states it, (K,) Pa."""
-        ...
-
-    @property
-    def model_error(self) -> ModelError:
-        """What is wrong with contacts beside."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

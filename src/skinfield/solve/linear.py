@@ -197,21 +197,30 @@ class Tikhonov:
 
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
-        from scipy.linalg import solve_triangular
-
-        whitened = model.matrix / model.noise_std[:, None]
-        gram = whitened @ whitened.T
         white = np.zeros(model.grid.shape)
         white[0, 0] = 1.0
-        known = GaussianModel.of(whitened.T, gram, white, model.noise_std, self.snr)
-        penalty = float(np.trace(gram)) / (len(gram) * self.snr**2)
-        gram[np.diag_indices_from(gram)] += penalty
-        lower = np.linalg.cholesky(gram)
-        factor = solve_triangular(lower, whitened, lower=True)
-        matrix = solve_triangular(lower, factor, lower=True, trans=1).T / model.noise_std
-        factor = np.ascontiguousarray(factor.T) / np.sqrt(penalty)
-        posterior = PressurePosterior.of_lattice(white / penalty, factor)
-        return InverseOperator(matrix, posterior.std, posterior, TIKHONOV.of(model), known)
+        return _conditioned(model, model.matrix, white, self.snr, TIKHONOV)
+
+
+def _conditioned(
+    model: ObservationModel, cross: Floats, near: Floats, snr: float, known: Errors
+) -> InverseOperator:
+    """Posterior of a Gaussian field given the taxels.
+
+    `cross` (L, K) is A Q, `near` (rows, columns) Q by the offset of two nodes, both per variance.
+    """
+    from scipy.linalg import solve_triangular
+
+    white = 1.0 / model.noise_std
+    cross = cross.T * white
+    gram = (model.matrix @ cross) * white[:, None]
+    variance = snr**2 * len(gram) / np.trace(gram)
+    lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
+    factor = solve_triangular(lower, variance * cross.T, lower=True)
+    matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
+    posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
+    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, snr)
+    return InverseOperator(matrix, posterior.std, posterior, known.of(model), gaussian)
 
 
 PITCHES = 0.25  # of the taxels, per length scale: between presses on a taxel and beside
@@ -251,20 +260,9 @@ class GaussianField:
 
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Condition the field on the taxels, once."""
-        from scipy.linalg import solve_triangular
-
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
-        white = 1.0 / model.noise_std
-        cross = smoothed(model.grid, model.matrix, length).T * white  # Q A^T per q, (K, L)
-        gram = (model.matrix @ cross) * white[:, None]
-        variance = self.snr**2 * len(gram) / np.trace(gram)
-        lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
-        factor = solve_triangular(lower, variance * cross.T, lower=True)
-        matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
-        near = correlation(model.grid, length)
-        posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
-        known = GaussianModel.of(cross, gram, near, model.noise_std, self.snr)
-        return InverseOperator(matrix, posterior.std, posterior, GAUSSIAN_FIELD.of(model), known)
+        cross, near = smoothed(model.grid, model.matrix, length), correlation(model.grid, length)
+        return _conditioned(model, cross, near, self.snr, GAUSSIAN_FIELD)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

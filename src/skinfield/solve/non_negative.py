@@ -76,7 +76,7 @@ def problem_of(
 def _stamps(rows: Floats, grid: Grid, kind: np.dtype[Any]) -> dict[str, Any]:
     """What a pass over all nodes may use in place of all rows; none where that does not pay."""
     if min(grid.shape) >= SIDE and rows.size > LARGE:
-        stamps = Tiles.of(rows, grid, cut=TILE_CUT, dtype=kind)
+        stamps = Tiles.of(rows, grid.shape, cut=TILE_CUT, dtype=kind)
         if stamps.share < SPARSE:
             return {
                 "stamps": stamps.values.copy(),  # else read-only: another type to compile for

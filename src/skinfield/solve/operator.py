@@ -8,7 +8,13 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
-from skinfield.estimate import Contact, ModelError, PressureNoise, PressurePosterior
+from skinfield.estimate import (
+    Contact,
+    ModelError,
+    PressureError,
+    PressureNoise,
+    PressurePosterior,
+)
 from skinfield.solve.gaussian_model import GaussianModel
 
 EXACT = ModelError()
@@ -54,8 +60,8 @@ class InverseOperator:
         return InverseOperator(sets.matrix(0), posterior.std, posterior, self.model_error)
 
 
-class FieldOperator(Protocol):
-    """Prepared map that is not linear, from L readings to the pressure on K nodes."""
+class Beliefs(Protocol):
+    """What is known of the errors of an answer."""
 
     @property
     def pressure_std(self) -> Floats:
@@ -68,13 +74,22 @@ class FieldOperator(Protocol):
         ...
 
     @property
-    def posterior(self) -> PressurePosterior | None:
+    def posterior(self) -> PressureError | None:
         """By which contacts are said to be sure, if by more than the readings' noise."""
         ...
 
     @property
     def model_error(self) -> ModelError:
         """What is wrong with contacts beside: added to their covariance."""
+        ...
+
+
+class FieldOperator(Beliefs, Protocol):
+    """Prepared map that is not linear, from L readings to the pressure on K nodes."""
+
+    @property
+    def posterior(self) -> PressurePosterior | None:
+        """See `Beliefs`."""
         ...
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
-from skinfield.skin import Grid
 
 SIDE = 4  # cells of a tile
 LINE = 64  # bytes of a cache line
@@ -61,16 +60,20 @@ class Tiles:
 
     @classmethod
     def of(
-        cls, matrix: ArrayLike, grid: Grid, cut: float = 1e-3, dtype: DTypeLike = np.float32
+        cls,
+        matrix: ArrayLike,
+        shape: tuple[int, int],
+        cut: float = 1e-3,
+        dtype: DTypeLike = np.float32,
     ) -> "Tiles":
         """Choose the tiles of a matrix and copy what they hold.
 
         Parameters
         ----------
         matrix : (K, L) array
-            Any unit; a row for each cell of the grid.
-        grid : Grid
-            Of K cells, at least 4 x 4.
+            Any unit; a row for each cell.
+        shape : (rows, columns)
+            Of the K cells, at least 4 x 4.
         cut : float, dimensionless
             Root of the sum of squares that a column may lose, as part of the column's own: as
             many tiles as that allows are left out, the least first. 0 loses nothing but zeros.
@@ -83,17 +86,6 @@ class Tiles:
             For a matrix of another grid or with numbers that are not finite, a smaller grid,
             another `cut` or type.
         """
-        return cls.of_cells(matrix, grid.shape, cut, dtype)
-
-    @classmethod
-    def of_cells(
-        cls,
-        matrix: ArrayLike,
-        shape: tuple[int, int],
-        cut: float = 1e-3,
-        dtype: DTypeLike = np.float32,
-    ) -> "Tiles":
-        """As `of`, of any cells in rows and columns."""
         matrix = as_floats("matrix", matrix)
         check_shape("matrix", matrix, (shape[0] * shape[1], None), "one row per cell of the grid")
         check_finite("matrix", matrix, "stamps are parts of a matrix of finite numbers")

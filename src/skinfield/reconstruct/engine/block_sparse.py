@@ -158,4 +158,4 @@ def _stamps(matrix: NDArray[Any], shape: tuple[int, int], cut: float) -> Tiles:
         shape = (SIDE, -(-rows // SIDE))
         missing = shape[0] * shape[1] - len(matrix)
         matrix = np.concatenate([matrix, np.zeros((missing, matrix.shape[1]))])
-    return Tiles.of_cells(matrix, shape, cut)
+    return Tiles.of(matrix, shape, cut)

@@ -197,6 +197,6 @@ def _double_group(group: Group) -> Group:
 
 def _double_intake(intake: Intake) -> Intake:
     double = copy(intake)
-    for name in ("raw", "linear", "straight", "given", "white", "valid", "present", "_asked"):
+    for name in ("raw", "linear", "straight", "given", "white", "valid", "present", "wanted"):
         setattr(double, name, getattr(intake, name).copy())
     return double

@@ -101,10 +101,10 @@ class Engine:
         self.finder = ContactFinder() if finder is None else finder
         check_offers("solver", self.solver, ("prepare",), "one such as NonNegative()")
         check_offers("finder", self.finder, ("__call__",), "one such as ContactFinder()")
+        self.names = tuple(patch.name for patch in self.skin)
         for name, given in (("layer", layer), ("noise_std", noise_std)):
             if isinstance(given, Mapping):
-                check_names(name, given, self.skin)
-        self.names = tuple(patch.name for patch in self.skin)
+                check_names(name, given, self.names)
         self.cycle = 0
         self.groups = self._prepared(layer, noise_std, progress)
         self._work = self._clockwork(clock)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Capacitance, Quantity
 from skinfield.errors import Floats, InputError, as_floats
+from skinfield.reconstruct.engine.patch_kinds import check_names
 from skinfield.reconstruct.engine.products import Singles
 from skinfield.skin import Patch
 
@@ -67,7 +68,7 @@ class Intake:
         self.raw, self.linear, self.straight, self.given = np.zeros((4, taxels))
         self.white: Singles = np.zeros(taxels, np.float32)
         self.valid = np.ones(taxels, np.bool_)
-        self._asked: NDArray[np.bool_] = np.ones(taxels, np.bool_)
+        self.wanted: NDArray[np.bool_] = np.ones(taxels, np.bool_)
         self.present = np.ones(len(patches), np.bool_)
         self.all_valid = True
         self.per_noise = 1.0 / noise_std
@@ -80,11 +81,6 @@ class Intake:
         self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
         self._gather = gather
         self.how = _linearised_how(quantity, self.raw)
-
-    @property
-    def wanted(self) -> NDArray[np.bool_]:
-        """See above."""
-        return self._asked
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -102,7 +98,7 @@ class Intake:
             sized = False
         if not sized:
             self._blame(rows)
-        self._asked[:] = True
+        self.wanted[:] = True
         if valid is not None:
             self._leave_out(valid)
 
@@ -117,14 +113,14 @@ class Intake:
         _check_flat("readings", readings, self.given)
         self.given[:] = readings
         if valid is not None:
-            _check_flat("valid", valid, self._asked)
-        self._asked[:] = True if valid is None else valid
+            _check_flat("valid", valid, self.wanted)
+        self.wanted[:] = True if valid is None else valid
         self.present[:] = True
 
     def linearise(self) -> None:
         """Gather what was given into `straight` as the quantity says; 0 for what is not valid."""
         lowest = self.quantity.lowest
-        taken = self.given, self._asked, self.places, lowest, self.raw, self.valid
+        taken = self.given, self.wanted, self.places, lowest, self.raw, self.valid
         self.all_valid = self._gather(*taken)
         straight = self.quantity.linearise(self.raw, self.straight)
         if straight is not self.straight:
@@ -148,21 +144,12 @@ class Intake:
             )
         missing = [place for place, row in enumerate(rows) if row is None]
         if isinstance(readings, Mapping) and len(rows) - len(missing) < len(readings):
-            self._check_names(readings)
+            check_names("readings", readings, self.names)
         self.present[:] = True
         for place in missing:
             self.present[self._rows[place]] = False
             rows[place] = self._nothing[place]
         return rows
-
-    def _check_names(self, given: Mapping[str, Any]) -> None:
-        unknown = [name for name in given if name not in self.names]
-        if unknown:
-            known = ", ".join(self.names[:8])
-            raise InputError(
-                f"readings names {unknown[0]!r}, which is no patch, expected names among {known}"
-                f"{', ...' if len(self.names) > 8 else ''}"
-            )
 
     def _blame(self, rows: Sequence[ArrayLike]) -> None:
         """Name the patch whose readings do not fit."""
@@ -176,9 +163,9 @@ class Intake:
         np.concatenate([as_floats("readings", row) for row in rows], out=self.given)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
-        self._check_names(valid)
+        check_names("valid", valid, self.names)
         for name, given in valid.items():
-            mask, part = np.asarray(given, dtype=np.bool_), self._asked[self._parts[name]]
+            mask, part = np.asarray(given, dtype=np.bool_), self.wanted[self._parts[name]]
             if mask.shape != part.shape:
                 raise InputError(
                     f"valid[{name!r}] has shape {mask.shape}, expected {part.shape}: one per taxel"

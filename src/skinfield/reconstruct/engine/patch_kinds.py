@@ -67,14 +67,13 @@ def kinds_of(
     return tuple(found)
 
 
-def check_names(name: str, given: Mapping[str, object], skin: Skin) -> None:
+def check_names(name: str, given: Mapping[str, object], known: Sequence[str]) -> None:
     """Raise InputError for names that no patch has."""
-    known = [patch.name for patch in skin]
     unknown = [each for each in given if each not in known]
     if unknown:
         raise InputError(
-            f"{name} names {unknown[0]!r}, expected names of patches: {', '.join(known[:8])}"
-            f"{', ...' if len(known) > 8 else ''}"
+            f"{name} names {unknown[0]!r}, which is no patch, expected names among: "
+            f"{', '.join(known[:8])}{', ...' if len(known) > 8 else ''}"
         )
 
 

@@ -46,7 +46,7 @@ def product_of(matrix: NDArray[Any], grid: Grid, cut: float = CUT) -> DenseProdu
     `cut` is that of the tiles, as of `Tiles.of`; 0 keeps all that is not 0.
     """
     if matrix.size >= SMALL and min(grid.shape) >= 4:
-        tiles = Tiles.of(matrix, grid, cut)
+        tiles = Tiles.of(matrix, grid.shape, cut)
         if tiles.pays:
             return tiles
     return DenseProduct(np.ascontiguousarray(matrix.T, dtype=np.float32))

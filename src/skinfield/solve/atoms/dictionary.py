@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import njit
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Tables, predict
-from skinfield.solve.atoms.table import LOG_STEP, AtomTable
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
+from skinfield.solve.atoms.table import Tables
 
 SPACING = 0.5  # thicknesses between places
 RADII = (0.4, 0.8, 1.5, 2.6)  # thicknesses
@@ -82,7 +82,7 @@ def best_of(scores: Any, atoms: Floats, near: float, found: Ints) -> int:
     return len(found)
 
 
-def make_bank(taxels: Floats, white: Floats, table: AtomTable, tables: Tables) -> Bank:
+def make_bank(taxels: Floats, white: Floats, tables: Tables) -> Bank:
     """Templates on a lattice over the taxels (L, 2), in thicknesses; `white` is 1/noise (L,)."""
     low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
     columns, rows = (np.ceil((high - low) / SPACING).astype(int) + 1).tolist()
@@ -93,7 +93,7 @@ def make_bank(taxels: Floats, white: Floats, table: AtomTable, tables: Tables) -
         atoms = np.zeros((len(places), PARAMETERS))
         atoms[:, :2] = places
         atoms[:, 3] = np.log(radius)
-        atoms[:, 2] = _shallow_log_force(table, float(np.log(radius)))
+        atoms[:, 2] = _shallow_log_force(tables, float(np.log(radius)))
         every.append(atoms)
     atoms = np.concatenate(every)
     templates = np.empty((len(atoms), len(taxels)))
@@ -111,11 +111,11 @@ def make_bank(taxels: Floats, white: Floats, table: AtomTable, tables: Tables) -
     )
 
 
-def _shallow_log_force(table: AtomTable, log_radius: float) -> float:
-    if table.linear:
+def _shallow_log_force(tables: Tables, log_radius: float) -> float:
+    if not tables.strain.size:
         return 0.0
     from scipy.ndimage import map_coordinates
 
-    place = (log_radius - table.first_log) / LOG_STEP
-    log_strain = map_coordinates(table.strain[0], [[place]], order=3, prefilter=False)[0]
+    place = (log_radius - tables.first_log) / tables.log_step
+    log_strain = map_coordinates(tables.strain[0], [[place]], order=3, prefilter=False)[0]
     return float(np.log(SHALLOW) - log_strain)

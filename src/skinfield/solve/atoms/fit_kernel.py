@@ -17,42 +17,11 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
-from skinfield.solve.atoms.table import DISTANCE_STEP, LOG_STEP, SIGHT, AtomTable
+from skinfield.solve.atoms.table import Tables
 
 PARAMETERS = 6
 NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
 WEIGHT = WEIGHT / 2.0
-
-
-class Tables(NamedTuple):
-    """An `AtomTable` as compiled functions take it.
-
-    Its steps go along: what is compiled is kept on disk, and a constant would be kept with it.
-    """
-
-    coefficients: Floats
-    strain: Floats
-    curvature: Floats
-    first_log: float
-    log_step: float
-    distance_step: float
-    sight: float
-    pad_radius: float
-
-
-def tables_of(table: AtomTable) -> Tables:
-    """Arrays of a table; one that is linear has ln s = 0 and no denominator."""
-    strain = table.strain if not table.linear else np.zeros((0, 0))
-    return Tables(
-        table.coefficients,
-        strain,
-        table.curvature,
-        table.first_log,
-        LOG_STEP,
-        DISTANCE_STEP,
-        SIGHT,
-        table.pad_diameter / 2 / table.thickness,
-    )
 
 
 @inner

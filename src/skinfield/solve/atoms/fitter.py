@@ -8,13 +8,13 @@ from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact
 from skinfield.solve.atoms.dictionary import MARGIN, Bank, make_bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Priors, Tables, tables_of
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Priors
 from skinfield.solve.atoms.posterior import Effort, belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
 from skinfield.solve.atoms.search import AtomSet, Problem, search
 from skinfield.solve.atoms.settings import FitSettings
-from skinfield.solve.atoms.table import RING, atom_table
+from skinfield.solve.atoms.table import RING, atom_tables
 from skinfield.solve.operator import Fit
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
@@ -198,10 +198,9 @@ class ContactFitter:
         self.settings, self.model = settings, model
         self.noise = model.noise_std
         self._thickness = thickness = physics.layer.thickness
-        table = atom_table(physics)
-        self._tables: Tables = tables_of(table)
+        self._tables = atom_tables(physics)
         self._taxels = np.ascontiguousarray(model.taxels / thickness)
-        self._bank: Bank = make_bank(self._taxels, 1.0 / model.noise_std, table, self._tables)
+        self._bank: Bank = make_bank(self._taxels, 1.0 / model.noise_std, self._tables)
         self._priors = Priors(
             float(np.log(settings.typical_radius)),
             CURVATURE_STD,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.estimate.ranking import falling_order, first_largest
 from skinfield.solve.atoms.dictionary import Bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors, Tables, predict, refined
-from skinfield.solve.atoms.table import BALL, FLAT, RING
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors, predict, refined
+from skinfield.solve.atoms.table import BALL, FLAT, RING, Tables
 
 ROUND = np.array([True, True, True, True, False, False])
 LONG = np.ones(6, dtype=np.bool_)

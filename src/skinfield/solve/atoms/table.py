@@ -16,8 +16,7 @@ and the denominator what a uniform gap would have. A quantity that is linear in 
 """
 
 import math
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -230,34 +229,36 @@ SHARP = 0.5  # thicknesses: balls that touch within less need nodes at their rim
 DEGREE = 4  # of the polynomial over these
 
 
-@dataclass(frozen=True, eq=False)
-class AtomTable:
-    """Readings of round contacts; lengths in thicknesses.
+class Tables(NamedTuple):
+    """Readings of round contacts, as compiled functions take them; lengths in thicknesses.
+
+    The steps go along: what is compiled is kept on disk, and a constant would be kept with it.
 
     Attributes
     ----------
     coefficients : (families, radii, terms, distances) array
         Of the B-splines, in the reading's unit per newton, or per strain of the gap.
     strain : (families, radii) array, 1/N
-        B-spline coefficients of ln s; empty for a linear quantity.
+        B-spline coefficients of ln s; empty where readings are proportional to the force.
     curvature : (radii,) array
         B-spline coefficients of ln(F R), N m, of a ball of radius of curvature R.
-    first_log : float
-        ln(a/h) of the first node.
-    thickness, pad_diameter : float, m
+    first_log, log_step : float
+        ln(a/h) of the first node, and from node to node.
+    distance_step : float
+        r/h from node to node.
+    sight : float
+        Beyond the rims of pad and contact, where all readings are 0.
+    pad_radius : float
     """
 
     coefficients: Floats
     strain: Floats
     curvature: Floats
     first_log: float
-    thickness: float
-    pad_diameter: float
-
-    @property
-    def linear(self) -> bool:
-        """Whether readings are proportional to the force."""
-        return not self.strain.size
+    log_step: float
+    distance_step: float
+    sight: float
+    pad_radius: float
 
 
 def log_radii() -> Floats:
@@ -268,7 +269,7 @@ def log_radii() -> Floats:
 
 
 @lru_cache(maxsize=8)
-def atom_table(physics: Physics) -> AtomTable:
+def atom_tables(physics: Physics) -> Tables:
     """Tabulate, once for all taxels of a patch."""
     h = physics.layer.thickness
     logs = log_radii()
@@ -278,13 +279,15 @@ def atom_table(physics: Physics) -> AtomTable:
     make = _nonlinear if nonlinear else _linear
     values, strain = make(physics, np.exp(logs) * h, distances * h)
     curvature = [np.log(curvature_force(physics.layer, a)) for a in np.exp(logs) * h]
-    return AtomTable(
+    return Tables(
         coefficients=splines(values, (1, 3)),
         strain=splines(np.log(strain), (1,)) if nonlinear else strain,
         curvature=splines(np.array(curvature), (0,)),
         first_log=float(logs[0]),
-        thickness=h,
-        pad_diameter=physics.pad_diameter,
+        log_step=LOG_STEP,
+        distance_step=DISTANCE_STEP,
+        sight=SIGHT,
+        pad_radius=physics.pad_diameter / 2 / h,
     )
 
 
@@ -303,26 +306,15 @@ def _linear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats,
 
     h = physics.layer.thickness
     mesh = np.arange(0.0, distances[-1] + radii[-1] + h, CELL * h)
-    point = CubicSpline(mesh, _point_response(physics, mesh), bc_type="clamped")
+    spline = CubicSpline(mesh, _point_response(physics, mesh), bc_type="clamped")
+    point = Point(mesh, np.ascontiguousarray(spline.c.T), CELL * h, CELL * h, 0)
     out = np.empty((len(FAMILIES), len(radii), 1, len(distances)))
     for family in FAMILIES:
         for index, radius in enumerate(radii):
             rings, forces = load_quadrature(physics.layer, physics.mechanics, family, radius)
-            out[family, index, 0] = sum(
-                force * _around(point, distances, ring, SHARE * h)
-                for ring, force in zip(rings, forces, strict=True)
-            )
+            counts = 8 + np.ceil(np.pi * rings / (SHARE * h)).astype(np.int64)
+            out[family, index, 0] = ring_sums(distances, rings, forces, counts, point)
     return out, np.empty((0, 0))
-
-
-def _around(
-    point: Callable[[Floats], Floats], distances: Floats, ring: float, share: float
-) -> Floats:
-    """Mean response at some distances from the axis of a ring."""
-    count = 8 + int(np.ceil(np.pi * ring / share))
-    cosine = np.cos((np.arange(count) + 0.5) * np.pi / count)
-    square = distances[:, None] ** 2 + ring**2 - 2 * ring * distances[:, None] * cosine
-    return np.asarray(point(np.sqrt(np.maximum(square, 0.0))).mean(axis=1))
 
 
 def _point_response(physics: Physics, distances: Floats) -> Floats:
