@@ -7,14 +7,14 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from command_line import invoke
-from live_skins import REST, Ticking, TickingStream, pressed_counts, settings, wait_for
+from live_skins import Ticking, settings, wait_for
 from numpy.testing import assert_array_equal
 
 import skinfield as sf
@@ -27,39 +27,12 @@ from skinfield.loop.supervisor import EngineFailed, Supervisor
 from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.record.replay import Replay
 from skinfield.ring import State
-from skinfield.signal import Blocks, Kind
 from skinfield.solve import GaussianField, Tikhonov
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 ENOUGH = 20  # cycles
 LONG = 600.0  # s: on a busy machine, kernels are compiled first
-CHANGE = pressed_counts(1.5) - REST
 WINDOW = Focus(patch="hexagon72", low=(-0.01, -0.002), high=(0.01, 0.015))
-
-
-@dataclass(frozen=True)
-class Pressing(Ticking):
-    """Source of a skin that is pressed, now harder and now weaker, once a file is there."""
-
-    pressed: Path = Path()
-
-    def open(self) -> "PressingStream":
-        return PressingStream(self)
-
-
-class PressingStream(TickingStream):
-    """See `Stream`."""
-
-    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        assert isinstance(self.source, Pressing)
-        if now_ns - self._last < self.source.period * 1e9:
-            return 0
-        self._last = now_ns
-        force = 0.75 + 0.25 * np.sin(now_ns * 3e-9) if self.source.pressed.exists() else 0.0
-        counts = np.rint(REST + force * CHANGE + self._rng.normal(0.0, 0.6, len(CHANGE)))
-        blocks.put(now_ns, channel, np.clip(counts, 0, 255), Kind.BYTES)
-        self.counters[:2] += 1
-        return 1
 
 
 @dataclass
@@ -101,7 +74,7 @@ CHANGES: tuple[dict[str, Any], ...] = (
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Session]:
     """A skin whose engine answers, by a solver that is quick to compile."""
     folder = tmp_path_factory.mktemp("tuning")
-    sources = (Pressing(pressed=folder / "pressed"),)
+    sources = (Ticking(pressed=folder / "pressed"),)
     made = settings(sources=sources, rungs=(10, 12), solver=GaussianField())
     with Supervisor(made) as supervisor:
         supervisor.wait(LONG).close()
@@ -135,8 +108,8 @@ def tuned(running: Session) -> Session:
 
 
 @pytest.fixture(scope="module")
-def recorded(tuned: Session) -> Session:
-    """The same after another solver and a crash, when its recording has ended."""
+def changed(tuned: Session) -> Session:
+    """The same with another solver."""
     live, seen = tuned.live, tuned.seen
     seen["after"], seen["solvers"] = live.tuning, [live.model_config.solver]
     tuned.supervisor.reconfigure(solver=Tikhonov(), timeout=LONG)
@@ -144,14 +117,21 @@ def recorded(tuned: Session) -> Session:
     seen["solvers"].append(live.latest(timeout=20.0).model_config.solver)
     seen["restarts"] = tuned.supervisor.restarts
     seen["tares"] = int(live.reader.status_view["tares"][0])
+    return tuned
+
+
+@pytest.fixture(scope="module")
+def recorded(changed: Session) -> Session:
+    """The same after a crash, when its recording has ended."""
+    live, seen = changed.live, changed.seen
     os.kill(live.reader.pid, signal.SIGKILL)
     again = live.reader.generation + 1
     wait_for(lambda: live.reader.generation == again and live.state == State.RUNNING, LONG)
-    tuned.goes_on(2 * ENOUGH)
+    changed.goes_on(2 * ENOUGH)
     seen["killed"] = live.tuning
     seen["solvers"].append(live.latest(timeout=20.0).model_config.solver)
-    tuned.end()
-    return tuned
+    changed.end()
+    return changed
 
 
 def test_changes_are_in_force_and_told(tuned: Session) -> None:
@@ -183,16 +163,29 @@ def test_the_command_changes_it_too(tuned: Session) -> None:
     live.tune(smoothing=before)
 
 
-def test_a_solver_that_no_engine_has_leaves_all_as_it_was(tuned: Session) -> None:
-    with pytest.raises(EngineFailed, match="the engine stays as it was: solver is ContactFit"):
-        tuned.supervisor.reconfigure(solver=sf.ContactFit(), timeout=LONG)
+def test_an_engine_that_cannot_be_made_leaves_all_as_it_was(
+    tuned: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    supervisor = tuned.supervisor
+    with pytest.raises(InputError, match=r"solver is ContactFit.*expected a solver of fields"):
+        supervisor.reconfigure(solver=sf.ContactFit())
+    beyond = sf.Skin((sf.Patch(np.eye(3)[:, :2] * 1e-2, channel=[1, 2, 300]),))
+    with monkeypatch.context() as patch:
+        patch.setattr(supervisor, "settings", replace(supervisor.settings, skin=beyond))
+        with pytest.raises(EngineFailed, match=r"the engine stays as it was: .*channel 300"):
+            supervisor.reconfigure(solver=Tikhonov(), timeout=LONG)
     assert tuned.live.latest(timeout=20.0).model_config.solver == GaussianField()
 
 
-def test_another_solver_answers_and_stays_after_a_crash(recorded: Session) -> None:
-    seen = recorded.seen
-    assert seen["solvers"] == [GaussianField(), Tikhonov(), Tikhonov()]
+def test_another_solver_answers(changed: Session) -> None:
+    seen = changed.seen
+    assert seen["solvers"][:2] == [GaussianField(), Tikhonov()]
     assert (seen["restarts"], seen["tares"]) == (0, 2)
+
+
+def test_all_stays_after_a_crash(recorded: Session) -> None:
+    seen = recorded.seen
+    assert seen["solvers"][1:] == [Tikhonov(), Tikhonov()]
     assert seen["after"] == seen["killed"] == Tuning(deadline=1e-3, threshold=0.7, smoothing=0.05)
 
 
