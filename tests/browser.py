@@ -226,6 +226,13 @@ class Look:
             self.page.wait_for_timeout(60)
         raise AssertionError(f"the contacts did not become so: {rows}")
 
+    def stand_still(self) -> None:
+        """Pause a recording, wherever it is; at its end, where it stops by itself, as well."""
+        self.until("skinfield.state.controls.replay")
+        if self.value("skinfield.state.controls.replay.playing"):
+            self.at("play").click()  # should it end just then, this begins it anew: to the end
+        self.until("!skinfield.state.controls.replay.playing")
+
     def seek(self, t_s: float) -> None:
         """Move the time bar of a recording, which has steps, and wait until it is there."""
         self.at("time-bar").evaluate(

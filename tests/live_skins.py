@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from uuid import uuid4
 
 import numpy as np
@@ -46,11 +47,14 @@ class Ticking:
     period : float, s
     fail_after : int
         Polls, after which it raises once in a process; 0: never.
+    pressed : Path, optional
+        Of a hexagon that is pressed, now harder and now weaker, once this file is there.
     """
 
     channels: int = 72
     period: float = 0.005
     fail_after: int = 0
+    pressed: Path | None = None
 
     def open(self) -> "TickingStream":
         return TickingStream(self)
@@ -67,6 +71,7 @@ class TickingStream:
         self.ports: Sequence[Port] = (Port("ticking", source.channels),)
         self.counters = counters()
         self._rng = np.random.default_rng(1)
+        self._change = 0.0 if source.pressed is None else pressed_counts(1.5) - REST
         self._last, self._polls = 0, 0
 
     def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
@@ -78,7 +83,9 @@ class TickingStream:
             return 0
         self._last = now_ns
         counts = REST + self._rng.integers(-1, 2, self.source.channels)
-        blocks.put(now_ns, channel, counts, Kind.BYTES)
+        if self.source.pressed is not None and self.source.pressed.exists():
+            counts += (0.75 + 0.25 * np.sin(now_ns * 3e-9)) * self._change
+        blocks.put(now_ns, channel, np.clip(np.rint(counts), 0, 255), Kind.BYTES)
         self.counters[0] += 1
         self.counters[1] += 1
         return 1

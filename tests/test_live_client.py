@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from live_skins import settings, skin_ring
+from live_skins import fill, settings, skin_ring
 from numpy.testing import assert_array_equal
 
 from skinfield.errors import InputError
@@ -20,11 +20,12 @@ from skinfield.loop.engine_process import EngineProcess
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import open_ring
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import Head
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import Ring
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+SECOND = 10**9
 
 
 @pytest.fixture
@@ -35,12 +36,7 @@ def ring() -> Iterator[Ring]:
 
 def publish(ring: Ring, *forces: float, fresh: int = 1) -> int:
     """A cycle with contacts of these forces."""
-    slot = Slot.of(ring.begin())
-    slot.head[Head.FRESH], slot.head[Head.CONTACTS] = fresh, len(forces)
-    slot.patches["contacts"], slot.patches["answer"] = len(forces), 3
-    slot.contacts[0]["normal_force"][: len(forces)] = forces
-    slot.counts[:] = ring.number
-    return ring.publish()
+    return fill(ring, np.random.default_rng(ring.number), SECOND, *forces, fresh=fresh)
 
 
 def test_the_cycle_of_the_contact_is_the_one_that_is_returned(ring: Ring) -> None:
@@ -86,9 +82,6 @@ def test_a_loop_passes_over_cycles_without_a_new_reading(ring: Ring) -> None:
         third = publish(ring)
         waiting.join()
     assert [each.number for each in found] == [third]
-
-
-SECOND = 10**9
 
 
 def test_a_log_that_one_poll_could_overfill_is_refused() -> None:

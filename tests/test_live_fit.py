@@ -26,6 +26,7 @@ from skinfield.loop.fit_ring import (
     FitSlot,
     Fitted,
     best_contacts,
+    best_of,
     fit_name,
     is_fit,
     write_engine,
@@ -169,16 +170,6 @@ def test_what_the_engine_does_not_see_has_a_number_of_its_own() -> None:
     assert again["track"][0] == FIRST + 3  # after so long it is a new one
 
 
-class Reader(FitReader):
-    """Of a slot that is handed in."""
-
-    def __init__(self, slot: FitSlot | None) -> None:
-        self._newest = slot
-
-    def latest(self) -> FitSlot | None:
-        return self._newest
-
-
 def snapshot(stamp_ns: int, contacts: Any, answer: int = 3) -> Any:
     patches = np.zeros(2, PATCH)
     patches["stamp_ns"], patches["answer"] = stamp_ns, answer
@@ -199,12 +190,12 @@ def slot_of(stamp_ns: int, contacts: Any, touched: int = 1) -> FitSlot:
 def test_the_fits_contacts_count_where_it_has_kept_up() -> None:
     other = contact(0.0, 0.0, 2.0, track=5, patch=1)
     engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0), other)
-    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
-    rows, by = best_contacts(snapshot(10**9 + PERIOD_NS, engine), fit)
+    fit = slot_of(10**9, contact(0.001, 0.0, 1.0, track=4))
+    rows, by = best_of(snapshot(10**9 + PERIOD_NS, engine), fit)
     assert_array_equal(rows["normal_force"], [1.0, 2.0])
     assert by == ["fit", "engine"]
-    assert_array_equal(fit.pressure(0), np.full(9, 5.0))
-    assert fit.pressure(1) is None
+    assert_array_equal(fit.pressure_of(0), np.full(9, 5.0))
+    assert fit.pressure_of(1) is None
 
 
 def test_a_contact_that_began_since_is_the_engines() -> None:
@@ -214,14 +205,14 @@ def test_a_contact_that_began_since_is_the_engines() -> None:
         contact(0.03, 0.0, 0.5, track=9, age=0.01),
         contact(0.003, 0.0, 0.5, track=10, age=0.01),  # the same as 4, by another number
     )
-    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
-    rows, by = best_contacts(snapshot(10**9 + 2 * PERIOD_NS, engine), fit)
+    fit = slot_of(10**9, contact(0.001, 0.0, 1.0, track=4))
+    rows, by = best_of(snapshot(10**9 + 2 * PERIOD_NS, engine), fit)
     assert_array_equal(rows["track"], [4, 9])
     assert by == ["fit", "engine"]
 
 
 @pytest.mark.parametrize(
-    "why", ["no fit", "not there", "old", "old and moved", "very old", "lifted", "unhelpful"]
+    "why", ["no fit", "old", "old and moved", "very old", "lifted", "unhelpful"]
 )
 def test_else_the_engines_count(why: str) -> None:
     engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0))
@@ -235,8 +226,8 @@ def test_else_the_engines_count(why: str) -> None:
         engine, answer = engine[:0], 1
     if why == "unhelpful":
         slot.patches["state"] = int(Fitted.UNHELPFUL)
-    fit = None if why == "no fit" else Reader(None if why == "not there" else slot)
-    rows, by = best_contacts(snapshot(10**9 + late, engine, answer), fit)
+    fit = None if why == "no fit" else slot
+    rows, by = best_of(snapshot(10**9 + late, engine, answer), fit)
     assert_array_equal(rows, engine)
     assert by == ["engine"] * len(engine)
 
@@ -245,14 +236,14 @@ def test_a_fit_may_be_late_while_the_touch_rests() -> None:
     engine = together(contact(0.0005, 0.0, 1.5, track=4, age=1.0))
     slot = slot_of(10**9, contact(0.001, 0.0, 1.0, track=4))
     write_engine(slot.patches[0], contact(0.0, 0.0, 1.6))
-    rows, by = best_contacts(snapshot(2 * 10**9, engine), Reader(slot))
+    rows, by = best_of(snapshot(2 * 10**9, engine), slot)
     assert_array_equal(rows["normal_force"], [1.0])
     assert by == ["fit"]
 
 
 def test_what_only_the_fit_sees_is_shown_while_the_engine_sees_nothing() -> None:
-    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 0.2, track=FIRST), touched=0))
-    rows, by = best_contacts(snapshot(10**9, together(), answer=1), fit)
+    fit = slot_of(10**9, contact(0.001, 0.0, 0.2, track=FIRST), touched=0)
+    rows, by = best_of(snapshot(10**9, together(), answer=1), fit)
     assert_array_equal(rows["normal_force"], [0.2])
     assert by == ["fit"]
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from live_skins import wait_for
 from numpy.testing import assert_allclose
 from page_sources import NotingController, StillSource, unpacked
 from websockets.exceptions import InvalidStatus
@@ -36,10 +37,7 @@ def controller() -> NotingController:
 @pytest.fixture
 def page(source: StillSource, controller: NotingController) -> Iterator[Page]:
     with serve_page(PageSettings(port=0), lambda: (source,), controller) as served:
-        end = time.monotonic() + LONG
-        while not len(served.state.layout):
-            assert time.monotonic() < end
-            time.sleep(0.01)
+        wait_for(lambda: len(served.state.layout), LONG)
         yield served
 
 
@@ -51,28 +49,20 @@ def socket(page: Page, **more: Any) -> ClientConnection:
 
 def following(talk: ClientConnection, kind: str) -> dict[str, Any]:
     """Next text message of a kind."""
-    end = time.monotonic() + LONG
-    while time.monotonic() < end:
-        message = talk.recv(LONG)
-        if isinstance(message, bytes):
-            number = unpacked(message)[0].get("number")
-            talk.send(json.dumps({"do": "ack", "number": number}))
-        elif (said := json.loads(message))["kind"] == kind:
-            return said
-    raise AssertionError(f"no {kind} came")
+    return following_update(talk, kind)[0]
 
 
 def following_update(
     talk: ClientConnection, kind: str = "update", condition: Any = lambda head: True
 ) -> tuple[dict[str, Any], Any]:
-    """Next binary message of a kind; others are drawn at once."""
+    """Next message of a kind, and its arrays; other updates are drawn at once."""
     end = time.monotonic() + LONG
     while time.monotonic() < end:
         message = talk.recv(LONG)
+        head, arrays = (json.loads(message), []) if isinstance(message, str) else unpacked(message)
+        if head["kind"] == kind and condition(head):
+            return head, arrays
         if isinstance(message, bytes):
-            head, arrays = unpacked(message)
-            if head["kind"] == kind and condition(head):
-                return head, arrays
             talk.send(json.dumps({"do": "ack", "number": head.get("number")}))
     raise AssertionError(f"no {kind} came")
 
@@ -275,10 +265,7 @@ def test_a_part_that_fails_is_told_and_presses_go_with_their_browser(
     with socket(page) as talk:
         assert "OSError: no room" in ask(talk, do="record", on=True)["error"]
         assert ask(talk, do="hello")["ok"]  # the page goes on
-    end = time.monotonic() + LONG
-    while not controller.left:
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    wait_for(lambda: controller.left, LONG)
     assert controller.left[0].endswith("-")
 
 

@@ -10,7 +10,7 @@ from skinfield.loop.realtime.setup import RealTime
 from skinfield.loop.runtime_parameters import HEAVIEST, SLOWEST, Tuning
 from skinfield.signal import Calibration, Convention, Source
 from skinfield.skin import Patch, Skin
-from skinfield.solve import NonNegative, Solver
+from skinfield.solve import ContactFit, NonNegative, Solver
 
 RUNGS = (10, 20, 40)
 LIVE_TOLERANCE = 1e-2  # relative gap: forces then differ by some thousandths, searches take 2/3
@@ -99,6 +99,11 @@ class LiveSettings:
             check_offers("sources", source, ("open",), "objects such as PacketUdp()")
         if not self.sources:
             raise InputError("sources is empty, expected one or more: where readings come from")
+        if isinstance(self.solver, ContactFit):  # told before its engine prepares itself
+            raise InputError(
+                "solver is ContactFit(), which finds contacts by itself, expected a solver of "
+                "fields: NonNegative() or GaussianField(); `skinfield run` fits contacts beside it"
+            )
         if self.rate is not None:
             check_positive("rate", self.rate, "cycles per second, or None: as readings arrive")
         for name in ("budget", "deadline", "stale_after"):
