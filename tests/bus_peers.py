@@ -36,15 +36,22 @@ def wait_for(condition: Callable[[], object]) -> None:
         time.sleep(1e-3)
 
 
+def rows_of(messages: CanMessages, count: int, first: int = 0) -> list[tuple[int, bytes]]:
+    """Identifiers and data of rows `first` to `count`."""
+    return [
+        (int(messages.ids[row]), messages.data[row, : messages.lengths[row]].tobytes())
+        for row in range(first, count)
+    ]
+
+
 def receive(bus: Bus, count: int, room: int = 256) -> list[tuple[int, bytes, int]]:
     """Identifier, data and stamp of the next messages; patiently."""
     messages, found = CanMessages(room), []
 
     def all_there() -> bool:
-        for row in range(bus.receive(messages)):
-            length = 0 if messages.ids[row] & REMOTE else int(messages.lengths[row])
-            data = messages.data[row, :length].tobytes()
-            found.append((int(messages.ids[row]), data, int(messages.stamp_ns[row])))
+        rows = rows_of(messages, bus.receive(messages))
+        for (identifier, data), stamp in zip(rows, messages.stamp_ns.tolist(), strict=False):
+            found.append((identifier, b"" if identifier & REMOTE else data, stamp))
         return len(found) >= count
 
     wait_for(all_there)
@@ -65,13 +72,10 @@ def opened(*settings: BusSettings) -> Iterator[list[Bus]]:
 @contextmanager
 def pair() -> Iterator[tuple[Bus, Bus]]:
     """A host and its board over plain UDP."""
-    host = open_bus(BusSettings("udp", port=0))
-    board = open_bus(BusSettings("udp", port=0, peer=f"127.0.0.1:{host.address[1]}"))
-    try:
-        yield host, board
-    finally:
-        host.close()
-        board.close()
+    with opened(BusSettings("udp", port=0)) as (host,):
+        peer = f"127.0.0.1:{host.address[1]}"
+        with opened(BusSettings("udp", port=0, peer=peer)) as (board,):
+            yield host, board
 
 
 def drawn_messages(rng: np.random.Generator, count: int) -> CanMessages:

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import gettempdir
 
 import numpy as np
-from bus_peers import free_port, wait_for
+from bus_peers import free_port, rows_of, wait_for
 
 from skinfield.signal import Blocks, CanMessages, Channels, Count, Stream
 from skinfield.skin import Skin
@@ -76,9 +76,7 @@ class ICubBoard:
 
     def listen(self) -> list[tuple[int, bytes]]:
         """All that it was told until now."""
-        for row in range(self.bus.receive(self._rows)):
-            data = self._rows.data[row, : self._rows.lengths[row]].tobytes()
-            self.told.append((int(self._rows.ids[row]), data))
+        self.told += rows_of(self._rows, self.bus.receive(self._rows))
         return self.told
 
     def send(self, message_class: int = 4) -> int:
@@ -94,10 +92,15 @@ class ICubBoard:
 
     def unplug(self, stream: Stream) -> None:
         """Break the host's socket, and keep its port from it."""
-        link = stream.buses[0]  # type: ignore[attr-defined]
-        link._socket.close()
-        self.blocker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        wait_for(lambda: _bound(self.blocker, self.own))
+        stream.buses[0]._socket.close()  # type: ignore[attr-defined]
+        self.blocker = sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+        def bound() -> bool:
+            with suppress(OSError):
+                sock.bind(("127.0.0.1", self.own))
+            return sock.getsockname()[1] == self.own
+
+        wait_for(bound)
 
     def plug(self) -> None:
         assert self.blocker is not None
@@ -107,15 +110,6 @@ class ICubBoard:
         self.bus.close()
         if self.blocker is not None:
             self.blocker.close()
-
-
-def _bound(sock: socket.socket | None, port: int) -> bool:
-    assert sock is not None
-    try:
-        sock.bind(("127.0.0.1", port))
-    except OSError:
-        return False
-    return True
 
 
 class CySkinBoard(ICubBoard):

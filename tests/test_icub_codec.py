@@ -94,56 +94,34 @@ def plain(raw, base, no_load, shift, kind, firmware):
     away = raw[pad] - base[pad]
     taxels, beyond, flags = [], 0, 0
     for i in range(12):
-        drift = 0
-        if kind in GAINS:
-            product = (abs(away) >> 2) * GAINS[kind][i]
-            if away > 0:
-                drift = product >> 5
-            elif firmware == 3:
-                drift = -(product >> 5)
-            else:
-                drift = -product >> 5
-        v = raw[i] - base[i] - drift
-        if v <= -up:
-            taxels.append(255)
-        elif v >= bottom:
-            taxels.append(0)
-        else:
-            taxels.append(no_load - (v >> shift))
-        if v <= -2 * up or v >= 2 * bottom:
-            beyond |= 1 << i
-        if raw[i] == 0 and base[i] != 0:
-            flags |= 1
+        product = (abs(away) >> 2) * GAINS.get(kind, [0] * 12)[i]
+        colder = -(product >> 5) if firmware == 3 else -product >> 5
+        v = raw[i] - base[i] - (product >> 5 if away > 0 else colder)
+        taxels.append(255 if v <= -up else 0 if v >= bottom else no_load - (v >> shift))
+        beyond |= (v <= -2 * up or v >= 2 * bottom) << i
+        flags |= raw[i] == 0 and base[i] != 0
     if all(r == 0xFFFF for r in raw):
         flags = 2
     e0, e1 = beyond >> 4, (beyond & 0xF) << 4 | flags
     return bytes([0x40, *taxels[:7]]), bytes([0xC0, *taxels[7:], e0, e1])
 
 
-@given(
-    COUNTS,
-    COUNTS,
-    st.integers(0, 255),
-    st.integers(0, 15),
-    st.sampled_from([0, 1, 2, 8]),
-    st.sampled_from(list(Firmware)),
-)
+KINDS, FIRMWARE = st.sampled_from([0, 1, 2, 8]).map(SkinType), st.sampled_from(Firmware)
+
+
+@given(COUNTS, COUNTS, st.integers(0, 255), st.integers(0, 15), KINDS, FIRMWARE)
 def test_the_boards_arithmetic(raw, base, no_load, shift, kind, firmware):
-    made = triangle_payloads(
-        raw, base, firmware=firmware, no_load=no_load, shift=shift, kind=SkinType(kind)
-    )
-    assert made == plain(raw, base, no_load, shift, kind, firmware)
+    settings = {"no_load": no_load, "shift": shift, "kind": kind, "firmware": firmware}
+    assert triangle_payloads(raw, base, **settings) == plain(raw, base, **settings)
 
 
-@given(COUNTS, st.sampled_from(list(Firmware)), st.sampled_from([0, 2, 8]), st.integers(0, 6))
+@given(COUNTS, FIRMWARE, KINDS, st.integers(0, 6))
 def test_agrees_with_the_conditioning_of_bytes(raw, firmware, kind, shift):
     head, tail = triangle_payloads(
-        raw, REST, firmware=firmware, kind=SkinType(kind), shift=shift, no_load=245
+        raw, REST, firmware=firmware, kind=kind, shift=shift, no_load=245
     )
     away = np.array(raw) - REST
-    drift = firmware_drift(
-        away[6], gains_of(SkinType(kind)), negated_first=firmware == Firmware.MTB4
-    )
+    drift = firmware_drift(away[6], gains_of(kind), negated_first=firmware == Firmware.MTB4)
     byte = ICubByte(no_load=245, shift=shift).counts_from_difference(away - drift)
     assert [*head[1:], *tail[1:6]] == byte.tolist()
 
@@ -300,34 +278,24 @@ def test_a_triangle_becomes_counts_and_status():
     assert counts == Counter(RECEIVED=2, READINGS=2, BYTES=16)
 
 
-def test_channels_are_those_of_the_board_s_place():
-    rows = [(*head(1, 2, 15), 0.0), (*head(1, 3, 1), 0.1)]
-    blocks, counts = decoded(rows)
-    assert [block.channel for block in blocks] == [2 * 192 + 15 * 12]
-    assert counts["FOREIGN"] == 1  # board 3 hangs on the other bus
-    blocks, counts = decoded(rows, bus=1)
-    assert [block.channel for block in blocks] == [192 + 12]
-    assert ICubDecoder(BOARDS).channels == 576
-
-
 def test_encoded_triangles_come_back():
     encoder = ICubEncoder([(13, t) for t in range(16)] + [(2, t) for t in range(16)])
     rng = np.random.default_rng(0)
     encoder.raw[:] = rng.integers(0x7F00, 0x8200, encoder.raw.shape)
     encoder.raw[3] = 0xFFFF
+    assert ICubDecoder(BOARDS).channels == 576
     messages = CanMessages(64)
     count = encoder.encode(messages, 0, 5 * MS)
     blocks, channels = Blocks(1 << 14), Channels(600)
     ICubDecoder(BOARDS).decode(messages, count, blocks, 24, counters())
     channels.apply(blocks)
     places = 24 + 12 * np.concatenate([np.arange(16), 32 + np.arange(16)])
-    data = messages.data.reshape(-1, 2, 8)
-    for row, first in enumerate(places):
-        expected = [*data[row, 0, 1:], *data[row, 1, 1:6]]
-        assert channels.counts[first : first + 12].tolist() == expected
-        assert (channels.stamp_ns[first : first + 12] == 5 * MS).all()
-    assert (channels.status[places[3] : places[3] + 12] & 2 == 2).all()
-    assert not (channels.status[places[4] : places[4] + 12] & 2).any()
+    rows = places[:, None] + np.arange(12)
+    data = messages.data.reshape(32, 16)[:, [*range(1, 8), *range(9, 14)]]
+    np.testing.assert_array_equal(channels.counts[rows], data)
+    assert (channels.stamp_ns[rows] == 5 * MS).all()
+    assert (channels.status[rows[3]] & 2 == 2).all()
+    assert not (channels.status[rows[4]] & 2).any()
     assert np.isnan(channels.counts[24 + 192 : 24 + 384]).all()  # the board of the other bus
 
 
@@ -355,9 +323,8 @@ def test_encoded_triangles_come_back():
 )
 def test_each_message_counts_once(identifier, data, name):
     blocks, counts = decoded([(identifier, bytes.fromhex(data), 0.0)])
-    assert counts[name] == 1
-    assert sum(counts[each] for each in ("RECEIVED", "MALFORMED", "FOREIGN")) == 1
-    assert counts["BYTES"] == len(bytes.fromhex(data))
+    counts.pop("READINGS", None)
+    assert counts == Counter({name: 1, "BYTES": len(bytes.fromhex(data))}) - Counter()
     assert bool(blocks) == (name == "RECEIVED")
     kinds = [block.kind for block in blocks]
     assert (Kind.STATUS in kinds) == (len(bytes.fromhex(data)) == 8 and data.startswith("c0"))
@@ -400,17 +367,10 @@ def test_rows_that_are_not_there_are_refused(first, count):
         ICubDecoder([(0, 1)]).decode(CanMessages(4), count, Blocks(64), 0, counters(), first)
 
 
+PART = st.tuples(st.sampled_from([b"\x40", b"\xc0"]), st.binary(max_size=7)).map(b"".join)
 ANY_MESSAGE = st.tuples(
-    st.one_of(
-        st.integers(0, 0xFFFFFFFF),
-        st.builds(lambda c, b: c << 8 | b, st.integers(3, 4), st.integers(0, 255)),
-    ),
-    st.one_of(
-        st.binary(max_size=8),
-        st.builds(
-            lambda k, d: bytes([k]) + d, st.sampled_from([0x40, 0xC0]), st.binary(max_size=7)
-        ),
-    ),
+    st.integers(0, 0xFFFFFFFF) | st.integers(0x300, 0x4FF),
+    st.binary(max_size=8) | PART,
     st.integers(-(1 << 62) // MS, (1 << 62) // MS),
 )
 
@@ -440,11 +400,8 @@ def test_any_messages_at_all(rows, bus, room):
             expected.append((first, data[1:8]))
         if data[0] == 0xC0 and length >= 6:
             expected.append((first + 7, data[1:6]))
-    found = [
-        (block.channel, block.payload.tobytes())
-        for block in blocks_of(blocks.data)
-        if block.kind == Kind.BYTES
-    ]
+    there = [each for each in blocks_of(blocks.data) if each.kind == Kind.BYTES]
+    found = [(block.channel, block.payload.tobytes()) for block in there]
     if not counts[Count.DUPLICATED]:
         assert found == expected
     assert len(found) == counts[Count.READINGS] == len(expected) - counts[Count.DUPLICATED]

@@ -28,6 +28,13 @@ class Robot:
         ports = (YarpPort("left_forearm", channels, FOREARM),)
         return YarpText(ports, port=self.server.port)
 
+    def stream(self, channels: int) -> Stream:
+        """One that is up."""
+        stream = self.source(channels).open()
+        wait_for(lambda: stream.poll(Blocks(), 0, time.time_ns()) or stream.up)
+        wait_for(lambda: self.sender.readers)
+        return stream
+
     def close(self) -> None:
         self.server.close()
         self.sender.close()
@@ -77,23 +84,15 @@ def blocks_when(stream: Stream, enough: int, kinds: tuple[Kind, ...] = ()) -> li
     return found
 
 
-def ready(stream: Stream, robot: Robot) -> None:
-    blocks = Blocks()
-    wait_for(lambda: stream.poll(blocks, 0, time.time_ns()) or stream.up)
-    wait_for(lambda: robot.sender.readers)
-
-
 def test_what_it_says_is_what_yarps_pages_say(robot: Robot) -> None:
-    stream = robot.source().open()
-    ready(stream, robot)
+    stream = robot.stream(12)
     assert robot.server.heard == [b'CONNECT skinfield\r\nd\r\nquery "/icub/skin/left_forearm"\r\n']
     assert robot.sender.heard == [b"CONNECT skinfield\r\nr\r\n"]
     stream.close()
 
 
 def test_numbers_of_all_kinds_arrive(robot: Robot) -> None:
-    stream = robot.source(5).open()
-    ready(stream, robot)
+    stream = robot.stream(5)
     robot.sender.send([0, 255, 240, 1, 2])
     robot.sender.send([0, 256, 65535, 1, 2], word="do")
     robot.sender.send([-1.5, 0.1, 1e-12, 123456789.25, 3e38], word="d")
@@ -110,8 +109,7 @@ def test_numbers_of_all_kinds_arrive(robot: Robot) -> None:
 
 
 def test_what_a_port_left_out_is_counted_by_its_numbers(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     for number in (5, 6, 9, 10, 0, 1, 4):  # 7, 8; begun anew; 2, 3
         robot.sender.send([1, 2, 3], number)
     blocks_when(stream, 7)
@@ -120,8 +118,7 @@ def test_what_a_port_left_out_is_counted_by_its_numbers(robot: Robot) -> None:
 
 
 def test_vectors_of_another_length_are_counted_and_told(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     robot.sender.send([1, 2, 3, 4])
     robot.sender.say(b"D\r\n1 2 x\r\nwhat?\r\n")
     wait_for(lambda: blocks_when(stream, 0) or stream.counters[Count.MALFORMED] == 3)
@@ -133,8 +130,7 @@ def test_vectors_of_another_length_are_counted_and_told(robot: Robot) -> None:
 
 
 def test_a_line_in_pieces_and_a_goodbye(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     for piece in (b"D 1 ", b"2.5\r", b"\n1 2", b"4", b"0 3\r\n"):
         assert not blocks_when(stream, 0)
         robot.sender.say(piece)
