@@ -10,7 +10,7 @@ from yarp_peers import NameServer, Peer
 
 from skinfield.errors import InputError
 from skinfield.wire import yarp
-from skinfield.wire.yarp import Port, Session, envelope
+from skinfield.wire.yarp import Port, envelope
 
 VALUES = [[1, 2], [1.0, 0.5], "a b", 3.0]
 TEXT = b'(1 2) (1.0 0.5) "a b" 3.0\r\n'
@@ -156,9 +156,10 @@ def test_others_are_told_what_they_are(port: Port, visitor: Visitor) -> None:
     visitor.says(b"GET / HTTP/1.1\r\n", b"* Error. Protocol not found.\r\n")
     assert visitor.reads(100).endswith(b"CONNECT and a name.\r\n")
     assert visitor.is_closed()
-    session = Session(port)
-    session.take(b"CONNECT " + b"x" * 2000)
-    assert session.ended
+    endless = Visitor(port)
+    endless.says(b"CONNECT " + b"x" * 2000, b"a line has more than 1000 bytes")
+    assert endless.reads(100) == b", expected no more\r\n"
+    endless.close()
 
 
 class Reader(Peer):

@@ -106,8 +106,7 @@ class CySkinDecoder(CanDecoder):
         self.wire = wire or CySkinWire()
         self.table = sensor_table(self.boards, bus)
         count = len(self.table.numbers)
-        self._check = self.wire.checksum.numbers
-        self._sums = self.wire.checksum.table
+        self._check = self.wire.checksum.numbers, self.wire.checksum.table
         self._packets: Octets = np.zeros((count, ROOM), np.uint8)
         self._used: Ints = np.full(count, IDLE, np.int64)
         self._previous: Ints = np.zeros(count, np.int64)
@@ -137,9 +136,10 @@ class CySkinDecoder(CanDecoder):
         return int(
             decode_messages(
                 messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
-                table.numbers, wire.extended, wire.big_endian, self._check, self._sums,
-                table.channels, table.begins, table.counts, self._packets, self._used,
-                self._previous, blocks.words, blocks.octets, blocks.end, channel, counters,
+                table.numbers, wire.extended, wire.big_endian, self._check,
+                (table.channels, table.begins, table.counts),
+                (self._packets, self._used, self._previous),
+                (blocks.words, blocks.octets, blocks.end), channel, counters,
             )
         )  # fmt: skip
 

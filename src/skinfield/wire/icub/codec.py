@@ -104,8 +104,8 @@ class ICubDecoder(CanDecoder):
         return int(
             decode_messages(
                 messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
-                self._positions, self._state, self._events, self._learned,
-                self._newest, blocks.words, blocks.octets, blocks.end, channel, counters,
+                self._positions, (self._state, self._events, self._learned), self._newest,
+                (blocks.words, blocks.octets, blocks.end), channel, counters,
             )
         )  # fmt: skip
 

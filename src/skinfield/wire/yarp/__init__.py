@@ -15,4 +15,3 @@ from skinfield.wire.yarp.name_server import PORT as PORT
 from skinfield.wire.yarp.name_server import Answer as Answer
 from skinfield.wire.yarp.name_server import NameServer as NameServer
 from skinfield.wire.yarp.port import Port as Port
-from skinfield.wire.yarp.port import Session as Session
