@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -162,20 +163,31 @@ def board() -> Iterator[ICubBoard]:
     device.close()
 
 
-def test_messages_over_a_bus_start_the_boards_and_stop_them(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,)).open())
-    expected = list(board.configuration.messages())
-    host.until(lambda: len(board.listen()) >= len(expected))
-    assert board.told == expected
-    board.send(3)
-    host.until(lambda: host.count(Count.RECEIVED) == 12)
-    host.stream.close()
-    wait_for(lambda: len(board.listen()) > len(expected))
-    assert board.told[len(expected) :] == [(0x201, b"\x07\x01")]
+@pytest.mark.parametrize(
+    ("made", "start", "stop"),
+    [
+        (ICubBoard, list(configuration_for(*HEXAGON).messages()), [(0x201, b"\x07\x01")]),
+        (CySkinBoard, start_messages(CYSKIN_BOARDS), stop_messages(CYSKIN_BOARDS)),
+    ],
+)
+def test_messages_over_a_bus_start_the_boards_and_stop_them(
+    made: type, start: list, stop: list
+) -> None:
+    with closing(made()) as device:
+        host = Host(device.source().open())
+        host.until(lambda: len(device.listen()) >= len(start))
+        assert device.told == start
+        blocks = device.send(3)
+        host.until(lambda: host.count(Count.READINGS) == blocks)
+        expected = np.arange(72) + 1 if made is CySkinBoard else 1
+        np.testing.assert_array_equal(host.channels.counts[:72], expected)
+        host.stream.close()
+        wait_for(lambda: len(device.listen()) >= len(start + stop))
+        assert device.told[len(start) :] == stop
 
 
 def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,)).open())
+    host = Host(board.source().open())
     count = len(board.configuration.messages())
     host.until(lambda: len(board.listen()) >= count)
     board.unplug(host.stream)
@@ -188,7 +200,7 @@ def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) ->
 
 
 def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,), configure=False).open())
+    host = Host(board.source(configure=False).open())
     host.until(lambda: host.stream.up)
     board.send()
     counts = host.came(slice(72))
@@ -217,18 +229,6 @@ def test_the_number_of_buses_must_fit() -> None:
         ICubCan(configuration_for(*HEXAGON), (BusSettings(), BusSettings(port=43114)))
     with pytest.raises(InputError, match="expected 1"):
         CySkinCan(CYSKIN_BOARDS, ())
-
-
-def test_a_cyskin_board_over_a_bus() -> None:
-    device = CySkinBoard()
-    host = Host(CySkinCan(CYSKIN_BOARDS, (device.settings,), period_ms=20).open())
-    start = start_messages(CYSKIN_BOARDS, CySkinWire(), period_ms=20)
-    host.until(lambda: len(device.listen()) >= len(start))
-    assert device.told == start
-    device.send()
-    np.testing.assert_array_equal(host.came(slice(None)), np.arange(72) + 1)
-    host.stream.close()
-    device.close()
 
 
 def test_ports_follow_the_robots_wrapper() -> None:
