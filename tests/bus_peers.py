@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from skinfield.signal import CanMessages
+from skinfield.signal import Blocks, CanDecoder, CanMessages, counters
 from skinfield.signal.can import EXTENDED, REMOTE
 from skinfield.wire.can import Bus, BusSettings, open_bus
 
@@ -42,6 +42,22 @@ def rows_of(messages: CanMessages, count: int, first: int = 0) -> list[tuple[int
         (int(messages.ids[row]), messages.data[row, : messages.lengths[row]].tobytes())
         for row in range(first, count)
     ]
+
+
+def decoded_in_parts(
+    make: Callable[[], CanDecoder], rows: tuple[CanMessages, int], room: int
+) -> tuple[int, np.ndarray]:
+    """Calls that it took with so little room, and what was counted: the blocks as with enough."""
+    decoder, small, whole, seen = make(), Blocks(room), Blocks(1 << 16), counters()
+    make().decode(*rows, whole, 0, counters())
+    parts, at, calls = b"", 0, 0
+    while at < rows[1]:
+        small.clear()
+        then = decoder.decode(*rows, small, 0, seen, at)
+        assert at < then <= rows[1]
+        at, calls, parts = then, calls + 1, parts + small.data.tobytes()
+    assert parts == whole.data.tobytes()
+    return calls, seen
 
 
 def receive(bus: Bus, count: int, room: int = 256) -> list[tuple[int, bytes, int]]:

@@ -36,12 +36,7 @@ from skinfield.wire.sources import (
     StreamReader,
     matched,
 )
-from skinfield.wire.sources.boards import (
-    AT_ONCE,
-    CySkinSupervision,
-    ICubSupervision,
-    ports_of,
-)
+from skinfield.wire.sources.boards import AT_ONCE, CySkinSupervision, ICubSupervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000

@@ -95,12 +95,9 @@ def test_numbers_keep_their_values(values: list[float]) -> None:
 
 
 def test_the_narrowest_kind_is_taken() -> None:
-    assert narrowest(np.array([[0.0, 255.0]]))[0] == Kind.BYTES
-    assert narrowest(np.array([[0.0, 256.0]]))[0] == Kind.SHORTS
-    assert narrowest(np.array([[0.0, 65536.0]]))[0] == Kind.FLOATS
-    assert narrowest(np.array([[0.5]]))[0] == Kind.FLOATS
-    assert narrowest(np.array([[-1.0]]))[0] == Kind.FLOATS
-    assert narrowest(np.array([[np.nan]]))[0] == Kind.FLOATS
+    numbers = (255.0, 256.0, 65536.0, 0.5, -1.0, np.nan)
+    kinds = [narrowest(np.array([[0.0, number]]))[0] for number in numbers]
+    assert kinds == [Kind.BYTES, Kind.SHORTS, *[Kind.FLOATS] * 4]
 
 
 def test_tables_of_more_columns_than_channels_cannot_be_played() -> None:

@@ -235,13 +235,7 @@ def decode_messages(
 
 @inner
 def assemble(
-    packets: Packets,
-    row: int,
-    part: int,
-    data: Octets,
-    message: int,
-    length: int,
-    counters: Ints,
+    packets: Packets, row: int, part: int, data: Octets, message: int, length: int, counters: Ints
 ) -> bool:
     """Add a message to its board's packet; whether that is complete."""
     octets, used, previous = packets

@@ -242,11 +242,7 @@ class Port:
     """
 
     def __init__(
-        self,
-        name: str,
-        host: str = "",
-        socket_port: int = 0,
-        server: NameServer | None = None,
+        self, name: str, host: str = "", socket_port: int = 0, server: NameServer | None = None
     ) -> None:
         checked_name(name)
         self.name, self.server = name, server
