@@ -3,6 +3,7 @@
 import socket
 import struct
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from hypothesis import given
@@ -119,16 +120,14 @@ class Visitor:
 
 @pytest.fixture
 def port() -> Iterator[Port]:
-    made = Port("/out", "127.0.0.1")
-    yield made
-    made.close()
+    with closing(Port("/out", "127.0.0.1")) as made:
+        yield made
 
 
 @pytest.fixture
 def visitor(port: Port) -> Iterator[Visitor]:
-    made = Visitor(port)
-    yield made
-    made.close()
+    with closing(Visitor(port)) as made:
+        yield made
 
 
 def test_a_reader_types_what_yarps_page_says(port: Port, visitor: Visitor) -> None:
@@ -228,8 +227,8 @@ class Reader(Peer):
 def test_it_connects_when_it_is_told_to(carrier: str) -> None:
     names, reader = NameServer(), Reader()
     names.known["/reader"] = ("127.0.0.1", reader.port)
-    port = Port("/out", "127.0.0.1", server=yarp.NameServer("127.0.0.1", names.port))
-    try:
+    server = yarp.NameServer("127.0.0.1", names.port)
+    with closing(names), closing(reader), closing(Port("/out", "127.0.0.1", server=server)) as port:
         port.register()
         assert names.known["/out"] == ("127.0.0.1", port.socket_port)
         assert names.asked[0] == f"register /out tcp 127.0.0.1 {port.socket_port}"
@@ -250,10 +249,6 @@ def test_it_connects_when_it_is_told_to(carrier: str) -> None:
         assert reader.got == (told if is_text else blocks)
         port.unregister()
         assert "/out" not in names.known
-    finally:
-        port.close()
-        reader.close()
-        names.close()
 
 
 def test_a_name_server_that_is_not_there() -> None:
