@@ -56,12 +56,9 @@ GOLDEN = {
     STATUS: Packet(
         kind=4, sequence=9, channel=4, count=10, status=Status.NO_ACK, payload=b"\x01\x02"
     ),
-    HELLO: Packet(
-        kind=16,
-        payload=Hello(
-            channels=72, period_us=10_000, layout=bytes.fromhex("0011223344556677"), name="palm"
-        ).payload,
-    ),
+    HELLO: Packet(kind=16, payload=Hello(
+        channels=72, period_us=10_000, layout=bytes.fromhex("0011223344556677"), name="palm"
+    ).payload),
     ANSWER: Packet(kind=17, sequence=2, payload=Answer(PacketKind.PERIOD, 2, 5).payload),
     PERIOD: Packet(kind=34, device=0xFFFF, sequence=5, payload=bytes.fromhex("e8030000")),
 }  # fmt: skip
