@@ -22,6 +22,7 @@ RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as
 EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
 FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
+Messages = tuple[NDArray[np.uint32], Octets, Octets, Ints]  # ids, lengths, data, stamps
 Into = tuple[Words, Octets, Words]  # words, octets, end of `Blocks`
 Sensors = tuple[Ints, Ints, Ints]  # channels, begins, counts: see `decode_messages`
 Check = tuple[Table, Table]  # numbers and table of a checksum
@@ -169,10 +170,7 @@ def board_of(identifier: int, extended: bool, numbers: Ints) -> tuple[int, int]:
 
 @njit
 def decode_messages(
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
+    messages: Messages,
     first: int,
     count: int,
     numbers: Ints,
@@ -189,8 +187,8 @@ def decode_messages(
 
     Parameters
     ----------
-    ids, lengths, data, stamps : arrays
-        Of `CanMessages`.
+    messages : arrays
+        Identifiers, lengths, data, stamps of `CanMessages`.
     numbers : (B,) int64 array
         Of the boards.
     check : arrays
@@ -207,7 +205,7 @@ def decode_messages(
     channel : int
     counters : (len(Count),) int64 array
     """
-    octets, used, previous = packets
+    (ids, lengths, data, stamps), (octets, used, previous) = messages, packets
     for i in range(first, count):
         row, part = board_of(int(ids[i]), extended, numbers)
         length = min(int(lengths[i]), 8)

@@ -99,7 +99,7 @@ class ICubDecoder(CanDecoder):
 
         return int(
             decode_messages(
-                messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
+                (messages.ids, messages.lengths, messages.data, messages.stamp_ns), first, count,
                 self._positions, (self._state, self._events, self._learned), self._newest,
                 (blocks.words, blocks.octets, blocks.end), channel, counters,
             )

@@ -36,6 +36,7 @@ HEAD, TAIL = 0x40, 0xC0
 HIGHEST_ID = 0x7FF
 ANALOG, SKIN = 3, 4  # as `MessageClass`
 MEANINGLESS, OF_OTHERS = -1, -2  # no head and no tail
+Messages = tuple[NDArray[np.uint32], Octets, Octets, Ints]  # ids, lengths, data, stamps
 Into = tuple[Words, Octets, Words]  # words, octets, end of `Blocks`
 Learned = tuple[Octets, Ints, Ints]  # see `follow`
 TAIL_WORDS = 6  # a block of 5 counts and one of status
@@ -122,10 +123,7 @@ def has_same_data(data: Octets, row: int, newest: Octets, slot: int, length: int
 
 @njit
 def decode_messages(
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
+    messages: Messages,
     first: int,
     count: int,
     positions: Ints,
@@ -139,8 +137,8 @@ def decode_messages(
 
     Parameters
     ----------
-    ids, lengths, data, stamps : arrays
-        Of `CanMessages`.
+    messages : arrays
+        Identifiers, lengths, data, stamps of `CanMessages`.
     positions : (16,) int64 array
         Place of each board in the port, -1 of one that is not ours.
     learned : arrays
@@ -153,6 +151,7 @@ def decode_messages(
         Of the port's first taxel.
     counters : (len(Count),) int64 array
     """
+    ids, lengths, data, stamps = messages
     for i in range(first, count):
         identifier, length = int(ids[i]), min(int(lengths[i]), 8)
         head = is_head(identifier, lengths[i], data, i)
