@@ -5,11 +5,10 @@ import numpy as np
 from skinfield.signal import CanMessages
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE
 from skinfield.wire.can.adapters import structs_of
-from skinfield.wire.can.kernel import messages_of_structs, take_headers
+from skinfield.wire.can.kernel import CONTROL, messages_of_structs, take_headers
 
 INTERPRETED = True
 DATAGRAMS, ROOM = 3, 16
-CONTROL = 64  # bytes of control messages of a datagram
 
 
 def packed(*identifiers: int) -> bytes:
@@ -54,5 +53,5 @@ def one_input(data: bytes) -> None:
     headers = np.full((DATAGRAMS, 8), min(size, CONTROL), np.int64)
     take_headers(
         headers, control.view(np.uint32), DATAGRAMS, 1, np.zeros(DATAGRAMS, np.int64),
-        np.zeros(DATAGRAMS, np.int64), np.zeros(2, np.int64), 32, CONTROL,
+        np.zeros(DATAGRAMS, np.int64), np.zeros(2, np.int64),
     )  # fmt: skip

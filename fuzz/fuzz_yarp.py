@@ -8,15 +8,10 @@ import numpy as np
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count, Port, blocks_of, counters
 from skinfield.wire.sources.yarp import VectorReader
-from skinfield.wire.yarp import (
-    Answer,
-    Carrier,
-    Session,
-    bytes_from_bottle,
-    text_from_bottle,
-)
+from skinfield.wire.yarp import Answer, Carrier, bytes_from_bottle, text_from_bottle
 from skinfield.wire.yarp.carriers import Lines, from_octets, greeting, message
 from skinfield.wire.yarp.contacts import known_name, part_of, port_of
+from skinfield.wire.yarp.port import Connection
 
 VALUES = [[1, 2], [1.0, -0.5], "a b\n", True]
 CHANNELS = 5
@@ -48,6 +43,23 @@ class Owner:
     outputs: ClassVar = {"/there": "tcp"}
 
 
+class Socket:
+    """One that brings pieces, and keeps what it is given."""
+
+    def __init__(self) -> None:
+        self.piece, self.answer = b"", bytearray()
+        self.setblocking = self.setsockopt = lambda *_: None
+
+    def recv(self, size: int) -> bytes:
+        """The piece."""
+        return self.piece
+
+    def send(self, data: bytes) -> int:
+        """All of it."""
+        self.answer += data
+        return len(data)
+
+
 class Link:
     """A connection that brought lines."""
 
@@ -63,8 +75,8 @@ class Link:
 
 def one_input(data: bytes) -> None:
     """Take the bytes as each of the things that they may be."""
-    session(data)
-    session(b"CONNACK x\n" + data)
+    connection(data)
+    connection(b"CONNACK x\n" + data)
     answers(data)
     vectors(data)
     name = from_octets(data[:60])
@@ -72,17 +84,22 @@ def one_input(data: bytes) -> None:
     assert port_of(name).startswith("/icub/skin/")
 
 
-def session(data: bytes) -> None:
+def heard(data: bytes, size: int, *reader: object) -> Connection:
+    """A connection that heard the data in pieces of that size."""
+    made = Connection(Socket(), Owner(), *reader)
+    for at in range(0, len(data), size):
+        if not made.gone:
+            made.socket.piece = data[at : at + size]
+            made.receive()
+    return made
+
+
+def connection(data: bytes) -> None:
     """In one piece and in pieces: the same answers."""
-    whole, pieces = Session(Owner()), Session(Owner())
-    whole.take(data)
-    for at in range(0, len(data), 7):
-        if pieces.ended:
-            break
-        pieces.take(data[at : at + 7])
-    assert whole.ended == pieces.ended
+    whole, pieces = heard(data, len(data) + 1), heard(data, 7)
+    assert whole.gone == pieces.gone
     if not whole.reads:
-        assert whole.answer == pieces.answer
+        assert whole.socket.answer == pieces.socket.answer
 
 
 def answers(data: bytes) -> None:
@@ -92,9 +109,7 @@ def answers(data: bytes) -> None:
         answer.feed(data)
     _ = answer.place
     for carrier in Carrier:
-        reader = Session(Owner(), carrier, "/reader")
-        reader.take(data)
-        assert reader.unread == 0
+        assert heard(data, len(data) + 1, carrier, "/reader").unread == 0
 
 
 def vectors(data: bytes) -> None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from skinfield.signal import CanMessages
+from skinfield.signal import Blocks, CanDecoder, CanMessages, counters
 from skinfield.signal.can import EXTENDED, REMOTE
 from skinfield.wire.can import Bus, BusSettings, open_bus
 
@@ -36,15 +36,38 @@ def wait_for(condition: Callable[[], object]) -> None:
         time.sleep(1e-3)
 
 
+def rows_of(messages: CanMessages, count: int, first: int = 0) -> list[tuple[int, bytes]]:
+    """Identifiers and data of rows `first` to `count`."""
+    return [
+        (int(messages.ids[row]), messages.data[row, : messages.lengths[row]].tobytes())
+        for row in range(first, count)
+    ]
+
+
+def decoded_in_parts(
+    make: Callable[[], CanDecoder], rows: tuple[CanMessages, int], room: int
+) -> tuple[int, np.ndarray]:
+    """Calls that it took with so little room, and what was counted: the blocks as with enough."""
+    decoder, small, whole, seen = make(), Blocks(room), Blocks(1 << 16), counters()
+    make().decode(*rows, whole, 0, counters())
+    parts, at, calls = b"", 0, 0
+    while at < rows[1]:
+        small.clear()
+        then = decoder.decode(*rows, small, 0, seen, at)
+        assert at < then <= rows[1]
+        at, calls, parts = then, calls + 1, parts + small.data.tobytes()
+    assert parts == whole.data.tobytes()
+    return calls, seen
+
+
 def receive(bus: Bus, count: int, room: int = 256) -> list[tuple[int, bytes, int]]:
     """Identifier, data and stamp of the next messages; patiently."""
     messages, found = CanMessages(room), []
 
     def all_there() -> bool:
-        for row in range(bus.receive(messages)):
-            length = 0 if messages.ids[row] & REMOTE else int(messages.lengths[row])
-            data = messages.data[row, :length].tobytes()
-            found.append((int(messages.ids[row]), data, int(messages.stamp_ns[row])))
+        rows = rows_of(messages, bus.receive(messages))
+        for (identifier, data), stamp in zip(rows, messages.stamp_ns.tolist(), strict=False):
+            found.append((identifier, b"" if identifier & REMOTE else data, stamp))
         return len(found) >= count
 
     wait_for(all_there)
@@ -65,13 +88,10 @@ def opened(*settings: BusSettings) -> Iterator[list[Bus]]:
 @contextmanager
 def pair() -> Iterator[tuple[Bus, Bus]]:
     """A host and its board over plain UDP."""
-    host = open_bus(BusSettings("udp", port=0))
-    board = open_bus(BusSettings("udp", port=0, peer=f"127.0.0.1:{host.address[1]}"))
-    try:
-        yield host, board
-    finally:
-        host.close()
-        board.close()
+    with opened(BusSettings("udp", port=0)) as (host,):
+        peer = f"127.0.0.1:{host.address[1]}"
+        with opened(BusSettings("udp", port=0, peer=peer)) as (board,):
+            yield host, board
 
 
 def drawn_messages(rng: np.random.Generator, count: int) -> CanMessages:

@@ -16,8 +16,7 @@ def filled(rows):
     """Messages of (identifier, data, stamp in ms)."""
     messages = CanMessages(max(len(rows), 1))
     for row, (identifier, data, stamp) in enumerate(rows):
-        messages.ids[row], messages.lengths[row] = identifier, len(data)
-        messages.data[row, : len(data)] = list(data[:8])
+        messages.put(row, identifier, data)
         messages.stamp_ns[row] = round(stamp * MS)
     return messages, len(rows)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import gettempdir
 
 import numpy as np
-from bus_peers import free_port, wait_for
+from bus_peers import free_port, rows_of, wait_for
 
 from skinfield.signal import Blocks, CanMessages, Channels, Count, Stream
 from skinfield.skin import Skin
@@ -22,6 +22,7 @@ from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for
 from skinfield.wire.packet import encode_command, packets_of
 from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
+from skinfield.wire.sources import CySkinCan, ICubCan, PacketSerial, PacketTcp
 
 COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))
@@ -74,11 +75,12 @@ class ICubBoard:
     def configuration(self) -> ICubConfiguration:
         return configuration_for(*HEXAGON)
 
+    def source(self, configure: bool = True) -> ICubCan | CySkinCan:
+        return ICubCan(self.configuration, (self.settings,), configure)
+
     def listen(self) -> list[tuple[int, bytes]]:
         """All that it was told until now."""
-        for row in range(self.bus.receive(self._rows)):
-            data = self._rows.data[row, : self._rows.lengths[row]].tobytes()
-            self.told.append((int(self._rows.ids[row]), data))
+        self.told += rows_of(self._rows, self.bus.receive(self._rows))
         return self.told
 
     def send(self, message_class: int = 4) -> int:
@@ -94,10 +96,15 @@ class ICubBoard:
 
     def unplug(self, stream: Stream) -> None:
         """Break the host's socket, and keep its port from it."""
-        link = stream.buses[0]  # type: ignore[attr-defined]
-        link._socket.close()
-        self.blocker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        wait_for(lambda: _bound(self.blocker, self.own))
+        stream.buses[0]._socket.close()  # type: ignore[attr-defined]
+        self.blocker = sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+        def bound() -> bool:
+            with suppress(OSError):
+                sock.bind(("127.0.0.1", self.own))
+            return sock.getsockname()[1] == self.own
+
+        wait_for(bound)
 
     def plug(self) -> None:
         assert self.blocker is not None
@@ -109,21 +116,15 @@ class ICubBoard:
             self.blocker.close()
 
 
-def _bound(sock: socket.socket | None, port: int) -> bool:
-    assert sock is not None
-    try:
-        sock.bind(("127.0.0.1", port))
-    except OSError:
-        return False
-    return True
-
-
 class CySkinBoard(ICubBoard):
     """CySkin's board 1 with six modules, on the same bus: one packet, and so one block."""
 
     def __init__(self) -> None:
         super().__init__()
         self.encoder = CySkinEncoder(CYSKIN_BOARDS)
+
+    def source(self, configure: bool = True) -> ICubCan | CySkinCan:
+        return CySkinCan(CYSKIN_BOARDS, (self.settings,), configure=configure)
 
     def send(self, message_class: int = 4) -> int:
         self.listen()
@@ -159,8 +160,8 @@ class PacketSocket:
 class PacketServer:
     """A device behind a TCP server."""
 
-    def __init__(self, port: int = 0) -> None:
-        self.number, self.port = -1, port
+    def __init__(self) -> None:
+        self.number, self.port = -1, 0
         self.connections: list[socket.socket] = []
         self.told: list[int] = []
         self.plug()
@@ -173,16 +174,18 @@ class PacketServer:
         self.server.setblocking(False)
         self.port = self.server.getsockname()[1]
 
-    def connection(self) -> socket.socket:
-        """The newest, and what was told over it."""
+    def source(self) -> PacketTcp:
+        return PacketTcp(72, port=self.port)
+
+    def listen(self) -> list[int]:
+        """Kinds of all packets that it was told until now, over the newest connection."""
         with suppress(BlockingIOError):
             found, _ = self.server.accept()
             found.setblocking(False)
             self.connections.append(found)
-        newest = self.connections[-1]
         with suppress(BlockingIOError):
-            self.told += [each.kind for each in packets_of(newest.recv(1 << 16))]
-        return newest
+            self.told += [each.kind for each in packets_of(self.connections[-1].recv(1 << 16))]
+        return self.told
 
     def send(self, data: bytes | None = None) -> int:
         """Send one reading; blocks of counts that it makes."""
@@ -193,10 +196,10 @@ class PacketServer:
 
     def _accepted(self) -> bool:
         with suppress(IndexError, OSError):
-            self.connection()
+            self.listen()
         return bool(self.connections) and self.connections[-1].fileno() >= 0
 
-    def unplug(self, stream: Stream) -> None:
+    def unplug(self, stream: Stream | None = None) -> None:
         self.close()
 
     def close(self) -> None:
@@ -224,6 +227,9 @@ class SerialLine:
         os.close(self._slave)
         os.close(self.master)
         self.path.unlink()
+
+    def source(self) -> PacketSerial:
+        return PacketSerial(72, str(self.path))
 
     def listen(self) -> list[int]:
         """Kinds of all packets that it was told until now."""

@@ -28,6 +28,7 @@ def decode(
 
 WIDTHS = {1: 1, 2: 2, 3: 4, 5: 2}
 FORMATS = {1: "B", 2: "H", 3: "f", 5: "h"}
+COUNTED = ("RECEIVED", "FOREIGN", "MALFORMED", "READINGS")
 
 
 def raw_packet(
@@ -84,10 +85,7 @@ class Reference:
     channels: int
     device: int = 1
     values: dict = field(default_factory=dict)
-    received: int = 0
-    foreign: int = 0
-    malformed: int = 0
-    readings: int = 0
+    counts: dict = field(default_factory=lambda: dict.fromkeys(COUNTED, 0))
 
     def stream(self, data: bytes, final: bool = False) -> int:
         """Octets that are done with."""
@@ -100,7 +98,7 @@ class Reference:
             elif size == 0 and not final:
                 break
             else:
-                self.malformed += not torn
+                self.counts["MALFORMED"] += not torn
                 torn = True
                 at += 1
                 while at < len(data) and data[at] != 0x53:
@@ -110,14 +108,12 @@ class Reference:
     def take(self, packet: bytes) -> None:
         kind = packet[3]
         device, channel, count = u16(packet, 4), u16(packet, 16), u16(packet, 18)
-        if device != self.device or kind >= 32:
-            self.foreign += 1
+        beyond = (kind in WIDTHS or kind == 4) and channel + count > self.channels
+        if device != self.device or kind >= 32 or beyond:
+            self.counts["FOREIGN"] += 1
             return
-        if (kind in WIDTHS or kind == 4) and channel + count > self.channels:
-            self.foreign += 1
-            return
-        self.received += 1
+        self.counts["RECEIVED"] += 1
         if kind in WIDTHS:
-            self.readings += 1
+            self.counts["READINGS"] += 1
             numbers = struct.unpack(f"<{count}{FORMATS[kind]}", packet[24:-2])
             self.values.update(zip(range(channel, channel + count), numbers, strict=True))

@@ -236,7 +236,7 @@ def test_stamps_and_drops_out_of_control_messages() -> None:
         headers[row, 5], headers[row, 7] = len(content), 16 * (row + 1)
     headers[2, 6] = 0x20  # MSG_TRUNC
     lengths, stamps, drops = np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(2, np.int64)
-    octets = take_headers(headers, control.view(np.uint32), 3, 99, lengths, stamps, drops, 32, 64)
+    octets = take_headers(headers, control.view(np.uint32), 3, 99, lengths, stamps, drops)
     assert octets == 96
     assert lengths.tolist() == [16, 32, TOO_LONG]
     assert stamps.tolist() == [5_000_000_007, 5_000_000_007, 99]

@@ -1,17 +1,13 @@
 """CySkin's messages lost, doubled, swapped and damaged: against plain Python, and any bytes."""
 
 import numpy as np
+from bus_peers import decoded_in_parts, rows_of
 from cyskin_reference import Reference, crc8
 from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
-from skinfield.wire.cyskin import (
-    CySkinBoard,
-    CySkinDecoder,
-    CySkinEncoder,
-    CySkinModule,
-)
+from skinfield.wire.cyskin import CySkinBoard, CySkinDecoder, CySkinEncoder, CySkinModule
 
 BOARDS = (
     CySkinBoard(1, tuple(CySkinModule(i) for i in range(5))),
@@ -27,27 +23,23 @@ def sent_rows(readings: int, per_packet: int, seed: int) -> Rows:
     for _ in range(readings):
         encoder.counts[:] = rng.integers(0, 65536, CHANNELS)
         count = encoder.encode(messages, count, 0)
-    return [
-        (int(messages.ids[i]), messages.data[i, : messages.lengths[i]].tobytes())
-        for i in range(count)
-    ]
+    return rows_of(messages, count)
 
 
 def messages_of(rows: Rows) -> CanMessages:
     messages = CanMessages(max(len(rows), 1))
     for row, (identifier, data) in enumerate(rows):
-        messages.ids[row], messages.lengths[row] = identifier, len(data)
-        messages.data[row, : len(data)] = list(data)
+        messages.put(row, identifier, data)
     return messages
 
 
 def damaged(rows: Rows, faults: list[tuple[str, int, int]]) -> Rows:
     rows = list(rows)
     for what, where, how in faults:
-        at = where % len(rows) if rows else 0
-        identifier, data = rows[at] if rows else (0, b"")
         if not rows:
             break
+        at = where % len(rows)
+        identifier, data = rows[at]
         if what == "lose":
             del rows[at]
         elif what == "double":
@@ -99,15 +91,11 @@ def test_damage_is_seen_as_plain_python_sees_it(
         readings_of_blocks += len(list(blocks_of(blocks.data)))
         state.apply(blocks)
     expected = np.full(CHANNELS, np.nan)
-    for channel, value in reference.values.items():
-        expected[channel] = value
+    expected[list(reference.values)] = list(reference.values.values())
     np.testing.assert_array_equal(state.counts, expected)
-    assert seen[Count.RECEIVED] == reference.received
-    assert seen[Count.FOREIGN] == reference.foreign
-    assert seen[Count.MALFORMED] == reference.malformed
-    assert seen[Count.LOST] == reference.lost
-    assert seen[Count.DUPLICATED] == reference.duplicated
-    assert seen[Count.READINGS] == reference.blocks == readings_of_blocks
+    for name in ("RECEIVED", "FOREIGN", "MALFORMED", "LOST", "DUPLICATED", "READINGS"):
+        assert seen[Count[name]] == reference.counts[name], name
+    assert seen[Count.READINGS] == readings_of_blocks
 
 
 @given(
@@ -132,14 +120,8 @@ def test_ends_of_packets_that_come_twice_spoil_nothing(
 
 def test_without_room_it_goes_on_where_it_stopped() -> None:
     rows = sent_rows(6, 20, 3)
-    messages = messages_of(rows)
-    whole, small = Blocks(1 << 16), Blocks(1100)
-    CySkinDecoder(BOARDS).decode(messages, len(rows), whole, 0, counters())
-    decoder, seen, at, found = CySkinDecoder(BOARDS), counters(), 0, b""
-    while at < len(rows):
-        small.clear()
-        then = decoder.decode(messages, len(rows), small, 0, seen, at)
-        assert then > at
-        at, found = then, found + small.data.tobytes()
-    assert found == whole.data.tobytes()
+    calls, seen = decoded_in_parts(
+        lambda: CySkinDecoder(BOARDS), (messages_of(rows), len(rows)), 1100
+    )
+    assert calls > 2
     assert seen[Count.RECEIVED] == len(rows)

@@ -4,6 +4,7 @@ import sys
 import threading
 import uuid
 from collections.abc import Iterator
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -80,13 +81,10 @@ def test_a_writer_that_ends_and_begins_again(keys: tuple[int, int]) -> None:
     reader, blocks, seen = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters()
     assert not reader.reopen()
     for turn in range(2):
-        writer = SharedMemoryWriter(UIDS, *keys)
-        try:
+        with closing(SharedMemoryWriter(UIDS, *keys)) as writer:
             assert reader.reopen()
             writer.write(np.full(34, turn), 0)
             assert reader.read(blocks, 0, seen, 5) == 1
-        finally:
-            writer.close()
         assert reader.read(blocks, 0, seen, 5) == 0
         assert not reader.up
     assert seen[Count.LOST] == 0
@@ -139,23 +137,19 @@ def test_no_torn_sample_is_believed(writer: SharedMemoryWriter, keys: tuple[int,
 def test_unknown_uids_are_left_out_and_counted(keys: tuple[int, int]) -> None:
     writer = SharedMemoryWriter([*UIDS.tolist(), 5, int(UIDS[0])], *keys)
     reader, blocks, seen = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters()
-    try:
+    with closing(writer), closing(reader):
         reader.reopen()
         writer.write(np.arange(36), 0)
         assert reader.read(blocks, 0, seen, 5) == 1
         assert seen[Count.FOREIGN] == 1
         assert reader.order.unknown == 2
         assert [int(b.payload[0]) for b in blocks_of(blocks.data)] == [0, 12, 22]
-    finally:
-        reader.close()
-        writer.close()
 
 
 def test_areas_of_others_are_refused(keys: tuple[int, int]) -> None:
     with pytest.raises(OSError, match="is not there"):
         Area(keys[0], 10)
-    writer = SharedMemoryWriter([], *keys)  # areas of 10 and of 12 bytes
-    try:
+    with closing(SharedMemoryWriter([], *keys)) as writer:  # areas of 10 and of 12 bytes
         reader = SharedMemoryReader([BOARD], keys[0])
         for sensors, key in ((0, keys[1]), (2**31, keys[1]), (4, keys[1]), (4, keys[1] + 1)):
             writer.header[:3] = (sensors, 0, key)
@@ -163,8 +157,6 @@ def test_areas_of_others_are_refused(keys: tuple[int, int]) -> None:
             assert reader.fault.endswith("no tool runs")
         with pytest.raises(InputError, match="has 10 bytes, expected 44"):
             Area(keys[0], 11)
-    finally:
-        writer.close()
 
 
 @given(st.lists(st.integers(0, 2**32 - 1), min_size=1, max_size=60), st.booleans())
@@ -177,7 +169,8 @@ def test_any_uids_find_their_channels(uids: list[int], known: bool) -> None:
     assert order.put(values, blocks, 0, seen, 5)
     state, expected = Channels(36), np.full(36, np.nan)
     state.apply(blocks)
-    for uid, value in reversed(list(zip(uids, values.tolist(), strict=True))):
-        if uid in UIDS.tolist():
-            expected[CHANNELS[UIDS.tolist().index(uid)]] = value
+    places = dict(zip(UIDS.tolist(), CHANNELS.tolist(), strict=True))
+    for value, uid in reversed(list(enumerate(uids))):
+        if uid in places:
+            expected[places[uid]] = value
     np.testing.assert_array_equal(state.counts, expected)

@@ -40,10 +40,7 @@ def test_a_leg_with_all_its_files(write):
     assert found.buses == (1, 2)
     assert found.addresses == ((1, 13), (1, 12), (0, 1), (0, 2), (0, 3))
     assert found.channels == 960
-    assert found.ports == (
-        PortRun("left_leg_upper", 384, 576, 0),
-        PortRun("left_foot", 0, 384, 0),
-    )
+    assert found.ports == (PortRun("left_leg_upper", 384, 576, 0), PortRun("left_foot", 0, 384, 0))
     foot, upper = found.boards[0], found.boards[4]
     assert foot.board == SetBoard(kind=8, period_ms=20, no_load=235)
     assert upper.board == SetBoard(kind=0, period_ms=50, no_load=240)

@@ -56,12 +56,9 @@ GOLDEN = {
     STATUS: Packet(
         kind=4, sequence=9, channel=4, count=10, status=Status.NO_ACK, payload=b"\x01\x02"
     ),
-    HELLO: Packet(
-        kind=16,
-        payload=Hello(
-            channels=72, period_us=10_000, layout=bytes.fromhex("0011223344556677"), name="palm"
-        ).payload,
-    ),
+    HELLO: Packet(kind=16, payload=Hello(
+        channels=72, period_us=10_000, layout=bytes.fromhex("0011223344556677"), name="palm"
+    ).payload),
     ANSWER: Packet(kind=17, sequence=2, payload=Answer(PacketKind.PERIOD, 2, 5).payload),
     PERIOD: Packet(kind=34, device=0xFFFF, sequence=5, payload=bytes.fromhex("e8030000")),
 }  # fmt: skip
@@ -256,47 +253,34 @@ def in_pieces(data: bytes, cuts: list[int]) -> Iterator[bytes]:
     yield data[at:]
 
 
-@given(st.lists(STEP, max_size=25), st.lists(st.integers(0, 90), max_size=20))
-def test_scanner_finds_what_plain_python_finds(steps: list, cuts: list[int]) -> None:
-    data = bytes_of(steps)
-    reference = Reference(CHANNELS)
-    done = reference.stream(data)
-    scanner, blocks, seen = PacketScanner(PacketDecoder(CHANNELS)), Blocks(1 << 15), counters()
-    state = Channels(CHANNELS)
-    for piece in in_pieces(data, cuts):
-        put(scanner, piece)
-        blocks.clear()
-        scanner.take(len(piece), blocks, 0, seen, 5)
-        state.apply(blocks)
-    assert scanner.used == len(data) - done
-    assert seen[Count.BYTES] == len(data)
-    compare(reference, seen, state)
-
-
-@given(st.lists(STEP, max_size=25))
-def test_datagram_gives_what_plain_python_finds(steps: list) -> None:
-    data = bytes_of(steps)
-    reference = Reference(CHANNELS)
-    reference.stream(data, final=True)
-    blocks, seen, state = Blocks(1 << 15), counters(), Channels(CHANNELS)
-    taken = decode(PacketDecoder(CHANNELS), data, blocks, seen)
-    state.apply(blocks)
-    assert taken == reference.received + reference.foreign
-    compare(reference, seen, state)
-
-
-def put(scanner: PacketScanner, piece: bytes) -> None:
+def scan(scanner: PacketScanner, piece: bytes, blocks: Blocks, seen: np.ndarray) -> int:
     scanner.free[: len(piece)] = np.frombuffer(piece, np.uint8)
+    return scanner.take(len(piece), blocks, 0, seen, 5)
 
 
-def compare(reference: Reference, seen: np.ndarray, state: Channels) -> None:
-    assert seen[Count.RECEIVED] == reference.received
-    assert seen[Count.FOREIGN] == reference.foreign
-    assert seen[Count.MALFORMED] == reference.malformed
-    assert seen[Count.READINGS] == reference.readings
+@given(st.lists(STEP, max_size=25), st.none() | st.lists(st.integers(0, 90), max_size=20))
+def test_what_plain_python_finds_is_found(steps: list, cuts: list[int] | None) -> None:
+    """In a stream that is cut, or in one datagram."""
+    data, reference = bytes_of(steps), Reference(CHANNELS)
+    done = reference.stream(data, final=cuts is None)
+    decoder, blocks, seen = PacketDecoder(CHANNELS), Blocks(1 << 15), counters()
+    state = Channels(CHANNELS)
+    if cuts is None:
+        taken = decode(decoder, data, blocks, seen)
+        assert taken == reference.counts["RECEIVED"] + reference.counts["FOREIGN"]
+        state.apply(blocks)
+    else:
+        scanner = PacketScanner(decoder)
+        for piece in in_pieces(data, cuts):
+            blocks.clear()
+            scan(scanner, piece, blocks, seen)
+            state.apply(blocks)
+        assert scanner.used == len(data) - done
+    assert seen[Count.BYTES] == len(data)
+    for name, count in reference.counts.items():
+        assert seen[Count[name]] == count, name
     expected = np.full(CHANNELS, np.nan)
-    for channel, value in reference.values.items():
-        expected[channel] = value
+    expected[list(reference.values)] = list(reference.values.values())
     np.testing.assert_array_equal(state.counts, expected)
 
 
@@ -327,63 +311,38 @@ def test_losses_twins_and_swaps_are_counted_exactly(data: st.DataObject) -> None
     assert stamps == [10**9 - 1_000_000 * many for many in lateness]
 
 
-def feed(decoder: PacketDecoder, seen: np.ndarray, sequences: object) -> int:
-    for sequence in sequences:  # type: ignore[attr-defined]
-        packet = counts_packet([1], kind=1, sequence=sequence)
-        decode(decoder, packet, Blocks(512), seen)
-    return int(seen[Count.LOST])
+ALL_BUT_2000 = [n for n in range(5000) if n != 2000]
 
 
-def hello(decoder: PacketDecoder, seen: np.ndarray, time: int) -> None:
-    decode(decoder, raw_packet(16, sequence=0, time=time), Blocks(512), seen)
-
-
-@pytest.fixture
-def follower() -> tuple[PacketDecoder, np.ndarray]:
-    return PacketDecoder(4), counters()
-
-
-def test_restart_with_hello_loses_nothing(follower: tuple) -> None:
-    decoder, seen = follower
-    hello(decoder, seen, 3)
-    feed(decoder, seen, range(1, 40))
-    hello(decoder, seen, 3)
-    assert seen[Count.DUPLICATED] == 1  # the same time: a copy, not a restart
-    hello(decoder, seen, 9)
-    assert feed(decoder, seen, range(1, 40)) == 0
-    assert (decoder.state[0, RESTARTS], seen[Count.DUPLICATED]) == (1, 1)
-    assert feed(decoder, seen, [45]) == 5
-
-
-def test_restart_without_hello_is_believed_at_the_second_packet(follower: tuple) -> None:
-    decoder, seen = follower
-    feed(decoder, seen, range(5000, 7000))
-    assert feed(decoder, seen, [3, 4, 5, 8]) == 2
-    assert (decoder.state[0, RESTARTS], seen[Count.SWAPPED]) == (1, 0)
-    assert seen[Count.READINGS] == 2004
-
-
-def test_a_very_late_packet_is_no_restart(follower: tuple) -> None:
-    decoder, seen = follower
-    feed(decoder, seen, [n for n in range(5000) if n != 2000])
-    assert seen[Count.LOST] == 1
-    assert feed(decoder, seen, [2000, 5000, 5001]) == 0
-    assert (decoder.state[0, RESTARTS], seen[Count.SWAPPED]) == (0, 1)
-
-
-def test_late_hello_of_the_same_start(follower: tuple) -> None:
-    decoder, seen = follower
-    feed(decoder, seen, [1, 2])
-    hello(decoder, seen, 0)
-    assert feed(decoder, seen, [3, 4]) == 0
-    assert (decoder.state[0, RESTARTS], seen[Count.SWAPPED]) == (0, 1)
+@pytest.mark.parametrize(
+    ("steps", "restarts", "counts"),
+    [  # numbers of packets, or the time of a HELLO; a copy of it has the same time
+        ([3, range(1, 40), 3, 9, range(1, 40)], 1, {"DUPLICATED": 1}),
+        ([3, range(1, 40), 9, range(1, 40), [45]], 1, {"LOST": 5}),
+        # without a HELLO it is believed at the second packet
+        ([range(5000, 7000), [3, 4, 5, 8]], 1, {"LOST": 2, "READINGS": 2004}),
+        ([ALL_BUT_2000], 0, {"LOST": 1}),
+        ([ALL_BUT_2000, [2000, 5000, 5001]], 0, {"SWAPPED": 1}),  # very late, but no restart
+        ([[1, 2], 0, [3, 4]], 0, {"SWAPPED": 1}),  # a late HELLO of the same start
+    ],
+)
+def test_restarts_are_told_from_late_packets(steps: list, restarts: int, counts: dict) -> None:
+    decoder, seen = PacketDecoder(4), counters()
+    for step in steps:
+        packets = [raw_packet(16, time=step)] if isinstance(step, int) else (
+            counts_packet([1], kind=1, sequence=sequence) for sequence in step
+        )  # fmt: skip
+        for packet in packets:
+            decode(decoder, packet, Blocks(512), seen)
+    assert decoder.state[0, RESTARTS] == restarts
+    for name in ("LOST", "DUPLICATED", "SWAPPED", *counts):
+        assert seen[Count[name]] == counts.get(name, 0), name
 
 
 def test_a_full_stream_goes_on_where_it_stopped() -> None:
     data = b"".join(counts_packet([n] * 8, kind=1, sequence=n) for n in range(100))
     scanner, blocks, seen = PacketScanner(PacketDecoder(8)), Blocks(400), counters()
-    put(scanner, data)
-    taken, values = scanner.take(len(data), blocks, 0, seen, 5), []
+    taken, values = scan(scanner, data, blocks, seen), []
     while taken:
         values += [int(b.payload[0]) for b in blocks_of(blocks.data)]
         blocks.clear()
@@ -397,8 +356,7 @@ def test_a_broken_connection_leaves_no_half_packet() -> None:
     packet = counts_packet([9] * 4, sequence=1)
     scanner, blocks, seen = PacketScanner(PacketDecoder(8)), Blocks(4096), counters()
     for piece in (packet[:20], packet):
-        put(scanner, piece)
-        scanner.take(len(piece), blocks, 0, seen, 5)
+        scan(scanner, piece, blocks, seen)
         scanner.forget()
     assert seen[Count.RECEIVED] == 1
     assert seen[Count.MALFORMED] == 0
@@ -409,9 +367,8 @@ def test_longest_packet_fits_the_smallest_scanner() -> None:
     assert len(packet) == LONGEST
     scanner = PacketScanner(PacketDecoder(1016), 2 * LONGEST)
     blocks, seen = Blocks(1 << 15), counters()
-    for byte in packet:
-        scanner.free[0] = byte
-        scanner.take(1, blocks, 0, seen, 5)
+    for at in range(len(packet)):
+        scan(scanner, packet[at : at + 1], blocks, seen)
     assert seen[Count.READINGS] == 1
     with pytest.raises(InputError, match="received"):
         scanner.take(2 * LONGEST + 1, blocks, 0, seen, 5)

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, P
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, Count, Kind, Port, Status, counters
+from skinfield.signal import Blocks, CanMessages, Count, Kind, Port, Status, counters
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
@@ -35,12 +36,7 @@ from skinfield.wire.sources import (
     StreamReader,
     matched,
 )
-from skinfield.wire.sources.boards import (
-    AT_ONCE,
-    CySkinSupervision,
-    ICubSupervision,
-    ports_of,
-)
+from skinfield.wire.sources.boards import AT_ONCE, CySkinSupervision, ICubSupervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000
@@ -55,99 +51,89 @@ class Wire:
         self.room, self.up = 10**6, True
 
     def send(self, identifier: int, data: bytes) -> bool:
-        if self.room <= 0:
+        if len(self.sent) >= self.room:
             return False
-        self.room -= 1
         self.sent.append((identifier, data))
         return True
 
 
-def heard(care: ICubSupervision, now_ns: int, message_class: int = 4) -> None:
-    from skinfield.signal import CanMessages
+class Cared:
+    """An iCub's board under supervision, and a clock."""
 
-    rows = CanMessages(1)
-    rows.ids[0], rows.stamp_ns[0] = message_class << 8 | 1 << 4, now_ns
-    care.heard(rows, 1)
+    def __init__(self) -> None:
+        self.wire, self.now = Wire(), NOW
+        self.care = ICubSupervision(configuration_for(*HEXAGON), 0)
+        self.care.begin(NOW)
 
+    def heard(self, message_class: int = 4) -> None:
+        rows = CanMessages(1)
+        rows.ids[0], rows.stamp_ns[0] = message_class << 8 | 1 << 4, self.now
+        self.care.heard(rows, 1)
 
-def attend(
-    care: ICubSupervision, wire: Wire, start: int, seconds: float, *, sends: int = 0
-) -> list[float]:
-    """Attend every 10 ms; the seconds at which a board was told its settings (a 4D)."""
-    told = []
-    for step in range(round(100 * seconds)):
-        now = start + step * SECOND // 100
-        if sends:
-            heard(care, now, sends)
-        before = len(wire.sent)
-        care.attend(wire, now)
-        told += [step / 100 for _, data in wire.sent[before:] if data[0] == 0x4D]
-    return told
+    def told(self, seconds: float, *, sends: int = 0) -> list[float]:
+        """Attend every 10 ms; the seconds at which a board was told its settings (a 4D)."""
+        times = []
+        for step in range(round(100 * seconds)):
+            if sends:
+                self.heard(sends)
+            before = len(self.wire.sent)
+            self.care.attend(self.wire, self.now)
+            self.now += SECOND // 100
+            times += [step / 100 for _, data in self.wire.sent[before:] if data[0] == 0x4D]
+        return times
 
 
 @pytest.fixture
-def care() -> ICubSupervision:
-    return ICubSupervision(configuration_for(*HEXAGON), 0)
+def cared() -> Cared:
+    return Cared()
 
 
-def test_first_everything_is_told_in_small_parts(care: ICubSupervision) -> None:
-    wire, expected = Wire(), list(configuration_for(*HEXAGON).messages())
-    care.begin(NOW)
+def test_first_everything_is_told_in_small_parts(cared: Cared) -> None:
+    wire, expected = cared.wire, list(configuration_for(*HEXAGON).messages())
     wire.room = 3
-    care.attend(wire, NOW)
+    cared.told(0.01)
     assert wire.sent == expected[:3]
     wire.room = 10**6
-    care.attend(wire, NOW)
+    cared.told(0.01)
     assert wire.sent == expected[: 3 + AT_ONCE]
     assert expected[-1] == (0x201, b"\x07\x00")
 
 
-def test_a_board_that_sends_is_left_alone(care: ICubSupervision) -> None:
-    wire = Wire()
-    care.begin(NOW)
-    assert attend(care, wire, NOW, 60.0, sends=4) == [0.0]
-    assert care.reconfigured == 0
+def test_a_board_that_sends_is_left_alone(cared: Cared) -> None:
+    assert cared.told(60.0, sends=4) == [0.0]
+    assert cared.care.reconfigured == 0
 
 
-def test_boards_of_an_engine_before_are_told_only_if_they_are_silent(care: ICubSupervision) -> None:
-    wire = Wire()
-    care.begin(NOW)
-    care.resume(NOW)
-    assert attend(care, wire, NOW, 10.0, sends=4) == []
-    care.resume(NOW + 10 * SECOND)
-    assert 2.0 <= attend(care, wire, NOW + 10 * SECOND, 2.5)[0] <= 2.2
+def test_boards_of_an_engine_before_are_told_only_if_they_are_silent(cared: Cared) -> None:
+    for sends in (4, 0):
+        cared.care.resume(cared.now)
+        told = cared.told(2.5, sends=sends)
+        assert told == [] if sends else 2.0 <= told[0] <= 2.2
 
 
-def test_a_silent_board_is_told_again_ever_more_rarely(care: ICubSupervision) -> None:
-    wire = Wire()
-    care.begin(NOW)
-    told = attend(care, wire, NOW, 60.0)
-    steps = np.diff(told)
+def test_a_silent_board_is_told_again_ever_more_rarely(cared: Cared) -> None:
+    told = cared.told(60.0)
     assert told[0] == 0.0
     assert 2.0 <= told[1] <= 2.2
-    np.testing.assert_allclose(steps[1:], [1, 2, 4, 8, 10, 10, 10, 10], atol=0.11)
-    assert attend(care, wire, NOW + 60 * SECOND, 5.0, sends=4) == []
-    told = attend(care, wire, NOW + 65 * SECOND, 3.0)  # silent anew: soon again
-    assert 2.0 <= told[0] <= 2.2
+    np.testing.assert_allclose(np.diff(told)[1:], [1, 2, 4, 8, 10, 10, 10, 10], atol=0.11)
+    assert cared.told(5.0, sends=4) == []
+    assert 2.0 <= cared.told(3.0)[0] <= 2.2  # silent anew: soon again
 
 
-def test_a_board_that_nobody_configured_is_told(care: ICubSupervision) -> None:
-    wire = Wire()
-    care.begin(NOW)
-    assert attend(care, wire, NOW, 2.0, sends=3) == [0.0]  # old firmware sends class 3 always
-    assert attend(care, wire, NOW + 2 * SECOND, 2.0, sends=4) == []
-    told = attend(care, wire, NOW + 4 * SECOND, 3.0, sends=3)  # it booted
+def test_a_board_that_nobody_configured_is_told(cared: Cared) -> None:
+    assert cared.told(2.0, sends=3) == [0.0]  # old firmware sends class 3 always
+    assert cared.told(2.0, sends=4) == []
+    told = cared.told(3.0, sends=3)  # it booted
     assert told[0] <= 0.1
     assert 0.9 <= told[1] - told[0] <= 1.1
 
 
-def test_a_clock_that_is_set_back_does_not_silence_the_care(care: ICubSupervision) -> None:
-    wire = Wire()
-    care.begin(NOW)
-    attend(care, wire, NOW, 0.3)
-    assert attend(care, wire, NOW - 3600 * SECOND, 0.1) == []
-    heard(care, NOW - 3600 * SECOND)
-    assert attend(care, wire, NOW - 3600 * SECOND, 3.0)
+def test_a_clock_that_is_set_back_does_not_silence_the_care(cared: Cared) -> None:
+    cared.told(0.3)
+    cared.now = NOW - 3600 * SECOND
+    assert cared.told(0.1) == []
+    cared.heard()
+    assert cared.told(3.0)
 
 
 def test_each_board_of_cyskin_is_started_again() -> None:
@@ -172,20 +158,31 @@ def board() -> Iterator[ICubBoard]:
     device.close()
 
 
-def test_messages_over_a_bus_start_the_boards_and_stop_them(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,)).open())
-    expected = list(board.configuration.messages())
-    host.until(lambda: len(board.listen()) >= len(expected))
-    assert board.told == expected
-    board.send(3)
-    host.until(lambda: host.count(Count.RECEIVED) == 12)
-    host.stream.close()
-    wait_for(lambda: len(board.listen()) > len(expected))
-    assert board.told[len(expected) :] == [(0x201, b"\x07\x01")]
+@pytest.mark.parametrize(
+    ("made", "start", "stop"),
+    [
+        (ICubBoard, list(configuration_for(*HEXAGON).messages()), [(0x201, b"\x07\x01")]),
+        (CySkinBoard, start_messages(CYSKIN_BOARDS), stop_messages(CYSKIN_BOARDS)),
+    ],
+)
+def test_messages_over_a_bus_start_the_boards_and_stop_them(
+    made: type, start: list, stop: list
+) -> None:
+    with closing(made()) as device:
+        host = Host(device.source().open())
+        host.until(lambda: len(device.listen()) >= len(start))
+        assert device.told == start
+        blocks = device.send(3)
+        host.until(lambda: host.count(Count.READINGS) == blocks)
+        expected = np.arange(72) + 1 if made is CySkinBoard else 1
+        np.testing.assert_array_equal(host.channels.counts[:72], expected)
+        host.stream.close()
+        wait_for(lambda: len(device.listen()) >= len(start + stop))
+        assert device.told[len(start) :] == stop
 
 
 def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,)).open())
+    host = Host(board.source().open())
     count = len(board.configuration.messages())
     host.until(lambda: len(board.listen()) >= count)
     board.unplug(host.stream)
@@ -198,7 +195,7 @@ def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) ->
 
 
 def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
-    host = Host(ICubCan(board.configuration, (board.settings,), configure=False).open())
+    host = Host(board.source(configure=False).open())
     host.until(lambda: host.stream.up)
     board.send()
     counts = host.came(slice(72))
@@ -229,35 +226,21 @@ def test_the_number_of_buses_must_fit() -> None:
         CySkinCan(CYSKIN_BOARDS, ())
 
 
-def test_a_cyskin_board_over_a_bus() -> None:
-    device = CySkinBoard()
-    host = Host(CySkinCan(CYSKIN_BOARDS, (device.settings,), period_ms=20).open())
-    start = start_messages(CYSKIN_BOARDS, CySkinWire(), period_ms=20)
-    host.until(lambda: len(device.listen()) >= len(start))
-    assert device.told == start
-    device.send()
-    np.testing.assert_array_equal(host.came(slice(None)), np.arange(72) + 1)
-    host.stream.close()
-    device.close()
-
-
 def test_ports_follow_the_robots_wrapper() -> None:
-    boards = tuple(BoardSettings(0, address) for address in range(1, 8))
     runs = (
         PortRun("hand", 192, 192, 0),
         PortRun("arm", 384, 384, 0),
         PortRun("forearm", 0, 192, 192),  # channels 0 to 191 are another device's
         PortRun("arm", 960, 192, 384),
     )
-    found, ports = ports_of(ICubConfiguration(boards, (0,), "left_arm", runs))
+    found, ports = ports_of(configured(7, *runs))
     assert [(port.name, port.channels) for port in ports] == [
         ("hand", 192),
         ("arm", 576),
         ("forearm", 384),
         ("left_arm without a port", 384),
     ]
-    assert found[:4] == ((0, 2), (0, 3), (0, 4), (0, 6))
-    assert found[4:] == ((255, 0), (0, 1), (0, 5), (0, 7))
+    assert found == ((0, 1), (0, 2), (0, 3), (0, 5), (255, 0), (0, 0), (0, 4), (0, 6))
 
 
 BOARDS_OF_ARM = SKIN.replace("1 2 3", "14 2 3").replace(
@@ -285,13 +268,17 @@ def test_runs_of_a_wrapper_take_whole_boards(tmp_path: Path, hand_last: int) -> 
     assert found == ((0, 14), (0, 2), (0, 3))
 
 
+def configured(boards: int, *runs: PortRun) -> ICubConfiguration:
+    return ICubConfiguration(
+        tuple(BoardSettings(0, address) for address in range(boards)), (0,), "left_arm", runs
+    )
+
+
 @pytest.mark.parametrize(
     ("first", "count", "port_first"), [(0, 192, 192), (192, 384, 0), (384, 576, 192), (0, 960, 384)]
 )
 def test_runs_of_any_whole_boards_are_taken(first: int, count: int, port_first: int) -> None:
-    boards = tuple(BoardSettings(0, address) for address in range(8))
-    run = PortRun("left_leg", first, count, port_first)
-    found, ports = ports_of(ICubConfiguration(boards, (0,), "x", (run,)))
+    found, ports = ports_of(configured(8, PortRun("left_leg", first, count, port_first)))
     assert (ports[0].name, ports[0].channels) == ("left_leg", port_first + count)
     begin = port_first // 192
     whole = range(first // 192, (first + count) // 192)
@@ -300,9 +287,8 @@ def test_runs_of_any_whole_boards_are_taken(first: int, count: int, port_first: 
 
 @pytest.mark.parametrize("run", [PortRun("p", 96, 192, 0), PortRun("p", 0, 192, 156)])
 def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
-    boards = (BoardSettings(0, 1), BoardSettings(0, 2))
     with pytest.raises(InputError, match="where boards begin"):
-        ICubCan(ICubConfiguration(boards, (0,), "x", (run,))).open()
+        ICubCan(configured(2, run)).open()
 
 
 def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:

@@ -23,11 +23,8 @@ from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings
 from skinfield.wire.icub import configuration_for
 from skinfield.wire.sources import (
-    CySkinCan,
     CySkinSharedMemory,
     ICubCan,
-    PacketSerial,
-    PacketTcp,
     PacketUdp,
     ReplaySource,
     SimulationSource,
@@ -38,6 +35,9 @@ class WithDevice(SourceContract):
     """A source with a device of its own, which sends and goes away when it is told to."""
 
     made: type
+
+    def make(self) -> Source:
+        return self.device.source()  # type: ignore[no-any-return]
 
     @pytest.fixture(autouse=True)
     def _device(self) -> Iterator[None]:
@@ -62,15 +62,9 @@ class Leaving(WithDevice):
 class TestICubCan(Leaving):
     made = ICubBoard
 
-    def make(self) -> Source:
-        return ICubCan(self.device.configuration, (self.device.settings,))
-
 
 class TestCySkinCan(Leaving):
     made = CySkinBoard
-
-    def make(self) -> Source:
-        return CySkinCan(CYSKIN_BOARDS, (self.device.settings,))
 
 
 class TestICubOverPythonCan(SourceContract):
@@ -104,15 +98,9 @@ class TestPacketUdp(WithDevice):
 class TestPacketTcp(Leaving):
     made = PacketServer
 
-    def make(self) -> Source:
-        return PacketTcp(72, port=self.device.port)
-
 
 class TestPacketSerial(Leaving):
     made = SerialLine
-
-    def make(self) -> Source:
-        return PacketSerial(72, str(self.device.path))
 
 
 class TestCySkinSharedMemory(Leaving):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bus_peers import free_port, pair, wait_for
+from bus_peers import pair, wait_for
 from live_devices import Host, PacketServer, SerialLine, packet
 
 from skinfield.errors import InputError
@@ -20,7 +20,7 @@ from skinfield.wire.sources import PacketSerial, PacketTcp, PacketUdp
 
 def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
     server = PacketServer()
-    host = Host(PacketTcp(72, port=server.port).open())
+    host = Host(server.source().open())
     server.send()
     host.until(lambda: host.channels.counts[5] == 5)
     server.send(packet(1)[:50])
@@ -35,24 +35,30 @@ def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
     host.until(lambda: host.channels.counts[5] == 7)
     assert host.count(Count.MALFORMED) == 0  # the half packet is forgotten, not mixed with others
     assert host.count(Count.REOPENED) == 1
-    host.until(lambda: (server.connection(), server.told[-1:] == [PacketKind.START])[1])
+    host.until(lambda: server.listen()[-1:] == [PacketKind.START])
     host.stream.close()
-    wait_for(lambda: (server.connection(), server.told[-1:] == [PacketKind.STOP])[1])
     server.close()
 
 
-def test_a_server_that_is_not_there_yet_is_waited_for() -> None:
-    port = free_port()
-    host = Host(PacketTcp(72, port=port).open())
+@pytest.mark.parametrize(
+    ("made", "fault"), [(PacketServer, "tcp 127.0.0.1:"), (SerialLine, "No such file")]
+)
+def test_a_device_that_is_not_there_yet_is_waited_for(made: type, fault: str) -> None:
+    device = made()
+    device.unplug()
+    host = Host(device.source().open())
     assert not host.stream.up
-    assert host.stream.fault
+    assert fault in host.stream.fault
     host.poll()
-    server = PacketServer(port)
+    device.plug()
     host.until(lambda: host.stream.up)
-    server.send()
+    device.send()
     host.until(lambda: host.count(Count.READINGS) == 1)
+    wait_for(device.listen)
+    assert set(device.told) == {PacketKind.START}
     host.stream.close()
-    server.close()
+    wait_for(lambda: device.listen()[-1] == PacketKind.STOP)
+    device.close()
 
 
 def test_packets_in_pieces_with_rubbish_between() -> None:
@@ -70,27 +76,9 @@ def test_packets_in_pieces_with_rubbish_between() -> None:
     server.close()
 
 
-def test_a_line_that_is_not_plugged_in_is_waited_for() -> None:
-    line = SerialLine()
-    line.unplug()
-    host = Host(PacketSerial(72, str(line.path)).open())
-    assert not host.stream.up
-    assert "No such file" in host.stream.fault
-    host.poll()
-    line.plug()
-    host.until(lambda: host.stream.up)
-    line.send()
-    host.until(lambda: host.count(Count.READINGS) == 1)
-    wait_for(line.listen)
-    assert set(line.told) == {PacketKind.START}
-    host.stream.close()
-    wait_for(lambda: line.listen()[-1] == PacketKind.STOP)
-    line.close()
-
-
 def test_a_line_whose_node_is_another_device_now() -> None:
     line, other = SerialLine(), SerialLine()
-    host = Host(PacketSerial(72, str(line.path)).open())
+    host = Host(line.source().open())
     host.until(lambda: host.stream.up)
     line.path.unlink()
     line.path.symlink_to(other.path.resolve())

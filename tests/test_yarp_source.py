@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack, closing
 
 import numpy as np
 import pytest
@@ -21,16 +22,23 @@ class Robot:
     """A name server and one port."""
 
     def __init__(self) -> None:
-        self.server, self.sender = NameServer(), Sender()
+        self.server, self.sender, self.opened = NameServer(), Sender(), ExitStack()
         self.server.known[FOREARM] = ("127.0.0.1", self.sender.port)
 
     def source(self, channels: int = 12) -> YarpText:
         ports = (YarpPort("left_forearm", channels, FOREARM),)
         return YarpText(ports, port=self.server.port)
 
+    def stream(self, channels: int) -> Stream:
+        """One that is up."""
+        stream = self.opened.enter_context(closing(self.source(channels).open()))
+        wait_for(lambda: stream.poll(Blocks(), 0, time.time_ns()) or stream.up)
+        wait_for(lambda: self.sender.readers)
+        return stream
+
     def close(self) -> None:
-        self.server.close()
-        self.sender.close()
+        for each in (self.opened, self.server, self.sender):
+            each.close()
 
 
 @pytest.fixture
@@ -77,23 +85,14 @@ def blocks_when(stream: Stream, enough: int, kinds: tuple[Kind, ...] = ()) -> li
     return found
 
 
-def ready(stream: Stream, robot: Robot) -> None:
-    blocks = Blocks()
-    wait_for(lambda: stream.poll(blocks, 0, time.time_ns()) or stream.up)
-    wait_for(lambda: robot.sender.readers)
-
-
 def test_what_it_says_is_what_yarps_pages_say(robot: Robot) -> None:
-    stream = robot.source().open()
-    ready(stream, robot)
+    robot.stream(12)
     assert robot.server.heard == [b'CONNECT skinfield\r\nd\r\nquery "/icub/skin/left_forearm"\r\n']
     assert robot.sender.heard == [b"CONNECT skinfield\r\nr\r\n"]
-    stream.close()
 
 
 def test_numbers_of_all_kinds_arrive(robot: Robot) -> None:
-    stream = robot.source(5).open()
-    ready(stream, robot)
+    stream = robot.stream(5)
     robot.sender.send([0, 255, 240, 1, 2])
     robot.sender.send([0, 256, 65535, 1, 2], word="do")
     robot.sender.send([-1.5, 0.1, 1e-12, 123456789.25, 3e38], word="d")
@@ -106,22 +105,18 @@ def test_numbers_of_all_kinds_arrive(robot: Robot) -> None:
     np.testing.assert_array_equal(found[2].payload, expected)
     np.testing.assert_array_equal(found[3].payload, np.float32([np.nan, np.inf, -np.inf, 7, 5]))
     assert stream.counters[Count.LOST] == stream.counters[Count.MALFORMED] == 0
-    stream.close()
 
 
 def test_what_a_port_left_out_is_counted_by_its_numbers(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     for number in (5, 6, 9, 10, 0, 1, 4):  # 7, 8; begun anew; 2, 3
         robot.sender.send([1, 2, 3], number)
     blocks_when(stream, 7)
     assert stream.counters[Count.LOST] == 4
-    stream.close()
 
 
 def test_vectors_of_another_length_are_counted_and_told(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     robot.sender.send([1, 2, 3, 4])
     robot.sender.say(b"D\r\n1 2 x\r\nwhat?\r\n")
     wait_for(lambda: blocks_when(stream, 0) or stream.counters[Count.MALFORMED] == 3)
@@ -129,12 +124,10 @@ def test_vectors_of_another_length_are_counted_and_told(robot: Robot) -> None:
     robot.sender.send([1, 2, 3])
     assert len(blocks_when(stream, 1)) == 1
     assert not stream.notes
-    stream.close()
 
 
 def test_a_line_in_pieces_and_a_goodbye(robot: Robot) -> None:
-    stream = robot.source(3).open()
-    ready(stream, robot)
+    stream = robot.stream(3)
     for piece in (b"D 1 ", b"2.5\r", b"\n1 2", b"4", b"0 3\r\n"):
         assert not blocks_when(stream, 0)
         robot.sender.say(piece)
@@ -142,12 +135,11 @@ def test_a_line_in_pieces_and_a_goodbye(robot: Robot) -> None:
     robot.sender.say(b"q\r\n")
     wait_for(lambda: blocks_when(stream, 0) or not stream.up)
     assert "the port was closed" in stream.fault
-    stream.close()
 
 
 def test_a_port_that_is_not_known_or_no_port_is_told(robot: Robot) -> None:
     robot.server.known.clear()
-    stream = robot.source().open()
+    stream = robot.opened.enter_context(closing(robot.source().open()))
     wait_for(lambda: blocks_when(stream, 0) or "does not know it" in stream.fault)
     assert not stream.up
     robot.sender.welcome = "220 smtp.example.org\r\n"
@@ -156,7 +148,6 @@ def test_a_port_that_is_not_known_or_no_port_is_told(robot: Robot) -> None:
     robot.sender.welcome = Sender.welcome
     wait_for(lambda: blocks_when(stream, 0) or stream.up)
     assert stream.counters[Count.REOPENED] == 1
-    stream.close()
 
 
 def test_words_of_a_command_line() -> None:

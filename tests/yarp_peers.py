@@ -4,6 +4,7 @@
 documentation show it; `values_of` reads a bottle's text.
 """
 
+import re
 import socket
 import threading
 from collections.abc import Callable, Sequence
@@ -16,31 +17,22 @@ def as_yarp(number: float) -> str:
     return text if any(c in text for c in ".en") else text + ".0"
 
 
+TOKEN = re.compile(r'"([^"]*)"|([()])|([^\s()]+)')
+
+
 def values_of(text: str) -> list[object]:
     """Values of a bottle: numbers, words, texts and lists, by a reader of its own."""
-    found, _ = _list(text.strip() + ")", 0)
-    return found
-
-
-def _list(text: str, at: int) -> tuple[list[object], int]:
-    found: list[object] = []
-    while True:
-        while text[at] == " ":
-            at += 1
-        if text[at] == ")":
-            return found, at + 1
-        if text[at] == "(":
-            inner, at = _list(text, at + 1)
-            found.append(inner)
-        elif text[at] == '"':
-            end = text.index('"', at + 1)
-            found.append(text[at + 1 : end])
-            at = end + 1
+    lists: list[list[object]] = [[]]
+    for quoted, bracket, word in TOKEN.findall(text):
+        if bracket == "(":
+            lists.append([])
+        elif bracket:
+            inner = lists.pop()
+            lists[-1].append(inner)
         else:
-            end = min(text.index(" ", at) if " " in text[at:] else len(text), text.index(")", at))
-            word = text[at:end]
-            found.append(_plain(word))
-            at = end
+            lists[-1].append(_plain(word) if word else quoted)
+    assert len(lists) == 1
+    return lists[0]
 
 
 def _plain(word: str) -> object:

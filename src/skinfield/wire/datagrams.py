@@ -26,8 +26,6 @@ SO_RCVBUFFORCE = 33
 SO_SNDBUFFORCE = 32
 RECEIVE_BUFFER = 8 << 20  # bytes: about 20 000 datagrams of one CAN message each
 SEND_BUFFER = 2 << 20
-NAME = 32  # bytes for any address of IPv4 and IPv6
-CONTROL = 64  # bytes for the control messages of a datagram: a stamp takes 32, drops 24
 TRANSIENT = {  # of a send or a receive: nothing is broken, less or nothing went through
     errno.EAGAIN,
     errno.EWOULDBLOCK,
@@ -62,7 +60,7 @@ class Datagrams:
     """
 
     def __init__(self, batch: int, size: int) -> None:
-        from skinfield.wire.can.kernel import take_headers
+        from skinfield.wire.can.kernel import CONTROL, NAME, take_headers
 
         self.octets: Octets = np.zeros((batch, size), np.uint8)
         self.lengths: Ints = np.zeros(batch, np.int64)
@@ -89,9 +87,8 @@ class Datagrams:
 
     def _take(self, count: int, now_ns: int) -> None:
         self.bytes = self._take_headers(
-            self._headers, self._control, count, now_ns, self.lengths, self.stamp_ns, self._drops,
-            NAME, CONTROL,
-        )  # fmt: skip
+            self._headers, self._control, count, now_ns, self.lengths, self.stamp_ns, self._drops
+        )
 
     @property
     def dropped(self) -> int:

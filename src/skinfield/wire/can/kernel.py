@@ -18,6 +18,8 @@ Words32 = NDArray[np.uint32]
 NAME_LENGTH, CONTROL_LENGTH, FLAGS, LENGTH = 1, 5, 6, 7  # words of a header
 TRUNCATED = 0x20  # MSG_TRUNC
 SOCKET_LEVEL, STAMP, DROPPED = 1, 35, 40  # SOL_SOCKET, SCM_TIMESTAMPNS, SO_RXQ_OVFL
+NAME = 32  # bytes for any address of IPv4 and IPv6
+CONTROL = 64  # bytes for the control messages of a datagram: a stamp takes 32, drops 24
 CONTROL_HEADER = 16  # bytes of struct cmsghdr
 TOO_LONG = -1  # as the length of a datagram that was cut
 DROPS_COUNTED, DROPS = 0, 1  # of `drops`: the socket's own 32-bit count, ours
@@ -36,23 +38,19 @@ def take_headers(
     lengths: Ints,
     stamp_ns: Ints,
     drops: Ints,
-    name_room: int,
-    control_room: int,
 ) -> int:
     """Read what came with `count` datagrams and make their headers ready for the next call.
 
     Parameters
     ----------
     headers : (N, 8) int64 array
-    control : (N * control_room / 4,) uint32 array
+    control : (N * CONTROL / 4,) uint32 array
     now_ns : int, ns
         Stamp of datagrams without one.
     lengths, stamp_ns : (N,) int64 arrays
         Written; a datagram that was cut has length `TOO_LONG`.
     drops : (2,) int64 array
         Written: see `DROPS`.
-    name_room, control_room : int, bytes
-        Of each datagram.
 
     Returns
     -------
@@ -65,8 +63,8 @@ def take_headers(
         octets += length
         lengths[i] = TOO_LONG if headers[i, FLAGS] & TRUNCATED else length
         stamp_ns[i] = now_ns
-        at = i * control_room
-        end = at + min(max(headers[i, CONTROL_LENGTH], 0), control_room)
+        at = i * CONTROL
+        end = at + min(max(headers[i, CONTROL_LENGTH], 0), CONTROL)
         while at + CONTROL_HEADER <= end:
             word = at >> 2
             size: Any = np.int64(control[word])
@@ -81,7 +79,7 @@ def take_headers(
                 drops[DROPS] += (counted - drops[DROPS_COUNTED]) & 0xFFFFFFFF
                 drops[DROPS_COUNTED] = counted
             at += (size + 7) & ~7
-        headers[i, NAME_LENGTH], headers[i, CONTROL_LENGTH] = name_room, control_room
+        headers[i, NAME_LENGTH], headers[i, CONTROL_LENGTH] = NAME, CONTROL
         headers[i, FLAGS] = 0
     return octets
 

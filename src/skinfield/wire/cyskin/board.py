@@ -9,13 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from skinfield.errors import check_count
-from skinfield.wire.cyskin.modules import (
-    EVERY_MODULE,
-    Command,
-    CySkinBoard,
-    CySkinModule,
-    Refusal,
-)
+from skinfield.wire.cyskin.modules import EVERY_MODULE, Command, CySkinBoard, CySkinModule, Refusal
 from skinfield.wire.cyskin.wire import CySkinWire, Message
 
 PERIOD_MS = 50  # as the makers' own start
@@ -24,10 +18,7 @@ Packet = tuple[int, bytes]  # command, data
 
 
 def start_messages(
-    boards: Iterable[CySkinBoard],
-    wire: CySkinWire | None = None,
-    *,
-    period_ms: int = PERIOD_MS,
+    boards: Iterable[CySkinBoard], wire: CySkinWire | None = None, *, period_ms: int = PERIOD_MS
 ) -> list[Message]:
     """CAN messages that let boards send readings by themselves.
 

@@ -12,11 +12,11 @@ from skinfield.signal.block import Octets
 from skinfield.wire.cyskin.modules import (
     MODULES,
     RESPONSES,
+    SENSORS,
     Command,
     CySkinBoard,
     channels_of,
     checked_boards,
-    uids_of,
 )
 from skinfield.wire.cyskin.wire import CySkinWire
 
@@ -48,19 +48,16 @@ def sensor_table(boards: Iterable[CySkinBoard], bus: int) -> SensorTable:
     boards = checked_boards(boards)
     ours = [board for board in boards if board.bus == bus]
     begins = np.full((len(ours), MODULES + 2), -1, np.int64)
-    channels = uids_of(boards)[1]
-    at, row, sent = 0, 0, 0
-    parts: list[Ints] = []
-    for board in boards:
-        sizes = [len(module.sensors) for module in board.modules]
-        if board.bus == bus:
-            begins[row, : len(sizes) + 1] = sent + np.cumsum([0, *sizes])
-            parts.append(channels[at : at + sum(sizes)])
-            row, sent = row + 1, sent + sum(sizes)
-        at += sum(sizes)
+    channels: list[int] = []
+    for row, board in enumerate(ours):
+        first = channels_of(boards[: boards.index(board)])
+        for place, module in enumerate(board.modules):
+            begins[row, place] = len(channels)
+            channels += [first + SENSORS * place + sensor for sensor in module.sensors]
+        begins[row, len(board.modules)] = len(channels)
     return SensorTable(
         numbers=np.array([board.number for board in ours], np.int64),
-        channels=np.concatenate(parts) if parts else np.zeros(0, np.int64),
+        channels=np.array(channels, np.int64),
         begins=begins,
         counts=np.array([len(board.modules) for board in ours], np.int64),
     )
@@ -106,8 +103,7 @@ class CySkinDecoder(CanDecoder):
         self.wire = wire or CySkinWire()
         self.table = sensor_table(self.boards, bus)
         count = len(self.table.numbers)
-        self._check = self.wire.checksum.numbers
-        self._sums = self.wire.checksum.table
+        self._check = self.wire.checksum.numbers, self.wire.checksum.table
         self._packets: Octets = np.zeros((count, ROOM), np.uint8)
         self._used: Ints = np.full(count, IDLE, np.int64)
         self._previous: Ints = np.zeros(count, np.int64)
@@ -136,10 +132,11 @@ class CySkinDecoder(CanDecoder):
         table, wire = self.table, self.wire
         return int(
             decode_messages(
-                messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
-                table.numbers, wire.extended, wire.big_endian, self._check, self._sums,
-                table.channels, table.begins, table.counts, self._packets, self._used,
-                self._previous, blocks.words, blocks.octets, blocks.end, channel, counters,
+                (messages.ids, messages.lengths, messages.data, messages.stamp_ns), first, count,
+                table.numbers, wire.extended, wire.big_endian, self._check,
+                (table.channels, table.begins, table.counts),
+                (self._packets, self._used, self._previous),
+                (blocks.words, blocks.octets, blocks.end), channel, counters,
             )
         )  # fmt: skip
 

@@ -22,20 +22,26 @@ RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as
 EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
 FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
+Messages = tuple[NDArray[np.uint32], Octets, Octets, Ints]  # ids, lengths, data, stamps
+Into = tuple[Words, Octets, Words]  # words, octets, end of `Blocks`
+Sensors = tuple[Ints, Ints, Ints]  # channels, begins, counts: see `decode_messages`
+Check = tuple[Table, Table]  # numbers and table of a checksum
+Packets = tuple[Octets, Ints, Ints]  # packets, used, previous: see `decode_messages`
 ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and some too many
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
 
 
 @inner
-def summed(octets: Octets, start: int, stop: int, numbers: Table, table: Table) -> int:
+def summed(octets: Octets, start: int, stop: int, check: Check) -> int:
     """Checksum of `octets[start:stop]` as a number, in the order of its octets on the wire.
 
     Parameters
     ----------
     octets : (L,) uint8 array
-    numbers : (6,) int64 array
-    table : (256,) int64 array
+    check : (6,) and (256,) int64 arrays
+        Of `wire.Crc`.
     """
+    numbers, table = check
     how, width, crc = numbers[HOW], numbers[WIDTH], numbers[BEGIN]
     if how == UNCHECKED:
         return 0
@@ -57,13 +63,13 @@ def summed(octets: Octets, start: int, stop: int, numbers: Table, table: Table) 
 
 
 @inner
-def is_summed(octets: Octets, start: int, stop: int, numbers: Table, table: Table) -> bool:
+def is_summed(octets: Octets, start: int, stop: int, check: Check) -> bool:
     """Whether the checksum behind `octets[start:stop]` is right."""
-    if numbers[HOW] == UNCHECKED:
+    if check[0][HOW] == UNCHECKED:
         return True
-    crc = summed(octets, start, stop, numbers, table)
+    crc = summed(octets, start, stop, check)
     right = True
-    for i in range(numbers[WIDTH]):
+    for i in range(check[0][WIDTH]):
         right = right and octets[stop + i] == (crc >> (8 * i)) & 0xFF
     return right
 
@@ -90,9 +96,7 @@ def words_of_runs(channels: Ints, start: int, stop: int) -> int:
 
 @njit
 def put_pairs(
-    words: Words,
-    payloads: Octets,
-    end: Words,
+    into: Into,
     stamp_ns: int,
     channel: int,
     channels: Ints,
@@ -107,7 +111,7 @@ def put_pairs(
 
     Parameters
     ----------
-    words, payloads, end : arrays
+    into : arrays
         Of `Blocks`.
     channel : int
         Of the port's first sensor.
@@ -116,6 +120,7 @@ def put_pairs(
     start, stop : int
         Which sensors the responses are of.
     """
+    words, payloads, end = into
     if end[0] + words_of_runs(channels, start, stop) > len(words):
         return False
     high, low = (0, 1) if big_endian else (1, 0)
@@ -165,26 +170,16 @@ def board_of(identifier: int, extended: bool, numbers: Ints) -> tuple[int, int]:
 
 @njit
 def decode_messages(
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
+    messages: Messages,
     first: int,
     count: int,
     numbers: Ints,
     extended: bool,
     big_endian: bool,
-    check: Table,
-    table: Table,
-    channels: Ints,
-    begins: Ints,
-    counts: Ints,
-    packets: Octets,
-    used: Ints,
-    previous: Ints,
-    words: Words,
-    payloads: Octets,
-    end: Words,
+    check: Check,
+    sensors: Sensors,
+    packets: Packets,
+    into: Into,
     channel: int,
     counters: Ints,
 ) -> int:
@@ -192,35 +187,31 @@ def decode_messages(
 
     Parameters
     ----------
-    ids, lengths, data, stamps : arrays
-        Of `CanMessages`.
+    messages : arrays
+        Identifiers, lengths, data, stamps of `CanMessages`.
     numbers : (B,) int64 array
         Of the boards.
-    check, table : arrays
+    check : arrays
         Of the checksum.
-    channels : (S,) int64 array
-        Of all sensors in the order of sending, board after board.
-    begins : (B, 250) int64 array
-        Index into `channels` of each module's first sensor, and one behind the last module's; -1
-        of modules that are not there.
-    counts : (B,) int64 array
-        Modules of each board.
-    packets : (B, ROOM) uint8 array
-    used : (B,) int64 array
-        Octets of the packet that is coming in, or IDLE, or SKIPPING.
-    previous : (B,) int64 array
-        Octets of the packet that came before, which still stands in `packets`; 0 of none.
-    words, payloads, end : arrays
+    sensors : arrays
+        Channels of all sensors in the order of sending, board after board (S,); index into these of
+        each module's first sensor, and one behind the last module's, -1 of modules that are not
+        there (B, 250); modules of each board (B,).
+    packets : arrays
+        The packet of each board (B, ROOM); octets of it that came in, or IDLE, or SKIPPING (B,);
+        octets of the packet before, which still stands there, 0 of none (B,).
+    into : arrays
         Of `Blocks`.
     channel : int
     counters : (len(Count),) int64 array
     """
+    (ids, lengths, data, stamps), (octets, used, previous) = messages, packets
     for i in range(first, count):
         row, part = board_of(int(ids[i]), extended, numbers)
         length = min(int(lengths[i]), 8)
         if row >= 0 and part in (LAST, SINGLE):  # blocks must fit before anything is counted
             rest = 0 if part == SINGLE else max(used[row], 0)
-            if end[0] + 3 * (rest + length) > len(words):
+            if into[2][0] + 3 * (rest + length) > len(into[0]):
                 return i
         counters[OCTETS] += length
         if row < 0:
@@ -229,32 +220,24 @@ def decode_messages(
             counters[MALFORMED] += 1
         else:
             counters[RECEIVED] += 1
-            if assemble(packets[row], used, previous, row, part, data, i, length, counters):
-                packet = packets[row]
-                whole = is_good(packet, used[row], check, table, counters)
+            if assemble(packets, row, part, data, i, length, counters):
+                packet = octets[row]
+                whole = is_good(packet, used[row], check, counters)
                 if whole and packet[0] == SENSOR_DATA:
                     take_responses(
-                        packet, row, stamps[i], big_endian, channels, begins, counts, words,
-                        payloads, end, channel, counters,
-                    )  # fmt: skip
+                        packet, row, stamps[i], big_endian, sensors, into, channel, counters
+                    )
                 used[row], previous[row] = IDLE, used[row]
     return count
 
 
 @inner
 def assemble(
-    packet: Octets,
-    used: Ints,
-    previous: Ints,
-    row: int,
-    part: int,
-    data: Octets,
-    message: int,
-    length: int,
-    counters: Ints,
+    packets: Packets, row: int, part: int, data: Octets, message: int, length: int, counters: Ints
 ) -> bool:
     """Add a message to its board's packet; whether that is complete."""
-    so_far = used[row]
+    octets, used, previous = packets
+    packet, so_far = octets[row], used[row]
     if is_copy(packet, so_far, previous[row], part, data, message, length):
         counters[DUPLICATED] += 1
         return False
@@ -287,9 +270,9 @@ def missing(packet: Octets, so_far: int) -> int:
 
 
 @inner
-def is_good(packet: Octets, length: int, check: Table, table: Table, counters: Ints) -> bool:
+def is_good(packet: Octets, length: int, check: Check, counters: Ints) -> bool:
     """Whether a packet is whole, its checksum right, and its command one that is known."""
-    tail = check[1]
+    tail = check[0][WIDTH]
     if length >= 1 and packet[0] < FIRST_COMMAND:
         counters[FOREIGN] += 1
         return False
@@ -300,7 +283,7 @@ def is_good(packet: Octets, length: int, check: Table, table: Table, counters: I
     if extra < 0:
         counters[LOST] += (7 - extra) >> 3
         return False
-    if extra > 0 or not is_summed(packet, 0, length - tail, check, table):
+    if extra > 0 or not is_summed(packet, 0, length - tail, check):
         counters[MALFORMED] += 1
         return False
     return True
@@ -312,12 +295,8 @@ def take_responses(
     row: int,
     stamp_ns: int,
     big_endian: bool,
-    channels: Ints,
-    begins: Ints,
-    counts: Ints,
-    words: Words,
-    payloads: Octets,
-    end: Words,
+    sensors: Sensors,
+    into: Into,
     channel: int,
     counters: Ints,
 ) -> None:
@@ -326,6 +305,7 @@ def take_responses(
     Data of a module or sensor that the board has not is foreign: nothing of it is taken, as it
     would land on other taxels.
     """
+    channels, begins, counts = sensors
     size = int(packet[1])
     if size < 2 or size & 1:
         counters[MALFORMED] += 1
@@ -338,7 +318,5 @@ def take_responses(
     if start >= begins[row, module + 1] or start + responses > begins[row, counts[row]]:
         counters[FOREIGN] += 1
         return
-    put_pairs(
-        words, payloads, end, stamp_ns, channel, channels, start, start + responses, packet, 4,
-        big_endian, counters,
-    )  # fmt: skip
+    stop = start + responses
+    put_pairs(into, stamp_ns, channel, channels, start, stop, packet, 4, big_endian, counters)

@@ -90,13 +90,11 @@ class SensorOrder:
         """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
         from skinfield.wire.cyskin.kernel import put_pairs
 
-        shorts = responses[self._take].astype(np.uint16)
+        octets = responses[self._take].astype(np.uint16).view(np.uint8)
+        into, stop = (blocks.words, blocks.octets, blocks.end), len(self._runs)
         return bool(
-            put_pairs(
-                blocks.words, blocks.octets, blocks.end, now_ns, channel, self._runs, 0,
-                len(self._runs), shorts.view(np.uint8), 0, False, counters,
-            )
-        )  # fmt: skip
+            put_pairs(into, now_ns, channel, self._runs, 0, stop, octets, 0, False, counters)
+        )
 
 
 class Area:

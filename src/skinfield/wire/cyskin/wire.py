@@ -8,6 +8,7 @@ public, so it is a setting: take `matching_checksums` with packets of your board
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
@@ -158,16 +159,14 @@ def usual_checksums() -> Iterator[Checksum]:
     yield Sum()
     yield Sum(negated=False)
     for octets, polynomials in ((1, POLYNOMIALS_8), (2, POLYNOMIALS_16)):
-        mask = (1 << 8 * octets) - 1
-        for polynomial in polynomials:
-            for begin in (0, mask):
-                for final in (0, mask):
-                    for reflected in (False, True):
-                        for high_first in (False, True)[:octets]:
-                            yield Crc(
-                                octets=octets, polynomial=polynomial, begin=begin, final=final,
-                                reflected=reflected, high_first=high_first,
-                            )  # fmt: skip
+        ends, flags = (0, (1 << 8 * octets) - 1), (False, True)
+        for polynomial, begin, final, reflected, high_first in product(
+            polynomials, ends, ends, flags, flags[:octets]
+        ):
+            yield Crc(
+                octets=octets, polynomial=polynomial, begin=begin, final=final,
+                reflected=reflected, high_first=high_first,
+            )  # fmt: skip
 
 
 def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
@@ -198,17 +197,12 @@ def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
             )
     if not packets:
         raise InputError("there are no packets, expected ten or more that differ")
-    fits, seen = [], set()
-    for checksum in usual_checksums():
-        if checksum not in seen and all(_fits(packet, checksum) for packet in packets):
-            fits.append(checksum)
-        seen.add(checksum)
-    return tuple(fits)
-
-
-def _fits(packet: bytes, checksum: Checksum) -> bool:
-    end = 2 + packet[1]
-    return checksum.of(packet[:end]) == packet[end:]
+    parts = [(packet[: 2 + packet[1]], packet[2 + packet[1] :]) for packet in packets]
+    return tuple(
+        checksum
+        for checksum in dict.fromkeys(usual_checksums())
+        if all(checksum.of(body) == rest for body, rest in parts)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

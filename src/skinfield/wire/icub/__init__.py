@@ -4,14 +4,8 @@ from skinfield.wire.icub.codec import ICubDecoder as ICubDecoder
 from skinfield.wire.icub.codec import ICubEncoder as ICubEncoder
 from skinfield.wire.icub.codec import gains_of as gains_of
 from skinfield.wire.icub.codec import triangle_payloads as triangle_payloads
-from skinfield.wire.icub.commands import BOARD_CHANNELS as BOARD_CHANNELS
-from skinfield.wire.icub.commands import BOARDS as BOARDS
-from skinfield.wire.icub.commands import TAXELS as TAXELS
-from skinfield.wire.icub.commands import TRIANGLES as TRIANGLES
 from skinfield.wire.icub.commands import BoardState as BoardState
-from skinfield.wire.icub.commands import Command as Command
 from skinfield.wire.icub.commands import Firmware as Firmware
-from skinfield.wire.icub.commands import Message as Message
 from skinfield.wire.icub.commands import MessageClass as MessageClass
 from skinfield.wire.icub.commands import SetBoard as SetBoard
 from skinfield.wire.icub.commands import SetTriangles as SetTriangles

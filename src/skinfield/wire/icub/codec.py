@@ -56,11 +56,7 @@ class ICubDecoder(CanDecoder):
     """
 
     def __init__(
-        self,
-        boards: Iterable[tuple[int, int]],
-        bus: int = 0,
-        *,
-        period: float = 0.05,
+        self, boards: Iterable[tuple[int, int]], bus: int = 0, *, period: float = 0.05
     ) -> None:
         self.boards = checked_boards(boards)
         check_range("period", period, 1e-4, 10.0, "seconds between two readings of a triangle")
@@ -103,9 +99,9 @@ class ICubDecoder(CanDecoder):
 
         return int(
             decode_messages(
-                messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
-                self._positions, self._state, self._events, self._learned,
-                self._newest, blocks.words, blocks.octets, blocks.end, channel, counters,
+                (messages.ids, messages.lengths, messages.data, messages.stamp_ns), first, count,
+                self._positions, (self._state, self._events, self._learned), self._newest,
+                (blocks.words, blocks.octets, blocks.end), channel, counters,
             )
         )  # fmt: skip
 

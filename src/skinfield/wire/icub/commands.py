@@ -254,13 +254,10 @@ class BoardState:
                 )
             case SetTriangles(first=first, last=last, shift=shift, enabled=on, cdc_offset=offset):
                 new = TriangleState(shift=shift, enabled=on, cdc_offset=offset)
+                before, behind = self.triangles[:first], self.triangles[last + 1 :]
                 return replace(
                     self,
-                    triangles=(
-                        *self.triangles[:first],
-                        *[new] * (last + 1 - first),
-                        *self.triangles[last + 1 :],
-                    ),
+                    triangles=(*before, *[new] * (last + 1 - first), *behind),
                     configured=True,
                     sending=self.sending and self.firmware == Firmware.MTB3,
                     calibrations=self.calibrations + 1,

@@ -204,9 +204,8 @@ def _specified(bus: int, address: int, patch: int, spec: SkinSpec) -> BoardSetti
         if isinstance(each.settings, SetBoard):
             settings = each.settings
         else:
-            triangles[each.triangles.start : each.triangles.stop] = [each.settings] * len(
-                each.triangles
-            )
+            for triangle in each.triangles:
+                triangles[triangle] = each.settings
     return BoardSettings(bus, address, settings, tuple(triangles))
 
 
@@ -230,12 +229,8 @@ def kind_for(patch: Patch) -> SkinType:
     patch is at a thermal pad: with a taxel there, a press would count as warmth.
     """
     channel = np.asarray(patch.channel) % TAXELS
-    whole = patch.n_channels % TAXELS == 0
-    return (
-        SkinType.COMPENSATED
-        if whole and not np.isin(channel, THERMAL).any()
-        else SkinType.UNCOMPENSATED
-    )
+    warm = patch.n_channels % TAXELS == 0 and not np.isin(channel, THERMAL).any()
+    return SkinType.COMPENSATED if warm else SkinType.UNCOMPENSATED
 
 
 def configuration_for(

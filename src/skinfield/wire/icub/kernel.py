@@ -36,6 +36,9 @@ HEAD, TAIL = 0x40, 0xC0
 HIGHEST_ID = 0x7FF
 ANALOG, SKIN = 3, 4  # as `MessageClass`
 MEANINGLESS, OF_OTHERS = -1, -2  # no head and no tail
+Messages = tuple[NDArray[np.uint32], Octets, Octets, Ints]  # ids, lengths, data, stamps
+Into = tuple[Words, Octets, Words]  # words, octets, end of `Blocks`
+Learned = tuple[Octets, Ints, Ints]  # see `follow`
 TAIL_WORDS = 6  # a block of 5 counts and one of status
 
 
@@ -67,14 +70,7 @@ def learn(board: int, event: int, stamp_ns: int, number: int, events: Ints, boar
 
 @njit
 def follow(
-    triangle: int,
-    part: int,
-    same: bool,
-    stamp_ns: int,
-    state: Octets,
-    events: Ints,
-    boards: Ints,
-    counters: Ints,
+    triangle: int, part: int, same: bool, stamp_ns: int, learned: Learned, counters: Ints
 ) -> bool:
     """Follow the order of a triangle's parts, and count what breaks it.
 
@@ -87,12 +83,10 @@ def follow(
     same : bool
         Whether its data is that of the part of this kind before.
     stamp_ns : int, ns
-    state : (256,) uint8 array
-        The part that came last; 0 at first.
-    events : (512, 2) int64 array
-        Stamp and number of the last head and of the last tail; two rows of each triangle.
-    boards : (16, 3) int64 array
-        Messages of each board until now; how many make a reading, in quarters; its period, ns.
+    learned : arrays
+        The part that came last of each triangle (256,), 0 at first; stamp and number of the last
+        head and of the last tail, two rows of each triangle (512, 2); messages of each board until
+        now, how many make a reading, in quarters, and its period, ns (16, 3).
     counters : (len(Count),) int64 array
 
     Returns
@@ -100,6 +94,7 @@ def follow(
     bool
         Whether it is a reading; else it is a copy of one.
     """
+    state, events, boards = learned
     board, event = triangle >> 4, 2 * triangle + part - 1
     number = boards[board, MESSAGES] + 1
     if state[triangle] == part:
@@ -128,20 +123,13 @@ def has_same_data(data: Octets, row: int, newest: Octets, slot: int, length: int
 
 @njit
 def decode_messages(
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
+    messages: Messages,
     first: int,
     count: int,
     positions: Ints,
-    state: Octets,
-    events: Ints,
-    boards: Ints,
+    learned: Learned,
     newest: Octets,
-    words: Words,
-    octets: Octets,
-    end: Words,
+    into: Into,
     channel: int,
     counters: Ints,
 ) -> int:
@@ -149,20 +137,21 @@ def decode_messages(
 
     Parameters
     ----------
-    ids, lengths, data, stamps : arrays
-        Of `CanMessages`.
+    messages : arrays
+        Identifiers, lengths, data, stamps of `CanMessages`.
     positions : (16,) int64 array
         Place of each board in the port, -1 of one that is not ours.
-    state, events, boards : arrays
+    learned : arrays
         Of `follow`.
     newest : (512, 8) uint8 array
         Last data of each triangle's two parts.
-    words, octets, end : arrays
+    into : arrays
         Of `Blocks`.
     channel : int
         Of the port's first taxel.
     counters : (len(Count),) int64 array
     """
+    ids, lengths, data, stamps = messages
     for i in range(first, count):
         identifier, length = int(ids[i]), min(int(lengths[i]), 8)
         head = is_head(identifier, lengths[i], data, i)
@@ -172,16 +161,16 @@ def decode_messages(
             counters[MALFORMED if broken else FOREIGN] += 1
             counters[OCTETS] += length
             continue
-        if end[0] + TAIL_WORDS > len(words):
+        if into[2][0] + TAIL_WORDS > len(into[0]):
             return i
         counters[RECEIVED] += 1
         counters[OCTETS] += length
         triangle = identifier & 255
         same = has_same_data(data, i, newest, 2 * triangle + 1 - head, length)
-        if not follow(triangle, 2 - head, same, stamps[i], state, events, boards, counters):
+        if not follow(triangle, 2 - head, same, stamps[i], learned, counters):
             continue
         at = channel + 192 * place + 12 * (triangle & 15)
-        put_part(words, octets, end, stamps[i], at, head, length, data, i)
+        put_part(into, stamps[i], at, head, length, data, i)
         counters[READINGS] += 1
     return count
 
@@ -204,17 +193,10 @@ def is_head(identifier: int, length: int, data: Octets, row: int) -> int:
 
 @inner
 def put_part(
-    words: Words,
-    octets: Octets,
-    end: Words,
-    stamp_ns: int,
-    channel: int,
-    head: int,
-    length: int,
-    data: Octets,
-    row: int,
+    into: Into, stamp_ns: int, channel: int, head: int, length: int, data: Octets, row: int
 ) -> None:
     """Append a part's counts, and a tail's status; there is room for both."""
+    words, octets, end = into
     first, taxels = (channel, 7) if head else (channel + 7, 5)
     at = begin_block(words, end, stamp_ns, first, taxels, BYTES, 0)
     if at < 0:

@@ -67,20 +67,16 @@ class PacketDecoder:
         if not numbers or len(set(numbers)) < len(numbers):
             raise InputError(f"devices have the numbers {numbers}, expected one or more, each once")
         count = len(numbers)
-        self.slots: NDArray[np.int32] = np.full(65536, -1, np.int32)
-        self.slots[numbers] = np.arange(count)
+        slots: NDArray[np.int32] = np.full(65536, -1, np.int32)
+        slots[numbers] = np.arange(count)
         self.state: Ints = np.zeros((count, COLUMNS), np.int64)
         channels = [device.channels for device in self.devices]
         self.state[:, CHANNELS] = channels
         self.state[:, OFFSET] = np.cumsum([0, *channels[:-1]])
-        self.window: Ints = np.zeros((count, WINDOW), np.int64)
-        self.marks: Octets = np.zeros(sum(channels), np.uint8)
+        self.channels = sum(channels)  # of all devices
+        window, marks = np.zeros((count, WINDOW), np.int64), np.zeros(self.channels, np.uint8)
+        self.tables = slots, self.state, window, marks  # as the kernels take them
         self._torn: Ints = np.zeros(1, np.int64)
-
-    @property
-    def channels(self) -> int:
-        """Of all devices."""
-        return len(self.marks)
 
     def decode_many(
         self,
@@ -115,11 +111,11 @@ class PacketDecoder:
         from skinfield.wire.packet.kernel import decode_datagrams
 
         last = min(last, len(datagrams), len(lengths), len(stamp_ns))
+        into = blocks.words, blocks.octets, blocks.singles, blocks.end
         return int(
             decode_datagrams(
-                datagrams, lengths, stamp_ns, first, last, blocks.words, blocks.octets,
-                blocks.singles, blocks.end, channel, self.slots, self.state, self.window,
-                self.marks, counters, self._torn,
+                datagrams, lengths, stamp_ns, first, last, into, channel, self.tables, counters,
+                self._torn,
             )
         )  # fmt: skip
 
@@ -172,11 +168,10 @@ class PacketScanner:
         check_count("received", received, 0, len(self.octets) - self.used, "bytes put into `free`")
         own, used = self.decoder, self.used + received
         counters[Count.BYTES] += received
+        into = blocks.words, blocks.octets, blocks.singles, blocks.end
         at, packets = decode_run(
-            self.octets, 0, used, False, self._torn, blocks.words, blocks.octets, blocks.singles,
-            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks,
-            counters,
-        )  # fmt: skip
+            self.octets, 0, used, False, self._torn, into, channel, now_ns, own.tables, counters
+        )
         if at:
             self.octets[: used - at] = self.octets[at:used]
         self.used = used - at

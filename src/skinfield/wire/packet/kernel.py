@@ -45,6 +45,8 @@ STATUS_BITS = 0x0F  # that `Status` knows
 LATEST_NS = 1_000_000_000  # how far back a late packet's stamp is put at most
 
 Table = NDArray[np.int64]
+Into = tuple[Words, Octets, NDArray[np.float32], Words]  # words, octets, singles, end of `Blocks`
+Devices = tuple[NDArray[np.int32], Table, Table, Octets]  # see `decode_run`
 
 
 def _tables() -> NDArray[np.uint16]:
@@ -259,16 +261,10 @@ def decode_run(
     stop: int,
     final: bool,
     torn: Ints,
-    words: Words,
-    payloads: Octets,
-    singles: NDArray[np.float32],
-    end: Words,
+    into: Into,
     channel: int,
     now_ns: int,
-    slots: NDArray[np.int32],
-    state: Table,
-    window: Table,
-    marks: Octets,
+    devices: Devices,
     counters: Ints,
 ) -> tuple[int, int]:
     """Take the packets in `octets[start:stop]`.
@@ -280,16 +276,13 @@ def decode_run(
         Whether nothing follows: what is not whole then is malformed. Otherwise it is left.
     torn : (1,) int64 array
         1 while what is no packet goes on, which is counted once.
-    words, payloads, singles, end : arrays
+    into : arrays
         Of `Blocks`.
     channel : int
     now_ns : int, ns
-    slots : (65536,) int32 array
-        Row of `state` for each device, or -1.
-    state : (D, COLUMNS) int64 array
-    window : (D, WINDOW) int64 array
-    marks : (C,) uint8 array
-        1 where a packet of counts left a status behind.
+    devices : arrays
+        Row of each device's state, or -1 (65536,); the states (D, COLUMNS); their last numbers
+        (D, WINDOW); 1 where a packet of counts left a status behind (C,).
     counters : (len(Count),) int64 array
 
     Returns
@@ -302,12 +295,9 @@ def decode_run(
     while at < stop:
         size = packet_size(octets, at, stop)
         if size > 0:
-            if end[0] + words_needed(octets, at) > len(words):
+            if into[3][0] + words_needed(octets, at) > len(into[0]):
                 break
-            take_packet(
-                octets, at, words, payloads, singles, end, channel, now_ns, slots, state, window,
-                marks, counters,
-            )  # fmt: skip
+            take_packet(octets, at, into, channel, now_ns, devices, counters)
             torn[0] = 0
             at += size
             packets += 1
@@ -322,21 +312,10 @@ def decode_run(
 
 @inner
 def take_packet(
-    octets: Octets,
-    at: int,
-    words: Words,
-    payloads: Octets,
-    singles: NDArray[np.float32],
-    end: Words,
-    channel: int,
-    now_ns: int,
-    slots: NDArray[np.int32],
-    state: Table,
-    window: Table,
-    marks: Octets,
-    counters: Ints,
+    octets: Octets, at: int, into: Into, channel: int, now_ns: int, devices: Devices, counters: Ints
 ) -> None:
     """Take one whole packet, for whose blocks there is room."""
+    slots, state, window, marks = devices
     kind, slot = int(np.int64(octets[at + 3])), slots[u16(octets, at + 4)]
     if slot < 0 or kind >= COMMANDS:
         counters[FOREIGN] += 1
@@ -358,25 +337,7 @@ def take_packet(
         counters[FOREIGN] += 1
         counters[RECEIVED] -= 1
         return
-    take_counts(octets, at, words, payloads, singles, end, stamp, channel, row, marks, counters)
-
-
-@inner
-def take_counts(
-    octets: Octets,
-    at: int,
-    words: Words,
-    payloads: Octets,
-    singles: NDArray[np.float32],
-    end: Words,
-    stamp: int,
-    channel: int,
-    row: Row,
-    marks: Octets,
-    counters: Ints,
-) -> None:
-    """Append the blocks of a packet of counts or of status, whose bounds were checked."""
-    kind, first, count = int(np.int64(octets[at + 3])), u16(octets, at + 16), u16(octets, at + 18)
+    words, payloads, singles, end = into
     status, own, payload = octets[at + 23] & STATUS_BITS, row[OFFSET] + first, at + HEADER_BYTES
     if kind == STATUS:
         to = begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, status)
@@ -386,7 +347,7 @@ def take_counts(
             marks[own + i] = 0
         return
     if status or row[MARKED]:
-        note_status(words, end, stamp, channel, own, count, status, row, marks)
+        note_status(into, stamp, channel, own, count, status, row, marks)
     counters[READINGS] += 1
     to = begin_block(
         words, end, stamp, channel + own, count, BLOCK_FLOATS if kind == SIGNED else kind, status
@@ -401,15 +362,7 @@ def take_counts(
 
 @inner
 def note_status(
-    words: Words,
-    end: Words,
-    stamp: int,
-    channel: int,
-    own: int,
-    count: int,
-    status: int,
-    row: Row,
-    marks: Octets,
+    into: Into, stamp: int, channel: int, own: int, count: int, status: int, row: Row, marks: Octets
 ) -> None:
     """Keep in mind what a packet of counts says beside them; take it back where it ceased."""
     if status:
@@ -422,7 +375,7 @@ def note_status(
         found |= marks[own + i] != 0
         marks[own + i] = 0
     if found:
-        begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, NO_STATUS)
+        begin_block(into[0], into[3], stamp, channel + own, count, BLOCK_STATUS, NO_STATUS)
 
 
 @njit
@@ -432,15 +385,9 @@ def decode_datagrams(
     stamps: Ints,
     first: int,
     last: int,
-    words: Words,
-    payloads: Octets,
-    singles: NDArray[np.float32],
-    end: Words,
+    into: Into,
     channel: int,
-    slots: NDArray[np.int32],
-    state: Table,
-    window: Table,
-    marks: Octets,
+    devices: Devices,
     counters: Ints,
     torn: Ints,
 ) -> int:
@@ -450,14 +397,13 @@ def decode_datagrams(
         length = max(0, min(int(lengths[i]), room))
         # A packet of n bytes becomes less than 3 n bytes of blocks: at most 54 of headers and
         # filling, where it has 26 itself, and twice its payload with an eighth for status.
-        if 8 * (len(words) - end[0]) < 3 * length:
+        if 8 * (len(into[0]) - into[3][0]) < 3 * length:
             return i
         torn[0] = 0
         counters[OCTETS] += length
         # A plain 0 and True are types of their own to Numba, which would compile all once more.
         start, final = int(np.int64(0)), length >= 0
         decode_run(
-            datagrams[i], start, length, final, torn, words, payloads, singles, end, channel,
-            stamps[i], slots, state, window, marks, counters,
-        )  # fmt: skip
+            datagrams[i], start, length, final, torn, into, channel, stamps[i], devices, counters
+        )
     return last

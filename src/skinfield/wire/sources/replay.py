@@ -6,14 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic import Layer
 from skinfield.errors import (
     FileError,
     Floats,
     InputError,
     Ints,
     as_floats,
+    check_positive,
     check_range,
 )
 from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
@@ -24,12 +26,7 @@ from skinfield.wire.sources.streams import narrowest
 
 if TYPE_CHECKING:
     from skinfield.files.mcap.live import LiveRecording
-from numpy.typing import ArrayLike
 
-from skinfield.elastic import Layer
-from skinfield.errors import check_positive
-
-LONGEST_NS = 1 << 61  # that stamps can be added to
 ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
 
 SLOWEST = 0.01

@@ -2,7 +2,6 @@
 
 import select
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
@@ -127,7 +126,6 @@ class NoReadingError(SkinfieldError, TimeoutError):
     """Nothing that is new enough has come."""
 
 
-@dataclass(eq=False)
 class StreamReader:
     """Whole readings of a stream.
 
@@ -142,15 +140,10 @@ class StreamReader:
         The newest counts of all.
     """
 
-    stream: Stream
-    channels: Channels = field(init=False)
-    _blocks: Blocks = field(init=False)
-    _new: NDArray[np.bool_] = field(init=False)  # channels of the reading that is under way
-
-    def __post_init__(self) -> None:
-        self._blocks = Blocks()
-        self.channels = Channels(sum(port.channels for port in self.stream.ports))
-        self._new = np.zeros(len(self.channels), bool)
+    def __init__(self, stream: Stream) -> None:
+        self.stream, self._blocks = stream, Blocks()
+        self.channels = Channels(sum(port.channels for port in stream.ports))
+        self._new = np.zeros(len(self.channels), bool)  # of the reading that is under way
 
     def take(self) -> int:
         """Take in what has arrived; how many messages. Never waits."""
@@ -229,20 +222,14 @@ class StreamReader:
         return Reading(int(channels.stamp_ns.max()), channels.counts.copy(), good)
 
     def _state(self) -> str:
-        return "the source is up" if self.stream.up else f"the source is down{_why(self.stream)}"
+        fault = getattr(self.stream, "fault", "")
+        down = f"the source is down ({fault})" if fault else "the source is down"
+        return "the source is up" if self.stream.up else down
 
     def _wait(self, seconds: float) -> None:
         numbers: Sequence[int] = self.stream.filenos()
         # never for long: a connection that broke is noticed by polling alone
-        if numbers:
-            select.select(numbers, [], [], min(seconds, 20 * STEP))
-        else:
-            select.select([], [], [], min(seconds, STEP))
-
-
-def _why(stream: Stream) -> str:
-    fault = getattr(stream, "fault", "")
-    return f" ({fault})" if fault else ""
+        select.select(numbers, [], [], min(seconds, 20 * STEP if numbers else STEP))
 
 
 def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:

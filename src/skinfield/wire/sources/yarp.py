@@ -266,22 +266,20 @@ class VectorReader:
 
     def _parse(self, line: str) -> bool:
         """Read the numbers of a line; whether they are as many as there must be."""
-        what: int | str
+        words = line.replace(",", " ").split()
+        what: int | str = len(words)
         try:
-            numbers = [float(word) for word in line.replace(",", " ").split()]
-            what = len(numbers)
+            numbers = [float(word) for word in words]
         except ValueError:
             numbers, what = [], "something else than"
-        good = len(numbers) == len(self._values)
-        if good:
-            self._values[:] = numbers
-        self.note = ""
-        if not good:
-            self.note = (
-                f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in "
-                "each vector: is this the layout of that skin?"
-            )
-        return good
+        if len(numbers) == len(self._values):
+            self._values[:], self.note = numbers, ""
+            return True
+        self.note = (
+            f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in each "
+            "vector: is this the layout of that skin?"
+        )
+        return False
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
         """Append the vector in the smallest kind of block for it; False if there is no room."""

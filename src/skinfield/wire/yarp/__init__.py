@@ -1,7 +1,6 @@
 """YARP: bottles, carriers, output ports, questions to a name server; YARP itself is not needed."""
 
 from skinfield.wire.yarp.carriers import Carrier as Carrier
-from skinfield.wire.yarp.carriers import Value as Value
 from skinfield.wire.yarp.carriers import bytes_from_bottle as bytes_from_bottle
 from skinfield.wire.yarp.carriers import checked_name as checked_name
 from skinfield.wire.yarp.carriers import envelope as envelope
@@ -15,4 +14,3 @@ from skinfield.wire.yarp.name_server import PORT as PORT
 from skinfield.wire.yarp.name_server import Answer as Answer
 from skinfield.wire.yarp.name_server import NameServer as NameServer
 from skinfield.wire.yarp.port import Port as Port
-from skinfield.wire.yarp.port import Session as Session

@@ -44,11 +44,12 @@ BEHIND = 1 << 22  # bytes that wait to be sent, at which a connection is given u
 UNKNOWN = b"* Error. Protocol not found.\r\n* Try CONNECT and a name.\r\n"
 
 
-class Session:
-    """What one party says to a port, and what is answered.
+class Connection:
+    """One socket of a port: what the party says there, and what is answered.
 
     Parameters
     ----------
+    sock : socket
     port : Port
     carrier : Carrier, optional
         Of a connection that the port opened itself, to a reader of the name `peer`; otherwise the
@@ -63,21 +64,39 @@ class Session:
         Whether the party reads from the port.
     unread : int
         Messages that were sent to it and not acknowledged.
-    ended : bool
-        Whether the connection is to be closed, when what is in `answer` was sent.
-    answer : bytearray
-        Bytes to send; whoever sends them takes them out.
+    gone : bool
+        Whether it is to be closed.
     """
 
-    def __init__(self, port: "Port", carrier: Carrier | None = None, peer: str = "") -> None:
-        self._port, self.carrier, self.peer = port, carrier, peer
-        self.reads, self.unread, self.ended = carrier is not None, 0, False
-        self.answer = bytearray()
+    def __init__(
+        self, sock: socket.socket, port: "Port", carrier: Carrier | None = None, peer: str = ""
+    ) -> None:
+        sock.setblocking(False)
+        with suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.socket, self._port, self.carrier, self.peer = sock, port, carrier, peer
+        self.reads, self.unread, self.gone = carrier is not None, 0, False
+        self._ended = False  # it is gone once all was sent
+        self._out = bytearray()
         self._head, self._lines = b"", Lines(LONGEST if peer else LONGEST_NAME)
         self._command = ""  # whose bottle is still to come
 
-    def take(self, data: bytes) -> None:
-        """Take in what came; never raises for what a party says."""
+    @property
+    def waits(self) -> bool:
+        """Whether something is to be sent."""
+        return bool(self._out)
+
+    def receive(self) -> None:
+        """Take in what came, and send what is to be answered."""
+        try:
+            data = self.socket.recv(PIECE)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self.gone = True
+            return
         try:
             if self.reads:
                 self.unread = max(self.unread - self._acknowledged(data), 0)
@@ -86,9 +105,31 @@ class Session:
             else:
                 self._listen(data)
         except InputError as error:
-            self.ended = True
+            self._ended = True
             if self.carrier is not Carrier.TCP:
-                self.answer += line(str(error))
+                self._out += line(str(error))
+        self.send(b"")
+
+    def send(self, data: bytes) -> None:
+        """Send, as far as it goes now; the rest goes before the next."""
+        self._out += data
+        try:
+            while self._out:
+                del self._out[: self.socket.send(self._out)]
+        except (BlockingIOError, InterruptedError):
+            self.gone = self.gone or len(self._out) > BEHIND
+        except OSError:
+            self.gone = True
+        if self._ended and not self._out:
+            self.gone = True
+
+    def close(self) -> None:
+        """Say goodbye to a reader, and close."""
+        if self.reads and not self.gone:
+            self.socket.settimeout(GOODBYE)
+            with suppress(OSError):
+                self.socket.sendall(self._out + message(self.carrier or Carrier.TEXT, "q"))
+        self.socket.close()
 
     def _acknowledged(self, data: bytes) -> int:
         """Messages that a reader acknowledges; everything else it says is let go."""
@@ -117,8 +158,8 @@ class Session:
                 self.carrier = carrier
                 self._listen(self._head[HEADER:])
                 return
-        self.answer += UNKNOWN
-        self.ended = True
+        self._out += UNKNOWN
+        self._ended = True
 
     def _listen(self, data: bytes) -> None:
         """Obey the messages behind the party's name, which comes first."""
@@ -129,8 +170,8 @@ class Session:
                 return
             self.peer, self._lines.most = name.strip(), LONGEST
             checked_name(self.peer)
-            self.answer += line(f"Welcome {self.peer}")
-        while not (self.reads or self.ended) and (text := self._lines.take()) is not None:
+            self._out += line(f"Welcome {self.peer}")
+        while not (self.reads or self._ended) and (text := self._lines.take()) is not None:
             if self._command:
                 self._obey(self._command, words_from_text(text))
                 self._command = ""
@@ -141,16 +182,16 @@ class Session:
 
     def _obey(self, letter: str, words: Sequence[str]) -> None:
         if letter == "q":
-            self.ended = True
+            self._ended = True
             return
         if letter == "a":
-            self.answer += line(self._administered(words))
+            self._out += line(self._administered(words))
         elif letter == "r":
             self.reads = True
         elif letter not in WITH_BOTTLE:  # data has no taker here
-            self.answer += line("Port command not understood.")
+            self._out += line("Port command not understood.")
         if self.carrier is Carrier.TEXT_ACK:
-            self.answer += line(ACK)
+            self._out += line(ACK)
 
     def _administered(self, words: Sequence[str]) -> str:
         command, first, second = [*words, "", "", ""][:3]
@@ -173,59 +214,6 @@ class Session:
                 outcome = port.remove(first)
                 return text_from_bottle([0 if outcome.startswith("Removed") else -1, outcome])
         return '[fail] "expected [ver], [add], [del] or [list]"'
-
-
-class Connection:
-    """One socket of a port, and what is said over it."""
-
-    def __init__(self, sock: socket.socket, session: Session) -> None:
-        sock.setblocking(False)
-        with suppress(OSError):
-            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.socket, self.session = sock, session
-        self._out = bytearray()
-        self.gone = False
-
-    @property
-    def waits(self) -> bool:
-        """Whether something is to be sent."""
-        return bool(self._out)
-
-    def receive(self) -> None:
-        """Take in what came, and send what is to be answered."""
-        try:
-            data = self.socket.recv(PIECE)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError:
-            data = b""
-        if not data:
-            self.gone = True
-        else:
-            self.session.take(data)
-            self.send(bytes(self.session.answer))
-            self.session.answer.clear()
-
-    def send(self, data: bytes) -> None:
-        """Send, as far as it goes now; the rest goes before the next."""
-        self._out += data
-        try:
-            while self._out:
-                del self._out[: self.socket.send(self._out)]
-        except (BlockingIOError, InterruptedError):
-            self.gone = self.gone or len(self._out) > BEHIND
-        except OSError:
-            self.gone = True
-        if self.session.ended and not self._out:
-            self.gone = True
-
-    def close(self) -> None:
-        """Say goodbye to a reader, and close."""
-        if self.session.reads and not self.gone:
-            self.socket.settimeout(GOODBYE)
-            with suppress(OSError):
-                self.socket.sendall(self._out + message(self.session.carrier or Carrier.TEXT, "q"))
-        self.socket.close()
 
 
 class Port:
@@ -254,11 +242,7 @@ class Port:
     """
 
     def __init__(
-        self,
-        name: str,
-        host: str = "",
-        socket_port: int = 0,
-        server: NameServer | None = None,
+        self, name: str, host: str = "", socket_port: int = 0, server: NameServer | None = None
     ) -> None:
         checked_name(name)
         self.name, self.server = name, server
@@ -314,7 +298,7 @@ class Port:
             with suppress(OSError):
                 sock, _ = self._listener.accept()
                 if len(self._connections) < MOST:
-                    self._connections.append(Connection(sock, Session(self)))
+                    self._connections.append(Connection(sock, self))
                 else:
                     sock.close()
         for each in [each for each in self._connections if each.gone]:
@@ -333,20 +317,20 @@ class Port:
         made: dict[bool, bytes] = {}
         command, count = f"D {stamp}" if stamp else "D", 0
         for each in self._readers():
-            session, carrier = each.session, each.session.carrier
+            carrier = each.carrier
             assert carrier is not None  # of whoever reads
-            if each.waits or session.unread:
+            if each.waits or each.unread:
                 self.skipped += 1
                 continue
             if carrier.is_text not in made:
                 made[carrier.is_text] = message(carrier, command, values)
-            session.unread += carrier.acknowledges
+            each.unread += carrier.acknowledges
             each.send(made[carrier.is_text])
             count += 1
         return count
 
     def _readers(self) -> list[Connection]:
-        return [each for each in self._connections if each.session.reads and not each.gone]
+        return [each for each in self._connections if each.reads and not each.gone]
 
     @property
     def readers(self) -> int:
@@ -356,8 +340,7 @@ class Port:
     @property
     def outputs(self) -> Mapping[str, str]:
         """Carriers by the names of the readers."""
-        sessions = [each.session for each in self._readers()]
-        return {each.peer: each.carrier.value for each in sessions if each.carrier}
+        return {each.peer: each.carrier.value for each in self._readers() if each.carrier}
 
     def add(self, wanted: str) -> str:
         """Send to another port from now on; the outcome, which begins with "Added" if that is so.
@@ -398,12 +381,12 @@ class Port:
                 if yarp_number(answer) is None:
                     raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
             undo.pop_all()
-        return Connection(sock, Session(self, carrier, name))
+        return Connection(sock, self, carrier, name)
 
     def remove(self, name: str) -> str:
         """Send to a port no more; the outcome, which begins with "Removed" if that is so."""
         for each in self._readers():
-            if each.session.peer == name:
+            if each.peer == name:
                 self._connections.remove(each)
                 each.close()
                 return f"Removed connection from {self.name} to {name}"
