@@ -1,7 +1,6 @@
 """What a fit is prepared from: its sums against plain ones, and no more than it needs."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from test_atoms_search import fitter_of, noisy
 
-from skinfield.elastic.ring_layer import _far, _pull_with, _ring_with
 from skinfield.elastic.round_gap import ANGLES, RADII, RoundGap
 from skinfield.solve.atoms.fit_kernel import refine
 from skinfield.solve.atoms.fitter import ContactFitter
@@ -64,27 +62,6 @@ def test_inverses_over_what_is_free() -> None:
     found, half = inverses(hessians, np.arange(6) < 3)  # one that is free beside the place
     assert_array_equal(half == np.inf, [False, False, True])
     assert np.isfinite(found).all()
-
-
-def test_rings_from_afar_are_those_one_by_one() -> None:
-    rng = np.random.default_rng(1)
-    rings = np.stack([rng.uniform(0.1, 9.0, 101), rng.uniform(0.05, 1.4, 101), rng.random(101)])
-    room, out = np.empty((3, 303)), np.empty((2, 101))
-    ring: Any = _ring_with  # whose `py_func` is what is compiled
-    pull: Any = _pull_with
-
-    def log(r: float, s: float, z: float) -> float:
-        return math.log(((r - s) ** 2 + z**2) / ((r + s) ** 2 + z**2))
-
-    for r, height in ((0.0, 0.4), (2.5, 1.0), (30.0, 0.9)):
-        _far(r, height, rings, room, room.view(np.int64), out)
-        for n, (s, t, weight) in enumerate(rings.T):
-            part = [ring.py_func(r, s, z, log(r, s, z)) for z in (height - t, height + t)]
-            expected = (
-                weight * (part[0] - part[1]),
-                weight * pull.py_func(r, s, t, log(r, s, t)),
-            )
-            assert_allclose(out[:, n], expected, rtol=1e-12, atol=1e-14)
 
 
 def test_a_pad_reads_the_mean_over_its_points() -> None:
