@@ -1,7 +1,6 @@
-"""Bodies of revolution for the exact layer: a cone, power laws, a flat end with a rounded rim."""
+"""Bodies of revolution for the exact layer: a cone, a flat end with a rounded rim."""
 
 from dataclasses import dataclass
-from math import gamma
 
 import numpy as np
 
@@ -9,40 +8,18 @@ from skinfield.errors import Floats
 
 
 @dataclass(frozen=True, kw_only=True)
-class PowerLaw:
-    """f = scale (r / scale)^exponent, Galin's and Sneddon's family."""
+class Taper:
+    """A cone, f = slope r."""
 
-    exponent: float
-    scale: float
+    slope: float
     reach = float("inf")
     kink = 0.0
 
     def height(self, r: Floats) -> Floats:
-        return np.asarray(self.scale * (r / self.scale) ** self.exponent)
-
-    @property
-    def stretch(self) -> float:
-        """Ratio of `springs` to `height`: 2 for a paraboloid, pi / 2 for a cone."""
-        n = self.exponent
-        return float(np.sqrt(np.pi) / 2 * n * gamma(n / 2) / gamma((n + 1) / 2))
+        return self.slope * r
 
     def springs(self, x: Floats) -> Floats:
-        return self.stretch * self.height(x)
-
-    def springs_slope(self, x: Floats) -> Floats:
-        return np.asarray(self.stretch * self.exponent * (x / self.scale) ** (self.exponent - 1.0))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Taper(PowerLaw):
-    """A cone, f = slope r."""
-
-    slope: float
-    exponent: float = 1.0
-    scale: float = 1.0
-
-    def height(self, r: Floats) -> Floats:
-        return self.slope * r
+        return np.pi / 2.0 * self.slope * x
 
     def springs_slope(self, x: Floats) -> Floats:
         return np.full_like(x, np.pi / 2.0 * self.slope)

@@ -1,8 +1,6 @@
 """Emulated electronics: the chain read backwards, and each effect by its statistics."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.signal import CySkinCount, ICubByte
+from skinfield.signal import ICubByte
+from skinfield.signal.boards import firmware_drift
 from skinfield.simulate.electronics import (
     CrossTalk,
     CySkinBoard,
@@ -22,6 +21,7 @@ from skinfield.simulate.electronics import (
     LinearBoard,
     Noise,
     ThermalDrift,
+    ThermalPads,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
@@ -30,6 +30,7 @@ from skinfield.simulate.electronics.delivery import wiring
 from skinfield.skin import Patch, generators
 
 HEXAGON = generators.icub_hexagon()
+TEN_PADS = generators.triangle_lattice(6, template=generators.TEN_PAD_TRIANGLE)
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))
 BOARDS = [
     ICubBoard(),
@@ -93,16 +94,6 @@ def test_bytes_are_those_of_the_firmware_in_whole_numbers(changes):
         v = round(1024 * change)
         up, bottom = 15 << 2, 240 << 2
         assert byte == (255 if v <= -up else 0 if v >= bottom else 240 - (v >> 2))
-
-
-@boards
-def test_steps_do_not_shift_the_mean(board):
-    array = Electronics(board=board, noise=Noise(white=5.0 * max(board.step, 0.1))).manufacture(
-        HEXAGON, rng()
-    )
-    counts = array.counts(np.full((20000, 72), 0.2), None, rng(1))
-    expected = board.rest + 0.2 * board.gain
-    assert counts.mean() == pytest.approx(expected, abs=0.02 * max(board.step, 0.1))
 
 
 @boards
@@ -242,18 +233,128 @@ def test_defects_are_as_frequent_as_asked():
     assert (Electronics().manufacture(MANY, rng()).defect == Defect.NONE).all()
 
 
-def test_conventions_are_those_of_the_boards():
-    assert isinstance(icub_electronics().board.convention, ICubByte)
-    assert isinstance(cyskin_electronics().board.convention, CySkinCount)
-    assert icub_electronics().board.gain == pytest.approx(-171.0, abs=0.5)
+# ---- noise ---------------------------------------------------------------------------------------
 
 
-def test_the_page_s_example_runs_and_gives_back_the_press():
-    page = (Path(__file__).parents[1] / "docs" / "electronics.md").read_text(encoding="utf-8")
-    names = {}
-    (code,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    exec(compile(code, "electronics.md", "exec"), names)
-    change, back, kept = names["change"], names["back"], names["sampling"].delivered
-    held = (names["rec"].time > 3.0) & (names["rec"].time < 3.9)
-    assert change.max() > 0.1
-    assert back[held, 3].mean() == pytest.approx(change[kept][held, 3].mean(), abs=0.02)
+def allan_deviation(series, group):
+    """Of (T, L) readings in groups of `group`, (L,): half the mean square step of their means."""
+    groups = len(series) // group
+    means = series[: groups * group].reshape(groups, group, -1).mean(axis=1)
+    return np.sqrt(0.5 * np.mean(np.diff(means, axis=0) ** 2, axis=0))
+
+
+def levels(noise, readings, rate=20.0):
+    made = Electronics(quantised=False, noise=noise, delivery=Delivery(rate=rate))
+    array, counts = untouched(made, readings)
+    return array, counts - array.baseline
+
+
+def test_white_noise_has_its_deviation_per_taxel_and_no_memory():
+    array, noise = levels(Noise(white=3.0, spread=0.5), 20000)
+    assert noise.std(axis=0) == pytest.approx(array.white_noise, rel=0.03)
+    assert array.calibration.noise_std == pytest.approx(array.white_noise)
+    assert np.log(array.white_noise / 3.0).std() == pytest.approx(0.5, rel=0.25)
+    assert abs(np.mean(noise[1:] * noise[:-1]) / np.mean(noise**2)) < 0.005
+    for group in (1, 10, 100):
+        expected = array.white_noise / np.sqrt(group)
+        assert np.mean(allan_deviation(noise, group) / expected) == pytest.approx(1.0, abs=0.03)
+
+
+def test_common_noise_is_shared_within_a_converter_only():
+    _, noise = levels(Noise(white=1.0, common=2.0), 20000)
+    ties = np.corrcoef(noise.T)
+    same = wiring(HEXAGON).converter
+    same = (same[:, None] == same) & ~np.eye(72, dtype=bool)
+    assert ties[same] == pytest.approx(0.8, abs=0.02)
+    assert abs(ties[~same & ~np.eye(72, dtype=bool)]).max() < 0.04
+
+
+@pytest.mark.parametrize("rate", [5.0, 50.0])
+def test_flicker_has_one_allan_deviation_at_all_averaging_times(rate):
+    _, noise = levels(Noise(flicker=2.0), 20000, rate)
+    expected = 2.0 * np.sqrt(2.0 * np.log(2.0) / np.pi)
+    for group in (8, 32, 128, 512):
+        assert np.mean(allan_deviation(noise, group)) == pytest.approx(expected, rel=0.06)
+
+
+def test_a_walk_goes_with_the_square_root_of_time():
+    made = Electronics(quantised=False, noise=Noise(walk=0.5), delivery=Delivery(rate=20.0))
+    array, counts = untouched(made, 2001, MANY)
+    away = counts - array.baseline
+    assert (away[0] == 0).all()
+    for seconds in (4.0, 25.0, 100.0):
+        spread = away[int(20 * seconds)].std()
+        assert spread == pytest.approx(0.5 * np.sqrt(seconds), rel=0.06)
+    expected = 0.5 * np.sqrt(5.0 / 3.0)
+    assert np.mean(allan_deviation(away, 100)) == pytest.approx(expected, rel=0.03)
+
+
+# ---- warmth: drift with a lag, and thermal pads down to the firmware's bits ----------------------
+
+
+def test_warmth_drifts_each_taxel_at_its_own_rate():
+    drift = ThermalDrift(per_kelvin=0.5, converter_spread=0.2, taxel_spread=0.1)
+    array = Electronics(quantised=False, drift=drift).manufacture(MANY, rng())
+    temperature = 298.15 + np.array([0.0, 1.0, 10.0])
+    counts = array.counts(np.zeros((3, 2400)), temperature, rng())
+    rates = counts[1] - counts[0]
+    assert counts[2] - counts[0] == pytest.approx(10 * rates, abs=1e-9)
+    together = rates.reshape(-1, 12)
+    assert rates.mean() == pytest.approx(0.5, abs=0.05)
+    assert together.std(axis=1, ddof=1).mean() == pytest.approx(0.1, rel=0.05)
+    assert together.mean(axis=1).std() == pytest.approx(0.2, rel=0.15)
+    assert array.counts(np.zeros((1, 2400)), None, rng()) == pytest.approx(counts[:1], abs=1e-9)
+
+
+def test_the_skin_lags_behind_its_surroundings():
+    drift = ThermalDrift(per_kelvin=1.0, time_constant=30.0)
+    made = Electronics(quantised=False, drift=drift, delivery=Delivery(rate=10.0))
+    array = made.manufacture(HEXAGON, rng())
+    temperature = np.full(1001, 308.15)
+    temperature[0] = 298.15  # in balance with it at the start
+    away = array.counts(np.zeros((1001, 72)), temperature, rng()) - array.baseline
+    assert away[0] == pytest.approx(0.0, abs=1e-9)
+    time = np.arange(1001) / 10.0
+    assert away[:, 5] == pytest.approx(10.0 * (1.0 - np.exp(-time / 30.0)), abs=0.02)
+
+
+def test_the_firmware_s_correction_is_bit_exact():
+    taken = firmware_drift(np.full(12, -200.0))
+    byte = ICubByte().counts_from_difference(np.where(np.arange(12) == 6, -200.0, 0.0) - taken)
+    assert bytes(byte.astype(np.uint8)) == bytes.fromhex("d5cbd0e2e2d5ff dfd2b0f0d2")
+    other = firmware_drift(np.full(12, -200.0), negated_first=True)
+    assert (taken - other).tolist() == [1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]
+    assert (firmware_drift(200.0) == -firmware_drift(-200.0)).all()
+
+
+def test_thermal_pads_leave_a_small_remainder_of_the_drift():
+    made = Electronics(quantised=False, thermal_pads=ThermalPads(noise=0.0))
+    array = made.manufacture(TEN_PADS, rng())
+    temperature = 298.15 + np.linspace(-20, 20, 401)
+    counts = array.counts(np.zeros((401, 60)), temperature, rng(1)) - array.baseline
+    whole = 10.0 * 20 * 164 / 128 / 4  # of the strongest taxel without correction
+    assert np.abs(counts).max() < 0.03 * whole
+    raw = replace(made, thermal_pads=None, drift=ThermalDrift(per_kelvin=1.0))
+    counts = raw.manufacture(TEN_PADS, rng()).counts(np.zeros((401, 60)), temperature, rng(1))
+    assert np.abs(counts - 240.375).max() == pytest.approx(20.0)
+
+
+def test_a_failed_pad_fakes_contact_on_its_triangle_alone():
+    pads = ThermalPads(failed=0.3, noise=0.0)
+    made = Electronics(thermal_pads=pads, noise=Noise(white=1.0))
+    array = made.manufacture(TEN_PADS, rng(3))
+    counts = array.counts(np.zeros((200, 60)), None, rng(1)).mean(axis=0)
+    failed = array.pad_error[array.wiring.converter] < 0
+    assert 0 < failed.sum() < 60
+    assert (240.5 - counts[failed] > 7).all()
+    assert (240.5 - counts[failed]).max() == pytest.approx(64.0, abs=1.0)  # the gain of 164
+    assert np.abs(240.375 - counts[~failed]).max() < 0.5
+
+
+def test_thermal_pads_need_their_board_and_their_triangles():
+    with pytest.raises(InputError, match="expected an ICubBoard"):
+        Electronics(board=CySkinBoard(), thermal_pads=ThermalPads())
+    with pytest.raises(InputError, match="taxel 6 is at channel 6 of its triangle"):
+        Electronics(board=ICubBoard(), thermal_pads=ThermalPads()).manufacture(HEXAGON, rng())
+    with pytest.raises(InputError, match="gains has 3 entries"):
+        ThermalPads(gains=(1, 2, 3))

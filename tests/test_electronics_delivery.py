@@ -7,13 +7,9 @@ import pytest
 
 from skinfield.errors import InputError
 from skinfield.signal import (
-    Calibration,
-    ICubByte,
     Verdict,
     estimate_baseline,
     find_faults,
-    quiet_stretch,
-    valid_from_counts,
 )
 from skinfield.simulate.electronics import (
     CySkinBoard,
@@ -200,29 +196,6 @@ def test_the_planted_drift_is_found():
     one_count = 1.0 / 33.3  # medians of thirds are whole counts, with some noise
     assert found.drift == pytest.approx(0.1 * array.drift, abs=1.3 * one_count)
     assert found.drift.mean() == pytest.approx(0.1 * array.drift.mean(), rel=0.05)
-
-
-def test_presses_lie_outside_the_quiet_stretch():
-    def press(t):
-        return 0.3 * ((t % 8.0) > 4.0)
-
-    _, sampling, read = recorded(icub_electronics(), 32.0, press=press)
-    stretch = quiet_stretch(read.counts, read.rate, seconds=2.0, convention=ICubByte())
-    assert stretch.still
-    assert (press(sampling.time[sampling.delivered][stretch.readings]) == 0).all()
-
-
-def test_a_measured_calibration_gives_back_the_press():
-    def press(t):
-        return 0.2 * (t > 10.0)
-
-    array, _, read = recorded(icub_electronics(), 30.0, press=press)
-    board = ICubByte()
-    quiet = estimate_baseline(read.counts[:190], read.rate, convention=board)
-    measured = Calibration.from_baseline(HEXAGON, quiet, gain=array.gain)
-    change = measured.relative_capacitance_from_counts(read.counts[210:])
-    assert valid_from_counts(read.counts, board).mean() > 0.99
-    assert np.median(change.mean(axis=0)) == pytest.approx(0.2, abs=0.006)  # 2 % of cross-talk
 
 
 def test_the_noise_of_the_icub_board_is_the_paper_s():

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import propagate, ratios
 
-from skinfield.elastic.cell_integrals import integrate_over_cell, squares
+from skinfield.elastic.cell_integrals import integrate_over_cell
 from skinfield.elastic.hankel import (
     CoveredTransfer,
     LayerTransfer,
@@ -75,12 +75,6 @@ def test_formulas_written_out_plainly_agree_in_their_own_range(nu: float) -> Non
         np.testing.assert_allclose(values, exact, rtol=1e-12, err_msg=name)
 
 
-def test_maxwell_reciprocity_of_the_reference() -> None:
-    for nu in NUS:
-        both = propagate(nu, 1.0)
-        assert float(both["coupling"] - both["reciprocal"]) == pytest.approx(0.0, abs=1e-30)
-
-
 @pytest.mark.parametrize("nu", NUS)
 def test_small_alpha_is_equilibrium_and_confined_compression(nu: float) -> None:
     small = np.array([1e-4])
@@ -93,18 +87,6 @@ def test_small_alpha_is_equilibrium_and_confined_compression(nu: float) -> None:
     for model in (free, covered):
         sunk = 2 * (1 - nu**2) * model.normal(small)[0] / 1e-4
         assert sunk == pytest.approx(inverse_modulus, abs=2e-8)
-
-
-def test_incompressible_layer_is_lubrication_at_small_alpha() -> None:
-    small = np.array([1e-3])
-    assert LayerTransfer(0.5).normal(small)[0] == pytest.approx(2e-9 / 3, rel=1e-5)
-    assert CoveredTransfer(0.5).normal(small)[0] == pytest.approx(1e-9 / 6, rel=1e-5)
-
-
-def test_stress_at_depth_is_twice_the_half_space_for_the_incompressible() -> None:
-    at = np.array([12.0, 25.0])
-    half_space = (1 + at) * np.exp(-at)
-    np.testing.assert_allclose(LayerTransfer(0.5).base_normal(at) / half_space, 2.0, rtol=1e-7)
 
 
 @given(nu=st.floats(0.0, 0.5), log_alpha=st.floats(-9.0, 4.0))
@@ -121,17 +103,6 @@ def test_energy_is_positive_and_nothing_overflows(nu: float, log_alpha: float) -
         assert all(np.isfinite(getattr(model, name)(at)[0]) for name in names)
 
 
-@given(nu=st.floats(0.0, 0.5))
-def test_series_and_closed_forms_join(nu: float) -> None:
-    """At alpha = 1/2 power series give way to hyperbolic functions: no step."""
-    at = np.array([0.5 * (1 - 1e-12), 0.5 * (1 + 1e-12)])
-    free, covered = LayerTransfer(nu), CoveredTransfer(nu)
-    for model, names in ((free, ("normal", "coupling", *BASE)), (covered, COVERED)):
-        for name in names:
-            below, above = getattr(model, name)(at)
-            assert below == pytest.approx(above, rel=1e-10, abs=1e-11), name
-
-
 RHO = np.array([0.0, 1e-9, 0.1, 0.2499, 0.25, 0.7, 1.0, 2.3, 5.0, 11.0, 31.9])
 ELEMENTARY = {  # order: transform, kernel over rho^order
     0: (lambda a: np.exp(-a), lambda s: 1 / s),
@@ -146,52 +117,6 @@ def test_tables_of_elementary_transforms(order: int) -> None:
     table = RadialKernel(transform, order, cutoff=46.0, reach=32.0)
     expected = kernel(np.hypot(RHO, 1.0))
     np.testing.assert_allclose(table(RHO), expected, rtol=0.0, atol=1e-14 * expected[0])
-
-
-@pytest.mark.parametrize("name", ["base_normal", "base_shear_from_normal", "normal_rest"])
-def test_layer_kernels_in_thirty_digits(name: str) -> None:
-    """The Hankel integral by Gauss-Legendre in multiple precision."""
-    nu, order = 0.3, int(name == "base_shear_from_normal")
-    transfer, on_base = LayerTransfer(nu), name.startswith("base")
-    table = RadialKernel(
-        lambda a: getattr(transfer, name)(a) * (a if on_base else 1.0), order, 46.0, 32.0
-    )
-    with mp.workdps(30):
-        node, weight = np.polynomial.legendre.leggauss(20)
-        panels = [(low, low + 1.0) for low in range(46 if on_base else 26)]
-        alpha = np.hstack([low + (node + 1) / 2 for low, _ in panels])
-        share = np.tile(weight / 2, len(panels))
-        factor = []
-        for a, s in zip(alpha, share, strict=True):
-            exact = ratios(mp.mpf(nu), mp.mpf(float(a)), lib=mp)
-            factor.append(mp.mpf(float(s)) * (exact[name] * a if on_base else exact["normal"] - 1))
-        for rho in (0.3, 1.7, 4.0):
-            wave = [mp.besselj(order, mp.mpf(float(a)) * rho) for a in alpha]
-            exact = mp.fdot(factor, wave) / mp.mpf(rho) ** order
-            assert table(np.array([rho]))[0] == pytest.approx(float(exact), rel=1e-12)
-
-
-def test_physics_of_the_incompressible_layer_in_numbers() -> None:
-    """Stress and displacement below and beside 1 N, in 1/h² and 1/(E h), to all printed digits."""
-    r = np.array([0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0])
-    transfer = LayerTransfer(0.5)
-    stress = RadialKernel(lambda a: a * transfer.base_normal(a) / (2 * np.pi), 0, 46.0, 32.0)
-    assert stress(np.zeros(1))[0] == pytest.approx(0.750078, abs=5e-7)
-    printed = [0.624398, 0.373972, 0.063968, 0.002672, 0.000392, 0.001962, 0.000360]
-    np.testing.assert_allclose(stress(r), printed, atol=5e-7)
-    rest = RadialKernel(lambda a: transfer.normal_rest(a) / (2 * np.pi), 0, 26.0, 32.0)
-    sunk = 1.5 * (rest(r) + 1 / (2 * np.pi * r))
-    printed = [0.546214, 0.106069, -0.030008, -0.024576, -0.012593, -0.003991, -0.000732]
-    np.testing.assert_allclose(sunk, printed, atol=5e-7)
-
-
-def test_slowest_decay_is_the_root_of_cos_y_equals_y() -> None:
-    """cosh² a + a² = 0 at a = 0.739085 i: kernels of nu = 1/2 fall as exp(-0.739 r) / sqrt(r)."""
-    r = np.array([9.0, 12.0])
-    transfer = LayerTransfer(0.5)
-    stress = RadialKernel(lambda a: a * transfer.base_normal(a), 0, 46.0, 32.0)(r)
-    rate = -np.log(stress[1] * np.sqrt(r[1]) / (stress[0] * np.sqrt(r[0]))) / 3.0
-    assert rate == pytest.approx(0.7391, abs=0.002)
 
 
 @pytest.mark.parametrize("radius", [0.05, 1.0, 10.0, 40.0])
@@ -265,12 +190,3 @@ def test_cells_of_any_size_against_the_solid_angle(cell: float) -> None:
     )
     expected = solid_angle(offset, cell)
     np.testing.assert_allclose(got, expected, rtol=1e-11, atol=2e-14 * expected[0] + 3e-16)
-
-
-@given(cell=st.floats(1e-3, 100.0), widest=st.floats(1.0, 10.0))
-def test_squares_tile_the_cell(cell: float, widest: float) -> None:
-    centres, side = squares(cell, widest)
-    assert side <= widest * (1 + 1e-8)
-    assert len(centres) * side**2 == pytest.approx(cell**2)
-    assert np.abs(centres).max() == pytest.approx((cell - side) / 2, abs=1e-12 * cell)
-    assert len(np.unique(np.round(centres / side, 6), axis=0)) == len(centres)

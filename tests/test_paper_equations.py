@@ -8,7 +8,6 @@ from closed_forms import point_displacement, point_traction
 
 import skinfield as sf
 from skinfield.elastic import HalfSpace, Layer
-from skinfield.elastic.cell_integrals import rectangle_normal_displacement
 from skinfield.elastic.half_space import (
     coincident_displacement,
     exact_psi,
@@ -206,14 +205,15 @@ class TestAuthorsProgram:
         scalars, points, values = love["scalars"], love["points"], love["grid_values"]
         places, loads = (np.array(points[k]) for k in ("disps_source", "press_source"))
         offset = (places[:, None] - loads[None]).reshape(-1, 2)
-        sides = (2 * scalars["dx"], 2 * scalars["dy"])
-        surface, base = (
-            rectangle_normal_displacement(
-                offset, sides, depth, scalars["skin_E"], scalars["skin_nu"]
-            ).reshape(len(places), len(loads))
-            for depth in (0.0, scalars["skin_h"])
-        )
-        ours = surface - base
+        layer = Layer(scalars["skin_h"], scalars["skin_E"], scalars["skin_nu"])
+        half = scalars["dy"]
+        assert scalars["dx"] == 2 * half  # a rectangle is two squares side by side
+        ours = sum(
+            HalfSpace(point_forces=False).indentation(
+                layer, offset + np.array([side, 0.0]), 2 * half
+            )
+            for side in (half, -half)
+        ).reshape(len(places), len(loads))
         np.testing.assert_allclose(ours, love["matrices"]["press2disps"], rtol=1e-12)
         np.testing.assert_allclose(
             np.linalg.pinv(ours), love["matrices"]["disps2press"], rtol=1e-11

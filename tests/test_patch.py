@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import InputError
@@ -172,15 +170,6 @@ def test_hull_holds_its_border_and_nothing_outside() -> None:
     assert not inside_hull(SQUARE[:2], queries).any()
     assert not spans_plane(np.column_stack([np.arange(5), np.arange(5)]) * 1e-3)
     assert spans_plane(SQUARE)
-
-
-@given(st.floats(-1, 1), st.floats(-1, 1), st.integers(0, 3))
-def test_hull_agrees_with_the_square(x: float, y: float, turns: int) -> None:
-    corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
-    turn = np.linalg.matrix_power(np.array([[0, -1], [1, 0]]), turns)
-    inside = inside_hull(corners, np.array([[x, y]]) @ turn.T)[0]
-    if abs(max(abs(x), abs(y)) - 0.5) > 1e-6:
-        assert inside == (max(abs(x), abs(y)) < 0.5)
 
 
 def test_skin_finds_patches_by_name_and_number() -> None:

@@ -82,14 +82,14 @@ def test_readings_under_a_standing_load_are_those_of_a_press_at_that_place() -> 
     "body", [BALL, sf.simulate.Cylinder(radius=1.5e-3)], ids=lambda body: body.kind
 )
 def test_between_rungs_readings_are_interpolated_to_half_a_percent(body: object) -> None:
-    scenario = replace(SMALL, solving=Solving(extent=16e-3, rungs=12))
+    scenario = replace(SMALL, solving=Solving(extent=12e-3, rungs=12))
     poses = [Pose(0.0, 0.0), Pose(4e-3, 0.0, 1.0)]
     ladder = solve_ladder(scenario, body, poses)  # type: ignore[arg-type]
-    between = np.array([0.02, 0.11, 0.37, 0.8])
+    between = np.array([0.02, 0.37, 0.8])
     found = np.stack([
         ladder.change_at(pose, between[:, None], np.zeros(12, np.int64)) for pose in (0, 1)
     ], axis=1)  # fmt: skip
-    exact = sf.simulate.press_ladder(sf.Layer(), body, between, extent=16e-3)
+    exact = sf.simulate.press_ladder(sf.Layer(), body, between, extent=12e-3)
     plane, pad = scenario.patch.plane, scenario.patch.pad_diameter
     peak = np.abs(ladder.change[-1]).max()
     seen = np.concatenate([pose.taxels(plane) for pose in poses])
@@ -156,19 +156,21 @@ def test_the_load_cell_errs_as_it_says(creeping: RigRun) -> None:
     assert np.abs(steps.force / 0.01 - np.rint(steps.force / 0.01)).max() < 1e-9
 
 
-def test_seeds_make_the_same_run_and_others_do_not() -> None:
+def test_seeds_make_the_same_run_and_others_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
     noisy = replace(
         SMALL, electronics=icub_electronics(), places=(Random(count=2),), repeats=2, solving=COARSE
     )
-    first, second = (run_rig(one) for _, one in noisy.runs())
+    one, other = (scenario for _, scenario in noisy.runs())
+    ladder = solve_ladder(one, one.tools[0].indenter, one.poses)  # all runs have these places
+    monkeypatch.setattr("skinfield.simulate.rig.run.solve_ladder", lambda *_: ladder)
+    first, second = run_rig(one), run_rig(other)
     again = run_rig(first.scenario)
     assert np.array_equal(first.recording.counts, again.recording.counts, equal_nan=True)
     assert np.array_equal(first.load_cell.force, again.load_cell.force)
     assert not np.array_equal(first.load_cell.force, second.load_cell.force)
     assert np.array_equal(first.skin.gain, second.skin.gain)  # the same skin
     assert np.array_equal(first.truth.press_x_m, second.truth.press_x_m)  # the same places
-    other = replace(first.scenario, seed=1)
-    assert other.poses != first.scenario.poses
+    assert replace(first.scenario, seed=1).poses != first.scenario.poses
 
 
 def test_a_recording_is_as_from_a_board() -> None:

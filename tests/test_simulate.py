@@ -4,53 +4,12 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.elastic import HalfSpace
 from skinfield.errors import InputError
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press, press_ladder
 from skinfield.simulate.pressing.press import enclosed, outlines
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 BALL = Sphere(radius=6e-3, force=1.0)
-
-
-def test_forces_are_exact_and_pressure_only_pushes() -> None:
-    balls = [Sphere(radius=6e-3, force=1.0, position=(-8e-3, 0)),
-             Cylinder(radius=3e-3, force=0.4, position=(8e-3, 3e-3))]  # fmt: skip
-    found = press(LAYER, balls, extent=40e-3, cell=0.5e-3)
-    left = found.grid.plane[:, 0] < 0
-    assert found.pressure[left].sum() * found.grid.cell_area == pytest.approx(1.0, rel=1e-9)
-    assert found.force == pytest.approx(1.4, rel=1e-9)
-    assert found.pressure.min() == 0.0
-
-
-def test_the_surface_follows_the_ball_where_it_touches_and_stays_below_it_elsewhere() -> None:
-    found = press(LAYER, [BALL], extent=24e-3, cell=0.4e-3)
-    depth = -found.displacement[:, 2]
-    x, y = found.grid.plane.T
-    ball = found.approach[0] - BALL.height(x, y)
-    assert depth[found.contact] == pytest.approx(ball[found.contact], abs=1e-7)
-    free = ~found.contact & np.isfinite(ball)
-    assert (depth[free] - ball[free]).min() > -1e-7
-
-
-def test_readings_are_in_equilibrium_and_symmetric() -> None:
-    found = press(LAYER, [BALL], extent=20e-3, cell=0.5e-3)
-    axis = np.arange(-16, 17) * 1.5e-3
-    places = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
-    stress = found.base_stress(places, 0.0)
-    assert stress.sum() * 1.5e-3**2 == pytest.approx(1.0, rel=1e-3)
-    picture = found.gap_change(places, 4e-3).reshape(33, 33)
-    assert picture == pytest.approx(picture[::-1, ::-1], abs=1e-9)
-    assert picture == pytest.approx(picture.T, abs=1e-9)
-
-
-def test_the_bonded_base_carries_most_of_a_press() -> None:
-    """1.74 mm by Hertz on a half-space, 0.626 mm on the layer: the base is felt through it."""
-    layer = press(LAYER, [BALL], extent=20e-3, cell=0.5e-3)
-    thick = press(sf.Layer(200e-3, 100e3), [BALL], extent=20e-3, cell=0.5e-3)
-    assert thick.approach[0] > 2.5 * layer.approach[0]
-    half = press(LAYER, [BALL], 20e-3, 0.5e-3, mechanics=HalfSpace(point_forces=False))
-    assert half.approach[0] != pytest.approx(layer.approach[0], rel=0.02)  # eq. (17) is no layer
 
 
 @pytest.mark.parametrize(
@@ -107,19 +66,6 @@ def test_where_the_cells_lie_makes_no_difference() -> None:
                     rtol=rough,
                     atol=least,
                 )
-
-
-def test_the_size_of_the_cells_makes_no_difference() -> None:
-    places = np.array([[0.0, 0.0], [2e-3, 0.0], [4e-3, 1e-3], [9e-3, 0.0]])
-    fine, coarse = (press(LAYER, [BALL], 20e-3, cell) for cell in (0.2e-3, 1e-3))
-    assert coarse.approach[0] == pytest.approx(fine.approach[0], rel=3e-4)
-    for quantity, rough in (("stress", 1e-3), ("gap", 1e-3), ("capacitance", 4e-3)):
-        np.testing.assert_allclose(
-            coarse.readings(places, 4e-3, quantity),
-            fine.readings(places, 4e-3, quantity),
-            rtol=rough,
-            atol=3e-5,
-        )
 
 
 def test_windows_far_apart_feel_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -286,12 +232,10 @@ def test_any_bodies_anywhere_are_certified(seed: int) -> None:
     assert found.gap.min() > -1e-3 * found.approach.max()
 
 
-@pytest.mark.parametrize(
-    "body", [Bar(length=80e-3, width=4e-3), Sphere(radius=6e-3, position=(29e-3, 0.0))], ids=repr
-)
-def test_a_touch_that_the_square_of_skin_cuts_off_is_refused(body) -> None:
-    with pytest.raises(InputError, match=r"indenters\[1\] touches the border of the 0.06 m"):
-        press(LAYER, [Sphere(radius=2e-3, position=(-12e-3, 10e-3), force=0.1), body])
+def test_a_touch_that_the_square_of_skin_cuts_off_is_refused() -> None:
+    bodies = [Sphere(radius=2e-3, position=(-8e-3, 8e-3), force=0.1), Bar(length=40e-3, width=4e-3)]
+    with pytest.raises(InputError, match=r"indenters\[1\] touches the border of the 0.024 m"):
+        press(LAYER, bodies, extent=24e-3)
 
 
 @pytest.mark.parametrize("read", ["base_stress", "base_traction", "gap_change", "capacitance"])

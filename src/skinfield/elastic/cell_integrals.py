@@ -16,7 +16,6 @@ from skinfield.errors import (
     as_floats,
     check_finite,
     check_positive,
-    check_range,
     check_shape,
 )
 
@@ -238,10 +237,9 @@ def corners(offset: Floats, cell: Sides) -> tuple[Floats, Floats, Floats]:
     return x, y, np.array([[1.0], [-1.0], [-1.0], [1.0]])
 
 
-def length_asinh(length: Floats, other: Floats, depth: float = 0.0) -> Floats:
-    """`length` * asinh(`other` / hypot(`length`, `depth`)), with its limit 0 at `length` = 0."""
-    below = np.hypot(length, depth) if depth else np.abs(length)
-    return length * np.arcsinh(other / np.where(below == 0.0, 1.0, below))
+def _length_asinh(length: Floats, other: Floats) -> Floats:
+    """`length` * asinh(`other` / abs(`length`)), with its limit 0 at `length` = 0."""
+    return length * np.arcsinh(other / np.where(length == 0.0, 1.0, np.abs(length)))
 
 
 def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
@@ -274,7 +272,7 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
     square = x**2 + y**2
     # The unit of the logarithm cancels in the sum; near 1 it costs the fewest digits.
     log = 0.5 * np.log(np.where(square == 0.0, 1.0, square) / square.max(axis=0))
-    over_x, over_y = length_asinh(x, y), length_asinh(y, x)
+    over_x, over_y = _length_asinh(x, y), _length_asinh(y, x)
     angle_x = np.abs(x) * np.arctan2(y, np.abs(x))
     angle_y = np.abs(y) * np.arctan2(x, np.abs(y))
 
@@ -290,81 +288,6 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
         x=total(y * log + angle_x),
         y=total(x * log + angle_y),
     )
-
-
-def rectangle_stress(offset: Floats, cell: Sides, depth: float) -> Floats:
-    r"""Normal stress on a plane inside the half-space under unit pressure on a rectangle.
-
-    Parameters
-    ----------
-    offset : (N, 2) array, m
-        From the rectangle's centre to the point below which the stress is wanted.
-    cell : float or (float, float), m
-        Side of a square, or both sides of a rectangle.
-    depth : float, m
-        Of the plane below the surface, positive into the skin.
-
-    Returns
-    -------
-    (N,) array, Pa/Pa
-        Positive in compression; independent of the elastic constants.
-
-    Notes
-    -----
-    Integral of eq. (9) of the paper for a normal force. Antiderivative, with
-    :math:`R^2 = x^2 + y^2 + z^2` (Love, 1929):
-
-    .. math::
-
-        \frac{1}{2\pi} \left[ \arctan\frac{xy}{zR}
-        + \frac{xyz}{R} \left( \frac{1}{x^2+z^2} + \frac{1}{y^2+z^2} \right) \right]
-    """
-    check_positive("depth", depth, "on the surface itself the stress is the pressure")
-    x, y, sign = corners(offset, cell)
-    product, radius = x * y, np.sqrt(x**2 + y**2 + depth**2)
-    ratio = 1.0 / (x**2 + depth**2) + 1.0 / (y**2 + depth**2)
-    stress = np.arctan(product / (depth * radius)) + product * depth / radius * ratio
-    return np.asarray(np.sum(sign * stress, axis=0) / (2.0 * np.pi))
-
-
-def rectangle_normal_displacement(
-    offset: Floats, cell: Sides, depth: float, young_modulus: float, poisson_ratio: float
-) -> Floats:
-    r"""Normal displacement inside the half-space under unit normal traction on a rectangle.
-
-    Parameters
-    ----------
-    offset, cell
-        See `inverse_distance_integrals`.
-    depth : float, m
-        Of the plane of observation below the surface, positive into the skin; 0 is the surface.
-    young_modulus : float, Pa
-    poisson_ratio : float
-
-    Returns
-    -------
-    (N,) array, m/Pa
-
-    Notes
-    -----
-    Integral of :math:`\frac{1+\nu}{2\pi E} [2(1-\nu)/R + z^2/R^3]` (Love, 1929). Antiderivatives:
-
-    .. math::
-
-        \frac1R : x\,\mathrm{asinh}\frac{y}{\sqrt{x^2+z^2}}
-        + y\,\mathrm{asinh}\frac{x}{\sqrt{y^2+z^2}} - z \arctan\frac{xy}{zR}, \quad
-        \frac{z^2}{R^3} : z \arctan\frac{xy}{zR}
-    """
-    check_range("depth", depth, 0.0, np.inf, "counted positive into the skin")
-    check_positive("young_modulus", young_modulus, "the elastomer's stiffness in Pa")
-    x, y, sign = corners(offset, cell)
-    product = x * y
-    radius = np.sqrt(x**2 + y**2 + depth**2)
-    angle = depth * np.sign(product) * np.arctan2(np.abs(product), depth * radius)
-    inverse = length_asinh(x, y, depth) + length_asinh(y, x, depth) - angle
-    scale = (1.0 + poisson_ratio) / (2.0 * np.pi * young_modulus)
-    kernel = 2.0 * (1.0 - poisson_ratio) * inverse + angle
-    return np.asarray(scale * np.sum(sign * kernel, axis=0))
 
 
 # Gauss's 2F1(1/2, 1/2; 2; m), to 1e-16 for m < 1/9

@@ -19,8 +19,6 @@ from skinfield.elastic.cell_integrals import (
     inverse_distance_integrals,
     matrices,
     mean_inverse_distance,
-    rectangle_normal_displacement,
-    rectangle_stress,
     surface_tensor,
 )
 from skinfield.elastic.elastomer import Layer, in_thicknesses
@@ -250,8 +248,6 @@ class HalfSpace:
     ) -> Floats:
         """See `Mechanics.base_stress`."""
         offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
-        if pad == 0.0 and not self.point_forces:
-            return rectangle_stress(offset, cell, 1.0)
         return self._spread(_stress(pad), offset, cell)
 
     def base_traction(
@@ -294,16 +290,10 @@ class HalfSpace:
         scale = 2.0 * (1.0 - nu**2) * h / layer.young_modulus
         if electrostatic:
             return scale * self._spread(_smoothed_gap(nu, pad), offset, cell)
-        if pad > 0.0:
-            sunk = self._spread(_depth(nu, pad), offset, cell)
-            return scale * (self._pad_mean_inverse_distance(offset, cell, pad) - sunk)
-        if self.point_forces:
+        if self.point_forces and pad == 0.0:
             return self.surface_displacement(layer, offset * h, metres)[:, 2, 2]
-        above, below = (
-            rectangle_normal_displacement(offset, cell, depth, layer.young_modulus, nu)
-            for depth in (0.0, 1.0)
-        )
-        return h * (above - below)
+        sunk = self._spread(_depth(nu, pad), offset, cell)
+        return scale * (self._pad_mean_inverse_distance(offset, cell, pad) - sunk)
 
     def _pad_mean_inverse_distance(self, offset: Floats, cell: float, pad: float) -> Floats:
         """Mean over the pad of the integral of 1/(2 pi r) over the load."""
@@ -386,6 +376,8 @@ def _depth(nu: float, pad: float) -> Radial:
         r = np.hypot(rho, 1.0)
         return np.asarray((1.0 / r + beta / r**3) / (2.0 * np.pi))
 
+    if pad == 0.0:
+        return closed
     return _averaged(lambda a: (1.0 + beta * a) * np.exp(-a), closed, pad, pad / np.sqrt(2.0))
 
 

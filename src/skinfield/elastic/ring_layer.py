@@ -24,8 +24,6 @@ from skinfield.errors import Floats, Ints
 
 FAR, NEAR = 2, 6  # points of quadrature in an element: from afar, and near or at one of its ends
 APART, CLOSE = 2.0, 0.7  # lengths of an element from which it is far, or one of its ends near
-MANTISSA = 0x000FFFFFFFFFFFFF  # bits of a double
-ROOT, LN2 = 0x0006A09E667F3BCD, math.log(2.0)  # mantissa of sqrt(2)
 
 
 class Rules(NamedTuple):
@@ -80,38 +78,25 @@ def charge_density(surface: Floats, points: Floats, line: Floats) -> Floats:
 @inner(error_model="numpy")
 def _ring(r: float, s: float, above: float) -> float:
     """Potential of a ring of radius s, per length and radius, `above` the ring's plane."""
-    m = ((r - s) ** 2 + above**2) / ((r + s) ** 2 + above**2)
-    return _ring_with(r, s, above, math.log(m))
-
-
-@inner(error_model="numpy")
-def _ring_with(r: float, s: float, above: float, log: float) -> float:
-    """The same, by the logarithm of the complementary parameter m."""
     wide = (r + s) ** 2 + above**2
     m = ((r - s) ** 2 + above**2) / wide  # complementary; Abramowitz and Stegun 17.3.34, to 2e-8
     first = 0.03742563713 + m * 0.01451196212
     first = 1.38629436112 + m * (0.09666344259 + m * (0.03590092383 + m * first))
     second = 0.06880248576 + m * (0.03328355346 + m * 0.00441787012)
     second = 0.5 + m * (0.12498593597 + m * second)
-    return (first - second * log) / (math.pi * math.sqrt(wide))
+    return (first - second * math.log(m)) / (math.pi * math.sqrt(wide))
 
 
 @inner(error_model="numpy")
 def _pull(r: float, s: float, t: float) -> float:
     """Charge on the pads' plane below a ring at the height t and its image, as in `_ring`."""
-    return _pull_with(r, s, t, math.log(((r - s) ** 2 + t**2) / ((r + s) ** 2 + t**2)))
-
-
-@inner(error_model="numpy")
-def _pull_with(r: float, s: float, t: float, log: float) -> float:
-    """The same, by the logarithm of the complementary parameter."""
     wide, near = (r + s) ** 2 + t**2, (r - s) ** 2 + t**2
     m = near / wide  # Abramowitz and Stegun 17.3.36, to 2e-8
     first = 0.06260601220 + m * (0.04757383546 + m * 0.01736506451)
     first = 1.0 + m * (0.44325141463 + m * first)
     second = 0.09200180037 + m * (0.04069697526 + m * 0.00526449639)
     second = m * (0.24998368310 + m * second)
-    return -2.0 / math.pi * t * (first - second * log) / (near * math.sqrt(wide))
+    return -2.0 / math.pi * t * (first - second * math.log(m)) / (near * math.sqrt(wide))
 
 
 @inner(error_model="numpy")
@@ -126,96 +111,33 @@ def _rule(before: float, behind: float, length: float) -> tuple[int, int]:
     return FAR, FAR + NEAR
 
 
-@inner(error_model="numpy")
-def _logarithms(values: Floats, bits: Ints, room: Floats, room_bits: Ints, out: Floats) -> None:
-    """Natural logarithms (N,) of normal positive numbers; each of the `bits` is the same memory.
-
-    Without branches and calls, and from one memory into another, so that several are computed at
-    once: ln(2^k f) by the series of 2 artanh((f - 1)/(f + 1)), f from sqrt(1/2) to sqrt(2).
-    """
-    for n in range(len(values)):
-        mantissa = bits[n] & MANTISSA
-        up = 1 if mantissa > ROOT else 0  # f above sqrt(2): half of it, with the next k
-        out[n] = float((bits[n] >> 52) - 1023 + up)
-        room_bits[n] = mantissa | ((1023 - up) << 52)
-    for n in range(len(values)):
-        s = (room[n] - 1.0) / (room[n] + 1.0)
-        z = s * s
-        odd = 1.0 / 15.0 + z * (1.0 / 17.0 + z * (1.0 / 19.0 + z * (1.0 / 21.0)))
-        odd = 1.0 / 7.0 + z * (1.0 / 9.0 + z * (1.0 / 11.0 + z * (1.0 / 13.0 + z * odd)))
-        odd = z * (1.0 / 3.0 + z * (1.0 / 5.0 + z * odd))
-        out[n] = out[n] * LN2 + 2.0 * (s + s * odd)
-
-
-@njit(error_model="numpy")
-def _far(r: float, height: float, rings: Floats, room: Floats, bits: Ints, out: Floats) -> None:
-    """Potential and pull (2, P) at a place of all rings (3, P) of radius, height and weight.
-
-    As `_ring` less its image and as `_pull`, for many at once; `room` (3, 3 P) and `bits`, the same
-    memory, are overwritten.
-    """
-    count = rings.shape[1]
-    radius, heights, weight = rings[0], rings[1], rings[2]
-    parameter, log = room[0], room[2]
-    for n in range(count):
-        s, t = radius[n], heights[n]
-        apart, together = (r - s) ** 2, (r + s) ** 2
-        parameter[n] = (apart + (height - t) ** 2) / (together + (height - t) ** 2)
-        parameter[count + n] = (apart + (height + t) ** 2) / (together + (height + t) ** 2)
-        parameter[2 * count + n] = (apart + t**2) / (together + t**2)
-    _logarithms(parameter, bits[0], room[1], bits[1], log)
-    potential, pull = out[0], out[1]
-    for n in range(count):
-        s, t = radius[n], heights[n]
-        above = _ring_with(r, s, height - t, log[n])
-        image = _ring_with(r, s, height + t, log[count + n])
-        potential[n] = weight[n] * (above - image)
-        pull[n] = weight[n] * _pull_with(r, s, t, log[2 * count + n])
-
-
 @njit(error_model="numpy")
 def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Potential at the surface's nodes and charge below them, per density at the nodes."""
     count = len(surface)
     potential, below = np.zeros((count, count)), np.zeros((count, count))
-    rings, lengths = np.empty((3, FAR * (count - 1))), np.empty(count - 1)
-    for element in range(count - 1):
-        wide = surface[element + 1, 0] - surface[element, 0]
-        lengths[element] = wide**2 + (surface[element + 1, 1] - surface[element, 1]) ** 2
-        for point in range(FAR):
-            rings[0, FAR * element + point] = points[element, point, 0]
-            rings[1, FAR * element + point] = points[element, point, 1]
-            rings[2, FAR * element + point] = weight[element, point]
-    room, far = np.empty((3, 3 * rings.shape[1])), np.empty((2, rings.shape[1]))
-    bits = room.view(np.int64)
     for row in range(count):
         r, height = surface[row]
-        _far(r, height, rings, room, bits, far)
         before = (r - surface[0, 0]) ** 2 + surface[0, 1] ** 2  # of the place on the pads' plane
         there = (r - surface[0, 0]) ** 2 + (height - surface[0, 1]) ** 2
         for element in range(count - 1):
             radius, at_height = surface[element + 1]
+            length = (radius - surface[element, 0]) ** 2 + (at_height - surface[element, 1]) ** 2
             behind = (r - radius) ** 2 + at_height**2
-            first, last = _rule(before, behind, lengths[element])
+            first, last = _rule(before, behind, length)
             before = behind
             for point in range(first, last):
-                if last == FAR:
-                    part = far[1, FAR * element + point]
-                else:
-                    s, t = points[element, point]
-                    part = weight[element, point] * _pull(r, s, t)
+                s, t = points[element, point]
+                part = weight[element, point] * _pull(r, s, t)
                 below[row, element] += part * (1 - at[point])
                 below[row, element + 1] += part * at[point]
             behind = (r - radius) ** 2 + (height - at_height) ** 2
-            first, last = _rule(there, behind, lengths[element])
+            first, last = _rule(there, behind, length)
             there = behind
             for point in range(first, last):
-                if last == FAR:
-                    part = far[0, FAR * element + point]
-                else:
-                    s, t = points[element, point]
-                    part = _ring(r, s, height - t) - _ring(r, s, height + t)
-                    part *= weight[element, point]
+                s, t = points[element, point]
+                part = _ring(r, s, height - t) - _ring(r, s, height + t)
+                part *= weight[element, point]
                 potential[row, element] += part * (1 - at[point])
                 potential[row, element + 1] += part * at[point]
     return potential, below
