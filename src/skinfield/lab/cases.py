@@ -259,6 +259,8 @@ class Case:
         noise_std : float or (L,) array, optional
             Default the quantity's `typical_noise`.
         """
+        if not isinstance(press.mechanics, BondedLayer):
+            raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
         where = Pose(*pose)
         typical = quantity_by_name(quantity).typical_noise
         taxels = where.back(patch.plane)
