@@ -16,7 +16,7 @@ from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import Floats
 from skinfield.lab.paper import PAPER, PLACES, paper_patch
 from skinfield.lab.plots import LIMIT, Curve, draw_panels
-from skinfield.lab.report import Picture, Settings, size_by_name
+from skinfield.lab.report import SIZES, Picture, Settings
 from skinfield.lab.sections.detection import (
     ANYWHERE,
     Campaign,
@@ -118,7 +118,7 @@ class LightTouch(Campaign):
 
 def rates(size: str) -> None:
     """Draw ROC curves, and print shares of light touches found, and rates of false alarms."""
-    settings = Settings(size=size_by_name(size))
+    settings = Settings(size=SIZES[size])
     made = LightTouch.of(settings)
     (IMAGES / "light-touch-roc.png").write_bytes(_picture_of_rocs(made).png)
     click.echo(f"share found (%) over {LOOKED} readings at {settings.false_alarms:g}")

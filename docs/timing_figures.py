@@ -29,7 +29,7 @@ from skinfield.lab.bench.jitter import JitterSettings, run_jitter
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import machine_line, picture
 from skinfield.lab.bench.run import run_bench
-from skinfield.lab.bench.scene import BenchSettings, bench_size
+from skinfield.lab.bench.scene import SIZES, BenchSettings
 from skinfield.loop.realtime import RealTime
 from skinfield.plot import save
 from skinfield.solve import GaussianField
@@ -60,7 +60,7 @@ def draw_bench(size: str = "short", file: str = "") -> None:
     with Progress() as bar, threadpool_limits(limits=1):
         task = bar.add_task("bench")
         found = run_bench(
-            BenchSettings(size=bench_size(size)),
+            BenchSettings(size=SIZES[size]),
             lambda what, done, of: bar.update(task, description=what, completed=done, total=of),
         )
     if file:

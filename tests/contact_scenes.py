@@ -6,13 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from skinfield.estimate import (
-    ContactFinder,
-    ModelError,
-    PressureError,
-    PressureNoise,
-    PressurePosterior,
-)
+from skinfield.estimate import ContactFinder, ModelError, PressureNoise, PressurePosterior
 from skinfield.estimate import regions_kernel as kernel
 from skinfield.skin import Grid, Patch
 from skinfield.skin.generators import cylinder, hexagon72, sphere_cap
@@ -36,7 +30,7 @@ class Scene:
     grid: Grid
     pressure: np.ndarray
     noise: PressureNoise
-    error: PressureError | None
+    error: PressurePosterior | None
     model_error: ModelError
 
     def __call__(self):

@@ -1,7 +1,9 @@
 """Accuracy on random presses: against other presses, bounds and chance."""
 
+from collections import Counter
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,29 +11,10 @@ import pytest
 import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
-from skinfield.lab.accuracy import (
-    KNOWN,
-    UNKNOWN,
-    AccuracyPlan,
-    Findings,
-    accuracy_rows,
-    bound_rows,
-    computed,
-    idle_rows,
-)
-from skinfield.lab.case_sets import (
-    APART,
-    DEEPEST,
-    EXTENDED,
-    GROUPS,
-    LOADS,
-    SEVERAL,
-    SILICONE,
-    SINGLE,
-    RandomPress,
-    random_cases,
-    random_press,
-)
+from skinfield.lab import accuracy, case_sets
+from skinfield.lab.accuracy import KNOWN, UNKNOWN, AccuracyPlan, Findings
+from skinfield.lab.case_sets import EXTENDED, SEVERAL, SINGLE, random_cases, random_press
+from skinfield.lab.score import column, where
 from skinfield.lab.validation import (
     FLOORS,
     GAUSSIAN,
@@ -41,7 +24,7 @@ from skinfield.lab.validation import (
     at_level,
     known_entrants,
     rows_of_case,
-)
+)  # isort: skip # fmt: skip
 from skinfield.simulate import Sphere
 from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.generators import icub_hexagon, icub_triangle
@@ -52,13 +35,12 @@ FEW = 10
 
 
 @lru_cache(maxsize=1)
-def presses() -> list[RandomPress]:
+def presses() -> list[case_sets.RandomPress]:
     return [random_press(PATCH, index, 7, cell=0.5e-3) for index in range(FEW)]
 
 
 def test_shares_of_the_groups_and_what_is_in_them() -> None:
-    shares = {group: GROUPS.count(group) / len(GROUPS) for group in (SINGLE, SEVERAL, EXTENDED)}
-    assert shares == {SINGLE: 0.60, SEVERAL: 0.25, EXTENDED: 0.15}
+    assert Counter(case_sets.GROUPS) == {SINGLE: 12, SEVERAL: 5, EXTENDED: 3}
     for press in presses():
         kinds = {body.kind for body in press.press.indenters}
         if press.group == SINGLE:
@@ -73,21 +55,23 @@ def test_loads_depths_and_places_are_within_what_is_said() -> None:
     inner = 0.3 * (high - low)
     for press in presses():
         solved = press.press
-        assert solved.approach.max() <= DEEPEST * solved.layer.thickness
-        assert ((solved.forces > 0.999 * LOADS[0]) & (solved.forces < 1.001 * LOADS[1])).all()
+        assert solved.approach.max() <= case_sets.DEEPEST * solved.layer.thickness
+        assert (
+            (solved.forces > 0.999 * case_sets.LOADS[0])
+            & (solved.forces < 1.001 * case_sets.LOADS[1])
+        ).all()
         places = np.array([contact.position for contact in press.truth.contacts])
         assert len(places) == len(solved.indenters)
         assert (np.abs(places - (low + high) / 2) <= inner + 0.2e-3).all()
         if press.group == SEVERAL:
             apart = np.linalg.norm(places[:, None] - places, axis=2)
-            assert apart[np.triu_indices(len(places), 1)].min() > APART[0] - 0.2e-3
+            assert apart[np.triu_indices(len(places), 1)].min() > case_sets.APART[0] - 0.2e-3
 
 
 def test_readings_are_those_of_the_press_moved_taxel_by_taxel() -> None:
     """The spline over the distance, and the pose, against the press solved at its place."""
     press = presses()[0]
-    body = press.press.indenters[0]
-    assert isinstance(body, Sphere)
+    [body] = press.press.indenters
     there = replace(body, position=(press.pose.x, press.pose.y))
     direct = sf.simulate.press(press.press.layer, [there], extent=60e-3, cell=0.25e-3)
     expected = direct.base_stress(PATCH.plane, PATCH.pad_diameter)
@@ -124,44 +108,27 @@ def plan_of(**changes: object) -> AccuracyPlan:
     return replace(small, **changes)  # type: ignore[arg-type]
 
 
-def test_a_gate_is_a_distance() -> None:
-    with pytest.raises(InputError, match="gate is 0, expected a finite number above 0"):
-        replace(known_entrants()[0], gate=0)
-
-
-def body_of(press: RandomPress) -> Sphere:
-    (body,) = press.press.indenters
-    assert isinstance(body, Sphere)
-    return body
-
-
 def test_errors_at_the_bound_have_its_size() -> None:
     press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
-    [contact] = press.truth.contacts
-    reads = [
-        readings_anywhere(
-            sf.simulate.press(SILICONE, [replace(ball, force=contact.force * part)], 20e-3, 0.3e-3),
-            PATCH.pad_diameter, "stress",
-        )
-        for part in (0.95, 1.0, 1.05)
-        for ball in [Sphere(radius=body_of(press).radius)]
-    ]  # fmt: skip
+    [contact], [ball] = press.truth.contacts, press.press.indenters
+    balls = [
+        replace(ball, position=(0.0, 0.0), force=contact.force * part) for part in (0.95, 1.0, 1.05)
+    ]
+    solved = [sf.simulate.press(case_sets.SILICONE, [each], 20e-3, 0.3e-3) for each in balls]
+    reads = [readings_anywhere(each, PATCH.pad_diameter, "stress") for each in solved]
     seen, ways = PATCH.plane - contact.position, 0.1e-3 * np.eye(2)
     slopes = [(reads[1](seen - way) - reads[1](seen + way)) / 0.2e-3 for way in ways]
     by_force = (reads[2](seen) - reads[0](seen)) / np.log(1.05 / 0.95)
     jacobian = np.column_stack([*slopes, by_force]) / 380.0
     variance = np.diag(np.linalg.inv(jacobian.T @ jacobian))
-    rows = bound_rows(plan_of(), [body_of(press)], press.truth, np.random.default_rng(0), 4000)
-    rms = {
-        name: [
-            np.sqrt(np.mean([row[key] ** 2 for row in rows if row["method"] == name]))
-            for key in ("place_error_mm", "force_error")
-        ]
-        for name in (KNOWN, UNKNOWN)
-    }
-    assert rms[KNOWN][0] == pytest.approx(1e3 * np.sqrt(variance[:2].sum()), rel=0.1)
-    assert rms[KNOWN][1] == pytest.approx(np.sqrt(variance[2]), rel=0.1)
-    assert rms[UNKNOWN][1] > rms[KNOWN][1]  # a smaller ball presses as a weaker one
+    rows = accuracy.bound_rows(plan_of(), [ball], press.truth, np.random.default_rng(0), 4000)
+    keys = ("place_error_mm", "force_error")
+    known, unknown = (where(rows, method=name) for name in (KNOWN, UNKNOWN))
+    rms = [np.sqrt(np.mean(column(known, key) ** 2)) for key in keys]
+    expected = [1e3 * np.sqrt(variance[:2].sum()), np.sqrt(variance[2])]
+    assert rms == pytest.approx(expected, rel=0.1)
+    weaker = np.sqrt(np.mean(column(unknown, "force_error") ** 2))
+    assert weaker > rms[1]  # a smaller ball presses as a weaker one
 
 
 class Blind:
@@ -179,7 +146,7 @@ def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:
     assert row["missed"] == row["contacts"] == len(presses()[1].press.indenters)
     assert (row["force_error"], row["false"], row["matched"]) == (-1.0, 0, 0)
     assert np.isnan(row["place_error_mm"])
-    [quiet] = idle_rows(plan_of(entrants=(blind,)), Level("stress", 380.0))["idle"]
+    [quiet] = accuracy.idle_rows(Path(), plan_of(entrants=(blind,)), Level("stress", 380.0))["idle"]
     assert (quiet["idle"], quiet["seen"]) == (300, 0)
 
 
@@ -221,7 +188,7 @@ def test_table_of_rows_made_by_hand() -> None:
         for index in range(11)
     ]  # fmt: skip
     idle = [{"quantity": "stress", "noise": 380.0, "method": "m", "idle": 100, "false": 3}]
-    [row] = accuracy_rows(Findings(rows, idle=idle), resamples=99)
+    [row] = accuracy.accuracy_rows(Findings(rows, idle=idle), resamples=99)
     assert row["force_error_median"] == pytest.approx(0.5)
     assert row["place_error_mm_median"] == pytest.approx(5.0)
     assert row["place_error_mm_p90"] == pytest.approx(9.0)
@@ -235,7 +202,7 @@ def test_table_of_rows_made_by_hand() -> None:
 def test_a_campaign_from_its_parts() -> None:
     plan = plan_of(entrants=known_entrants(nodes=20)[:2], idle=50)
     steps: list[tuple[int, int]] = []
-    found = computed(plan, progress=lambda *step: steps.append(step))
+    found = accuracy.computed(plan, progress=lambda *step: steps.append(step))
     assert len(found.rows) == 2 * 2
     assert {row["method"] for row in found.bound} == {KNOWN, UNKNOWN}
     assert {row["idle"] for row in found.idle} == {50}

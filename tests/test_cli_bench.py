@@ -21,10 +21,6 @@ def test_the_page_runs_prints_its_numbers_and_leaves_a_picture(
     (command,) = page["sh"].splitlines()
     found = result_of("bench", *command.split()[2:])
     assert (tmp_path / "bench.png").stat().st_size > 10_000
-    check(found)
-
-
-def check(found: dict) -> None:
     names = {row["name"] for row in found["grids"]}
     assert {"paper", "paper, inversion alone", "paper's inverse, prepared"} <= names
     assert {"NonNegative to 1e-2, warm", "NonNegative to 1e-4, cold", "ContactFit"} <= names

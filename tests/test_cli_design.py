@@ -22,12 +22,8 @@ def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
         "--maps", table,
     )  # fmt: skip
     assert picture.read_bytes().startswith(b"\x89PNG")
-    design = SkinDesign(
-        patch=icub_triangle(),
-        layer=sf.Layer(4e-3, 100e3, 0.49),
-        quantity=BaseStress(),
-        noise_std=400.0,
-    )
+    layer = sf.Layer(4e-3, 100e3, 0.49)
+    design = SkinDesign(patch=icub_triangle(), layer=layer, quantity=BaseStress(), noise_std=400.0)
     places = Places.over(design.patch, 1.5e-3)
     want = detectable_force(design, Touch(0.4, 1.5e-3), places).unknown_place
     rows = np.genfromtxt(table, delimiter=",", names=True)
@@ -36,18 +32,6 @@ def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
     assert "smallest force found" in said
     assert f"{np.sort(want)[-1]:.3g}" in said
     assert "A touch of 0.4 N is found" in said
-
-
-def test_thicknesses_are_compared() -> None:
-    said = run("design", "icub_triangle", *STRESS, "--compare-thickness-mm", "4,2")
-    lines = [line for line in said.splitlines() if line.startswith("│")]
-    assert [line.split()[1] for line in lines] == ["2", "4"]
-    assert "sharpest for places at 4 mm" in said
-    for thicknesses, words in (
-        ("1;2", "--compare-thickness-mm is ['1;2'], expected numbers"),
-        ("2", "two or more"),
-    ):
-        assert words in refused("design", "hexagon72", "--compare-thickness-mm", thicknesses)
 
 
 def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
@@ -66,7 +50,6 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
         (["hexagon72", "-o", "nowhere/d.png"], "nowhere is no folder, expected one that is there"),
         (["hexagon72", "--maps", "a.txt"], "ends in .csv"),
         (["hexagon72", "--maps", "nowhere/a.csv"], "nowhere is no folder"),
-        (["hexagon72", "--maps", "a.csv", "--compare-thickness-mm", "1,2"], "expected one of them"),
         (["hexagon72", "--thickness-mm", "-1"], "--thickness-mm is -1.0, expected"),
         (["hexagon72", "--poisson", "0.7"], "--poisson is 0.7, expected"),
         (["hexagon72", "--noise", "0"], "--noise is 0.0, expected"),

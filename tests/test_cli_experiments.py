@@ -10,7 +10,8 @@ from skinfield.lab import experiments as running
 from skinfield.lab.report import SMOKE, Experiment, Section, Settings
 
 SETTINGS = Settings(size=SMOKE)
-QUICK = ("--size", "smoke", "--workers", 1, "--only")
+NAMES = ["first", "second", "last"]
+QUICK = ("experiments", "--size", "smoke", "--workers", 1)
 
 
 def quick(settings: Settings) -> Section:
@@ -22,19 +23,18 @@ def failing(settings: Settings) -> Section:
 
 
 def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
-    words = (*QUICK, "model", "-o", tmp_path)
-    first = run("experiments", *words)
+    words = (*QUICK, "--only", "model", "-o", tmp_path)
+    first = run(*words)
     assert first.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
     assert "does not hold" in first
     names = {file.name for file in (tmp_path / "agreement").iterdir()}
     assert names == {"task.json", "section.json", "agreement.csv", "errors.png", "half-space.png"}
-    page = (tmp_path / "report.html").read_text()
-    stamp = (tmp_path / "agreement" / "section.json").stat().st_mtime_ns
-    run("experiments", *words)
-    assert (tmp_path / "agreement" / "section.json").stat().st_mtime_ns == stamp
-    again = (tmp_path / "report.html").read_text()
-    first, second = (text.split("<main>")[1].split("</main>")[0] for text in (page, again))
-    assert first == second
+    page, section = tmp_path / "report.html", tmp_path / "agreement" / "section.json"
+    mains, stamp = [page.read_text()], section.stat().st_mtime_ns
+    run(*words)
+    assert section.stat().st_mtime_ns == stamp
+    mains.append(page.read_text())
+    assert len({text.split("<main>")[1].split("</main>")[0] for text in mains}) == 1
 
 
 def test_other_settings_are_made_anew() -> None:
@@ -46,7 +46,7 @@ def test_other_settings_are_made_anew() -> None:
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     parts = (Experiment("bad", (), failing), Experiment("good", (), quick))
     monkeypatch.setattr(running, "chosen", lambda names: parts)
-    result = refused("experiments", "--size", "smoke", "--workers", "1", "-o", tmp_path)
+    result = refused(*QUICK, "-o", tmp_path)
     assert "bad.failed.txt" in "".join(result.split())
     page = (tmp_path / "report.html").read_text()
     assert "bad failed: ZeroDivisionError" in page
@@ -54,14 +54,13 @@ def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
 
 
 def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
-    parts = (*(Experiment(name, (), quick) for name in ("first", "second")),
-             Experiment("last", (), quick, alone=True))  # fmt: skip
+    parts = [Experiment(name, (), quick, alone=name == "last") for name in NAMES]
     seen: list[tuple[str, int, int]] = []
     before = os.environ.get("OMP_NUM_THREADS")
     running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
     assert os.environ.get("OMP_NUM_THREADS") == before
     results = json.loads((tmp_path / "results.json").read_text())
-    assert [section["name"] for section in results["sections"]] == ["first", "second", "last"]
+    assert [section["name"] for section in results["sections"]] == NAMES
     assert results["sections"][0]["sentences"] == ["threads 1"]
     assert results["missing"] == []
     assert seen[0] == ("", 0, 3)
@@ -69,10 +68,14 @@ def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
     assert seen[-1][0] == "last"  # what measures time waits for all others
 
 
-def test_what_cannot_be_is_said(tmp_path: Path) -> None:
-    said = refused("experiments", "--only", "fig12", "-o", tmp_path)
-    assert "'fig12' names no experiment, expected some of imposed, fig3" in said
+def test_a_name_that_is_none(tmp_path: Path) -> None:
+    assert "'fig12' names no experiment, expected some of imposed, fig3" in refused(
+        "experiments", "--only", "fig12", "-o", tmp_path
+    )
+
+
+def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
-    refused("experiments", *QUICK, "model", "-o", file)
-    assert "cannot be made" in refused("experiments", *QUICK, "model", "-o", file / "below")
+    refused(*QUICK, "--only", "model", "-o", file)
+    assert "cannot be made" in refused(*QUICK, "--only", "model", "-o", file / "below")

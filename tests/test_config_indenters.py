@@ -28,10 +28,8 @@ def test_settings_make_the_same_shapes(tmp_path: Path) -> None:
         folder=tmp_path,
     )
     assert (stamp.force, stamp.pixel) == (2.0, 0.5 * MM)  # type: ignore[attr-defined]
-    cone = indenter_from_mapping(
-        {"shape": "cone", "radius_mm": 6, "half_angle_deg": 75, "tilt_y_deg": 3,
-         "rotation_deg": 90, "shear_x_n": 0.1, "y_mm": -2, "edge_radius_mm": 0.5}
-    )  # fmt: skip
+    keys = {"shape": "cone", "radius_mm": 6, "half_angle_deg": 75, "tilt_y_deg": 3, "y_mm": -2}
+    cone = indenter_from_mapping(keys | {"shear_x_n": 0.1, "edge_radius_mm": 0.5})
     assert cone.half_angle == pytest.approx(np.radians(75))  # type: ignore[attr-defined]
     assert cone.tilt == pytest.approx((0.0, np.radians(3)))
     assert (cone.position, cone.shear, cone.force) == ((0.0, -2 * MM), (0.1, 0.0), 1.0)

@@ -22,16 +22,9 @@ from skinfield.simulate.electronics import (
     icub_electronics,
     ideal_electronics,
 )
-from skinfield.simulate.rig import (
-    At,
-    Scenario,
-)
+from skinfield.simulate.rig import At, Scenario
 
 HEAD = "skinfield_rig = 1\n"
-
-
-def number(low: float, high: float) -> st.SearchStrategy[float]:
-    return st.floats(low, high, allow_subnormal=False)
 
 
 @pytest.mark.parametrize("make", [icub_electronics, cyskin_electronics, ideal_electronics])
@@ -49,10 +42,9 @@ def test_numbers_are_those_of_the_text_to_the_last_digit(digits: int) -> None:
 
 def test_units_are_what_they_say() -> None:
     scenario = scenario_from_toml(
-        HEAD
-        + "[layer]\nthickness_mm = 3\nyoung_modulus_kpa = 40\n[load_cell]\nnoise_mn = 5\n"
-        "[temperature]\nstart_c = 20\n[places]\n".replace("[places]\n", "")
-        + '[[places]]\nkind = "at"\npositions_mm = [[1, -2.5]]\nangle_deg = 90\n'
+        HEAD + "[layer]\nthickness_mm = 3\nyoung_modulus_kpa = 40\n[load_cell]\nnoise_mn = 5\n"
+        "[temperature]\nstart_c = 20\n"
+        '[[places]]\nkind = "at"\npositions_mm = [[1, -2.5]]\nangle_deg = 90\n'
     )
     assert scenario.layer == Layer(3e-3, 40e3)
     assert scenario.load_cell.noise == 5e-3

@@ -4,8 +4,6 @@ import sys
 
 import numpy as np
 import pytest
-import skfem
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.interpolate import LinearNDInterpolator
 from scipy.special import j0, j1
@@ -13,8 +11,6 @@ from scipy.special import j0, j1
 from skinfield.elastic import Layer
 from skinfield.errors import InputError
 from skinfield.lab.fem import Profile, apply_pressure, indent, pad_capacitance
-from skinfield.lab.fem.elasticity import Section, moduli
-from skinfield.lab.fem.mesh import Trace
 from skinfield.simulate import Cone, Cylinder, Indenter, Ring, Sphere, press
 
 SOFT = Layer(2e-3, 100e3, 0.5)
@@ -24,32 +20,11 @@ def profile(body: Indenter) -> Profile:
     return lambda radius: body.height(radius, np.zeros_like(radius))
 
 
-def ball(radius: float = 6e-3) -> Profile:
-    return profile(Sphere(radius=radius))
-
-
-BALL = ball()
-
-
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
-def test_a_confined_column_is_in_equilibrium_under_the_stress_of_its_law(nu: float) -> None:
-    """Uniform strain is in the space of the elements: inner nodes feel nothing, to rounding."""
-    radii, heights = np.array([0.0, 0.3, 0.4, 1.0]), np.array([0.0, 0.6, 1.0])
-    layer, strain = Layer(1.0, 1.0, nu), 0.3
-    section = Section.of(layer, radii, heights)
-    whole = skfem.MeshQuad.init_tensor(radii, heights)
-    pair = skfem.Basis(whole, skfem.ElementVector(skfem.ElementQuad2()))
-    r, z = pair.doflocs
-    state = np.full(len(section.free), -strain / moduli(layer)[1])
-    state[: pair.N] = 0.0
-    for dofs in (pair.nodal_dofs[1], pair.facet_dofs[1], pair.interior_dofs[1]):
-        state[dofs] = -strain * z[dofs]
-    forces = section.stiffness @ state
-    inner = np.flatnonzero((r > 0) & (r < 1) & (z > 0) & (z < 1))
-    assert np.abs(forces[inner]).max() < 1e-14
-    assert np.abs(forces[pair.N :]).max() < 1e-14
-    modulus = (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    assert forces[section.top_z].sum() == pytest.approx(-np.pi * modulus * strain, rel=1e-5)
+BALL = profile(Sphere(radius=6e-3))
+TWO_BALLS = [
+    Sphere(radius=6e-3, force=0.8, position=(-3e-3, 0.0)),
+    Sphere(radius=6e-3, force=0.5, position=(3e-3, 0.0)),
+]
 
 
 def exact_disc(radius: float, at: float, nu: float) -> tuple[float, float]:
@@ -134,20 +109,6 @@ def test_a_ring_touches_between_its_edges_and_a_cone_at_its_tip() -> None:
     assert cone.pressure([0.05e-3])[0] > 2 * cone.pressure([0.5 * cone.contact_radius])[0]
 
 
-def test_a_quadratic_is_its_own_trace() -> None:
-    def square(radius: NDArray[np.float64]) -> NDArray[np.float64]:
-        return 1 + radius - 2 * radius**2
-
-    trace = Trace(np.array([0.0, 0.5, 1.0, 1.25, 1.5]))
-    at = np.linspace(0, 1.5, 31)
-    assert trace.at(square(trace.nodes), at) == pytest.approx(square(at))
-    assert trace.at(square(trace.nodes), np.array([2.0])) == pytest.approx([0.0])
-    loads = trace.loads(square(trace.gauss_radii))
-    assert trace.density(loads) == pytest.approx(square(trace.nodes))
-    whole = np.pi * (1.5**2 + 2 / 3 * 1.5**3 - 1.5**4)
-    assert trace.integral(square(trace.nodes)) == pytest.approx(whole)
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -164,14 +125,11 @@ def test_loads_that_cannot_be_are_named(arguments: dict[str, float], message: st
         indent(SOFT, BALL, **arguments)
 
 
-def test_bodies_that_cannot_be_are_named() -> None:
+def test_bodies_that_cannot_be_are_named_and_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match=r"profile gives .* expected as many heights of"):
         indent(SOFT, lambda r: r - 1e-3, force=1.0)
     with pytest.raises(InputError, match="profile is nowhere below"):
         indent(SOFT, lambda r: np.full_like(r, np.inf), force=1.0)
-
-
-def test_without_the_package_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "skfem", None)
     with pytest.raises(InputError, match=r"pip install 'skinfield\[lab\]'"):
         indent(SOFT, BALL, force=1.0)
@@ -205,7 +163,7 @@ def test_a_press_reads_the_field_and_the_series_falls_short_of_it(
     radius: float, force: float, change: float, short: float
 ) -> None:
     """ΔC/C₀ of a centred pad, by two other Laplace solutions; `short` is what the series lacks."""
-    found = indent(SOFT, ball(radius), force=force)
+    found = indent(SOFT, profile(Sphere(radius=radius)), force=force)
     judge = pad_capacitance(H, found.indentation, [0.0], PAD, edges=[found.contact_radius])[0]
     assert judge == pytest.approx(change, rel=2e-3)
     found = press(SOFT, [Sphere(radius=radius, force=force)], extent=16e-3, cell=0.4e-3)
@@ -215,7 +173,7 @@ def test_a_press_reads_the_field_and_the_series_falls_short_of_it(
 
 
 def test_pads_off_the_axis_read_as_the_field_says() -> None:
-    found = indent(SOFT, ball(6e-3), force=0.5)
+    found = indent(SOFT, BALL, force=0.5)
     away = np.array([2e-3, 3e-3, 4e-3, 5e-3, 8e-3])
     judge = pad_capacitance(H, found.indentation, away, PAD, edges=[found.contact_radius])
     found = press(SOFT, [Sphere(radius=6e-3, force=0.5)], extent=16e-3, cell=0.4e-3)
@@ -250,11 +208,7 @@ def test_pads_under_two_balls_read_as_the_field_says() -> None:
     """ΔC/C₀ of Laplace's equation in bricks of 0.12 h below elements of 0.15 h: docs, two balls."""
     pads = np.array([[0, 0], [-3, 0], [3, 0], [0, 4], [-3, 5], [8, 0]]) * 1e-3
     judge = np.array([0.06173, 0.18413, 0.11194, -0.01664, -0.01297, -0.00832])
-    balls = [
-        Sphere(radius=6e-3, force=0.8, position=(-3e-3, 0.0)),
-        Sphere(radius=6e-3, force=0.5, position=(3e-3, 0.0)),
-    ]
-    found = press(SOFT, balls, extent=20e-3, cell=0.4e-3)
+    found = press(SOFT, TWO_BALLS, extent=20e-3, cell=0.4e-3)
     assert found.capacitance(pads, PAD) == pytest.approx(judge, abs=3e-4)
     series = found.capacitance(pads, PAD, order=3)
     assert series == pytest.approx(judge, abs=4e-3)
@@ -266,11 +220,7 @@ def test_two_balls_that_feel_each_other_press_as_bricks_say() -> None:
     places = np.array([[0, 0], [-3, 0], [3, 0], [0, 2], [-3, 2], [6, 0]]) * 1e-3
     base = np.array([11397.7, 48936.3, 36164.2, 3624.5, 23174.4, 3181.6])
     sunk = np.array([-92.617, 550.958, 432.839, -105.622, 207.813, -48.895]) * 1e-6
-    balls = [
-        Sphere(radius=6e-3, force=0.8, position=(-3e-3, 0.0)),
-        Sphere(radius=6e-3, force=0.5, position=(3e-3, 0.0)),
-    ]
-    cells = press(SOFT, balls, extent=16e-3, cell=0.25e-3)
+    cells = press(SOFT, TWO_BALLS, extent=16e-3, cell=0.25e-3)
     assert cells.base_stress(places, 0.0) == pytest.approx(base, abs=0.01 * base.max())
     between = LinearNDInterpolator(cells.grid.plane, -cells.displacement[:, 2])
     assert between(places) == pytest.approx(sunk, abs=0.06 * sunk.max())

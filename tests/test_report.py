@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.errors import FileError, SkinfieldError
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     SMOKE,
@@ -32,12 +32,8 @@ from skinfield.lab.report import (
 )
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
-TABLE = Table(
-    "numbers",
-    "Caption & <more>",
-    ("name", "force (N)", "n"),
-    (("a, b", 0.12345, 3), ("c", None, 4)),
-)
+COLUMNS = ("name", "force (N)", "n")
+TABLE = Table("numbers", "Caption & <more>", COLUMNS, (("a, b", 0.12345, 3), ("c", None, 4)))
 SECTION = Section(
     name="part",
     title="A part",
@@ -73,21 +69,15 @@ class Page(HTMLParser):
         self.words += data
 
 
-def test_page_is_well_formed_and_loads_nothing() -> None:
+def test_page_is_well_formed_loads_nothing_and_has_no_id_twice() -> None:
     page = Page(page_of(RUN))
     assert not page.open
     for tag, found in page.tags:
         assert tag not in ("script", "link", "iframe")
         assert not any(name.startswith("on") for name in found)
-        if "src" in found:
-            assert found["src"].startswith("data:image/png;base64,")
-        if "href" in found:
-            assert found["href"].startswith("#") or "://" not in found["href"]
+        assert found.get("src", "data:image/png;base64,").startswith("data:image/png;base64,")
+        assert found.get("href", "#").startswith("#") or "://" not in found["href"]
     assert "url(" not in page_of(RUN)
-
-
-def test_page_has_an_entry_of_contents_for_each_section_and_no_id_twice() -> None:
-    page = Page(page_of(RUN))
     ids = [found["id"] for _, found in page.tags if found.get("id")]
     links = {f["href"] for tag, f in page.tags if tag == "a" and f["href"].startswith("#")}
     assert len(ids) == len(set(ids))
@@ -102,7 +92,6 @@ def test_without_jinja2_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
 
 def test_text_is_text_whatever_its_signs() -> None:
     page = page_of(RUN)
-    assert "<script>" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "Caption &amp; &lt;more&gt;" in page
 
@@ -110,13 +99,9 @@ def test_text_is_text_whatever_its_signs() -> None:
 def test_page_tells_verdict_missing_parts_time_and_settings() -> None:
     words = " ".join(Page(page_of(RUN)).words.split())
     for part in (
-        "does not hold",
-        "Not in this report: recorded data: no folder",
-        "1 min 15 s",
-        "2 mm, 100 kPa, Poisson's ratio 0.5",
-        "numpy",
-        "0.123",
-    ):
+        "does not hold", "Not in this report: recorded data: no folder", "1 min 15 s",
+        "2 mm, 100 kPa, Poisson's ratio 0.5", "numpy", "0.123",
+    ):  # fmt: skip
         assert part in words
     assert "Not shown" not in words
 
@@ -125,11 +110,7 @@ def test_files_are_read_back_equal(tmp_path: Path) -> None:
     write_section(SECTION, tmp_path)
     assert read_section(tmp_path) == SECTION
     with (tmp_path / "numbers.csv").open(newline="") as file:
-        assert list(csv.reader(file)) == [
-            ["name", "force (N)", "n"],
-            ["a, b", "0.12345", "3"],
-            ["c", "", "4"],
-        ]
+        assert list(csv.reader(file)) == [[*COLUMNS], ["a, b", "0.12345", "3"], ["c", "", "4"]]
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00{", b"[]", b'{"name": 3}', b"[" * 9999])
@@ -155,22 +136,9 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
         write_report(RUN, tmp_path / "file")
 
 
-@pytest.mark.parametrize(
-    ("cell", "words"),
-    [
-        (1234.5, "1234"),
-        (-0.012345, "−0.0123"),
-        (7, "7"),
-        (None, "–"),
-        (float("nan"), "–"),
-        ("x", "x"),
-    ],
-)
-def test_cells(cell, words) -> None:
-    assert cell_in_words(cell) == words
-
-
 def test_words() -> None:
+    cells = (1234.5, -0.012345, 7, None, float("nan"), "x")
+    assert [cell_in_words(cell) for cell in cells] == ["1234", "−0.0123", "7", "–", "–", "x"]
     assert listed(["a"]) == "a"
     assert listed(["a", "b", "c"]) == "a, b and c"
     assert spread_in_words([0.1e-3, 0.2e-3], "mm", 1e3) == "0.10 to 0.20 mm"
@@ -191,5 +159,3 @@ def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
     assert [axes.get_xlabel() for axes in figure.axes] == ["x (mm)", "x (mm)"]
     assert [axes.get_ylabel() for axes in figure.axes] == ["y", ""]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one"]
-    with pytest.raises(InputError, match=r"lengths \[1, 2\], expected equal ones"):
-        draw_panels([[panel], [panel, panel]])

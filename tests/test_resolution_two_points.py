@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+from scipy.stats import chi2
 
 from skinfield.design import Places, SkinDesign, Touch, few_places, two_point_distance
 from skinfield.design.design import tables_of_design
@@ -21,13 +23,8 @@ BALLS = np.zeros(2, np.int64)
 LOW, HIGH = [-99.0, -99.0, -9.0, LOWEST_LOG], [99.0, 99.0, 9.0, HIGHEST_LOG]
 
 
-def design(noise: float = 400.0) -> SkinDesign:
-    return SkinDesign(
-        patch=hexagon72(),
-        layer=LAYER,
-        quantity=BaseStress(),
-        noise_std=noise,
-    )
+SKIN = SkinDesign(patch=hexagon72(), layer=LAYER, quantity=BaseStress(), noise_std=400.0)
+QUIET = replace(SKIN, noise_std=200.0)
 
 
 def places_near(*points: tuple[float, float]) -> Places:
@@ -54,27 +51,18 @@ class Fits:
         predict(full, BALLS[: len(full)], self.taxels, self.tables, out, slopes)
         return out * self.white, slopes[:, :, :4] * self.white[:, None, None]
 
-    def single(self, readings: Floats, starts: list[Floats]) -> tuple[float, Floats]:
-        from scipy.optimize import least_squares
-
-        def misfit(v: Floats) -> Floats:
-            return self.read(v)[0] - readings
-
-        def slopes(v: Floats) -> Floats:
-            return self.read(v)[1][:, 0]
-
+    def misfit(self, pair: Floats) -> float:
+        """Squared misfit of the one contact that explains the readings of a pair best."""
+        middle, readings = pair.mean(axis=0) + np.array([0, 0, np.log(2), 0]), self.read(pair)[0]
+        wider = [middle + np.array([0, 0, 0, step]) for step in (0.3, 0.8, 1.3)]
         found = [
             least_squares(
-                misfit,
-                np.clip(start, LOW, HIGH),
-                jac=slopes,
-                bounds=(LOW, HIGH),
-                x_scale="jac",
+                lambda v: self.read(v)[0] - readings, np.clip(start, LOW, HIGH),
+                jac=lambda v: self.read(v)[1][:, 0], bounds=(LOW, HIGH), x_scale="jac",
             )
-            for start in starts
-        ]
-        best = min(found, key=lambda f: f.cost)
-        return 2 * float(best.cost), np.asarray(best.x)
+            for start in (*wider, *pair)
+        ]  # fmt: skip
+        return 2 * min(float(fit.cost) for fit in found)
 
 
 def pair_at(place: Floats, distance: float, angle: float, force: float) -> Floats:
@@ -84,24 +72,15 @@ def pair_at(place: Floats, distance: float, angle: float, force: float) -> Float
     return np.stack([one, other])
 
 
-def starts_of(pair: Floats) -> list[Floats]:
-    middle = pair.mean(axis=0) + np.array([0, 0, np.log(2), 0])
-    wider = [middle + np.array([0, 0, 0, step]) for step in (0.3, 0.8, 1.3)]
-    return [*wider, pair[0], pair[1]]
-
-
 def test_at_the_distance_the_best_single_touch_misses_by_what_is_needed() -> None:
-    skin, force = design(), 1.0
-    needed = needed_noncentrality(0.05)
-    found = two_point_distance(skin, Touch(force, RADIUS), places_near((8, 8), (3, 9)), ways=4)
-    fits = Fits(skin)
+    needed, fits = needed_noncentrality(0.05), Fits(SKIN)
+    found = two_point_distance(SKIN, Touch(1.0, RADIUS), places_near((8, 8), (3, 9)), ways=4)
     for place, distances in zip(found.places.plane, found.distance, strict=True):
         for angle, distance in zip(found.ways, distances, strict=True):
             if not np.isfinite(distance):
                 continue
             at, closer = (
-                fits.single(fits.read(pair)[0], starts_of(pair))[0]
-                for pair in (pair_at(place, d, angle, force) for d in (distance, 0.8 * distance))
+                fits.misfit(pair_at(place, d, angle, 1.0)) for d in (distance, 0.8 * distance)
             )
             assert 0.7 * needed < at < 1.4 * needed
             assert closer < needed
@@ -109,26 +88,21 @@ def test_at_the_distance_the_best_single_touch_misses_by_what_is_needed() -> Non
 
 def test_more_force_and_less_noise_bring_two_closer() -> None:
     places = places_near((8, 8), (3, 9), (-9, 2))
-    base = two_point_distance(design(), Touch(0.5, RADIUS), places, ways=6)
-    for better in (
-        two_point_distance(design(), Touch(1.0, RADIUS), places, ways=6),
-        two_point_distance(design(200.0), Touch(0.5, RADIUS), places, ways=6),
-        two_point_distance(design(), Touch(0.5, RADIUS), places, ways=6, error_rate=0.2),
-    ):
+    base, firm, quiet, daring = (
+        two_point_distance(skin, Touch(force, RADIUS), places, ways=6, error_rate=rate)
+        for skin, force, rate in (
+            (SKIN, 0.5, 0.05), (SKIN, 1.0, 0.05), (QUIET, 0.5, 0.05), (SKIN, 0.5, 0.2)
+        )
+    )  # fmt: skip
+    for better in (firm, quiet, daring):
         assert (better.typical < base.typical).all()
         assert (better.worst <= base.worst).all()
     # readings are proportional: twice the force is half the noise
-    np.testing.assert_allclose(
-        two_point_distance(design(), Touch(1.0, RADIUS), places, ways=6).distance,
-        two_point_distance(design(200.0), Touch(0.5, RADIUS), places, ways=6).distance,
-        rtol=0.06,
-    )
+    np.testing.assert_allclose(firm.distance, quiet.distance, rtol=0.06)
     assert (base.worst >= base.typical).all()
 
 
 def test_needed_noncentrality_is_where_both_errors_meet() -> None:
-    from scipy.stats import chi2
-
     rng = np.random.default_rng(0)
     for rate in (0.05, 0.01):
         needed = needed_noncentrality(rate)
@@ -146,11 +120,7 @@ def test_two_touches_are_judged_in_proportion_also_where_readings_bend() -> None
 
 
 def test_few_places_are_few_and_bad_input_is_named() -> None:
-    skin = design()
-    assert 60 < len(few_places(skin, 100)) <= 100
-    with pytest.raises(InputError, match="ways"):
-        two_point_distance(skin, Touch(1.0, RADIUS), ways=0)
-    with pytest.raises(InputError, match="error_rate"):
-        two_point_distance(skin, Touch(1.0, RADIUS), error_rate=0.7)
-    with pytest.raises(InputError, match="farthest"):
-        two_point_distance(skin, Touch(1.0, RADIUS), farthest=-1.0)
+    assert 60 < len(few_places(SKIN, 100)) <= 100
+    for wrong in ({"ways": 0}, {"error_rate": 0.7}, {"farthest": -1.0}):
+        with pytest.raises(InputError, match=next(iter(wrong))):
+            two_point_distance(SKIN, Touch(1.0, RADIUS), **wrong)

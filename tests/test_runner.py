@@ -11,10 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.lab.runner import Task, fingerprint, run, stored
 
 
@@ -83,10 +81,7 @@ def test_a_broken_record_means_run_it_again(tmp_path: Path, content: str) -> Non
     (task,) = squares([2])
     list(run([task], tmp_path))
     (tmp_path / "n2" / "task.json").write_text(content)
-    assert stored(task, tmp_path) is None
-    (outcome,) = run([task], tmp_path)
-    assert not outcome.reused
-    assert stored(task, tmp_path) is not None
+    assert [outcome.reused for _ in range(2) for outcome in run([task], tmp_path)] == [False, True]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -96,9 +91,8 @@ def test_a_failure_stops_no_other_and_leaves_its_traceback(tmp_path: Path, worke
     assert failed.name == "bad"
     assert "ValueError: no root of -1" in failed.failure
     assert (tmp_path / "bad.failed.txt").read_text() == failed.failure
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "bad.failed.txt", "calls.txt", "good", "n3",
-    ]  # fmt: skip
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"bad.failed.txt", "calls.txt", "good", "n3"}
     list(run([Task("bad", stumble, (1.0,))], tmp_path))
     assert not (tmp_path / "bad.failed.txt").exists()
 
@@ -127,9 +121,8 @@ def test_whoever_stops_asking_can_go_on_later(tmp_path: Path) -> None:
     next(outcomes)
     outcomes.close()  # type: ignore[attr-defined]
     assert calls(tmp_path) == ["1"]
-    assert [outcome.reused for outcome in run(squares([1, 2, 3]), tmp_path)] == [
-        True, False, False,
-    ]  # fmt: skip
+    again = run(squares([1, 2, 3]), tmp_path)
+    assert [outcome.reused for outcome in again] == [True, False, False]
 
 
 INTERRUPTED = """
@@ -172,17 +165,16 @@ def test_a_result_that_json_cannot_hold_is_a_failure(tmp_path: Path) -> None:
 
 
 def test_wrong_campaigns_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"1 names of tasks come twice, the first is 'n1'"):
-        run(squares([1, 1]), tmp_path)
-    with pytest.raises(InputError, match="workers is 0"):
-        run(squares([1]), tmp_path, workers=0)
-    with pytest.raises(InputError, match=r"name is '../up', expected"):
-        Task("../up", square)
-    with pytest.raises(InputError, match="expected one of the module level"):
-        Task("inner", lambda folder: None)
     (tmp_path / "file").write_text("")
-    with pytest.raises(FileError, match="cannot be made"):
-        run(squares([1]), tmp_path / "file")
+    for words, call in (
+        ("1 names of tasks come twice, the first is 'n1'", lambda: run(squares([1, 1]), tmp_path)),
+        ("workers is 0", lambda: run(squares([1]), tmp_path, workers=0)),
+        ("name is '../up', expected", lambda: Task("../up", square)),
+        ("expected one of the module level", lambda: Task("inner", lambda folder: None)),
+        ("cannot be made", lambda: run(squares([1]), tmp_path / "file")),
+    ):
+        with pytest.raises(SkinfieldError, match=words):
+            call()
 
 
 @dataclass(frozen=True)
@@ -205,12 +197,6 @@ def test_fingerprints_tell_values_apart() -> None:
         fingerprint(object())
 
 
-@given(st.recursive(st.none() | st.floats() | st.text(), lambda s: st.lists(s).map(tuple)))
-def test_fingerprints_are_repeatable(value: object) -> None:
-    assert fingerprint(value) == fingerprint(value)
-    assert len(fingerprint(value)) == 32
-
-
 def test_fingerprints_are_those_of_another_process() -> None:
     code = (
         "from skinfield.lab.runner import fingerprint\n"
@@ -221,3 +207,4 @@ def test_fingerprints_are_those_of_another_process() -> None:
         env={**os.environ, "PYTHONHASHSEED": "7"},
     ).stdout.strip()  # fmt: skip
     assert found == fingerprint((1.5, "a", {"x", "y", "z"}, {"k": (1, 2)}))
+    assert len(found) == 32

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 from rich.box import SIMPLE_HEAD
 
 from skinfield.cli.report import NONE, table
-from skinfield.lab.bench.picture import written
 from skinfield.lab.bench.run import INVERSION, PAPER, PAPER_REST_MS, Row, prepared_gain
 from skinfield.plot.style import number
 
@@ -124,7 +123,7 @@ def _of(found: Mapping[str, float] | None, key: str) -> str:
 def _share(value: float | None) -> str:
     if value is None:
         return NONE
-    return f"< {100 * TINY:g} %" if 0.0 < value < TINY else written(float(f"{value:.2g}"), "share")
+    return f"< {100 * TINY:g} %" if 0.0 < value < TINY else f"{float(f'{100 * value:.2g}'):g} %"
 
 
 # ---- jitter
@@ -181,7 +180,7 @@ def jitter_notes(jitter: "Jitter") -> Iterator[str]:
             f"a cycle takes up to {in_words(cycle.p99)} (p99), more than half a period: cyclictest "
             "wakes while the loop computes, which makes it later: try a lower --rate-hz too"
         )
-    stolen = jitter.company.stolen
+    stolen = jitter.stolen
     if stolen is not None and stolen > 0.001:
         yield f"the host of this virtual machine kept {100 * stolen:.1f} % of a core away meanwhile"
     beyond = jitter.timing.cycles / 1000
@@ -208,5 +207,5 @@ def jitter_as_json(jitter: "Jitter") -> dict[str, Any]:
         "ratio": {name: jitter.ratio(name) for name in QUANTILES},
         "page_faults": jitter.faults,
         "interruptions": jitter.interruptions,
-        "stolen_cores": jitter.company.stolen,
+        "stolen_cores": jitter.stolen,
     }

@@ -1,24 +1,18 @@
 """`skinfield design`: judge a layout before it is made."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Annotated, Literal
 
 import numpy as np
 
 from skinfield.cli import options, report
-from skinfield.design import Judgement, Places, SkinDesign, Touch, compare_thickness, judge
-from skinfield.errors import InputError, as_floats
+from skinfield.design import Judgement, Places, SkinDesign, Touch, judge
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import Positive, Range
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
-COMPARED = (
-    "smallest force found",
-    "place deviation",
-    "force deviation",
-    "two touches told, typical direction",
-)
 
 
 def design(
@@ -34,7 +28,6 @@ def design(
     false_alarms: Annotated[float, Range(1e-12, 0.1, "a rate per reading")] = 1e-3,
     linear: bool = False,
     pitch_mm: Annotated[float | None, Positive("distance of places, mm")] = None,
-    compare_thickness_mm: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
     maps: tuple[str, ...] = (),
     force: options.Force = False,
@@ -58,7 +51,6 @@ def design(
       skinfield design hexagon72 -o design.png
       skinfield design hexagon72 --thickness-mm 4 --noise 0.005 --force-n 1 --radius-mm 2
       skinfield design right_foot.txt --quantity stress --noise 400 --maps maps.csv
-      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6
 
     Parameters
     ----------
@@ -76,8 +68,6 @@ def design(
         Take readings as proportional to the force, also of deep touches.
     pitch_mm : float, mm, optional
         Distance of the places that are judged, mm. Default a tenth of the taxels'.
-    compare_thickness_mm : str, optional
-        MM,MM,...: judge the same touch under several thicknesses, in a table alone.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
@@ -87,11 +77,6 @@ def design(
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
-    if compare_thickness_mm is not None and (maps or output is not None):
-        raise InputError(
-            f"{(*maps, output)[0]!r} is to be written beside --compare-thickness-mm, expected one "
-            "of them: files are written of one thickness"
-        )
     picture = report.free_name(PICTURE) if output is None else output
     report.check_picture("--output", picture, force)
     for name in maps:
@@ -110,18 +95,6 @@ def design(
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
-    if compare_thickness_mm is not None:
-        texts = compare_thickness_mm.split(",")
-        thicknesses = (as_floats("--compare-thickness-mm", texts) * 1e-3).tolist()
-        with report.progress("thickness", len(thicknesses)) as step:
-            compared = compare_thickness(
-                candidate, touch, thicknesses, false_alarm_rate=false_alarms,
-                on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
-            )  # fmt: skip
-        report.finish(
-            as_json, [_plain(each) for each in compared], lines=_thickness_lines(compared)
-        )
-        return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
     with report.progress("tables", MAPS + 1) as step:
         judgement = judge(
@@ -135,23 +108,13 @@ def design(
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
-    """Numbers and verdict of one layout; what is infinite is null."""
+    """Numbers and verdict of one layout."""
     return {
         "patch": judgement.design.patch.name,
         "thickness_mm": judgement.design.layer.thickness * 1e3,
         "blind_share": judgement.blind.blind_share,
         "missed_share": judgement.missed_share,
-        "rows": [
-            {
-                "name": row.name,
-                "unit": row.unit,
-                **{
-                    key: value if np.isfinite(value := float(getattr(row, key))) else None
-                    for key in ("median", "p90", "p95", "worst")
-                },
-            }
-            for row in judgement.rows()
-        ],
+        "rows": [asdict(row) for row in judgement.rows()],
         "verdict": judgement.verdict(),
     }
 
@@ -174,24 +137,6 @@ def _lines(judgement: Judgement) -> Iterator[report.Shown]:
         f"{touch.force:g} N; noise is searched as at {independent:.0f} independent places"
     )
     yield judgement.verdict()
-
-
-def _thickness_lines(judgements: Sequence[Judgement]) -> Iterator[report.Shown]:
-    """Table of medians and 95th percentiles by thickness."""
-    touch = judgements[0].touch
-    title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
-    numbers = ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm", "blind")
-    shown = report.table(title, (), numbers)
-    thick = [judgement.design.layer.thickness * 1e3 for judgement in judgements]
-    medians = []
-    for judgement, thickness in zip(judgements, thick, strict=True):
-        rows = {row.name: row for row in judgement.rows()}
-        cells = [f"{_short(rows[n].median)} / {_short(rows[n].p95)}" for n in COMPARED]
-        shown.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
-        medians.append([rows[name].median for name in COMPARED])
-    yield shown
-    place, pair = (thick[int(np.argmin(np.array(medians)[:, at]))] for at in (1, 3))
-    yield f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)"
 
 
 def _short(value: float) -> str:

@@ -39,10 +39,10 @@ def experiments(
         Such as fig3,fig6: these parts alone.
     """
     from skinfield.lab.experiments import chosen, run
-    from skinfield.lab.report import Settings, size_by_name
+    from skinfield.lab.report import SIZES, Settings
 
     wanted = chosen(only.split(","))
-    settings = Settings(size=size_by_name(size), seed=seed)
+    settings = Settings(size=SIZES[size], seed=seed)
     with progress("experiments", len(wanted)) as step:
         finished = run(
             wanted,

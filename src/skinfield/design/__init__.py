@@ -14,5 +14,4 @@ from skinfield.design.discrimination import few_places as few_places
 from skinfield.design.discrimination import place_accuracy as place_accuracy
 from skinfield.design.discrimination import two_point_distance as two_point_distance
 from skinfield.design.judgement import Judgement as Judgement
-from skinfield.design.judgement import compare_thickness as compare_thickness
 from skinfield.design.judgement import judge as judge

@@ -1,7 +1,7 @@
-"""Judgement of a layout: all maps in numbers and in one sentence, and by thickness."""
+"""Judgement of a layout: all maps in numbers and in one sentence."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from skinfield.design.detectability import (
 from skinfield.design.discrimination import (
     PlaceAccuracy,
     TwoPointDistance,
-    few_places,
     place_accuracy,
     two_point_distance,
 )
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
+
+SHARES = (0.5, 0.9, 0.95, 1.0)  # of the places, in a row
 
 
 @dataclass(frozen=True)
@@ -76,10 +77,12 @@ class Judgement:
 
     def rows(self) -> tuple[Row, ...]:
         """Every map in numbers."""
-        found = [Row(name, unit, *_shares(values)) for name, unit, _, values in self.maps()]
-        loss = self.blind.response
-        weak = [part_of(loss, share, falling=True) * 100 for share in (0.5, 0.9, 0.95, 1.0)]
-        return (Row("response, of the best place's", "%", *weak), *found)
+        weak = ("response, of the best place's", "%", None, -100 * self.blind.response)
+        response, *others = (
+            Row(name, unit, *(abs(part_of(values, share)) for share in SHARES))
+            for name, unit, _, values in (weak, *self.maps())
+        )
+        return (response, *others)
 
     @property
     def missed_share(self) -> float:
@@ -140,18 +143,9 @@ def _percent(share: float) -> str:
     return "less than 1%" if share < 0.01 else "more than 99%"
 
 
-def _shares(values: Floats) -> tuple[float, float, float, float]:
-    median, p90, p95, worst = (part_of(values, share) for share in (0.5, 0.9, 0.95, 1.0))
-    return median, p90, p95, worst
-
-
-def part_of(values: Floats, share: float, *, falling: bool = False) -> float:
-    """Value that a share of all values does not exceed, or with `falling` does not fall short of.
-
-    No interpolation: values may be infinite.
-    """
-    ordered = np.sort(values)[::-1] if falling else np.sort(values)
-    return float(ordered[max(int(np.ceil(share * len(ordered))) - 1, 0)])
+def part_of(values: Floats, share: float) -> float:
+    """Value that a share of all values does not exceed; not interpolated: they may be infinite."""
+    return float(np.sort(values)[max(int(np.ceil(share * len(values))) - 1, 0)])
 
 
 def judge(
@@ -191,45 +185,3 @@ def judge(
     on_map("two touches")
     pairs = two_point_distance(design, touch, two_point_places, ways=ways)
     return Judgement(design, touch, blind, detectable, accuracy, pairs)
-
-
-FEW = 120  # places of the two touches, per thickness
-
-
-def compare_thickness(
-    design: SkinDesign,
-    touch: Touch,
-    thicknesses: Sequence[float],
-    *,
-    false_alarm_rate: float = 1e-3,
-    on_thickness: Callable[[float], object] = lambda _: None,
-) -> tuple[Judgement, ...]:
-    """Judge a layout under several thicknesses, the thinnest first; the touch stays as it is.
-
-    Parameters
-    ----------
-    design : SkinDesign
-        Whose thickness does not count.
-    touch : Touch
-    thicknesses : sequence of float, m
-    false_alarm_rate : float
-    on_thickness : function of float
-        Called with each thickness in m before it is judged.
-    """
-    values = sorted(thicknesses)
-    if len(values) < 2:
-        raise InputError(f"thicknesses is {values}, expected two or more to compare")
-    layers = [replace(design.layer, thickness=value) for value in values]
-    for layer in layers:
-        touch.check_on(layer)
-    few = few_places(design, FEW)
-    judgements = []
-    for layer in layers:
-        on_thickness(layer.thickness)
-        judgements.append(
-            judge(
-                replace(design, layer=layer), touch, two_point_places=few,
-                false_alarm_rate=false_alarm_rate,
-            )
-        )  # fmt: skip
-    return tuple(judgements)

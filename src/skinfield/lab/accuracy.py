@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -17,12 +16,7 @@ from skinfield.design.design import respond
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.lab.case_sets import CELL, SILICONE, random_press
-from skinfield.lab.cases import (
-    Case,
-    TrueContact,
-    Truth,
-    quantity_by_name,
-)
+from skinfield.lab.cases import Case, TrueContact, Truth, quantity_by_name
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
@@ -72,10 +66,6 @@ class AccuracyPlan:
     cell: float = CELL
     seed: int = 0
 
-    def __post_init__(self) -> None:
-        if not self.entrants or not self.levels:
-            raise InputError("entrants or levels are empty, expected at least one of each")
-
     @property
     def patch(self) -> Patch:
         """The skin's layout."""
@@ -105,15 +95,10 @@ class Findings:
     bound: Sequence[Row] = ()
     idle: Sequence[Row] = ()
 
-    @classmethod
-    def of(cls, results: Sequence[dict[str, Any] | None]) -> "Findings":
-        """Put the parts' results together; what failed is left out."""
-        made = [result for result in results if result]
-        names = ("rows", "bound", "idle")
-        return cls(*([row for part in made for row in part.get(name, ())] for name in names))
 
-
-def rows_of_presses(plan: AccuracyPlan, first: int, last: int) -> dict[str, list[Row]]:
+def rows_of_presses(
+    folder: Path, plan: AccuracyPlan, first: int, last: int
+) -> dict[str, list[Row]]:
     """Rows of the presses from `first` up to `last`, and of the bound where balls press."""
     patch = plan.patch
     rows: list[Row] = []
@@ -204,7 +189,7 @@ def _root_of_bound(gram: Floats, prior: float | None) -> Floats:
     return np.asarray(np.linalg.cholesky(covariance[:3, :3]))
 
 
-def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
+def idle_rows(folder: Path, plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
     """How often each entrant sees contacts in noise alone."""
     patch = plan.patch
     quiet = Case(
@@ -227,24 +212,15 @@ def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
 
 
 def parts_of(plan: AccuracyPlan) -> list[Task]:
-    """Independent shares of the work."""
-    shares: list[tuple[str, Callable[..., Any], tuple[Any, ...]]] = [
-        (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
+    """Independent shares of the work, which leave no files."""
+    presses = [
+        Task(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
         for k in range(0, plan.presses, SHARE)
     ]
-    shares += [
-        (f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
-        for level in plan.levels
-        if level.noise > 0
+    loud = [level for level in plan.levels if level.noise > 0]
+    return presses + [
+        Task(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level)) for level in loud
     ]
-    return [
-        Task(f"accuracy.{name}", share_of, (rows, *arguments)) for name, rows, arguments in shares
-    ]
-
-
-def share_of(folder: Path, rows: Callable[..., Any], *arguments: Any) -> Any:
-    """A share of the work as a task; it leaves no files."""
-    return rows(*arguments)
 
 
 def computed(
@@ -268,7 +244,11 @@ def computed(
                 raise SkinfieldError(f"{outcome.name} fails: {reason}")
             results[outcome.name] = outcome.result
             progress(done, len(tasks))
-    return Findings.of([results[task.name] for task in tasks])
+    found: dict[str, list[Row]] = {"rows": [], "bound": [], "idle": []}
+    for task in tasks:
+        for name, rows in results[task.name].items():
+            found[name] += rows
+    return Findings(**found)
 
 
 def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:

@@ -9,15 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Layer
-from skinfield.errors import Floats, InputError, check_choice
-from skinfield.lab.cases import (
-    QUANTITIES,
-    Case,
-    Pose,
-    Truth,
-    posed,
-    truth_of_press,
-)
+from skinfield.errors import Floats, InputError
+from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
 from skinfield.skin import Patch
 
@@ -110,7 +103,6 @@ def standard_cases(
     cell : float, m
         Of the truth.
     """
-    check_choice("quantity", quantity, QUANTITIES, "what taxels read")
     low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
     for index in range(count):
         kind = KINDS[index % len(KINDS)]
@@ -232,7 +224,6 @@ def random_cases(
     layer, cell
         See `random_press`.
     """
-    check_choice("quantity", quantity, QUANTITIES, "what taxels read")
     for index in range(count):
         case = random_press(patch, index, seed, layer, cell).case(patch, quantity, noise_std)
         yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case

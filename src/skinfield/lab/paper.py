@@ -114,6 +114,7 @@ class Tip:
     body: Sphere | Cylinder
     extent: float
 
+    @lru_cache(maxsize=64)  # noqa: B019  # there are four tips
     def pressed(self, layer: Layer, force: float, cell: float) -> Press:
         """Truth under a force in N.
 
@@ -122,7 +123,7 @@ class Tip:
         InputError
             Where linear elasticity lets the tip sink through the layer.
         """
-        return _pressed(self, layer, force, cell)
+        return press(layer, [replace(self.body, force=force)], self.extent, cell)
 
     def contact_radius(self, layer: Layer, force: float, cell: float) -> float:
         """Radius of the disc as large as the true contact, m."""
@@ -136,11 +137,6 @@ TIPS = (
     Tip("cylinder 1.2 cm", Cylinder(radius=6e-3), 14e-3),
 )
 BALL = TIPS[1]  # of Figures 6 to 8
-
-
-@lru_cache(maxsize=64)
-def _pressed(tip: Tip, layer: Layer, force: float, cell: float) -> Press:
-    return press(layer, [replace(tip.body, force=force)], tip.extent, cell)
 
 
 @lru_cache(maxsize=128)
@@ -224,5 +220,4 @@ class Method:
 POINT = BaseStress(pad_averaged=False)
 PRINTED = HalfSpace(psi=0.25)  # the paper's constant in (25) and (26), "in all the experiments"
 PAPER = Method("paper: inverse, half-space", Inverse(), PRINTED, POINT)
-PAPER_EXACT = Method("paper's inverse, exact Ψ", Inverse(), HalfSpace(), POINT)
 FIELD = Method("ours: Gaussian field, layer", GaussianField(), BondedLayer(), BaseStress())

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, extent_of, frame_axes, outline_pads
 from skinfield.plot.style import FAINT, INK, QUIET, add_colour_bar, add_title, new_figure, style
 from skinfield.skin import Grid
@@ -95,16 +95,6 @@ class FieldPanel:
     presses: Sequence[tuple[float, float, float]] = ()
 
 
-def _columns(rows: Sequence[Sequence[object]]) -> int:
-    columns = len(rows[0]) if rows else 0
-    if not columns or any(len(row) != columns for row in rows):
-        raise InputError(
-            f"rows of panels have lengths {[len(row) for row in rows]}, expected equal ones "
-            "above 0: panels stand in a rectangle"
-        )
-    return columns
-
-
 def draw_panels(
     rows: Sequence[Sequence[Panel]], panel_height: float = PANEL, foot: str = ""
 ) -> "Figure":
@@ -117,13 +107,8 @@ def draw_panels(
     panel_height : float, inches
     foot : str
         A line at the bottom.
-
-    Raises
-    ------
-    InputError
-        If there is no panel, or rows differ in length.
     """
-    columns = _columns(rows)
+    columns = len(rows[0])
     curves = [curve for row in rows for panel in row for curve in panel.curves]
     names = list(dict.fromkeys(curve.name for curve in curves))
     per_line = min(2 if max(map(len, names)) > 30 else 3, len(names))
@@ -237,13 +222,8 @@ def draw_fields(
         Of the values, with their unit.
     window : (2, 2) array, m, optional
         Low and high corner of what is shown. Default all pads and cells.
-
-    Raises
-    ------
-    InputError
-        If there is no panel, or rows differ in length.
     """
-    columns = _columns(panels)
+    columns = len(panels[0])
     room = (WIDTH - FIELD_LEFT) / columns
     side = room - FIELD_BAR - FIELD_GAP
     each = np.array([extent_of(panel.grid) for line in panels for panel in line])

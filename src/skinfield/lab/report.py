@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinfield.elastic import Layer
-from skinfield.errors import FileError, SkinfieldError, check_choice
+from skinfield.errors import FileError, SkinfieldError
 from skinfield.lab.bench.machine import versions
 from skinfield.plot.style import METADATA, number
 
@@ -53,19 +53,7 @@ class Size:
 SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
 SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
 FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
-SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}
-
-
-def size_by_name(name: str) -> Size:
-    """Smoke (under a minute), short (minutes) or full.
-
-    Raises
-    ------
-    InputError
-        For another name.
-    """
-    check_choice("size", name, SIZES, "how much is computed")
-    return SIZES[name]
+SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # under a minute, minutes, longer
 
 
 @dataclass(frozen=True, kw_only=True)

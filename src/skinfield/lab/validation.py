@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.elastic import HalfSpace, Mechanics
-from skinfield.errors import Floats, InputError, check_choice, check_positive
+from skinfield.errors import Floats, InputError, check_choice
 from skinfield.estimate import Contact
 from skinfield.lab.cases import Case, quantity_by_name
 from skinfield.lab.score import GATE, Judge, Row, Score, column
@@ -72,9 +72,6 @@ class Entrant:
         default_factory=dict, init=False, compare=False, repr=False
     )
 
-    def __post_init__(self) -> None:
-        check_positive("gate", self.gate, "distance of contacts that are the same, in metres")
-
     def scores(self, case: Case) -> list[Score]:
         """Scores of all readings of a case.
 
@@ -90,16 +87,7 @@ class Entrant:
         Beside the score's row there are ``cold_ms`` and ``warm_ms``, of a reading after nothing
         and of another one right after it, and ``place_held`` and ``force_held``: the matched
         contacts whose stated 90 % region holds the true place, and force.
-
-        Raises
-        ------
-        InputError
-            For a case of fewer readings.
         """
-        if len(case.draws) < RUNS:
-            raise InputError(
-                f"case {case.name!r} has one reading, expected two: the second is warm"
-            )
         reconstruct = self.reconstructor(case)
         reconstruct.reset()
         start = time.perf_counter()

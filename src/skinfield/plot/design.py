@@ -1,4 +1,4 @@
-"""Maps of a layout's resolution, judged before it is made, and their change with the thickness."""
+"""Maps of a layout's resolution, judged before it is made."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -8,14 +8,7 @@ from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
-from skinfield.plot.style import (
-    ABOVE,
-    INK,
-    TITLE,
-    add_title,
-    new_figure,
-    style,
-)
+from skinfield.plot.style import ABOVE, INK, TITLE, add_title, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,22 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from skinfield.errors import InputError, check_count, check_range
+from skinfield.errors import InputError
 from skinfield.lab.bench.cyclictest import Cyclictest
-from skinfield.lab.bench.machine import Company, Watch
+from skinfield.lab.bench.machine import Watch
 from skinfield.loop.realtime import Quantiles, RealTime, RealTimeStatus, Timing
 from skinfield.skin import Skin
 from skinfield.solve import NonNegative, Solver
 
-if TYPE_CHECKING:
-    pass
-
-Words = NDArray[np.uint64]
 Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
@@ -53,11 +46,6 @@ class JitterSettings:
     solver: Solver = field(default_factory=NonNegative)
     real_time: RealTime = field(default_factory=RealTime)
 
-    def __post_init__(self) -> None:
-        check_range("duration", self.duration, 1.0, 86_400.0, "of measuring")
-        check_range("rate_hz", self.rate_hz, 1.0, 20_000.0, "cycles per second")
-        check_count("busy", self.busy, 0, 1024, "processes that compute all the time")
-
 
 @dataclass(frozen=True)
 class Jitter:
@@ -73,7 +61,8 @@ class Jitter:
         Of the cyclictest on the same processor in the same seconds.
     no_pair : str
         Why there is none.
-    company : Company
+    stolen : float or None
+        Cores that the host of a virtual machine kept to itself, on average.
     faults, interruptions : int or None
         Page faults of the loop's process, and times that it had to give its CPU away; None where
         the system does not tell.
@@ -84,7 +73,7 @@ class Jitter:
     timing: Timing
     paired: Quantiles | None
     no_pair: str
-    company: Company
+    stolen: float | None
     faults: int | None
     interruptions: int | None
 
@@ -95,26 +84,6 @@ class Jitter:
         return float(getattr(self.timing.wake, name) / max(getattr(self.paired, name), 1e-9))
 
 
-@dataclass(frozen=True)
-class Loop:
-    """A loop that runs in a process of its own.
-
-    Attributes
-    ----------
-    pid : int
-    granted : RealTimeStatus
-    snapshot : function
-        Returns copies of its histograms and totals.
-    failure : function
-        Returns what went wrong with it, in words; empty where nothing did.
-    """
-
-    pid: int
-    granted: RealTimeStatus
-    snapshot: Callable[[], tuple[Words, Words]]
-    failure: Callable[[], str] = str
-
-
 def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Boards) -> Jitter:
     """Measure.
 
@@ -123,31 +92,70 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Bo
     tell : function of str
         Called with what happens.
     boards : function of skin, rate and priority
-        Starts a virtual skin of iCub's boards on UDP, which sends so many readings per second, as
-        a context; it gives the live source that reads them, and a function that plays a scene.
+        Starts a virtual skin of iCub's boards on UDP in a process of its own, which sends so many
+        readings per second, as a context; it gives the live source that reads them, and a function
+        that plays a scene. The engine of the paper's hexagon reads them on 40 x 40 nodes.
 
     Raises
     ------
     InputError
         If the loop does not start, or ends while it is measured.
     """
+    from skinfield.loop.settings import LiveSettings
+    from skinfield.loop.supervisor import Supervisor
+    from skinfield.signal import ICubByte
+    from skinfield.skin.generators import hexagon72
+
     tell("starting the loop")
-    with skin_loop(settings, boards) as loop, _busy(settings):
+    skin, real_time = Skin((hexagon72(),)), settings.real_time
+    with ExitStack() as stack:
+        priority = max(real_time.priority - 10, 0)
+        source, play = stack.enter_context(boards(skin, settings.rate_hz, priority))
+        live = LiveSettings(
+            skin=skin,
+            sources=(source,),
+            name=f"bench-{uuid.uuid4().hex[:8]}",
+            board=ICubByte(),
+            solver=settings.solver,
+            rungs=RUNGS,
+            rate=settings.rate_hz,
+            tare_seconds=0.5,
+            real_time=real_time,
+        )
+        supervisor = stack.enter_context(Supervisor(live))
+        reader = supervisor.wait(PATIENCE)
+        stack.callback(reader.close)
+        play("slide")  # once it has its baseline
+        granted = _granted(reader)
+        stack.enter_context(_busy(settings))
         time.sleep(SETTLE)
         tell(f"measuring for {settings.duration:g} s")
-        return measure(settings, loop)
+        return measure(settings, granted, reader, supervisor)
 
 
-def measure(settings: JitterSettings, loop: Loop) -> Jitter:
-    """Both in the same seconds: cyclictest begins at a whole second of the clock."""
+def measure(
+    settings: JitterSettings, granted: RealTimeStatus, reader: Any, supervisor: Any
+) -> Jitter:
+    """Both in the same seconds: cyclictest begins at a whole second of the clock.
+
+    Parameters
+    ----------
+    settings : JitterSettings
+    granted : RealTimeStatus
+        To the engine.
+    reader : LiveReader
+        Of the engine's ring.
+    supervisor : Supervisor
+        Of the engine.
+    """
     second = time.monotonic_ns() // 10**9 + 2
     _sleep_until(second - BEFORE)
-    running, missing = _paired(settings, loop.granted)
+    running, missing = _paired(settings, granted)
     try:
         _sleep_until(second)
-        before, watch, usage = loop.snapshot(), Watch(), _usage(loop.pid)
+        before, watch, usage = _counts(reader), Watch(), _usage(reader.pid)
         _sleep_until(second + settings.duration)
-        after, company, used = loop.snapshot(), watch.company(), _usage(loop.pid)
+        after, stolen, used = _counts(reader), watch.company().stolen, _usage(reader.pid)
         paired = None if running is None else running.finish()
     except InputError as error:
         paired, missing = None, str(error)
@@ -155,15 +163,21 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
         if running is not None:
             running.stop()
     timing = Timing.of(*after, before=before)
-    if loop.failure() or not timing.cycles:
+    if supervisor.failure or not timing.cycles:
         raise InputError(
             f"the loop ended while it was measured, after {timing.cycles} cycles, expected it to "
-            f"run on: {loop.failure() or 'it did not say why'}"
+            f"run on: {supervisor.failure or 'it did not say why'}"
         )
     faults, interruptions = (
         None if usage is None or used is None else used[which] - usage[which] for which in (0, 1)
     )
-    return Jitter(settings, loop.granted, timing, paired, missing, company, faults, interruptions)
+    return Jitter(settings, granted, timing, paired, missing, stolen, faults, interruptions)
+
+
+def _counts(reader: Any) -> tuple[Any, Any]:
+    """Copies of the engine's histograms and totals."""
+    status = reader.status
+    return status["times"].copy(), status["totals"].copy()
 
 
 def _usage(pid: int) -> tuple[int, int] | None:
@@ -215,45 +229,6 @@ def _busy(settings: JitterSettings) -> Iterator[None]:
             child.kill()
         for child in children:
             child.wait()
-
-
-@contextmanager
-def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
-    """The engine of the paper's hexagon on 40 x 40 nodes, which reads a virtual skin.
-
-    The skin has a process of its own and sends messages of iCub boards over UDP, as often as the
-    engine answers.
-    """
-    from skinfield.loop.settings import LiveSettings
-    from skinfield.loop.supervisor import Supervisor
-    from skinfield.signal import ICubByte
-    from skinfield.skin.generators import hexagon72
-
-    skin, real_time = Skin((hexagon72(),)), settings.real_time
-    with ExitStack() as stack:
-        priority = max(real_time.priority - 10, 0)
-        source, play = stack.enter_context(boards(skin, settings.rate_hz, priority))
-        live = LiveSettings(
-            skin=skin,
-            sources=(source,),
-            name=f"bench-{uuid.uuid4().hex[:8]}",
-            board=ICubByte(),
-            solver=settings.solver,
-            rungs=RUNGS,
-            rate=settings.rate_hz,
-            tare_seconds=0.5,
-            real_time=real_time,
-        )
-        supervisor = stack.enter_context(Supervisor(live))
-        reader = supervisor.wait(PATIENCE)
-        stack.callback(reader.close)
-        play("slide")  # once it has its baseline
-
-        def snapshot() -> tuple[Words, Words]:
-            status = reader.status
-            return status["times"].copy(), status["totals"].copy()
-
-        yield Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
 
 
 def _granted(reader: Any) -> RealTimeStatus:

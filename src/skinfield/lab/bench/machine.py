@@ -19,7 +19,6 @@ from skinfield.errors import Floats
 
 CPU_INFO, CPU_TIMES = Path("/proc/cpuinfo"), Path("/proc/stat")
 TOO_MUCH = 0.15  # cores that others may use before it is worth a warning
-CROWDED = 0.5  # load per core when it begins, from which it is
 
 
 def this_machine() -> dict[str, Any]:
@@ -53,8 +52,6 @@ class Company:
 
     Attributes
     ----------
-    load : float or None
-        Average number of running processes over the minute before; None where it is not known.
     others : float or None
         Cores that other processes used, on average; None where it is not known.
     stolen : float or None
@@ -63,7 +60,6 @@ class Company:
         Cores that this process used: near 1 where nothing held it up.
     """
 
-    load: float | None
     others: float | None
     stolen: float | None
     own: float
@@ -76,8 +72,6 @@ class Company:
                 f"other processes used {self.others:.1f} of {cores} cores meanwhile: times are "
                 "longer than on a quiet machine, the highest percentiles most of all"
             )
-        elif self.others is None and (self.load or 0.0) > CROWDED * cores:
-            found.append(f"the load was {self.load:.1f} on {cores} cores: the machine was busy")
         if (self.stolen or 0.0) > TOO_MUCH:
             found.append(f"the host of this virtual machine kept {self.stolen:.1f} cores away")
         return tuple(found)
@@ -87,7 +81,6 @@ class Watch:
     """Sees who uses the processor, from when it is made until `company` is asked for."""
 
     def __init__(self) -> None:
-        self._load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
         self._start = self._usage()
 
     def company(self) -> Company:
@@ -96,7 +89,7 @@ class Watch:
         span = max(span, 1e-9)
         known = np.isfinite(busy)
         others = max((busy - own) / span, 0.0) if known else None
-        return Company(self._load, others, stolen / span if known else None, own / span)
+        return Company(others, stolen / span if known else None, own / span)
 
     @staticmethod
     def _usage() -> tuple[float, float, float, float]:
@@ -139,21 +132,8 @@ def undisturbed() -> Iterator[None]:
             gc.enable()
 
 
-@contextmanager
-def settled() -> Iterator[None]:
-    """With what is there by now left out of garbage collections: each `undisturbed` needs one."""
-    gc.collect()
-    gc.freeze()
-    try:
-        yield
-    finally:
-        gc.unfreeze()
-
-
-def laps(function: Callable[[], object], count: int, idle: int = 0) -> Floats:
-    """Seconds of each of `count` calls, after `idle` ones that do not count."""
-    for _ in range(idle):
-        function()
+def laps(function: Callable[[], object], count: int) -> Floats:
+    """Seconds of each of `count` calls."""
     out = np.empty(count)
     for index in range(count):
         start = time.perf_counter_ns()

@@ -52,18 +52,6 @@ def picture(bench: Bench) -> "Figure":
     return draw_panels([[left, right]], HIGH, machine_line(bench))
 
 
-def written(value: float, what: str) -> str:
-    """Write a number of SI units as a tick: "20 µs", "1 ms", "10 %", "0.5 mm"."""
-    if what == "share":
-        return f"{100 * value:.6g} %"
-    if what == "length":
-        return f"{1e3 * value:.6g} mm"
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if value >= 0.999 * size:
-            return f"{value / size:.6g} {unit}"
-    return f"{1e9 * value:.6g} ns"
-
-
 def machine_line(bench: Bench) -> str:
     """Processor and versions, in a line."""
     machine = bench["machine"]

@@ -1,5 +1,6 @@
 """Benchmark run: cost of a reading on several grids, and error against time."""
 
+import gc
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
@@ -19,7 +20,7 @@ from skinfield.lab.bench.contenders import (
     paper_prepared,
     run_chain,
 )
-from skinfield.lab.bench.machine import Watch, laps, settled, spread, this_machine, undisturbed
+from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed
 from skinfield.lab.bench.scene import (
     FIT_DEADLINES,
     GAPS,
@@ -265,11 +266,15 @@ def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
     when = datetime.now(UTC).isoformat(timespec="seconds")
     machine = this_machine()
     scene = make_scene(settings, lambda ended, of: show("pressing two fingers", ended, of))
-    with settled():
+    gc.collect()
+    gc.freeze()  # each `undisturbed` collects, which takes long with all that is there by now
+    try:
         watch = Watch()
         grids = grid_rows(settings.size, lambda nodes: _methods(settings, scene, nodes), show)
         points = anytime(settings, scene, show)
         company = watch.company()
+    finally:
+        gc.unfreeze()
     return {
         "format": FORMAT,
         "size": settings.size.name,

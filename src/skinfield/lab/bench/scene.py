@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from skinfield.elastic import BaseStress, Layer
-from skinfield.errors import Floats, check_choice
+from skinfield.errors import Floats
 from skinfield.lab.report import PAPER_LAYER
 from skinfield.simulate import Sphere, press
 from skinfield.skin import Patch
@@ -64,19 +64,7 @@ SMOKE = BenchSize(
 )  # fmt: skip
 SHORT = BenchSize(name="short", readings=100, rounds=5, paper_laps=10, laps=600, steps=40)
 FULL = BenchSize(name="full", readings=300, rounds=15, paper_laps=60, laps=1000, steps=100)
-SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}
-
-
-def bench_size(name: str) -> BenchSize:
-    """Smoke (seconds), short (two to three minutes) or full.
-
-    Raises
-    ------
-    InputError
-        For another name.
-    """
-    check_choice("size", name, SIZES, "how much is measured")
-    return SIZES[name]
+SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # seconds, minutes, half an hour
 
 
 @dataclass(frozen=True, kw_only=True)

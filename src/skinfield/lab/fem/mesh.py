@@ -84,11 +84,6 @@ def shapes(place: Floats) -> Floats:
     return np.stack([start, 4 * place * (1 - place), end], axis=-1)
 
 
-def slopes(place: Floats) -> Floats:
-    """Derivatives (..., 3) of `shapes`."""
-    return np.stack([4 * place - 3, 4 - 8 * place, 4 * place - 1], axis=-1)
-
-
 @dataclass(frozen=True, eq=False)
 class Trace:
     """Nodes of a line of quadratic elements: ends at even indices, middles between them.
@@ -100,11 +95,6 @@ class Trace:
     """
 
     nodes: Floats
-
-    @property
-    def elements(self) -> Floats:
-        """Radii of start, middle and end of each element, (n, 3)."""
-        return np.stack([self.nodes[:-2:2], self.nodes[1::2], self.nodes[2::2]], axis=-1)
 
     @cached_property
     def mass(self) -> Floats:
@@ -118,8 +108,7 @@ class Trace:
 
     @property
     def _areas(self) -> Floats:
-        radius = self.elements @ shapes(GAUSS).T
-        return 2 * np.pi * radius * (self.elements @ slopes(GAUSS).T) * GAUSS_WEIGHT
+        return 2 * np.pi * self.gauss_radii * np.diff(self.nodes[::2])[:, None] * GAUSS_WEIGHT
 
     def loads(self, pressure: Floats) -> Floats:
         """Nodal forces of a pressure (elements, 4) at the Gauss points of each element."""
@@ -131,7 +120,8 @@ class Trace:
     @property
     def gauss_radii(self) -> Floats:
         """Radii (elements, 4) at which `loads` wants the pressure."""
-        return self.elements @ shapes(GAUSS).T
+        corners = self.nodes[::2]
+        return corners[:-1, None] + np.diff(corners)[:, None] * GAUSS
 
     def density(self, forces: Floats) -> Floats:
         """Nodal values of the traction whose consistent nodal forces are given."""
@@ -141,12 +131,9 @@ class Trace:
         """The quadratic function with the given nodal values; zero beyond the rim."""
         corners = self.nodes[::2]
         element = np.clip(np.searchsorted(corners, radius, "right") - 1, 0, len(corners) - 2)
-        local = 2 * element[..., None] + np.arange(3)
-        ends, place = self.nodes[local], np.full(radius.shape, 0.5)
-        for _ in range(4):  # nodes that moved leave the middle of their element
-            miss = np.sum(shapes(place) * ends, axis=-1) - radius
-            place = np.clip(place - miss / np.sum(slopes(place) * ends, axis=-1), 0.0, 1.0)
-        inside = np.sum(shapes(place) * values[local], axis=-1)
+        start, length = corners[element], np.diff(corners)[element]
+        place = np.clip((radius - start) / length, 0.0, 1.0)
+        inside = np.sum(shapes(place) * values[2 * element[..., None] + np.arange(3)], axis=-1)
         return np.where(radius <= corners[-1], inside, 0.0)
 
     def integral(self, values: Floats) -> float:

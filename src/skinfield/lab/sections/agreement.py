@@ -79,8 +79,6 @@ def agree(
     finest : float
         Length of the smallest elements, in thicknesses.
     """
-    if body.position != (0.0, 0.0):
-        raise InputError(f"position of {name} is {body.position}, expected the origin")
     cells = press(layer, [replace(body, force=force)], extent=body.radius * 2 + 4e-3, cell=cell)
     judge = indent(layer, lambda r: body.height(r, np.zeros_like(r)), force=force, finest=finest)
     exact: Indentation

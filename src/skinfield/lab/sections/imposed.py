@@ -1,8 +1,4 @@
-"""Imposed deformation, Figures 3 to 5: 0.2 mm on three taxels, reconstructed without noise.
-
-The readings are made in two ways: on the bonded layer, and from forces on the very nodes that are
-then reconstructed.
-"""
+"""Imposed deformation, Figures 3 to 5: 0.2 mm on three taxels, reconstructed without noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.elastic import Deformation, Layer
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.lab.paper import FIELD, PAIR, PAPER, PAPER_EXACT, Method, paper_patch
+from skinfield.lab.paper import FIELD, PAIR, PAPER, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
     Picture,
@@ -26,7 +21,6 @@ from skinfield.lab.report import (
     verdict_of,
 )
 from skinfield.lab.score import Row
-from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, press
 from skinfield.skin import Grid, Patch
 
@@ -37,7 +31,6 @@ APART = 15e-3  # m: of the separate taxels from the middle
 ADJACENT, SEPARATE = "three adjacent taxels", "three separate taxels"
 CELL = 0.5e-3  # m; the contact is solved on finer squares
 PARTS = 5  # to a side of a cell, when its force is shared among others
-LAYER, OWN_GRID = "layer", "own grid"
 GRIDS = (20, 30, 40)
 NOISE = 10.0  # Pa: nothing is added; below it the contact finder sees no contact
 REACH = {ADJACENT: 11e-3, SEPARATE: 7e-3}  # m: around the middle, or around each disc
@@ -58,9 +51,6 @@ class Truth:
 
     Attributes
     ----------
-    world : str
-        "layer": discs on the bonded layer, pads read their mean stress. "own grid": see
-        `truth_on_own_grid`.
     case : str
     places : (3, 2) array, m
         Of the discs, which are as wide as pads.
@@ -70,7 +60,6 @@ class Truth:
     readings : (L,) array, Pa
     """
 
-    world: str
     case: str
     places: Floats
     grid: Grid
@@ -135,27 +124,7 @@ def truth_of(case: str, settings: Settings) -> Truth:
     grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
     inwards = -solved.displacement[:, 2]
     readings = solved.base_stress(patch.plane, patch.pad_diameter)
-    return Truth(LAYER, case, places, grid, solved.pressure, inwards, readings)
-
-
-def truth_on_own_grid(reconstruct: Reconstructor, case: str, layer: Layer) -> Truth:
-    """Forces on the very nodes that are reconstructed: the paper's formulas in both directions.
-
-    The nodes under the discs are pushed in by 0.2 mm, by (19) and (26), and the taxels read (9).
-    """
-    grid, patch = reconstruct.grid, reconstruct.patch
-    places = discs_of(patch)[case]
-    away = np.linalg.norm(grid.plane[:, None] - places[None], axis=2)
-    pushed = np.flatnonzero((away <= patch.pad_diameter / 2).any(axis=1))
-    deform = Deformation(grid, layer, reconstruct.mechanics)
-    single = np.zeros((len(pushed), len(grid)))
-    single[np.arange(len(pushed)), pushed] = 1.0
-    response = -deform(single)[:, :, 2]  # (pushed, K) m per Pa
-    pressure = np.zeros(len(grid))
-    pressure[pushed] = np.linalg.solve(response[:, pushed].T, np.full(len(pushed), DEPTH))
-    inwards = -deform(pressure)[:, 2]
-    readings = reconstruct.model.matrix @ pressure
-    return Truth(OWN_GRID, case, places, grid, pressure, inwards, readings)
+    return Truth(case, places, grid, solved.pressure, inwards, readings)
 
 
 class Finding(NamedTuple):
@@ -173,17 +142,13 @@ class Finding(NamedTuple):
 
 
 def all_findings(settings: Settings) -> list[Finding]:
-    """Every method on every grid, for both cases and all ways of making the readings."""
-    patch, layer = paper_patch(), settings.layer
+    """Both methods on every grid, for both cases."""
     truths = [truth_of(case, settings) for case in (ADJACENT, SEPARATE)]
     findings = []
-    for method in (PAPER, PAPER_EXACT, FIELD):
+    for method in (PAPER, FIELD):
         for nodes in GRIDS:
-            reconstruct = method.prepared(patch, layer, nodes, NOISE)
-            mine = list(truths)
-            if method is PAPER:
-                mine += [truth_on_own_grid(reconstruct, t.case, layer) for t in truths]
-            findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in mine]
+            reconstruct = method.prepared(paper_patch(), settings.layer, nodes, NOISE)
+            findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in truths]
     return findings
 
 
@@ -206,7 +171,6 @@ def judged(truth: Truth, method: Method, nodes: int, estimate: Estimate) -> Find
     centres = np.array([c.position[:2] for c in estimate.contacts]).reshape(-1, 2)
     apart = np.linalg.norm(centres - truth.places[:, None], axis=2)
     row = {
-        "readings made on": truth.world,
         "imposed on": truth.case,
         "method": method.name,
         "nodes on a side": nodes,
@@ -245,11 +209,11 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
 
 
 def imposed(settings: Settings) -> Section:
-    """Peaks, widths and number of contacts for each way of making the readings."""
+    """Peaks, widths and number of contacts."""
     findings = all_findings(settings)
 
-    def of(case: str, world: str = LAYER, method: Method = PAPER) -> list[Finding]:
-        wanted = {"readings made on": world, "imposed on": case, "method": method.name}
+    def of(case: str, method: Method = PAPER) -> list[Finding]:
+        wanted = {"imposed on": case, "method": method.name}
         return [each for each in findings if wanted.items() <= each.row.items()]
 
     wide, apart = of(ADJACENT), of(SEPARATE)
@@ -259,45 +223,27 @@ def imposed(settings: Settings) -> Section:
     blur = [width / least for width, least in zip(widths, true, strict=True)]
     contacts = [(each.row["contacts"], each.row["discs with a contact"]) for each in apart]
     distinct = [pair == (3, 3) for pair in contacts]
-    measured = {
-        case: f"{_peaks(of(case))} on the layer, {_peaks(of(case, OWN_GRID))} from its own nodes"
-        for case in (ADJACENT, SEPARATE)
-    }
+    measured = {case: _peaks(of(case)) for case in (ADJACENT, SEPARATE)}
     caption = (
-        "On the layer. Widths are full widths at half maximum; the true ones are of the truth "
-        "brought onto the same nodes. all.csv has every method and way of making the readings."
+        "Widths are full widths at half maximum; the true ones are of the truth brought onto the "
+        "same nodes."
     )
-    page = [
-        each.row
-        for method in (PAPER, FIELD)
-        for case in measured
-        for each in of(case, LAYER, method)
-    ]
     return Section(
         name="imposed",
         title="Figures 3 to 5: a deformation imposed on three taxels",
         claim=CLAIM,
         sentences=(
             f"Three flat discs as wide as a pad are pushed {DEPTH * 1e3:g} mm deep; nothing is "
-            "added to the readings. They are made in two ways: on the bonded layer, by the contact "
-            "solver, with pads that read their mean stress; and from forces on the very nodes that "
-            "are then reconstructed, with the paper's mechanics in both directions. There the "
-            "mechanics cancel, so what is wrong is lost between the taxels, where readings are "
-            "interpolated.",
+            "added to the readings of the pads, which are their mean stress on the bonded layer.",
             "Peak deformation found by the paper's method on three separate taxels: "
-            f"{measured[SEPARATE]}; with the exact Ψ in place of 0.25 "
-            f"{_peaks(of(SEPARATE, LAYER, PAPER_EXACT))}, ours "
-            f"{_peaks(of(SEPARATE, LAYER, FIELD))} on the layer.",
+            f"{measured[SEPARATE]}; ours {_peaks(of(SEPARATE, FIELD))}.",
         ),
         pictures=tuple(
             picture_of_fields(findings, case, name)
             for case in (ADJACENT, SEPARATE)
             for name in ("deformation", "pressure")
         ),
-        tables=(
-            Table.of("layer", caption, page),
-            Table.of("all", "All methods and grids.", [f.row for f in findings], on_page=False),
-        ),
+        tables=(Table.of("layer", caption, [each.row for each in findings]),),
         verdicts=(
             Verdict(
                 "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT],
@@ -344,11 +290,11 @@ def _holds(findings: list[Finding]) -> str:
 
 
 def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Picture:
-    """Deformation or pressure of a case on the layer: truth and three grids, paper and ours."""
+    """Deformation or pressure of a case: truth and three grids, paper and ours."""
     drawn = {
         (each.row["method"], each.row["nodes on a side"]): each.estimate
         for each in findings
-        if (each.truth.world, each.truth.case) == (LAYER, case)
+        if each.truth.case == case
     }
     truth = next(each.truth for each in findings if each.truth.case == case)
     circles = [(x, y, truth.grid.patch.pad_diameter / 2) for x, y in truth.places.tolist()]
@@ -370,7 +316,7 @@ def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Pict
             panels.append(FieldPanel(title, estimate.grid, scale * values, circles))
         rows.append(panels)
     caption = (
-        f"{FIGURE[case]}: {DEPTH * 1e3:g} mm imposed on {case} (black circles) of the layer, "
+        f"{FIGURE[case]}: {DEPTH * 1e3:g} mm imposed on {case} (black circles), "
         f"{name}: truth, and what is reconstructed on three grids."
     )
     short = "adjacent" if case == ADJACENT else "separate"
