@@ -198,6 +198,8 @@ class Session:
             return
         self._sent_at, self._awaited = now, self._count
         for message in made:
+            if updates is not self._updates:  # another skin was told of meanwhile
+                return
             await self._send(message)
         self._state.updates += 1
 
