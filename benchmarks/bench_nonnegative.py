@@ -66,7 +66,7 @@ def linear(nodes: int, rows: np.ndarray, laps: int) -> list[float]:
         matrix = np.ascontiguousarray(np.resize(whole, (outputs * nodes**2, len(PATCH))))
         out = np.empty(len(matrix), np.float32)
         times = shortest(
-            lambda index, m=matrix, o=out: np.dot(m, single[index], out=o),  # type: ignore[misc]
+            lambda index, m=matrix, o=out: np.dot(m, single[index], out=o),
             lambda: None,
             len(rows),
             4 * laps,

@@ -197,15 +197,15 @@ def main() -> None:
             console.print(f"[bold]{what}[/]", highlight=False)
             for line in lines:
                 console.print(f"  {line}", highlight=False, markup=False)
-        events = [each.get("text", "") for each in LiveRecording.open(bench.file).events()]
+        recorded = [each.get("text", "") for each in LiveRecording.open(bench.file).events()]
         console.print("[bold]events in the recording[/]")
-        for text in events:
+        for text in recorded:
             console.print(f"  {text}", highlight=False, markup=False)
         console.print(
             f"sent by the virtual skin: {json.dumps(bench.skin.counts())}", soft_wrap=True
         )
     if given.json is not None:
-        given.json.write_text(json.dumps({"faults": rows, "events": events}, indent=1))
+        given.json.write_text(json.dumps({"faults": rows, "events": recorded}, indent=1))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ LOWER = 0.9  # of the curvature, after each step
 
 
 @njit(fastmath=True, nogil=True)
-def correlate(rows, values, out):  # type: ignore[no-untyped-def]
+def correlate(rows, values, out):
     """Write into `out` (K,) the product of each row with `values` (L,)."""
     for node in range(len(rows)):
         row = rows[node]
@@ -19,7 +19,7 @@ def correlate(rows, values, out):  # type: ignore[no-untyped-def]
 
 
 @njit(fastmath=True, nogil=True)
-def slope(rows, penalty, target, dual, matched, out):  # type: ignore[no-untyped-def]
+def slope(rows, penalty, target, dual, matched, out):
     """Slope of the negative dual value into `out` (L,); that value, and the objective there."""
     out[:] = 0.0
     square, cost = 0.0, 0.0
@@ -42,7 +42,7 @@ def slope(rows, penalty, target, dual, matched, out):  # type: ignore[no-untyped
 
 
 @njit(fastmath=True, nogil=True)
-def negative_dual(penalty, target, dual, matched):  # type: ignore[no-untyped-def]
+def negative_dual(penalty, target, dual, matched):
     """Value of |r|^2 / 2 - b.r + |z(r)|^2 / 2."""
     total = 0.0
     for taxel in range(len(dual)):
@@ -54,7 +54,7 @@ def negative_dual(penalty, target, dual, matched):  # type: ignore[no-untyped-de
 
 
 @njit(fastmath=True, nogil=True)
-def search(rows, penalty, target, duals, matches, ascent, curve, gap):  # type: ignore[no-untyped-def]
+def search(rows, penalty, target, duals, matches, ascent, curve, gap):
     """Move duals[0] until the gap there is proved; return steps and the curvature.
 
     P(z(r)) - D(r) is half the square of the slope, so the proof costs nothing further.

@@ -16,7 +16,7 @@ import uuid
 from pathlib import Path
 
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.record.recorder import forget_state, read_state
+from skinfield.record.state import RecorderState, forget_state, read_state
 
 HERE = Path(__file__).resolve().parent
 ENGINE = HERE.parent / "tests" / "recorder_ring.py"
@@ -65,7 +65,9 @@ def cpu_of(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def report(path: Path, state: object, cycles: int, logged: int, took: float, cpu: float) -> None:
+def report(
+    path: Path, state: RecorderState, cycles: int, logged: int, took: float, cpu: float
+) -> None:
     """Say what the engine wrote and what is in the file."""
     began = time.monotonic()
     found = LiveRecording.open(path)

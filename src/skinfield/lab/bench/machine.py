@@ -132,8 +132,10 @@ def undisturbed() -> Iterator[None]:
             gc.enable()
 
 
-def laps(function: Callable[[], object], count: int) -> Floats:
-    """Seconds of each of `count` calls."""
+def laps(function: Callable[[], object], count: int, idle: int = 0) -> Floats:
+    """Seconds of each of `count` calls, after `idle` ones that do not count."""
+    for _ in range(idle):
+        function()
     out = np.empty(count)
     for index in range(count):
         start = time.perf_counter_ns()
