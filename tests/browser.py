@@ -258,7 +258,8 @@ class Look:
 
 
 ROWS = """() => [...document.querySelectorAll(
-    '[data-testid="contacts-table"] tbody tr[data-track]')].map((row) => ({ ...row.dataset }))"""
+    '[data-testid="contacts-table"] tbody tr[data-track]')].map(
+    (row) => ({ ...row.dataset, text: row.innerText }))"""
 
 
 @contextmanager

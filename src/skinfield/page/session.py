@@ -98,7 +98,6 @@ class Session:
     def __init__(self, state: PageState, socket: "ServerConnection", number: int) -> None:
         self._state, self._socket, self._number = state, socket, number
         self._replay: Any = state.controller.shared  # a recording that this browser looks at
-        self._layout: SceneLayout | None = None
         self._updates = Updates(SceneLayout(()))
         self._awaited = 0  # number of the update that is in flight; 0: none
         self._count = 0
@@ -132,7 +131,7 @@ class Session:
                 if (presser := self._state.controller.presser) is not None:
                     await self._state.command_work(lambda: presser.leave(f"{self._number}-"))
             finally:
-                await self._leave()
+                await self._close(self._replay)
 
     # what is sent
 
@@ -146,8 +145,8 @@ class Session:
     async def _talk(self) -> None:
         """Whatever is due."""
         state = self._state
-        if self._replay is state.controller.shared and self._layout is not state.layout:
-            await self._begin(state.layout)
+        if self._replay is state.controller.shared and self._updates.layout is not state.layout:
+            await self._begin(state.layout, self._replay)
         controls = json.dumps(self._controls_now())
         if controls != self._controls:
             self._controls = controls
@@ -162,13 +161,15 @@ class Session:
         if not self._awaited and now - self._sent_at >= SHORTEST:
             await self._update(now)
 
-    async def _begin(self, layout: SceneLayout) -> None:
-        """Tell the page of another skin."""
-        self._layout, quantity = layout, self._updates.quantity
-        self._updates = Updates(layout)
+    async def _begin(self, layout: SceneLayout, replay: Any) -> None:
+        """Tell the page of another skin, or of a recording, and let go of the one before."""
+        before, quantity = self._replay, self._updates.quantity
+        self._replay, self._updates = replay, Updates(layout)
         self._updates.show(quantity)
         self._awaited, self._last, self._controls = 0, (), ""
         await self._send_kind("hello", **self._hello(layout))
+        if before is not replay:
+            await self._close(before)
 
     def _hello(self, layout: SceneLayout) -> dict[str, Any]:
         state, replay = self._state, self._replay
@@ -192,8 +193,10 @@ class Session:
 
     async def _update(self, now: float) -> None:
         """Send what is new, if anything is; the next one only when this one is drawn."""
-        updates = self._updates
-        made = await self._state.update_work(self._make, now - self._sent_at >= STILL)
+        updates, replay = self._updates, self._replay  # may be others before it is made
+        made = await self._state.update_work(
+            self._make, updates, replay, now - self._sent_at >= STILL
+        )
         if not made or updates is not self._updates:  # of what is not looked at any more
             return
         self._sent_at, self._awaited = now, self._count
@@ -203,9 +206,9 @@ class Session:
             await self._send(message)
         self._state.updates += 1
 
-    def _make(self, anyhow: bool) -> list[bytes]:
+    def _make(self, updates: Updates, replay: Any, anyhow: bool) -> list[bytes]:
         """The messages of an update; none if nothing is new."""
-        layout, state, replay = self._updates.layout, self._state, self._replay
+        layout, state = updates.layout, self._state
         views: list[EngineView]
         truth: Sequence[Command] = ()
         if replay is not None:
@@ -213,13 +216,13 @@ class Session:
         else:
             views, truth = state.controller.views(layout.sources), state.truth
         numbers = [None if s.snapshot is None else s.snapshot.number for s in views]
-        key = (numbers, [view.old for view in views], truth, self._updates.quantity)
+        key = (numbers, [view.old for view in views], truth, updates.quantity)
         if key == self._last and not anyhow:
             return []
         self._last = key
         self._count += 1
         time_s = None if replay is None else replay.time_s
-        return self._updates.make(self._count, views, truth, time_s)
+        return updates.make(self._count, views, truth, time_s)
 
     # what it commands
 
@@ -309,9 +312,7 @@ class Session:
             except asyncio.CancelledError:  # the browser has gone, and nobody would close it
                 opening.add_done_callback(_close_result)
                 raise
-            await self._leave()
-            self._replay = opened
-            await self._begin(SceneLayout((opened,)))
+            await self._begin(SceneLayout((opened,)), opened)
             return {}
         replay = self._replay
         if replay is None:
@@ -320,8 +321,7 @@ class Session:
         if what == "close":
             if replay is state.controller.shared:
                 raise InputError("there is no live skin here, only the recording that is shown")
-            await self._leave()
-            await self._begin(state.layout)
+            await self._begin(state.layout, state.controller.shared)
         elif what in ("play", "pause"):
             await state.command_work(getattr(replay, what))
         else:
@@ -332,11 +332,9 @@ class Session:
         self._last = ()
         return {}
 
-    async def _leave(self) -> None:
-        """Let go of a recording that is looked at, if there is one."""
-        shared = self._state.controller.shared
-        replay, self._replay = self._replay, shared
-        if replay is not shared:
+    async def _close(self, replay: Any) -> None:
+        """Let go of a recording that this browser alone looked at, if it is one."""
+        if replay is not self._state.controller.shared:
             await self._state.command_work(replay.close)
 
 
