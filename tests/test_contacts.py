@@ -2,6 +2,8 @@
 
 import copy
 import pickle
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, fields, replace
 
 import contacts_reference as reference
@@ -13,7 +15,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.errors import InputError
-from skinfield.estimate import Contact, ContactFinder, ModelError, PressureNoise
+from skinfield.estimate import Contact, ContactFinder, Estimate, ModelError, PressureNoise
+from skinfield.estimate.estimate import REQUIRED
 from skinfield.estimate.finder import border
 from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
 from skinfield.skin import Grid, Patch
@@ -329,3 +332,30 @@ def test_an_error_of_ones_own_is_asked() -> None:
     pressure = bumps(grid, np.random.default_rng(1), 1)
     (contact,) = FINDERS[0](grid, pressure, noise, Flat(), ModelError(place=2.0))
     assert contact.covariance == pytest.approx(np.eye(3) * len(contact.cells) + np.diag([4, 4, 0]))
+
+
+def test_threads_that_ask_for_one_lazy_part_get_the_same() -> None:
+    computing, asked, go, calls = threading.Event(), threading.Event(), threading.Event(), []
+
+    def contacts() -> list[Contact]:
+        calls.append(1)
+        computing.set()
+        assert go.wait(60.0)
+        return []
+
+    known = dict.fromkeys(REQUIRED - {"contacts"})
+    estimate = Estimate.later({"contacts": contacts}, **known)
+
+    def ask() -> list[Contact]:
+        asked.set()
+        return estimate.contacts
+
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(ask)
+        assert computing.wait(60.0)
+        asked.clear()
+        second = pool.submit(ask)
+        assert asked.wait(60.0)
+        go.set()
+        assert first.result() is second.result()
+    assert len(calls) == 1

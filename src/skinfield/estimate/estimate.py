@@ -1,7 +1,9 @@
 """Estimate of a patch: fields and contacts of one reading, or of a run of them."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -81,7 +83,7 @@ class Estimate:
         Parameters
         ----------
         rest : mapping of names to functions without arguments
-            Whatever has no default and is not known, each computed at most once.
+            Whatever has no default and is not known, each computed at most once, by any thread.
         known
             The other attributes.
         """
@@ -90,18 +92,21 @@ class Estimate:
         if missing or unknown:
             raise TypeError(f"missing {sorted(missing)}, unknown {sorted(unknown)}")
         estimate = object.__new__(cls)
-        vars(estimate).update(known, _rest=dict(rest))
+        vars(estimate).update(known, _rest=dict(rest), _lock=RLock())
         return estimate
 
     if not TYPE_CHECKING:  # a type checker should still tell names that do not exist
 
         def __getattr__(self, name: str) -> Any:
-            rest = vars(self).get("_rest", {})
-            if name not in rest:
-                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
-            vars(self)[name] = rest[name]()
-            del rest[name]  # with what it held on to
-            return vars(self)[name]
+            own = vars(self)
+            rest = own.get("_rest", {})
+            with own.get("_lock", nullcontext()):
+                if name in rest:
+                    own[name] = rest[name]()
+                    del rest[name]  # with what it held on to
+                elif name not in own:  # where it is, another thread was faster
+                    raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+                return own[name]
 
     def __getstate__(self) -> dict[str, Any]:
         """All attributes, computed: another process cannot compute them."""
