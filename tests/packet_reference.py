@@ -19,7 +19,7 @@ def decode(
     channel: int = 0,
 ) -> int | None:
     """Take one datagram; its packets, or None where the blocks might not hold them."""
-    octets = np.frombuffer(data, np.uint8)[np.newaxis]
+    octets = np.frombuffer(bytearray(data), np.uint8)[np.newaxis]
     before = int(seen[Count.RECEIVED] + seen[Count.FOREIGN])
     lengths = np.array([len(data)])
     taken = decoder.decode_many(octets, lengths, np.array([now_ns]), 0, 1, blocks, channel, seen)

@@ -126,9 +126,9 @@ def test_more_than_one_batch_and_less_room_than_messages() -> None:
         for row in range(count):  # in a datagram each
             assert board.send_many(messages, 1, row) == 1
         few = CanMessages(7)
-        wait_for(lambda: host.receive(few, 2) == 5)  # the others wait
-        assert few.ids.tolist()[2:] == messages.ids.tolist()[:5]
-        assert [each[0] for each in receive(host, count - 5)] == messages.ids.tolist()[5:]
+        wait_for(lambda: host.receive(few) == 7)  # the others wait
+        assert few.ids.tolist() == messages.ids.tolist()[:7]
+        assert [each[0] for each in receive(host, count - 7)] == messages.ids.tolist()[7:]
         assert board.send_many(messages, count) == count  # in few datagrams
         assert [each[0] for each in receive(host, count, room=50)] == messages.ids.tolist()
 
@@ -236,8 +236,7 @@ def test_stamps_and_drops_out_of_control_messages() -> None:
         headers[row, 5], headers[row, 7] = len(content), 16 * (row + 1)
     headers[2, 6] = 0x20  # MSG_TRUNC
     lengths, stamps, drops = np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(2, np.int64)
-    octets = take_headers(headers, control.view(np.uint32), 3, 99, lengths, stamps, drops)
-    assert octets == 96
+    take_headers(headers, control.view(np.uint32), 3, 99, lengths, stamps, drops)
     assert lengths.tolist() == [16, 32, TOO_LONG]
     assert stamps.tolist() == [5_000_000_007, 5_000_000_007, 99]
     assert drops.tolist() == [4, 2**32 - 1 + 5]  # the socket's 32 bits ran over

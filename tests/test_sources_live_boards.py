@@ -18,6 +18,7 @@ from skinfield.errors import InputError
 from skinfield.signal import Blocks, CanMessages, Count, Kind, Port, Status, counters
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
+from skinfield.skin.reading import Recording
 from skinfield.wire.can import BusSettings
 from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.wire.icub import (
@@ -32,9 +33,8 @@ from skinfield.wire.sources import (
     ICubCan,
     NoReadingError,
     PacketUdp,
-    SimulationSource,
+    ReplaySource,
     StreamReader,
-    matched,
 )
 from skinfield.wire.sources.boards import AT_ONCE, CySkinSupervision, ICubSupervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
@@ -377,7 +377,8 @@ def test_the_newest_reading_is_young_enough_or_refused() -> None:
 
 
 def test_readings_of_a_source() -> None:
-    stream = SimulationSource(np.arange(12.0).reshape(3, 4), rate=200.0).open()
+    readings = Recording(5_000_000 * np.arange(3), np.arange(12.0).reshape(3, 4))
+    stream = ReplaySource(readings, loop=True).open()
     reader = StreamReader(stream)
     values = [reader.read(10.0).counts[0] for _ in range(5)]
     assert set(values) <= {0.0, 4.0, 8.0}
@@ -400,13 +401,3 @@ def test_reading_waits_for_a_file_descriptor() -> None:
     thread.join()
     stream.close()
     device.close()
-
-
-def test_ports_are_matched_by_name_or_being_the_only_one() -> None:
-    assert matched(HEXAGON, [Port("skin", 192)]) == (0,)
-    assert matched(HEXAGON, [Port("skin", 9), Port("hexagon72", 72)]) == (1,)
-    assert matched(HEXAGON[0], [Port("hexagon72", 72)]) == (0,)
-    with pytest.raises(InputError, match="has no port, expected one of its name among a, b"):
-        matched(HEXAGON, [Port("a", 192), Port("b", 192)])
-    with pytest.raises(InputError, match="reads channel 71, expected channels below 12"):
-        matched(HEXAGON, [Port("a", 12)])

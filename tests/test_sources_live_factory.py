@@ -21,7 +21,6 @@ from skinfield.wire.sources import (
     PacketTcp,
     PacketUdp,
     ReplaySource,
-    SimulationSource,
     factory,
     skin_for,
     source_from_options,
@@ -97,14 +96,10 @@ def test_packets_by_tcp_and_serial() -> None:
     assert line == PacketSerial(path="/dev/ttyUSB3", baud=115200, command=False, **devices)
 
 
-def test_replay_and_simulation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replay(tmp_path: Path) -> None:
     source = made("replay", "", str(tmp_path), speed="inf", loop="on")
     assert isinstance(source, ReplaySource)
     assert (source.speed, source.loop) == (float("inf"), True)
-    monkeypatch.setattr(
-        factory, "pressed", lambda skin, **given: SimulationSource(np.ones((1, 72)))
-    )
-    assert isinstance(made("simulation", rate="100", force="2"), SimulationSource)
 
 
 class Own:

@@ -150,12 +150,12 @@ def test_errors_of_the_system_pass_by_or_break_the_bus(code: int, passes: bool) 
             raise OSError(code, "refused")
 
         board.send(1, b"")
-        receive, send = host._in._receive, board._put
-        host._in._receive, board._put = receiving, sending
+        receive, send = host._receive, board._put
+        host._receive, board._put = receiving, sending
         assert host.receive(CanMessages(4)) == 0
         assert not board.send(2, b"")
         assert host.up == board.up == passes
-        host._in._receive, board._put = receive, send
+        host._receive, board._put = receive, send
         if passes:
             wait_for(lambda: host.receive(CanMessages(4)))
         else:

@@ -38,7 +38,7 @@ def take_headers(
     lengths: Ints,
     stamp_ns: Ints,
     drops: Ints,
-) -> int:
+) -> None:
     """Read what came with `count` datagrams and make their headers ready for the next call.
 
     Parameters
@@ -51,16 +51,9 @@ def take_headers(
         Written; a datagram that was cut has length `TOO_LONG`.
     drops : (2,) int64 array
         Written: see `DROPS`.
-
-    Returns
-    -------
-    int, bytes
-        Of all datagrams.
     """
-    octets = 0
     for i in range(count):
         length = headers[i, LENGTH] & 0xFFFFFFFF
-        octets += length
         lengths[i] = TOO_LONG if headers[i, FLAGS] & TRUNCATED else length
         stamp_ns[i] = now_ns
         at = i * CONTROL
@@ -81,7 +74,6 @@ def take_headers(
             at += (size + 7) & ~7
         headers[i, NAME_LENGTH], headers[i, CONTROL_LENGTH] = NAME, CONTROL
         headers[i, FLAGS] = 0
-    return octets
 
 
 @njit

@@ -41,6 +41,11 @@ class PacketDevice:
         check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
         check_count("channels of a device", self.channels, 1, 65535, "taxels and dummies")
 
+    @staticmethod
+    def several(devices: "Sequence[PacketDevice] | int") -> "tuple[PacketDevice, ...]":
+        """Devices; a number stands for device 1 with so many channels."""
+        return (PacketDevice(1, devices),) if isinstance(devices, int) else tuple(devices)
+
 
 class PacketDecoder:
     """Packets of some devices to blocks; nothing is allocated after the beginning.
@@ -60,9 +65,7 @@ class PacketDecoder:
     def __init__(self, devices: Sequence[PacketDevice] | int) -> None:
         from skinfield.wire.packet.kernel import CHANNELS, COLUMNS, OFFSET, WINDOW
 
-        if isinstance(devices, int):
-            devices = (PacketDevice(1, devices),)
-        self.devices = tuple(devices)
+        self.devices = PacketDevice.several(devices)
         numbers = [device.number for device in self.devices]
         if not numbers or len(set(numbers)) < len(numbers):
             raise InputError(f"devices have the numbers {numbers}, expected one or more, each once")
@@ -108,16 +111,15 @@ class PacketDecoder:
         int
             The first that was left because the blocks might not hold it; `last` if none was.
         """
-        from skinfield.wire.packet.kernel import decode_datagrams
+        from skinfield.wire.packet.kernel import decode_packets
 
         last = min(last, len(datagrams), len(lengths), len(stamp_ns))
         into = blocks.words, blocks.octets, blocks.singles, blocks.end
-        return int(
-            decode_datagrams(
-                datagrams, lengths, stamp_ns, first, last, into, channel, self.tables, counters,
-                self._torn,
-            )
+        left, _ = decode_packets(
+            datagrams, lengths, stamp_ns, first, last, True, self._torn, into, channel,
+            self.tables, counters,
         )  # fmt: skip
+        return int(left)
 
 
 class PacketScanner:
@@ -139,6 +141,9 @@ class PacketScanner:
         self.decoder = decoder
         self.octets: Octets = np.zeros(size, np.uint8)
         self.used = 0
+        self._rows = self.octets[np.newaxis]  # as one datagram that goes on and on
+        self._lengths: Ints = np.zeros(1, np.int64)
+        self._stamps: Ints = np.zeros(1, np.int64)
         self._torn: Ints = np.zeros(1, np.int64)
 
     @property
@@ -161,21 +166,23 @@ class PacketScanner:
         Returns
         -------
         int
-            Packets.
+            Bytes that are done with.
         """
-        from skinfield.wire.packet.kernel import decode_run
+        from skinfield.wire.packet.kernel import decode_packets
 
         check_count("received", received, 0, len(self.octets) - self.used, "bytes put into `free`")
-        own, used = self.decoder, self.used + received
-        counters[Count.BYTES] += received
+        used = self.used + received
+        self._lengths[0], self._stamps[0] = used, now_ns
         into = blocks.words, blocks.octets, blocks.singles, blocks.end
-        at, packets = decode_run(
-            self.octets, 0, used, False, self._torn, into, channel, now_ns, own.tables, counters
-        )
+        _, at = decode_packets(
+            self._rows, self._lengths, self._stamps, 0, 1, False, self._torn, into, channel,
+            self.decoder.tables, counters,
+        )  # fmt: skip
+        counters[Count.BYTES] += received
         if at:
             self.octets[: used - at] = self.octets[at:used]
         self.used = used - at
-        return int(packets)
+        return int(at)
 
     def forget(self) -> None:
         """Drop the half packet of a connection that broke."""

@@ -50,7 +50,7 @@ AT_ONCE = 8
 
 
 class BoardSupervision:
-    """The boards of one bus.
+    """The boards of one bus; without any, nothing is told.
 
     Parameters
     ----------
@@ -75,12 +75,12 @@ class BoardSupervision:
 
     def __init__(
         self,
-        begin: Sequence[Message],
-        end: Sequence[Message],
-        each: Sequence[Sequence[Message]],
-        numbers: Sequence[int],
-        mask: int,
-        period: float,
+        begin: Sequence[Message] = (),
+        end: Sequence[Message] = (),
+        each: Sequence[Sequence[Message]] = (),
+        numbers: Sequence[int] = (),
+        mask: int = 0,
+        period: float = 1.0,
     ) -> None:
         from skinfield.wire.sources.kernels import note_senders
 
@@ -214,41 +214,34 @@ class Line:
     """One bus of a stream, with the decoder of its messages and who attends to its boards."""
 
     def __init__(
-        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision | None, counts: Ints
+        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision, counts: Ints
     ) -> None:
         self.bus, self.decoder, self.supervision = bus, decoder, supervision
         self._rows, self._counts = CanMessages(ROOM), counts
         self._first = self._count = self._overflowed = self._malformed = 0
         decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
-        self._heard(0)
+        supervision.heard(self._rows, 0)
 
-    def _heard(self, count: int) -> None:
-        if self.supervision is not None:
-            self.supervision.heard(self._rows, count)
-
-    def take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        """Append the blocks of what has arrived; messages."""
-        taken, bus, counts = 0, self.bus, self._counts
+    def take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        """Append the blocks of what has arrived."""
+        bus, counts = self.bus, self._counts
         for _ in range(ROUNDS):
             if self._first == self._count:
                 self._first, self._count = 0, bus.receive(self._rows)
                 if not self._count:
                     break
-                self._heard(self._count)
-            before = self._first
+                self.supervision.heard(self._rows, self._count)
             self._first = self.decoder.decode(
-                self._rows, self._count, blocks, channel, counts, before
+                self._rows, self._count, blocks, channel, counts, self._first
             )
-            taken += self._first - before
             if self._first < self._count or self._count < ROOM:
                 break  # the blocks are full, or the bus is empty
         malformed = bus.malformed + bus.errors
         counts[Count.OVERFLOWED] += bus.overflowed - self._overflowed
         counts[Count.MALFORMED] += malformed - self._malformed
         self._overflowed, self._malformed = bus.overflowed, malformed
-        if self.supervision is not None and bus.up:
+        if bus.up:
             self.supervision.attend(bus, now_ns)
-        return taken
 
 
 class ManagedStream(LinkedStream):
@@ -262,7 +255,7 @@ class ManagedStream(LinkedStream):
     decoders : sequence of CanDecoder
         One for each bus; all decode to the same ports.
     supervisions : sequence of BoardSupervision
-        One for each bus; empty if another host tells the boards what to do.
+        One for each bus.
 
     Attributes
     ----------
@@ -277,17 +270,15 @@ class ManagedStream(LinkedStream):
         decoders: Sequence[CanDecoder],
         supervisions: Sequence[BoardSupervision],
     ) -> None:
-        self._supervisions = tuple(supervisions)
+        self._supervisions, self._leaves = tuple(supervisions), False
         with ExitStack() as undo:
             self.buses = [undo.enter_context(closing(open_bus(settings))) for settings in buses]
             super().__init__(ports, self.buses)
-            attending = self._supervisions or (None,) * len(buses)
             self._lines = [
                 Line(*each, self.counters)
-                for each in zip(self.buses, decoders, attending, strict=True)
+                for each in zip(self.buses, decoders, self._supervisions, strict=True)
             ]
             undo.pop_all()
-        self._leaves = False
         for one in self._supervisions:
             one.begin(time_ns())
 
@@ -305,20 +296,20 @@ class ManagedStream(LinkedStream):
         """See `Lasting`."""
         self._leaves = True
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        return sum(line.take(blocks, channel, now_ns) for line in self._lines)
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        for line in self._lines:
+            line.take(blocks, channel, now_ns)
 
     def _went_down(self, place: int) -> None:
         self._lines[place].decoder.reset()
 
     def _came_back(self, place: int, now_ns: int) -> None:
-        one = self._lines[place].supervision
-        if one is not None:
-            (one.begin if one.waiting else one.resume)(now_ns)
+        one = self._supervisions[place]
+        (one.begin if one.waiting else one.resume)(now_ns)
 
     def _stop(self) -> None:
         if not self._leaves:
-            for one, bus in zip(self._supervisions, self.buses, strict=False):
+            for one, bus in zip(self._supervisions, self.buses, strict=True):
                 one.stop(bus)
 
 
@@ -351,14 +342,14 @@ class ICubCan:
         """Open the buses and tell the boards to send; see `open_bus` for what cannot be used."""
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
         places = range(len(self.buses))
-        period = self.configuration.period
         return ManagedStream(
             ports,
             self.buses,
-            [ICubDecoder(boards, p, period=period) for p in places],
-            [ICubSupervision(self.configuration, place) for place in places]
-            if self.configure
-            else (),
+            [ICubDecoder(boards, p, period=self.configuration.period) for p in places],
+            [
+                ICubSupervision(self.configuration, p) if self.configure else BoardSupervision()
+                for p in places
+            ],
         )
 
 
@@ -454,9 +445,12 @@ class CySkinCan:
             (port_of(self.boards),),
             self.buses,
             [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
-            [CySkinSupervision(each, self.wire, self.period_ms) for each in mine]
-            if self.configure
-            else (),
+            [
+                CySkinSupervision(each, self.wire, self.period_ms)
+                if self.configure
+                else BoardSupervision()
+                for each in mine
+            ],
         )
 
 
@@ -493,5 +487,5 @@ class SharedMemoryStream(LinkedStream):
         self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        return self._reader.read(blocks, channel, self.counters, now_ns)
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        self._reader.read(blocks, channel, self.counters, now_ns)

@@ -1,87 +1,36 @@
-"""Sources from the words of a command line, third parties' included; and ports of patches."""
+"""Sources from the words of a command line, third parties' included."""
 
 from collections.abc import Callable, Mapping, Sequence
+from configparser import RawConfigParser
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from inspect import signature
 from typing import Any
 
 from skinfield.errors import InputError, check_offers
-from skinfield.signal import Port, Source
-from skinfield.skin import Patch, Skin
-from skinfield.wire.can.bus import bus_settings, host_and_port, udp_places
+from skinfield.signal import Source
+from skinfield.skin import Skin
+from skinfield.wire.can.bus import bus_settings, udp_places
 from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
+from skinfield.wire.links import host_and_port
 from skinfield.wire.packet.codec import PacketDevice
 from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT, PacketSerial, PacketTcp, PacketUdp
-from skinfield.wire.sources.replay import ReplaySource, pressed
+from skinfield.wire.sources.replay import ReplaySource
 from skinfield.wire.sources.yarp import YarpPort, YarpText
 from skinfield.wire.yarp import PORT as YARP_PORT
 from skinfield.wire.yarp import port_of
 
-YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")
-
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
 STREAMS = ("udp", "tcp", "serial")
-
-
-def _flag(text: str) -> bool:
-    if text.lower() not in YES + NO:
-        raise ValueError(text)
-    return text.lower() in YES
-
-
 CONVERTERS: dict[type, tuple[str, Callable[[str], Any]]] = {
     str: ("text", str),
-    bool: ("yes or no", _flag),
+    bool: ("yes or no", lambda text: RawConfigParser.BOOLEAN_STATES[text.lower()]),
     int: ("a whole number", lambda text: int(text, 0)),
     float: ("a number", float),
 }
-
-
-def matched(skin: Skin | Patch, ports: Sequence[Port]) -> tuple[int, ...]:
-    """Port of each patch: that of its name, or the only one.
-
-    Parameters
-    ----------
-    skin : Skin or Patch
-    ports : sequence of Port
-        Of all sources.
-
-    Returns
-    -------
-    tuple of int
-        Index into `ports`, for each patch.
-
-    Raises
-    ------
-    InputError
-        If a patch has no port, or its channels are more than the port has.
-    """
-    patches = (skin,) if isinstance(skin, Patch) else tuple(skin)
-    names = [port.name for port in ports]
-    found = []
-    for patch in patches:
-        if patch.name in names:
-            place = names.index(patch.name)
-        elif len(ports) == 1:
-            place = 0
-        else:
-            raise InputError(
-                f"patch {patch.name!r} has no port, expected one of its name among "
-                f"{', '.join(names) or 'none'}: name the port after the patch"
-            )
-        highest = int(patch.channel.max())
-        if highest >= ports[place].channels:
-            raise InputError(
-                f"patch {patch.name!r} reads channel {highest}, expected channels below "
-                f"{ports[place].channels}: port {names[place]!r} has no more; is this the layout "
-                "of that skin, and are all its boards listed?"
-            )
-        found.append(place)
-    return tuple(found)
 
 
 def source_from_options(
@@ -149,7 +98,7 @@ def _read_options(
         what, convert = CONVERTERS[type(usual[name])]
         try:
             read[name] = convert(text)
-        except ValueError:
+        except (ValueError, KeyError):
             raise InputError(f"option {name} of {hardware} is {text!r}, expected {what}") from None
     return read
 
@@ -288,13 +237,6 @@ def replay(
     return ReplaySource(path, speed, loop, skin)
 
 
-def simulation(
-    skin: Skin, bus: str, channels: tuple[str, ...], *, rate: float = 50.0, force: float = 3.0
-) -> Source:
-    """A ball that presses each patch in turn, within this process."""
-    return pressed(skin, force=force, rate=rate)
-
-
 def yarp(
     skin: Skin,
     bus: str,
@@ -333,6 +275,5 @@ HARDWARE: dict[str, Callable[..., Source]] = {
     "packet": packet,
     "shm": shared_memory,
     "replay": replay,
-    "simulation": simulation,
     "yarp": yarp,
 }

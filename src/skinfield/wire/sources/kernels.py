@@ -33,50 +33,44 @@ SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64
 
 
 @njit
-def survey(words: Words, tape: Words, table: Ints, bounds: Ints) -> int:
-    """Take out of a recording the blocks of counts and status; words up to the last whole block.
+def survey(tape: Words, places: Ints) -> tuple[int, int]:
+    """Drop from a recording what is no block of counts or status, and find those.
 
     A step ends where the channel with which it began comes once more.
 
     Parameters
     ----------
-    words : (W,) int64 array
-        The recording.
     tape : (W,) int64 array
-        Written: the blocks, one behind the other.
-    table : (W / 3, 4) int64 array
-        Written for each of them: first word in `tape`, stamp in ns, step, and how many of counts
-        there are with it.
-    bounds : (3,) int64 array
-        Written: channels, the highest one's number and 1; blocks; words of the tape.
+        The recording; written: the blocks, one behind the other.
+    places : (W / 2 + 1, 2) int64 array
+        Written for each of them: first word in `tape`, and step; behind the last: words of all.
 
     Returns
     -------
-    int
-        Less than there are words, if something there is no block, or more than `SPAN` off the
-        first one's stamp.
+    whole, blocks : int
+        Words of the recording up to its last whole block, fewer than there are if something there
+        is no block, or more than `SPAN` off the first one's stamp; and blocks in `tape`.
     """
-    at, to, rows, step, counts, began, since = 0, 0, 0, 0, 0, -1, 0
-    while at + HEADER_WORDS <= len(words):
-        stamp, head = words[at], words[at + 1]
+    at, to, rows, step, began, since = 0, 0, 0, 0, -1, 0
+    start = tape[0] if len(tape) else 0
+    while at + HEADER_WORDS <= len(tape):
+        stamp, head = tape[at], tape[at + 1]
         first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
         size = HEADER_WORDS + payload_words(kind, count)
-        if size < HEADER_WORDS or at + size > len(words):
+        if size < HEADER_WORDS or at + size > len(tape):
             break
-        if stamp < 0 or words[0] < 0 or abs(stamp - words[0]) > SPAN:
+        if stamp < 0 or start < 0 or abs(stamp - start) > SPAN:
             break
         if kind <= STATUS:
             if kind < STATUS and first == began and stamp != since:
                 step, began = step + 1, -1
             if began < 0:
                 began, since = first, stamp
-            bounds[0] = max(bounds[0], first + count)
-            counts += kind < STATUS
-            table[rows, 0], table[rows, 1], table[rows, 2], table[rows, 3] = to, stamp, step, counts
+            places[rows, 0], places[rows, 1] = to, step
             rows += 1
             for i in range(size):
-                tape[to + i] = words[at + i]
+                tape[to + i] = tape[at + i]
             to += size
         at += size
-    bounds[1], bounds[2] = rows, to
-    return int(at)
+    places[rows, 0] = to
+    return at, rows

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints, SkinfieldError, check_range
-from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
+from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
 from skinfield.wire.links import BreakingLink
@@ -63,14 +63,14 @@ class LinkedStream:
         """Append what has arrived; see `skinfield.signal.Stream`."""
         if self.closed:
             return 0
-        messages = self._take(blocks, channel, now_ns)
-        up = True
+        before, up = int(self.counters[Count.RECEIVED]), True
+        self._take(blocks, channel, now_ns)
         for place, link in enumerate(self._links):
             if not link.up or self._retries[place].down_since:
                 up = self._follow(place, link, now_ns) and up
         if up != self._reported_up:
             self._report(up, blocks, now_ns)
-        return messages
+        return int(self.counters[Count.RECEIVED]) - before
 
     def _follow(self, place: int, link: BreakingLink, now_ns: int) -> bool:
         """Note that a link broke, try it again, note that it is back; whether it is up."""
@@ -90,8 +90,8 @@ class LinkedStream:
             blocks.put_number(now_ns, self.index, Kind.SOURCE, int(up))
             self._reported_up = up
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        """Append what has arrived, from all links."""
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        """Append what has arrived, from all links, and count it."""
         raise NotImplementedError
 
     def _went_down(self, place: int) -> None:
