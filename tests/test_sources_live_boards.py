@@ -36,7 +36,7 @@ from skinfield.wire.sources import (
     ReplaySource,
     StreamReader,
 )
-from skinfield.wire.sources.boards import AT_ONCE, CySkinSupervision, ICubSupervision, ports_of
+from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000
@@ -62,7 +62,7 @@ class Cared:
 
     def __init__(self) -> None:
         self.wire, self.now = Wire(), NOW
-        self.care = ICubSupervision(configuration_for(*HEXAGON), 0)
+        self.care = icub_supervision(configuration_for(*HEXAGON), 0)
         self.care.begin(NOW)
 
     def heard(self, message_class: int = 4) -> None:
@@ -138,7 +138,7 @@ def test_a_clock_that_is_set_back_does_not_silence_the_care(cared: Cared) -> Non
 
 def test_each_board_of_cyskin_is_started_again() -> None:
     wire, settings = Wire(), CySkinWire()
-    care = CySkinSupervision(CYSKIN_BOARDS, settings, 20)
+    care = cyskin_supervision(CYSKIN_BOARDS, settings, 20)
     care.begin(NOW)
     start = start_messages(CYSKIN_BOARDS, settings, period_ms=20)
     for step in range(20):

@@ -85,12 +85,12 @@ def test_the_skin_on_its_hardware() -> None:
 def test_packets_by_udp(channel: str, place: tuple[str, int, str]) -> None:
     source = made("packet", "udp", channel, unit="Pa", listen="yes")
     assert source == PacketUdp(
-        (PacketDevice(1, 72),), *place, names=("hexagon72",), unit="Pa", command=False
+        (PacketDevice(1, 72, "hexagon72"),), *place, unit="Pa", command=False
     )
 
 
 def test_packets_by_tcp_and_serial() -> None:
-    devices = {"devices": (PacketDevice(1, 72),), "names": ("hexagon72",)}
+    devices = {"devices": (PacketDevice(1, 72, "hexagon72"),)}
     assert made("packet", "tcp", "192.0.2.9") == PacketTcp(host="192.0.2.9", **devices)
     line = made("packet", "serial", "/dev/ttyUSB3", baud="115200", listen="true")
     assert line == PacketSerial(path="/dev/ttyUSB3", baud=115200, command=False, **devices)
@@ -184,5 +184,5 @@ def test_places() -> None:
     (bus,) = bus_settings("udp", ["[fe80::7]:9"], 1, 0)
     assert bus == BusSettings("udp", "::", 0, "[fe80::7]:9")
     for text, own in (("[::1]:5", "::1"), ("localhost:5", "127.0.0.1"), ("192.0.2.1:5", "0.0.0.0")):
-        assert udp_places(text, *host_and_port(text, "h", 1)) == (own, 0, text)
-    assert udp_places("0.0.0.0:5", "0.0.0.0", 5) == ("0.0.0.0", 5, "")
+        assert udp_places(text, 1) == (own, 0, text)
+    assert udp_places("0.0.0.0:5", 1) == ("0.0.0.0", 5, "")

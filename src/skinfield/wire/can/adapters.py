@@ -9,6 +9,7 @@ import errno
 import os
 import socket
 import struct
+from collections.abc import Callable
 from time import time_ns
 from types import ModuleType
 from typing import Any
@@ -35,31 +36,18 @@ ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or n
 
 
 class StructBus(DatagramLink, Bus):
-    """Bus of struct can_frame in datagrams; see `Bus` and `DatagramLink`.
+    """Bus of struct can_frame in datagrams; see `Bus` and `DatagramLink`."""
 
-    Parameters
-    ----------
-    settings : BusSettings
-    longest : int, bytes
-        Of a datagram that is read.
-    together : int
-        Messages that are sent in a datagram, at most.
-    own, peer : Place, optional
-        Of UDP.
-    """
+    longest = STRUCT  # bytes of a datagram that is read
+    together = 1  # messages that are sent in a datagram, at most
 
     def __init__(
-        self,
-        settings: BusSettings,
-        longest: int,
-        together: int,
-        own: Place | None = None,
-        peer: Place | None = None,
+        self, settings: BusSettings, own: Place | None = None, peer: Place | None = None
     ) -> None:
         from skinfield.wire.can.kernel import messages_of_structs
 
-        super().__init__(settings.label, BATCH, longest, own, peer)
-        self.settings, self._together, self._read = settings, together, messages_of_structs
+        super().__init__(settings.label, BATCH, self.longest, own, peer)
+        self.settings, self._read = settings, messages_of_structs
         self._flat = self.octets.reshape(-1)
         self._words = self._flat.view(np.uint32)
         self._counts: Ints = np.zeros(2, np.int64)
@@ -100,7 +88,7 @@ class StructBus(DatagramLink, Bus):
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """See `Bus`; a full queue of the system takes fewer."""
         messages.check_rows(first, count)
-        octets, size = structs_of(messages, first, count), STRUCT * self._together
+        octets, size = structs_of(messages, first, count), STRUCT * self.together
         for sent in range(0, len(octets), size):
             if not self.put(octets[sent : sent + size]):
                 return sent // STRUCT
@@ -120,6 +108,8 @@ def structs_of(messages: CanMessages, first: int, count: int) -> bytes:
 class UdpBus(StructBus):
     """Messages in datagrams to one address; see `Bus` and `BusSettings`."""
 
+    longest, together = LONGEST, PER_DATAGRAM
+
     def __init__(self, settings: BusSettings) -> None:
         own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
         peer = peer_from_text(settings.peer)
@@ -128,7 +118,7 @@ class UdpBus(StructBus):
                 f"peer is {settings.peer!r} and channel {settings.channel!r}, expected both of "
                 "IPv4 or both of IPv6"
             )
-        super().__init__(settings, LONGEST, PER_DATAGRAM, own, peer)
+        super().__init__(settings, own, peer)
         self._name: Octets = np.zeros(0, np.uint8)  # of who sent last
         self.reopen()
 
@@ -156,7 +146,7 @@ class SocketCanBus(StructBus):
     """
 
     def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
-        super().__init__(settings, STRUCT, 1)
+        super().__init__(settings)
         if sock is not None:
             self._use(sock)
         elif hasattr(socket, "AF_CAN"):
@@ -340,5 +330,5 @@ def open_bus(settings: BusSettings) -> Bus:
         If the settings cannot be used: no such interface, address not understood, package not
         installed, no CAN in this system.
     """
-    kinds: dict[str, type[Bus]] = {"udp": UdpBus, "socketcan": SocketCanBus}
+    kinds: dict[str, Callable[[BusSettings], Bus]] = {"udp": UdpBus, "socketcan": SocketCanBus}
     return kinds.get(settings.interface, PythonCanBus)(settings)

@@ -99,6 +99,7 @@ class Bus(BreakingLink):
         raise NotImplementedError
 
 
+HERE = "127.0.0.1"
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
 
 
@@ -126,14 +127,11 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
             f"channels are {', '.join(channels)}, expected {count}: one for each bus that the "
             "boards are on"
         )
-    return [_bus(bus, channels[i] if channels else "", i, bitrate) for i in range(count)]
-
-
-def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
+    names = channels or ("",) * count
     if bus == "udp":
-        host, port = host_and_port(channel, "127.0.0.1", PORT + number)
-        return BusSettings(bus, *udp_places(channel or host, host, port))
-    return can_interface(bus, channel, number, bitrate)
+        places = (udp_places(name or HERE, PORT + i) for i, name in enumerate(names))
+        return [BusSettings(bus, *each) for each in places]
+    return [can_interface(bus, name, i, bitrate) for i, name in enumerate(names)]
 
 
 def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusSettings:
@@ -146,7 +144,7 @@ def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusS
     return BusSettings(bus, channel, bitrate=bitrate)
 
 
-def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
+def udp_places(text: str, port: int) -> tuple[str, int, str]:
     """Own address and port to bind, and the peer.
 
     No text, a port alone, or all of one's addresses listen there; any other place is the peer's,
@@ -155,13 +153,15 @@ def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
     Parameters
     ----------
     text : str
-    host, port
-        What it says; see `host_and_port`.
+        See `host_and_port`.
+    port : int
+        Where the text does not say.
     """
+    host, port = host_and_port(text, HERE, port)
     if not text or text.startswith(":") or host in ("0.0.0.0", "::"):
         return host, port, ""
-    if host in ("127.0.0.1", "localhost", "::1"):
-        own = "::1" if host == "::1" else "127.0.0.1"
+    if host in (HERE, "localhost", "::1"):
+        own = "::1" if host == "::1" else HERE
     else:
         own = "::" if ":" in host else "0.0.0.0"
     return own, 0, f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

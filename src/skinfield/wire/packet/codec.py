@@ -32,10 +32,13 @@ class PacketDevice:
         That its packets carry.
     channels : int
         Packets with others are counted as foreign.
+    name : str
+        Of its port; default "skin", or "device<number>" of several.
     """
 
     number: int
     channels: int
+    name: str = ""
 
     def __post_init__(self) -> None:
         check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
@@ -59,7 +62,7 @@ class PacketDecoder:
     Parameters
     ----------
     devices : sequence of PacketDevice, or int
-        In the order of their channels; a number stands for device 1 with so many channels.
+        In the order of their channels; see `PacketDevice.several`.
     """
 
     def __init__(self, devices: Sequence[PacketDevice] | int) -> None:

@@ -365,4 +365,4 @@ def is_full(into: Into, size: int) -> bool:
     A packet of n bytes becomes less than 3 n bytes of blocks: at most 54 of headers and filling,
     where it has 26 itself, and twice its payload with an eighth for status.
     """
-    return 8 * (len(into[0]) - into[3][0]) < 3 * size
+    return bool(8 * (len(into[0]) - into[3][0]) < 3 * size)

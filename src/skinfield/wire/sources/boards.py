@@ -58,8 +58,9 @@ class BoardSupervision:
         What all boards are told at first, and at last.
     each : sequence of sequences of (identifier, data)
         What each board is told again.
-    numbers : sequence of int
-        By which its messages are known, of each board.
+    numbers : (K, B) sequence of sequences of int
+        By which messages of each board are known; where there are several, the first are of one
+        that nobody configured, the last of one that was.
     mask : int
         Bits of identifiers in which these are.
     period : float, s
@@ -67,7 +68,7 @@ class BoardSupervision:
 
     Attributes
     ----------
-    heard_ns : (N,) int64 array, ns
+    heard_ns : (K, B) int64 array, ns
         When a message of each of `numbers` came last.
     reconfigured : int
         Times that a board was told its settings after the first.
@@ -78,7 +79,7 @@ class BoardSupervision:
         begin: Sequence[Message] = (),
         end: Sequence[Message] = (),
         each: Sequence[Sequence[Message]] = (),
-        numbers: Sequence[int] = (),
+        numbers: Sequence[Sequence[int]] = ((),),
         mask: int = 0,
         period: float = 1.0,
     ) -> None:
@@ -89,12 +90,12 @@ class BoardSupervision:
         self._numbers: Ints = np.array(numbers, np.int64)
         self._mask = mask
         self._silence = round(1e9 * max(SILENCE, 10 * period))
-        self.heard_ns: Ints = np.zeros(len(numbers), np.int64)
-        self._due = [0] * len(each)
-        self._pause = [FIRST_PAUSE] * len(each)
+        self.heard_ns: Ints = np.zeros_like(self._numbers)
+        self._configured = [False] * len(each)
         self._queue: deque[Message] = deque()
         self._look = 0
         self.reconfigured = 0
+        self.resume(0)
 
     @property
     def waiting(self) -> int:
@@ -110,23 +111,11 @@ class BoardSupervision:
         """Take it that all boards were told everything before, and still do it."""
         self._queue.clear()
         self.heard_ns[:] = now_ns  # from here on they may be silent
-        for row in range(len(self._each)):
-            self._was_heard(row)
-
-    def _was_heard(self, row: int) -> None:
-        self._due[row], self._pause[row] = 0, FIRST_PAUSE
+        self._due, self._pause = [0] * len(self._each), [FIRST_PAUSE] * len(self._each)
 
     def heard(self, rows: CanMessages, count: int) -> None:
         """Note who sent."""
         self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)
-
-    def _last_ns(self, row: int) -> int:
-        """When a board sent last."""
-        return int(self.heard_ns[row])
-
-    def _forgot(self, row: int) -> bool:
-        """Whether a board that sends is known to have forgotten its settings."""
-        return False
 
     def attend(self, bus: Bus, now_ns: int) -> None:
         """Look who is silent, and send what is to be sent."""
@@ -144,8 +133,13 @@ class BoardSupervision:
             self._queue.popleft()
 
     def _examine(self, row: int, now_ns: int) -> None:
-        if now_ns - self._last_ns(row) <= self._silence and not self._forgot(row):
-            self._was_heard(row)
+        plain, configured = int(self.heard_ns[0, row]), int(self.heard_ns[-1, row])
+        silent = now_ns - max(plain, configured) > self._silence
+        forgot = self._configured[row] and plain > configured
+        if not silent and not forgot:
+            self._due[row], self._pause[row] = 0, FIRST_PAUSE
+            if plain != configured:  # else it has not sent since all began
+                self._configured[row] = configured > plain
         elif now_ns >= self._due[row]:
             self._queue.extend(self._each[row])
             self._due[row] = now_ns + round(1e9 * self._pause[row])
@@ -159,51 +153,31 @@ class BoardSupervision:
                 bus.send(identifier, data)
 
 
-class ICubSupervision(BoardSupervision):
-    """Boards of an iCub, of bus `place` of their configuration, by their addresses and classes."""
-
-    def __init__(self, configuration: ICubConfiguration, place: int) -> None:
-        boards = [board for board in configuration.boards if board.bus == place]
-        self._configured = [False] * len(boards)
-        super().__init__(
-            configuration.messages(place),
-            configuration.stop_messages(place),
-            [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
-            [message_id(kind, each.address, 0) for kind in MessageClass for each in boards],
-            ~0xF,  # all bits but the triangle's
-            configuration.period,
-        )
-
-    def _classes_ns(self, row: int) -> tuple[int, int]:
-        """When a board sent readings last as one that nobody configured, and as configured."""
-        return int(self.heard_ns[row]), int(self.heard_ns[row + len(self._configured)])
-
-    def _last_ns(self, row: int) -> int:
-        return max(self._classes_ns(row))
-
-    def _was_heard(self, row: int) -> None:
-        super()._was_heard(row)
-        plain, configured = self._classes_ns(row)
-        if plain != configured:  # else it has not sent since all began
-            self._configured[row] = configured > plain
-
-    def _forgot(self, row: int) -> bool:
-        plain, configured = self._classes_ns(row)
-        return self._configured[row] and plain > configured
+def icub_supervision(configuration: ICubConfiguration, place: int) -> BoardSupervision:
+    """Boards of an iCub, of bus `place` of their configuration, by their classes and addresses."""
+    boards = [board for board in configuration.boards if board.bus == place]
+    return BoardSupervision(
+        configuration.messages(place),
+        configuration.stop_messages(place),
+        [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
+        [[message_id(kind, each.address, 0) for each in boards] for kind in MessageClass],
+        ~0xF,  # all bits but the triangle's
+        configuration.period,
+    )
 
 
-class CySkinSupervision(BoardSupervision):
+def cyskin_supervision(
+    boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int
+) -> BoardSupervision:
     """Boards of CySkin on one bus."""
-
-    def __init__(self, boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int) -> None:
-        super().__init__(
-            start_messages(boards, wire, period_ms=period_ms),
-            stop_messages(boards, wire),
-            [start_messages([board], wire, period_ms=period_ms) for board in boards],
-            [board.number for board in boards],
-            wire.every_board,
-            period_ms * 1e-3,
-        )
+    return BoardSupervision(
+        start_messages(boards, wire, period_ms=period_ms),
+        stop_messages(boards, wire),
+        [start_messages([board], wire, period_ms=period_ms) for board in boards],
+        [[board.number for board in boards]],
+        wire.every_board,
+        period_ms * 1e-3,
+    )
 
 
 ROOM = 2048  # messages of one poll of a bus: 0.2 s of a full bus of 1 Mbit/s
@@ -347,7 +321,7 @@ class ICubCan:
             self.buses,
             [ICubDecoder(boards, p, period=self.configuration.period) for p in places],
             [
-                ICubSupervision(self.configuration, p) if self.configure else BoardSupervision()
+                icub_supervision(self.configuration, p) if self.configure else BoardSupervision()
                 for p in places
             ],
         )
@@ -446,7 +420,7 @@ class CySkinCan:
             self.buses,
             [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
             [
-                CySkinSupervision(each, self.wire, self.period_ms)
+                cyskin_supervision(each, self.wire, self.period_ms)
                 if self.configure
                 else BoardSupervision()
                 for each in mine

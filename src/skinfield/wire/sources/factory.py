@@ -17,14 +17,13 @@ from skinfield.wire.icub.configuration import configuration_for, load_configurat
 from skinfield.wire.links import host_and_port
 from skinfield.wire.packet.codec import PacketDevice
 from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
-from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT, PacketSerial, PacketTcp, PacketUdp
+from skinfield.wire.sources.packets import PacketSerial, PacketTcp, PacketUdp
 from skinfield.wire.sources.replay import ReplaySource
 from skinfield.wire.sources.yarp import YarpPort, YarpText
 from skinfield.wire.yarp import PORT as YARP_PORT
 from skinfield.wire.yarp import port_of
 
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
-STREAMS = ("udp", "tcp", "serial")
 CONVERTERS: dict[type, tuple[str, Callable[[str], Any]]] = {
     str: ("text", str),
     bool: ("yes or no", lambda text: RawConfigParser.BOOLEAN_STATES[text.lower()]),
@@ -212,19 +211,20 @@ def packet(
     Channels: of `udp` ``:port`` or ``0.0.0.0:port`` to listen at, or ``host:port`` of the device;
     of `tcp` ``host:port`` of the server; of `serial` the path of the line.
     """
-    devices = tuple(PacketDevice(number, patch.n_channels) for number, patch in enumerate(skin, 1))
-    names = tuple(patch.name for patch in skin)
+    devices = tuple(
+        PacketDevice(k, patch.n_channels, patch.name) for k, patch in enumerate(skin, 1)
+    )
     if bus == "serial":
         path = _one(channels, PacketSerial.path)
-        return PacketSerial(devices, path, baud, names=names, unit=unit, command=not listen)
-    where = _one(channels, "")
-    host, port = host_and_port(where, "127.0.0.1", TCP_PORT if bus == "tcp" else UDP_PORT)
+        return PacketSerial(devices, path, baud, unit=unit, command=not listen)
+    place = _one(channels, "")
     if bus == "tcp":
-        return PacketTcp(devices, host, port, names=names, unit=unit, command=not listen)
+        server = host_and_port(place, PacketTcp.host, PacketTcp.port)
+        return PacketTcp(devices, *server, unit=unit, command=not listen)
     if bus not in ("", "udp"):
-        raise InputError(f"bus is {bus!r}, expected one of {', '.join(STREAMS)}: for packets")
-    own, port, peer = udp_places(where, host, port)
-    return PacketUdp(devices, own, port, peer, names=names, unit=unit, command=not listen)
+        raise InputError(f"bus is {bus!r}, expected one of udp, tcp, serial: for packets")
+    places = udp_places(place, PacketUdp.port)
+    return PacketUdp(devices, *places, unit=unit, command=not listen)
 
 
 def replay(

@@ -13,20 +13,22 @@ from skinfield.signal.blocks_kernel import HEADER_WORDS, STATUS, payload_words
 def note_senders(
     ids: NDArray[np.uint32], stamp_ns: Ints, count: int, mask: int, numbers: Ints, heard_ns: Ints
 ) -> None:
-    """Note the newest stamp of each sender: `numbers` (B,) are what the identifiers' `mask` holds.
+    """Note the newest stamp of each sender.
 
     Parameters
     ----------
     ids, stamp_ns : (N,) arrays
         Of `CanMessages`.
-    heard_ns : (B,) int64 array
+    numbers : (K, B) int64 array
+        What the `mask` of a sender's identifiers holds.
+    heard_ns : (K, B) int64 array
         Written.
     """
     for i in range(count):
-        for k in range(len(numbers)):
-            if ids[i] & mask == numbers[k]:
-                heard_ns[k] = stamp_ns[i]
-                break
+        for k in range(numbers.shape[0]):
+            for j in range(numbers.shape[1]):
+                if ids[i] & mask == numbers[k, j]:
+                    heard_ns[k, j] = stamp_ns[i]
 
 
 SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64 bits

@@ -36,8 +36,6 @@ class PacketSource:
     ----------
     devices : sequence of PacketDevice, or int
         A number: one device, of number 1, with so many channels.
-    names : sequence of str
-        Of the devices' ports; default "skin", or "device<number>" of several.
     unit : str
         Of the numbers, one of `skinfield.skin.reading.UNITS`.
     command : bool
@@ -45,29 +43,17 @@ class PacketSource:
     """
 
     devices: Sequence[PacketDevice] | int
-    names: Sequence[str] = field(default=(), kw_only=True)
     unit: str = field(default="count", kw_only=True)
     command: bool = field(default=True, kw_only=True)
-
-    def __post_init__(self) -> None:
-        devices = PacketDevice.several(self.devices)
-        names = tuple(self.names) or tuple(
-            "skin" if len(devices) == 1 else f"device{each.number}" for each in devices
-        )
-        if len(names) != len(devices):
-            raise InputError(
-                f"names are {list(names)}, expected {len(devices)}: one for each device's port"
-            )
-        object.__setattr__(self, "devices", devices)
-        object.__setattr__(self, "names", names)
 
     @property
     def ports(self) -> tuple[Port, ...]:
         """One for each device."""
         devices = PacketDevice.several(self.devices)
+        usual = "skin" if len(devices) == 1 else "device{}"
         return tuple(
-            Port(name, device.channels, self.unit)
-            for name, device in zip(self.names, devices, strict=True)
+            Port(each.name or usual.format(each.number), each.channels, self.unit)
+            for each in devices
         )
 
 
@@ -155,7 +141,6 @@ class PacketUdp(PacketSource):
     peer: str = ""
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_count("port", self.port, 0, 65535, "of UDP")
 
     def open(self) -> "PacketUdpStream":
@@ -221,7 +206,6 @@ class PacketTcp(PacketSource):
     port: int = TCP_PORT
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_count("port", self.port, 1, 65535, "of the server")
 
     def open(self) -> ByteStream:
@@ -254,7 +238,6 @@ class PacketSerial(PacketSource):
     baud: int = 921600
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_type("path", self.path, str, "of the device's node, as /dev/ttyACM0")
         check_count("baud", self.baud, 50, 20_000_000, "bit/s of the line")
 

@@ -145,13 +145,11 @@ class StreamReader:
         self.channels = Channels(sum(port.channels for port in stream.ports))
         self._new = np.zeros(len(self.channels), bool)  # of the reading that is under way
 
-    def take(self) -> int:
-        """Take in what has arrived; how many messages. Never waits."""
+    def take(self) -> None:
+        """Take in what has arrived. Never waits."""
         self._blocks.clear()
-        messages = self.stream.poll(self._blocks, 0, time_ns())
-        if len(self._blocks.data):
-            self.channels.apply(self._blocks)
-        return messages
+        self.stream.poll(self._blocks, 0, time_ns())
+        self.channels.apply(self._blocks)
 
     def read(self, timeout: float = 1.0) -> Reading:
         """Wait for the next reading of all channels that answer.
@@ -169,13 +167,12 @@ class StreamReader:
             If it is not complete in time.
         """
         check_range("timeout", timeout, 0.0, 1e9, "seconds to wait at most")
-        end = monotonic() + timeout
-        stamps, new = self.channels.stamp_ns, self._new
-        known = stamps > 0
+        end, new, fresh = monotonic() + timeout, self._new, self.channels.fresh
+        known = self.channels.stamp_ns > 0
         while True:
-            before = stamps.copy()
+            fresh[:] = 0
             self.take()
-            came = stamps != before
+            came = fresh > 0
             if (came & new).any():
                 new[:] = came
                 return self._reading()
@@ -189,7 +186,9 @@ class StreamReader:
                     f"{np.count_nonzero(new)} of {len(new)} channels brought something new within "
                     f"{timeout:g} s, expected all that answer: {self._state()}"
                 )
-            self._wait(left)
+            numbers = self.stream.filenos()
+            # never for long: a connection that broke is noticed by polling alone
+            select.select(numbers, [], [], min(left, 20 * STEP if numbers else STEP))
 
     def read_latest(self, max_age: float = 0.1) -> Reading:
         """The newest counts, without waiting.
@@ -223,13 +222,7 @@ class StreamReader:
 
     def _state(self) -> str:
         fault = getattr(self.stream, "fault", "")
-        down = f"the source is down ({fault})" if fault else "the source is down"
-        return "the source is up" if self.stream.up else down
-
-    def _wait(self, seconds: float) -> None:
-        numbers: Sequence[int] = self.stream.filenos()
-        # never for long: a connection that broke is noticed by polling alone
-        select.select(numbers, [], [], min(seconds, 20 * STEP if numbers else STEP))
+        return f"the source is {'up' if self.stream.up else 'down'} ({fault or 'no fault'})"
 
 
 def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
