@@ -297,7 +297,7 @@ def test_losses_twins_and_swaps_are_counted_exactly(data: st.DataObject) -> None
     arrived = [i for i, twice in zip(sent, twins, strict=True) for i in [i] * (1 + twice)]
     decoder, blocks, seen = PacketDecoder(4), Blocks(1 << 15), counters()
     for i in arrived:
-        packet = counts_packet([i % 256], kind=1, sequence=(start + i) % 2**32, time=1000 * i)
+        packet = counts_packet([i % 256], kind=1, sequence=(start + i) % 2**32, time_us=1000 * i)
         assert decode(decoder, packet, blocks, seen, 10**9) == 1
     newest = np.maximum.accumulate([-1, *sent])
     late = [i for i, before in zip(sent, newest, strict=False) if i < before]
@@ -329,7 +329,7 @@ ALL_BUT_2000 = [n for n in range(5000) if n != 2000]
 def test_restarts_are_told_from_late_packets(steps: list, restarts: int, counts: dict) -> None:
     decoder, seen = PacketDecoder(4), counters()
     for step in steps:
-        packets = [raw_packet(16, time=step)] if isinstance(step, int) else (
+        packets = [raw_packet(16, time_us=step)] if isinstance(step, int) else (
             counts_packet([1], kind=1, sequence=sequence) for sequence in step
         )  # fmt: skip
         for packet in packets:

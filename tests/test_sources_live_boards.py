@@ -274,17 +274,6 @@ def configured(boards: int, *runs: PortRun) -> ICubConfiguration:
     )
 
 
-@pytest.mark.parametrize(
-    ("first", "count", "port_first"), [(0, 192, 192), (192, 384, 0), (384, 576, 192), (0, 960, 384)]
-)
-def test_runs_of_any_whole_boards_are_taken(first: int, count: int, port_first: int) -> None:
-    found, ports = ports_of(configured(8, PortRun("left_leg", first, count, port_first)))
-    assert (ports[0].name, ports[0].channels) == ("left_leg", port_first + count)
-    begin = port_first // 192
-    whole = range(first // 192, (first + count) // 192)
-    assert found[begin : begin + count // 192] == tuple((0, address) for address in whole)
-
-
 @pytest.mark.parametrize("run", [PortRun("p", 96, 192, 0), PortRun("p", 0, 192, 156)])
 def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
     with pytest.raises(InputError, match="where boards begin"):

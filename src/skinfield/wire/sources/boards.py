@@ -362,11 +362,8 @@ def ports_of(configuration: ICubConfiguration) -> tuple[Boards, tuple[Port, ...]
     ports, missing = [], 0
     for name, taken in places.items():
         for place in range(max(taken) + 1):
-            if place in taken:
-                boards.append(addresses[taken[place]])
-            else:
-                boards.append((NOWHERE, missing))
-                missing += 1
+            boards.append(addresses[taken[place]] if place in taken else (NOWHERE, missing))
+            missing += place not in taken
         ports.append(Port(name, BOARD_CHANNELS * (max(taken) + 1)))
     rest = [pair for pair in addresses if pair not in boards]
     if rest:

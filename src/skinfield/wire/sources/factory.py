@@ -63,9 +63,7 @@ def source_from_options(
     texts = dict(options or {})
     if hardware in HARDWARE:
         make = HARDWARE[hardware]
-        read = _read_options(hardware, make, texts)
-        made: Source = make(skin, bus, tuple(channels), **read)
-        return made
+        return make(skin, bus, tuple(channels), **_read_options(hardware, make, texts))
     others = third_parties()
     if hardware not in others:
         more = ", ".join(sorted(others)) or "none"
@@ -73,11 +71,19 @@ def source_from_options(
             f"hardware is {hardware!r}, expected one of {', '.join(HARDWARE)}, or of those that "
             f"installed packages bring: {more}"
         )
-    if bus:
-        texts.setdefault("bus", bus)
-    if channels:
-        texts.setdefault("channels", ",".join(channels))
-    return _called(others[hardware], skin, texts)
+    where = {"bus": bus, "channels": ",".join(channels)}
+    texts = {name: text for name, text in where.items() if text} | texts
+    point = others[hardware]
+    try:
+        build: Any = point.load()
+    except Exception as error:
+        raise InputError(
+            f"source {point.name!r} ({point.value}) cannot be loaded: "
+            f"{type(error).__name__}: {error}; mend or remove the package that brings it"
+        ) from error
+    source: Source = build(skin, texts)
+    check_offers(f"source of {point.name!r}", source, ("open",), "an object with open()")
+    return source
 
 
 def _read_options(
@@ -105,19 +111,6 @@ def _read_options(
 def third_parties() -> dict[str, EntryPoint]:
     """Sources of other packages, by name; they are loaded only when they are asked for."""
     return {point.name: point for point in entry_points(group=GROUP)}
-
-
-def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
-    try:
-        make: Any = point.load()
-    except Exception as error:
-        raise InputError(
-            f"source {point.name!r} ({point.value}) cannot be loaded: "
-            f"{type(error).__name__}: {error}; mend or remove the package that brings it"
-        ) from error
-    source: Source = make(skin, texts)
-    check_offers(f"source of {point.name!r}", source, ("open",), "an object with open()")
-    return source
 
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
