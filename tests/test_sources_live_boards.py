@@ -12,10 +12,20 @@ from bus_peers import wait_for
 from icub_files import SKIN, SPEC
 from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, PacketSocket
 
-from skinfield.emulator import VirtualSettings
+from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, CanMessages, Count, Kind, Port, Status, counters
+from skinfield.signal import (
+    Blocks,
+    CanMessages,
+    Count,
+    Kind,
+    Lasting,
+    Port,
+    Source,
+    Status,
+    counters,
+)
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.skin.reading import Recording
@@ -294,18 +304,61 @@ def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
         (tmp_path / name).write_text(content)
     text = "rectangular:rows=12,columns=20"
     config = ",".join(str(tmp_path / name) for name in files)
-    with start(VirtualSettings(skin=text, bus="udp", scene="idle", noise=0.0)) as boards:
-        skin = Skin((by_name(text),))
-        source = source_from_options("icub", "udp", boards.channels, skin, {"config": config})
+    udp = {"bus": "udp", "channels": ("127.0.0.1:0",)}
+    with closing(VirtualSkin(VirtualSettings(skin=text, scene="idle", noise=0.0, **udp))) as boards:
+        thread = threading.Thread(target=boards.run, daemon=True)
+        thread.start()
+        skin, places = Skin((by_name(text),)), boards.hardware.addresses
+        source = source_from_options("icub", "udp", places, skin, {"config": config})
         host = Host(source.open())
         assert [(port.name, port.channels) for port in host.stream.ports] == [("rectangular", 384)]
         host.until(lambda: host.count(Count.RECEIVED) > 600)
         host.stream.close()
+        boards.stop()
+        thread.join()
     channels = host.channels
     assert (channels.counts[:228] == 0xEB).all()
     assert np.isnan(channels.counts[240:]).all()
     assert (channels.stamp_ns[228:240] < channels.stamp_ns[:228].min()).all()
     assert [host.count(each) for each in (Count.LOST, Count.DUPLICATED)] == [0, 0]
+
+
+def follow(host: Host, source: Source) -> Host:
+    """Leave the boards to another stream, as engines do that follow on each other."""
+    assert isinstance(host.stream, Lasting)
+    host.stream.leave()
+    host.stream.close()
+    stream = source.open()
+    assert isinstance(stream, Lasting)
+    stream.resume()
+    return Host(stream)
+
+
+def test_icub_goes_on_under_a_press_and_is_told_again_when_it_boots() -> None:
+    with start(VirtualSettings(bus="udp", scene="idle")) as skin:
+        options = {"period_ms": "5", "no_load": "245"}
+        source = source_from_options("icub", "udp", tuple(skin.channels), HEXAGON, options)
+        first = Host(source.open())
+        first.until(lambda: first.count(Count.RECEIVED) > 500)
+        assert abs(np.nanmean(first.channels.counts[:72]) - 245.0) < 2.0
+        skin.press(taxel=40, force=2.0)
+        first.until(lambda: np.nanmin(first.channels.counts[:72]) < 225)
+        host = follow(first, source)
+        host.until(lambda: host.count(Count.RECEIVED) > 200)
+        assert np.nanmin(host.channels.counts[:72]) < 225
+        assert host.stream.reconfigured == 0  # type: ignore[attr-defined]
+        skin.release()
+        skin.fault("reboot 0+100ms")
+        host.until(lambda: host.stream.reconfigured == 1)  # type: ignore[attr-defined]
+        before = host.count(Count.RECEIVED)
+        host.until(lambda: host.count(Count.RECEIVED) > before + 200)
+        assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
+        host.stream.close()
+        counts = skin.stop()
+        assert counts["reboots"] == 1
+        for what in (Count.LOST, Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
+            assert host.count(what) == 0, what.name
+        assert first.count(Count.RECEIVED) + host.count(Count.RECEIVED) <= counts["messages"]
 
 
 class Script:
