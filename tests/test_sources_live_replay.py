@@ -15,7 +15,7 @@ from skinfield.files.mcap.schema import CycleLayout
 from skinfield.signal import Block, Blocks, Channels, Count, Kind, Port, Status, blocks_of
 from skinfield.skin import Patch
 from skinfield.wire.sources import ReplaySource
-from skinfield.wire.sources.replay import BlockReplayStream, narrowest, tape_of
+from skinfield.wire.sources.replay import BlockReplayStream, tape_of
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
@@ -37,7 +37,7 @@ def table(speed: float = 1.0, loop: bool = False) -> BlockReplayStream:
 def test_readings_come_at_their_time_with_their_stamps() -> None:
     stream = table()
     (first,) = polled(stream, START)
-    assert (first.stamp_ns, first.channel, first.kind) == (START, 10, Kind.SHORTS)
+    assert (first.stamp_ns, first.channel, first.kind) == (START, 10, Kind.FLOATS)
     assert first.payload.tolist() == [0, 100, 200]
     assert polled(stream, START + 9 * MS) == []
     late = polled(stream, START + 25 * MS)
@@ -91,12 +91,6 @@ def test_numbers_keep_their_values(values: list[float]) -> None:
     stream = BlockReplayStream((), tape_of(counts, np.zeros(1, np.int64)))
     (block, *_) = polled(stream, START)
     np.testing.assert_array_equal(block.payload.astype(float), counts[0])
-
-
-def test_the_narrowest_kind_is_taken() -> None:
-    numbers = (255.0, 256.0, 65536.0, 0.5, -1.0, np.nan)
-    kinds = [narrowest(np.array([[0.0, number]]))[0] for number in numbers]
-    assert kinds == [Kind.BYTES, Kind.SHORTS, *[Kind.FLOATS] * 4]
 
 
 def csv(folder: Path, names: str, rows: list[str]) -> Path:

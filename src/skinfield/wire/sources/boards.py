@@ -192,7 +192,7 @@ class Line:
     ) -> None:
         self.bus, self.decoder, self.supervision = bus, decoder, supervision
         self._rows, self._counts = CanMessages(ROOM), counts
-        self._first = self._count = self._overflowed = self._malformed = 0
+        self._first = self._count = self._malformed = 0
         decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
         supervision.heard(self._rows, 0)
 
@@ -211,9 +211,8 @@ class Line:
             if self._first < self._count or self._count < ROOM:
                 break  # the blocks are full, or the bus is empty
         malformed = bus.malformed + bus.errors
-        counts[Count.OVERFLOWED] += bus.overflowed - self._overflowed
         counts[Count.MALFORMED] += malformed - self._malformed
-        self._overflowed, self._malformed = bus.overflowed, malformed
+        self._malformed = malformed
         if bus.up:
             self.supervision.attend(bus, now_ns)
 
@@ -273,6 +272,7 @@ class ManagedStream(LinkedStream):
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
         for line in self._lines:
             line.take(blocks, channel, now_ns)
+        self.counters[Count.OVERFLOWED] = sum(bus.overflowed for bus in self.buses)
 
     def _went_down(self, place: int) -> None:
         self._lines[place].decoder.reset()

@@ -162,7 +162,7 @@ class PacketUdpStream(PacketStream):
         self._link = link = DatagramLink(f"udp {own.address}", BATCH, LONGEST, own, peer)
         link.reopen()
         super().__init__(source, link)
-        self._first = self._count = self._overflowed = 0
+        self._first = self._count = 0
         self._decode(Blocks(1024), 0)  # compiles before the first packet
 
     @property
@@ -179,9 +179,7 @@ class PacketUdpStream(PacketStream):
             self._decode(blocks, channel)
             if self._first < self._count or self._count < BATCH:
                 break  # the blocks are full, or nothing more waits
-        dropped = self._link.dropped
-        self.counters[Count.OVERFLOWED] += dropped - self._overflowed
-        self._overflowed = dropped
+        self.counters[Count.OVERFLOWED] = self._link.dropped
 
     def _decode(self, blocks: Blocks, channel: int) -> None:
         link = self._link

@@ -12,14 +12,13 @@ from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
 from skinfield.signal.block import LONGEST, WORD, Words
 from skinfield.skin import Patch, Skin
 from skinfield.skin.reading import UNITS, Recording
-from skinfield.wire.sources.streams import narrowest
 
 ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
 SLOWEST = 0.01
 
 
 def tape_of(counts: Floats, after_ns: Ints) -> Words:
-    """Readings of a table as blocks, in words.
+    """Readings of a table as blocks of FLOATS, in words.
 
     Parameters
     ----------
@@ -27,15 +26,15 @@ def tape_of(counts: Floats, after_ns: Ints) -> Words:
     after_ns : (T,) int64 array, ns
         Of each reading, since the first; not decreasing.
     """
-    kind, table = narrowest(counts)
     parts = []
-    for first in range(0, table.shape[1], LONGEST):
-        columns = table[:, first : first + LONGEST]
-        size = columns.shape[1] * table.itemsize
-        part = np.zeros((len(table), 2 + -(-size // WORD)), np.int64)
+    for first in range(0, counts.shape[1], LONGEST):
+        columns = counts[:, first : first + LONGEST]
+        count = columns.shape[1]
+        part = np.zeros((len(counts), 2 + (count + 1) // 2), np.int64)
         part[:, 0] = after_ns
-        part[:, 1] = first | columns.shape[1] << 32 | int(kind) << 48
-        part[:, 2:].view(np.uint8)[:, :size] = np.ascontiguousarray(columns).view(np.uint8)
+        part[:, 1] = first | count << 32 | int(Kind.FLOATS) << 48
+        with np.errstate(over="ignore"):
+            part[:, 2:].view(np.float32)[:, :count] = columns
         parts.append(part)
     return np.hstack(parts).ravel()
 

@@ -3,12 +3,10 @@
 import select
 from collections.abc import Sequence
 from time import monotonic, monotonic_ns, time_ns
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints, SkinfieldError, check_range
+from skinfield.errors import Ints, SkinfieldError, check_range
 from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
@@ -223,18 +221,3 @@ class StreamReader:
     def _state(self) -> str:
         fault = getattr(self.stream, "fault", "")
         return f"the source is {'up' if self.stream.up else 'down'} ({fault or 'no fault'})"
-
-
-def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
-    """The kind of block that holds all counts without loss, or float32, and the counts so.
-
-    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
-    """
-    finite = np.isfinite(counts).all()
-    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
-        if (counts <= 0xFF).all():
-            return Kind.BYTES, counts.astype("<u1")
-        if (counts <= 0xFFFF).all():
-            return Kind.SHORTS, counts.astype("<u2")
-    with np.errstate(over="ignore"):
-        return Kind.FLOATS, counts.astype("<f4")

@@ -13,11 +13,11 @@ from time import monotonic, sleep
 import numpy as np
 
 from skinfield.errors import InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, Count, Port
+from skinfield.signal import Blocks, Count, Kind, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
 from skinfield.wire.links import DialledLink, Place, host_and_port, resolved
-from skinfield.wire.sources.streams import LinkedStream, narrowest
+from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
 
@@ -152,7 +152,7 @@ class YarpLink(DialledLink):
     def __init__(self, port: str, place: Place, own: str, channels: int) -> None:
         self._own, self._longest = own, max(SHORTEST_LINE, BYTES_PER_NUMBER * channels)
         self._buffer: Octets = np.zeros(PIECE, np.uint8)
-        self._values = np.zeros(channels)
+        self._values = np.zeros(channels, np.float32)
         self._begin()
         super().__init__(port, place)
 
@@ -252,7 +252,8 @@ class YarpLink(DialledLink):
         except ValueError:
             numbers, what = [], "something else than"
         if len(numbers) == len(self._values):
-            self._values[:], self.note = numbers, ""
+            with np.errstate(over="ignore"):
+                self._values[:], self.note = numbers, ""
             return True
         self.note = (
             f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in each "
@@ -261,10 +262,9 @@ class YarpLink(DialledLink):
         return False
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
-        """Append the vector in the smallest kind of block for it; False if there is no room."""
-        kind, values = narrowest(self._values)
+        """Append the vector; False if there is no room."""
         try:
-            blocks.put(now_ns, channel, values, kind)
+            blocks.put(now_ns, channel, self._values, Kind.FLOATS)
         except Full:
             return False
         return True
