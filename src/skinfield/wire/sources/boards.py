@@ -83,7 +83,7 @@ class BoardSupervision:
         mask: int = 0,
         period: float = 1.0,
     ) -> None:
-        from skinfield.wire.sources.kernels import note_senders
+        from skinfield.wire.can.kernel import note_senders
 
         self._note = note_senders
         self._all, self._stop, self._each = tuple(begin), tuple(end), tuple(each)

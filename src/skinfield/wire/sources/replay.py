@@ -3,18 +3,20 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints, check_range
 from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
-from skinfield.signal.block import LONGEST, WORD, Words
+from skinfield.signal.block import LONGEST, WORD, Words, block_bytes
 from skinfield.skin import Patch, Skin
 from skinfield.skin.reading import UNITS, Recording
 
 ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
 SLOWEST = 0.01
+SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64 bits
 
 
 def tape_of(counts: Floats, after_ns: Ints) -> Words:
@@ -37,6 +39,20 @@ def tape_of(counts: Floats, after_ns: Ints) -> Words:
             part[:, 2:].view(np.float32)[:, :count] = columns
         parts.append(part)
     return np.hstack(parts).ravel()
+
+
+def begins_of(tape: Words) -> Ints:
+    """First word of each block, and behind the last that is whole and of a kind that is known."""
+    words, size_of, at = memoryview(tape), cache(block_bytes), 0
+    begins = [0]
+    with suppress(InputError):
+        while at + 2 <= len(words):
+            head = words[at + 1]
+            at += size_of(head >> 48 & 0xFF, head >> 32 & 0xFFFF) // WORD
+            if at > len(words):
+                break
+            begins.append(at)
+    return np.array(begins, np.int64)
 
 
 class BlockReplayStream:
@@ -82,19 +98,21 @@ class BlockReplayStream:
         path: str = "table",
         pause_ns: int = 0,
     ) -> None:
-        from skinfield.wire.sources.kernels import survey
-
-        self._tape: Words = np.array(tape, np.int64)
-        places: Ints = np.zeros((1 + len(tape) // 2, 2), np.int64)
-        whole, count = survey(self._tape, places)
-        self._begins, self._steps = places[: count + 1, 0].copy(), places[:count, 1].copy()
-        stamps, heads = self._tape[self._begins[:-1]], self._tape[self._begins[:-1] + 1]
+        begins = begins_of(tape)
+        stamps, heads = tape[begins[:-1]], tape[begins[:-1] + 1]
+        wrong = np.append((stamps < 0) | (abs(stamps - stamps[:1]) > SPAN), True)
+        whole = int(begins[np.argmax(wrong)])
+        used = heads >> 48 & 0xFF <= Kind.STATUS
+        stamps, heads, sizes = stamps[used], heads[used], np.diff(begins)[used]
         highest = int(np.max((heads & 0xFFFFFFFF) + (heads >> 32 & 0xFFFF), initial=0))
         if whole < len(tape) or not highest:
             raise FileError(
-                f"{path}: byte {8 * whole} of {8 * len(tape)} of the readings is no block, "
+                f"{path}: byte {WORD * whole} of {WORD * len(tape)} of the readings is no block, "
                 "expected blocks of readings: skinfield recover may help"
             )
+        self._begins = np.append(0, np.cumsum(sizes))  # words
+        shift = np.repeat(begins[:-1][used] - self._begins[:-1], sizes)
+        self._tape = tape[shift + np.arange(len(shift))]
         self.ports = tuple(ports) or (Port("skin", highest),)
         channels = sum(port.channels for port in self.ports)
         if highest > channels:
@@ -104,8 +122,12 @@ class BlockReplayStream:
             )
         self.counters, self.index, self.up, self.ended = counters(), 0, True, False
         self._loop, self._step_by_step = loop, speed == ALL_AT_ONCE
-        # blocks of counts before each
-        self._counts = np.cumsum(np.insert(heads >> 48 & 0xFF != Kind.STATUS, 0, False))
+        counted = heads >> 48 & 0xFF < Kind.STATUS
+        self._counts = np.append(0, np.cumsum(counted))  # blocks of counts before each
+        # a step ends where the channel with which all began comes once more
+        starts = np.flatnonzero(counted & (heads & 0xFFFFFFFF == heads[0] & 0xFFFFFFFF))
+        ends = stamps[starts] != np.append(stamps[0], stamps[starts[:-1]])
+        self._steps = np.searchsorted(starts[ends], np.arange(len(heads)), "right")
         pace = 1.0 if self._step_by_step else speed
         self._times = ((stamps - stamps[0]) / pace).astype(np.int64)  # ns
         self._due = np.maximum.accumulate(self._times)  # in their order, whatever their stamps
