@@ -43,7 +43,7 @@ def tape_of(counts: Floats, after_ns: Ints) -> Words:
 
 def begins_of(tape: Words) -> Ints:
     """First word of each block, and behind the last that is whole and of a kind that is known."""
-    words, size_of, at = memoryview(tape), cache(block_bytes), 0
+    words, size_of, at = tape.data, cache(block_bytes), 0
     begins = [0]
     with suppress(InputError):
         while at + 2 <= len(words):
