@@ -134,13 +134,13 @@ def test_a_reading_comes_back_whole(kind: int, channels: int) -> None:
 
 
 def test_a_reading_is_numbered_across_its_packets() -> None:
-    encoder = PacketEncoder(5, PacketKind.SIGNED, device=9, payload=4)
+    encoder, values = PacketEncoder(1500, PacketKind.SIGNED, device=9), range(-700, 800)
     encoder.sequence, encoder.reading = 0xFFFFFFFE, 65535
-    packets = encoder.encode([1, -2, 3, -4, 5], 2**32 + 77, Status.INVALID)
+    packets = encoder.encode(values, 2**32 + 77, Status.INVALID)
     found = list(packets_of(b"".join(packets)))
-    assert [p.values for p in found] == [(1, -2), (3, -4), (5,)]
+    assert [p.values for p in found] == [tuple(values[at : at + 723]) for at in (0, 723, 1446)]
     assert [p.sequence for p in found] == [0xFFFFFFFE, 0xFFFFFFFF, 0]
-    assert [p.channel for p in found] == [0, 2, 4]
+    assert [p.channel for p in found] == [0, 723, 1446]
     assert [p.flags for p in found] == [0, 0, 1]
     assert {(p.device, p.time_us, p.reading, p.status) for p in found} == {(9, 77, 65535, 8)}
     assert (encoder.sequence, encoder.reading) == (1, 0)
@@ -362,13 +362,13 @@ def test_a_broken_connection_leaves_no_half_packet() -> None:
     assert seen[Count.MALFORMED] == 0
 
 
-def test_longest_packet_fits_the_smallest_scanner() -> None:
+def test_the_longest_packet_byte_by_byte() -> None:
     packet = counts_packet([1.5] * 1016, kind=3)
     assert len(packet) == LONGEST
-    scanner = PacketScanner(PacketDecoder(1016), 2 * LONGEST)
+    scanner = PacketScanner(PacketDecoder(1016))
     blocks, seen = Blocks(1 << 15), counters()
     for at in range(len(packet)):
         scan(scanner, packet[at : at + 1], blocks, seen)
     assert seen[Count.READINGS] == 1
     with pytest.raises(InputError, match="received"):
-        scanner.take(2 * LONGEST + 1, blocks, 0, seen, 5)
+        scanner.take(len(scanner.free) + 1, blocks, 0, seen, 5)

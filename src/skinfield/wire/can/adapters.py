@@ -85,23 +85,22 @@ class StructBus(DatagramLink, Bus):
         self.malformed, self.errors = self._counts.tolist()
         return int(end)
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
+    def send_many(self, messages: CanMessages, count: int) -> int:
         """See `Bus`; a full queue of the system takes fewer."""
-        messages.check_rows(first, count)
-        octets, size = structs_of(messages, first, count), STRUCT * self.together
+        messages.check_rows(0, count)
+        octets, size = structs_of(messages, count), STRUCT * self.together
         for sent in range(0, len(octets), size):
             if not self.put(octets[sent : sent + size]):
                 return sent // STRUCT
         return count
 
 
-def structs_of(messages: CanMessages, first: int, count: int) -> bytes:
-    """Rows `first` to `first + count` as struct can_frame, one behind the other."""
-    rows = slice(first, first + count)
+def structs_of(messages: CanMessages, count: int) -> bytes:
+    """The first `count` rows as struct can_frame, one behind the other."""
     frames = np.zeros(count, FRAME)
-    frames["id"], frames["length"] = messages.ids[rows], np.minimum(messages.lengths[rows], 8)
+    frames["id"], frames["length"] = messages.ids[:count], np.minimum(messages.lengths[:count], 8)
     there = np.arange(8) < frames["length"][:, None]
-    frames["data"] = np.where(there, messages.data[rows], 0)
+    frames["data"] = np.where(there, messages.data[:count], 0)
     return frames.tobytes()
 
 
@@ -279,19 +278,19 @@ class PythonCanBus(Bus):
         into.stamp_ns[row] = stamp if now - NEAR < stamp <= now else now
         return 1
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
-        """Send rows of `messages`."""
-        messages.check_rows(first, count)
-        for row in range(first, first + count):
+    def send_many(self, messages: CanMessages, count: int) -> int:
+        """See `Bus`."""
+        messages.check_rows(0, count)
+        for row in range(count):
             if self._bus is None:
-                return row - first
+                return row
             try:
                 self._bus.send(self._message(messages, row), timeout=0)
             except self._can.CanTimeoutError:
-                return row - first
+                return row
             except Exception as error:
                 self.broke(error)
-                return row - first
+                return row
         return count
 
     def _message(self, messages: CanMessages, row: int) -> Any:

@@ -94,8 +94,8 @@ class Bus(BreakingLink):
         one.put(0, identifier, data)
         return self.send_many(one, 1) == 1
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
-        """Send rows `first` to `first + count`; how many the system took, the first ones."""
+    def send_many(self, messages: CanMessages, count: int) -> int:
+        """Send the first `count` rows; how many the system took, the first ones."""
         raise NotImplementedError
 
 

@@ -13,8 +13,6 @@ from skinfield.wire.packet.packets import (
     CRC_BYTES,
     DTYPES,
     HEADER_BYTES,
-    LONGEST,
-    LONGEST_PAYLOAD,
     Packet,
     PacketFlag,
     PacketKind,
@@ -125,6 +123,9 @@ class PacketDecoder:
         return int(left)
 
 
+BUFFER = 1 << 18  # bytes; what arrives between two polls must fit
+
+
 class PacketScanner:
     """Packets out of a stream of bytes, found again after whatever was damaged.
 
@@ -135,14 +136,11 @@ class PacketScanner:
     Parameters
     ----------
     decoder : PacketDecoder
-    size : int, bytes
-        Of the buffer; what arrives between two polls must fit.
     """
 
-    def __init__(self, decoder: PacketDecoder, size: int = 1 << 18) -> None:
-        check_count("size", size, 2 * LONGEST, 1 << 30, "bytes; two of the longest packets or more")
+    def __init__(self, decoder: PacketDecoder) -> None:
         self.decoder = decoder
-        self.octets: Octets = np.zeros(size, np.uint8)
+        self.octets: Octets = np.zeros(BUFFER, np.uint8)
         self.used = 0
         self._rows = self.octets[np.newaxis]  # as one datagram that goes on and on
         self._lengths: Ints = np.zeros(1, np.int64)
@@ -205,8 +203,6 @@ class PacketEncoder:
     kind : PacketKind
         BYTES, SHORTS, FLOATS or SIGNED.
     device : int
-    payload : int, bytes
-        At most, of one packet; the default fits an Ethernet of 1500 bytes.
 
     Attributes
     ----------
@@ -215,20 +211,14 @@ class PacketEncoder:
     """
 
     def __init__(
-        self,
-        channels: int,
-        kind: PacketKind = PacketKind.SHORTS,
-        *,
-        device: int = 1,
-        payload: int = ETHERNET,
+        self, channels: int, kind: PacketKind = PacketKind.SHORTS, *, device: int = 1
     ) -> None:
         PacketDevice(device, channels)  # refuses what cannot be
         if kind not in DTYPES:
             raise InputError(f"kind is {kind!r}, expected BYTES, SHORTS, FLOATS or SIGNED")
         self.kind = PacketKind(kind)
-        width = DTYPES[self.kind].itemsize
-        check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
-        self.channels, self.device, self.per_packet = channels, device, payload // width
+        self.channels, self.device = channels, device
+        self.per_packet = ETHERNET // DTYPES[self.kind].itemsize
         self.sequence = self.reading = 0
 
     def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> list[bytes]:
