@@ -352,16 +352,6 @@ def test_a_full_stream_goes_on_where_it_stopped() -> None:
     assert seen[Count.BYTES] == len(data)
 
 
-def test_a_broken_connection_leaves_no_half_packet() -> None:
-    packet = counts_packet([9] * 4, sequence=1)
-    scanner, blocks, seen = PacketScanner(PacketDecoder(8)), Blocks(4096), counters()
-    for piece in (packet[:20], packet):
-        scan(scanner, piece, blocks, seen)
-        scanner.forget()
-    assert seen[Count.RECEIVED] == 1
-    assert seen[Count.MALFORMED] == 0
-
-
 def test_the_longest_packet_byte_by_byte() -> None:
     packet = counts_packet([1.5] * 1016, kind=3)
     assert len(packet) == LONGEST

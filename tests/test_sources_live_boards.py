@@ -28,7 +28,6 @@ from skinfield.signal import (
 )
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
-from skinfield.skin.reading import Recording
 from skinfield.wire.can import BusSettings
 from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.wire.icub import (
@@ -43,7 +42,6 @@ from skinfield.wire.sources import (
     ICubCan,
     NoReadingError,
     PacketUdp,
-    ReplaySource,
     StreamReader,
 )
 from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
@@ -416,17 +414,6 @@ def test_the_newest_reading_is_young_enough_or_refused() -> None:
     reader.channels.stamp_ns[:] -= 30 * 10**9
     with pytest.raises(NoReadingError, match="s old, expected at most 10 s"):
         reader.read_latest(10.0)
-
-
-def test_readings_of_a_source() -> None:
-    readings = Recording(5_000_000 * np.arange(3), np.arange(12.0).reshape(3, 4))
-    stream = ReplaySource(readings, loop=True).open()
-    reader = StreamReader(stream)
-    values = [reader.read(10.0).counts[0] for _ in range(5)]
-    assert set(values) <= {0.0, 4.0, 8.0}
-    assert len(set(values)) > 1
-    assert reader.read_latest(10.0).counts.shape == (4,)
-    stream.close()
 
 
 def test_reading_waits_for_a_file_descriptor() -> None:
