@@ -15,7 +15,7 @@ def packed(*identifiers: int) -> bytes:
     """A datagram of messages without data."""
     rows = CanMessages(len(identifiers))
     rows.ids[:] = identifiers
-    return structs_of(rows, 0, len(rows))
+    return structs_of(rows, len(rows))
 
 
 SEEDS = [

@@ -6,8 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, Channels, Count, Port, blocks_of, counters
-from skinfield.wire.sources.yarp import VectorReader
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.links import Place
+from skinfield.wire.sources.yarp import YarpLink
 from skinfield.wire.yarp import Answer, Carrier, bytes_from_bottle, text_from_bottle
 from skinfield.wire.yarp.carriers import Lines, from_octets, greeting, message
 from skinfield.wire.yarp.contacts import known_name, part_of, port_of
@@ -60,16 +61,19 @@ class Socket:
         return len(data)
 
 
-class Link:
-    """A connection that brought lines."""
+class Link(YarpLink):
+    """A connection that brought bytes, whose lines may have 60 of them."""
 
     def __init__(self, data: bytes) -> None:
-        self.lines = Lines(60)
-        self.lines.feed(data)
+        super().__init__("/out", Place(0, ()), "me", CHANNELS)
+        self._lines = Lines(60)
+        self._lines.feed(data)
 
-    def broke(self, why: str) -> int:
-        """See `YarpLink`."""
-        self.lines = Lines()
+    def _open(self) -> bool:
+        return self._opened(-1)
+
+    def receive(self, into: np.ndarray) -> int:
+        """Nothing more."""
         return 0
 
 
@@ -115,10 +119,10 @@ def answers(data: bytes) -> None:
 def vectors(data: bytes) -> None:
     """A stream of vectors becomes blocks of their channels."""
     counted, blocks = counters(), Blocks(64 * len(data) + 64)
-    reader = VectorReader(Port("skin", CHANNELS), Link(data))
-    reader.take(blocks, 3, counted, 10**9)
+    link = Link(data)
+    link.take(blocks, 3, counted, 10**9)
     channels = Channels(3 + CHANNELS)
     assert channels.apply(blocks) == counted[Count.READINGS] == len(list(blocks_of(blocks.data)))
     assert np.isnan(channels.counts[:3]).all()
     assert (counted >= 0).all()
-    assert reader.note == "" or "expected 5 numbers" in reader.note
+    assert link.note == "" or "expected 5 numbers" in link.note

@@ -12,10 +12,20 @@ from bus_peers import wait_for
 from icub_files import SKIN, SPEC
 from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, PacketSocket
 
-from skinfield.emulator import VirtualSettings
+from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, CanMessages, Count, Kind, Port, Status, counters
+from skinfield.signal import (
+    Blocks,
+    CanMessages,
+    Count,
+    Kind,
+    Lasting,
+    Port,
+    Source,
+    Status,
+    counters,
+)
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
@@ -32,11 +42,9 @@ from skinfield.wire.sources import (
     ICubCan,
     NoReadingError,
     PacketUdp,
-    SimulationSource,
     StreamReader,
-    matched,
 )
-from skinfield.wire.sources.boards import AT_ONCE, CySkinSupervision, ICubSupervision, ports_of
+from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000
@@ -62,7 +70,7 @@ class Cared:
 
     def __init__(self) -> None:
         self.wire, self.now = Wire(), NOW
-        self.care = ICubSupervision(configuration_for(*HEXAGON), 0)
+        self.care = icub_supervision(configuration_for(*HEXAGON), 0)
         self.care.begin(NOW)
 
     def heard(self, message_class: int = 4) -> None:
@@ -138,7 +146,7 @@ def test_a_clock_that_is_set_back_does_not_silence_the_care(cared: Cared) -> Non
 
 def test_each_board_of_cyskin_is_started_again() -> None:
     wire, settings = Wire(), CySkinWire()
-    care = CySkinSupervision(CYSKIN_BOARDS, settings, 20)
+    care = cyskin_supervision(CYSKIN_BOARDS, settings, 20)
     care.begin(NOW)
     start = start_messages(CYSKIN_BOARDS, settings, period_ms=20)
     for step in range(20):
@@ -274,17 +282,6 @@ def configured(boards: int, *runs: PortRun) -> ICubConfiguration:
     )
 
 
-@pytest.mark.parametrize(
-    ("first", "count", "port_first"), [(0, 192, 192), (192, 384, 0), (384, 576, 192), (0, 960, 384)]
-)
-def test_runs_of_any_whole_boards_are_taken(first: int, count: int, port_first: int) -> None:
-    found, ports = ports_of(configured(8, PortRun("left_leg", first, count, port_first)))
-    assert (ports[0].name, ports[0].channels) == ("left_leg", port_first + count)
-    begin = port_first // 192
-    whole = range(first // 192, (first + count) // 192)
-    assert found[begin : begin + count // 192] == tuple((0, address) for address in whole)
-
-
 @pytest.mark.parametrize("run", [PortRun("p", 96, 192, 0), PortRun("p", 0, 192, 156)])
 def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
     with pytest.raises(InputError, match="where boards begin"):
@@ -305,18 +302,61 @@ def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
         (tmp_path / name).write_text(content)
     text = "rectangular:rows=12,columns=20"
     config = ",".join(str(tmp_path / name) for name in files)
-    with start(VirtualSettings(skin=text, bus="udp", scene="idle", noise=0.0)) as boards:
-        skin = Skin((by_name(text),))
-        source = source_from_options("icub", "udp", boards.channels, skin, {"config": config})
+    udp = {"bus": "udp", "channels": ("127.0.0.1:0",)}
+    with closing(VirtualSkin(VirtualSettings(skin=text, scene="idle", noise=0.0, **udp))) as boards:
+        thread = threading.Thread(target=boards.run, daemon=True)
+        thread.start()
+        skin, places = Skin((by_name(text),)), boards.hardware.addresses
+        source = source_from_options("icub", "udp", places, skin, {"config": config})
         host = Host(source.open())
         assert [(port.name, port.channels) for port in host.stream.ports] == [("rectangular", 384)]
         host.until(lambda: host.count(Count.RECEIVED) > 600)
         host.stream.close()
+        boards.stop()
+        thread.join()
     channels = host.channels
     assert (channels.counts[:228] == 0xEB).all()
     assert np.isnan(channels.counts[240:]).all()
     assert (channels.stamp_ns[228:240] < channels.stamp_ns[:228].min()).all()
     assert [host.count(each) for each in (Count.LOST, Count.DUPLICATED)] == [0, 0]
+
+
+def follow(host: Host, source: Source) -> Host:
+    """Leave the boards to another stream, as engines do that follow on each other."""
+    assert isinstance(host.stream, Lasting)
+    host.stream.leave()
+    host.stream.close()
+    stream = source.open()
+    assert isinstance(stream, Lasting)
+    stream.resume()
+    return Host(stream)
+
+
+def test_icub_goes_on_under_a_press_and_is_told_again_when_it_boots() -> None:
+    with start(VirtualSettings(bus="udp", scene="idle")) as skin:
+        options = {"period_ms": "5", "no_load": "245"}
+        source = source_from_options("icub", "udp", tuple(skin.channels), HEXAGON, options)
+        first = Host(source.open())
+        first.until(lambda: first.count(Count.RECEIVED) > 500)
+        assert abs(np.nanmean(first.channels.counts[:72]) - 245.0) < 2.0
+        skin.press(taxel=40, force=2.0)
+        first.until(lambda: np.nanmin(first.channels.counts[:72]) < 225)
+        host = follow(first, source)
+        host.until(lambda: host.count(Count.RECEIVED) > 200)
+        assert np.nanmin(host.channels.counts[:72]) < 225
+        assert host.stream.reconfigured == 0  # type: ignore[attr-defined]
+        skin.release()
+        skin.fault("reboot 0+100ms")
+        host.until(lambda: host.stream.reconfigured == 1)  # type: ignore[attr-defined]
+        before = host.count(Count.RECEIVED)
+        host.until(lambda: host.count(Count.RECEIVED) > before + 200)
+        assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
+        host.stream.close()
+        counts = skin.stop()
+        assert counts["reboots"] == 1
+        for what in (Count.LOST, Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
+            assert host.count(what) == 0, what.name
+        assert first.count(Count.RECEIVED) + host.count(Count.RECEIVED) <= counts["messages"]
 
 
 class Script:
@@ -376,16 +416,6 @@ def test_the_newest_reading_is_young_enough_or_refused() -> None:
         reader.read_latest(10.0)
 
 
-def test_readings_of_a_source() -> None:
-    stream = SimulationSource(np.arange(12.0).reshape(3, 4), rate=200.0).open()
-    reader = StreamReader(stream)
-    values = [reader.read(10.0).counts[0] for _ in range(5)]
-    assert set(values) <= {0.0, 4.0, 8.0}
-    assert len(set(values)) > 1
-    assert reader.read_latest(10.0).counts.shape == (4,)
-    stream.close()
-
-
 def test_reading_waits_for_a_file_descriptor() -> None:
     device, stream = PacketSocket(), PacketUdp(72, port=0).open()
 
@@ -400,13 +430,3 @@ def test_reading_waits_for_a_file_descriptor() -> None:
     thread.join()
     stream.close()
     device.close()
-
-
-def test_ports_are_matched_by_name_or_being_the_only_one() -> None:
-    assert matched(HEXAGON, [Port("skin", 192)]) == (0,)
-    assert matched(HEXAGON, [Port("skin", 9), Port("hexagon72", 72)]) == (1,)
-    assert matched(HEXAGON[0], [Port("hexagon72", 72)]) == (0,)
-    with pytest.raises(InputError, match="has no port, expected one of its name among a, b"):
-        matched(HEXAGON, [Port("a", 192), Port("b", 192)])
-    with pytest.raises(InputError, match="reads channel 71, expected channels below 12"):
-        matched(HEXAGON, [Port("a", 12)])

@@ -19,6 +19,7 @@ from live_devices import (
 )
 
 from skinfield.signal import Source, Stream
+from skinfield.skin.reading import Recording
 from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings
 from skinfield.wire.icub import configuration_for
@@ -27,7 +28,6 @@ from skinfield.wire.sources import (
     ICubCan,
     PacketUdp,
     ReplaySource,
-    SimulationSource,
 )
 
 
@@ -115,8 +115,10 @@ class TestCySkinSharedMemory(Leaving):
         self.device.send()
 
 
-class TestSimulationSource(SourceContract):
-    source = SimulationSource(np.arange(60.0).reshape(5, 12), rate=500.0)
+class TestReadings(SourceContract):
+    source = ReplaySource(
+        Recording(2_000_000 * np.arange(5), np.arange(60.0).reshape(5, 12)), loop=True
+    )
 
 
 class TestReplaySource(SourceContract):

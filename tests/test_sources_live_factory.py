@@ -21,7 +21,6 @@ from skinfield.wire.sources import (
     PacketTcp,
     PacketUdp,
     ReplaySource,
-    SimulationSource,
     factory,
     skin_for,
     source_from_options,
@@ -75,36 +74,30 @@ def test_the_skin_on_its_hardware() -> None:
     np.testing.assert_array_equal(skin_for("cyskin", HEXAGON)[0].channel, ON_CYSKIN[0].channel)
 
 
+DEVICES = (PacketDevice(1, 72, "hexagon72"),)
+PEER = "192.0.2.9:5000"
+
+
 @pytest.mark.parametrize(
-    ("channel", "place"),
+    ("words", "options", "expected"),
     [
-        (":5000", ("127.0.0.1", 5000, "")),
-        ("0.0.0.0:5000", ("0.0.0.0", 5000, "")),
-        ("192.0.2.9:5000", ("0.0.0.0", 0, "192.0.2.9:5000")),
+        ("packet udp :5000", {"unit": "Pa"}, PacketUdp(DEVICES, "127.0.0.1", 5000, unit="Pa")),
+        ("packet udp 0.0.0.0:5000", {}, PacketUdp(DEVICES, "0.0.0.0", 5000)),
+        (f"packet udp {PEER}", {"listen": "yes"},
+         PacketUdp(DEVICES, "0.0.0.0", 0, PEER, command=False)),
+        ("packet tcp 192.0.2.9", {}, PacketTcp(DEVICES, "192.0.2.9")),
+        ("packet serial /dev/ttyUSB3", {"baud": "115200", "listen": "true"},
+         PacketSerial(DEVICES, "/dev/ttyUSB3", 115200, command=False)),
     ],
-)
-def test_packets_by_udp(channel: str, place: tuple[str, int, str]) -> None:
-    source = made("packet", "udp", channel, unit="Pa", listen="yes")
-    assert source == PacketUdp(
-        (PacketDevice(1, 72),), *place, names=("hexagon72",), unit="Pa", command=False
-    )
+)  # fmt: skip
+def test_packets(words: str, options: dict[str, str], expected: Source) -> None:
+    assert made(*words.split(), **options) == expected
 
 
-def test_packets_by_tcp_and_serial() -> None:
-    devices = {"devices": (PacketDevice(1, 72),), "names": ("hexagon72",)}
-    assert made("packet", "tcp", "192.0.2.9") == PacketTcp(host="192.0.2.9", **devices)
-    line = made("packet", "serial", "/dev/ttyUSB3", baud="115200", listen="true")
-    assert line == PacketSerial(path="/dev/ttyUSB3", baud=115200, command=False, **devices)
-
-
-def test_replay_and_simulation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replay(tmp_path: Path) -> None:
     source = made("replay", "", str(tmp_path), speed="inf", loop="on")
     assert isinstance(source, ReplaySource)
     assert (source.speed, source.loop) == (float("inf"), True)
-    monkeypatch.setattr(
-        factory, "pressed", lambda skin, **given: SimulationSource(np.ones((1, 72)))
-    )
-    assert isinstance(made("simulation", rate="100", force="2"), SimulationSource)
 
 
 class Own:
@@ -188,6 +181,5 @@ def test_places() -> None:
     assert bus == BusSettings("slcan", "/dev/ttyACM0", bitrate=500000)
     (bus,) = bus_settings("udp", ["[fe80::7]:9"], 1, 0)
     assert bus == BusSettings("udp", "::", 0, "[fe80::7]:9")
-    for text, own in (("[::1]:5", "::1"), ("localhost:5", "127.0.0.1"), ("192.0.2.1:5", "0.0.0.0")):
-        assert udp_places(text, *host_and_port(text, "h", 1)) == (own, 0, text)
-    assert udp_places("0.0.0.0:5", "0.0.0.0", 5) == ("0.0.0.0", 5, "")
+    for text, own in (("[::1]:5", "::1"), ("localhost:5", "127.0.0.1")):
+        assert udp_places(text, 1) == (own, 0, text)

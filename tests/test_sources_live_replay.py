@@ -14,9 +14,8 @@ from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import CycleLayout
 from skinfield.signal import Block, Blocks, Channels, Count, Kind, Port, Status, blocks_of
 from skinfield.skin import Patch
-from skinfield.wire.sources import ReplaySource, SimulationSource, pressed
-from skinfield.wire.sources import replay as simulation
-from skinfield.wire.sources.replay import BlockReplayStream, narrowest, tape_of
+from skinfield.wire.sources import ReplaySource
+from skinfield.wire.sources.replay import BlockReplayStream, tape_of
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
@@ -38,7 +37,7 @@ def table(speed: float = 1.0, loop: bool = False) -> BlockReplayStream:
 def test_readings_come_at_their_time_with_their_stamps() -> None:
     stream = table()
     (first,) = polled(stream, START)
-    assert (first.stamp_ns, first.channel, first.kind) == (START, 10, Kind.SHORTS)
+    assert (first.stamp_ns, first.channel, first.kind) == (START, 10, Kind.FLOATS)
     assert first.payload.tolist() == [0, 100, 200]
     assert polled(stream, START + 9 * MS) == []
     late = polled(stream, START + 25 * MS)
@@ -92,12 +91,6 @@ def test_numbers_keep_their_values(values: list[float]) -> None:
     stream = BlockReplayStream((), tape_of(counts, np.zeros(1, np.int64)))
     (block, *_) = polled(stream, START)
     np.testing.assert_array_equal(block.payload.astype(float), counts[0])
-
-
-def test_the_narrowest_kind_is_taken() -> None:
-    numbers = (255.0, 256.0, 65536.0, 0.5, -1.0, np.nan)
-    kinds = [narrowest(np.array([[0.0, number]]))[0] for number in numbers]
-    assert kinds == [Kind.BYTES, Kind.SHORTS, *[Kind.FLOATS] * 4]
 
 
 def csv(folder: Path, names: str, rows: list[str]) -> Path:
@@ -211,26 +204,3 @@ def test_ports_of_a_live_recording() -> None:
     assert BlockReplayStream(ports, tape).ports == ports
     with pytest.raises(FileError, match="channel 12, expected channels below 12"):
         BlockReplayStream((Port("hand", 12),), tape)
-
-
-def test_a_simulated_press(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "LADDER", 1)  # takes seconds for each
-    source = pressed(HEXAGON, period=1.0, rest=0.5, rate=20.0, force=2.0)
-    counts = np.asarray(source.counts)
-    assert counts.shape == (30, HEXAGON[0].n_channels)
-    assert source.ports == (Port("hexagon72", HEXAGON[0].n_channels),)
-    assert abs(counts[:10].mean() - 1000.0) < 5.0
-    peak = counts[20] - 1000.0
-    assert peak.max() > 1000.0
-    middle = np.linalg.norm(HEXAGON[0].plane - HEXAGON[0].plane.mean(0), axis=1)
-    assert np.argmax(peak[HEXAGON[0].channel]) == np.argmin(middle)
-    assert (np.diff(counts[10:21].max(1)) > -200.0).all()
-
-
-def test_simulations_that_cannot_be() -> None:
-    with pytest.raises(InputError, match="readings, channels"):
-        SimulationSource(np.zeros(3))
-    with pytest.raises(InputError, match="expected 5"):
-        SimulationSource(np.zeros((2, 3)), ports=(Port("a", 5),))
-    with pytest.raises(InputError, match="rate"):
-        SimulationSource(np.zeros((2, 3)), rate=0.0)

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from skinfield.errors import Ints
 from skinfield.signal import Block, Blocks, Count, Kind, Source, Status, Stream, blocks_of
 from skinfield.skin.reading import UNITS
 
@@ -139,9 +138,8 @@ class SourceContract:
     def test_a_full_buffer_loses_nothing(self, stream: Stream) -> None:
         """What does not fit stays for the next call."""
         self.gather(stream)
-        wide, blocks = Blocks(), Blocks(self.small)
-        self._drain(stream, wide)
-        expected, before = 0, stream.counters.copy()
+        self._drain(stream, Blocks())
+        blocks, expected, before = Blocks(self.small), 0, stream.counters.copy()
         for _ in range(self.rounds):
             sent = self.provoke(stream)
             if sent is None:
@@ -155,9 +153,7 @@ class SourceContract:
             time.sleep(PAUSE)
         if expected >= 0:
             assert found + self._drain(stream, blocks) == expected
-        self._nothing_lost(stream.counters - before, found)
-
-    def _nothing_lost(self, change: Ints, found: int) -> None:
+        change = stream.counters - before
         assert change[Count.READINGS] >= found
         for what in (Count.LOST, Count.OVERFLOWED, Count.MALFORMED):
             assert change[what] == 0, what.name

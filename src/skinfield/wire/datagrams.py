@@ -7,17 +7,16 @@ import socket
 import struct
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from time import time_ns
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 
 from skinfield.errors import InputError, Ints
 from skinfield.signal.block import Octets
+from skinfield.wire.links import Address, BreakingLink, Place, let_go
 
-Address = tuple[str | int, ...]
 Call = Callable[..., int]
 
 SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python does not name these
@@ -36,44 +35,62 @@ TRANSIENT = {  # of a send or a receive: nothing is broken, less or nothing went
 }
 
 
-class Datagrams:
-    """Room for a batch of received datagrams; nothing is allocated after the beginning.
+class DatagramLink(BreakingLink):
+    """Bound socket of UDP, or of what a subclass opens, that takes in datagrams in batches.
+
+    Nothing is allocated after the beginning.
 
     Parameters
     ----------
+    label : str
     batch : int
         Datagrams of one call.
-    size : int, bytes
-        Of the longest datagram that is understood; longer ones are marked.
+    longest : int, bytes
+        Of a datagram that is understood; longer ones are marked.
+    own : Place, optional
+        Where the socket is bound.
+    peer : Place, optional
+        To send to.
 
     Attributes
     ----------
-    octets : (batch, size) uint8 array
+    octets : (batch, longest) uint8 array
+        Datagrams of the last batch.
     lengths : (batch,) int64 array
-        -1 of a datagram that was longer than `size`.
+        -1 of a datagram that was longer than `longest`.
     stamp_ns : (batch,) int64 array, ns
         When the kernel took it in, else when it was read.
     names : (batch, 32) uint8 array
-        Senders, as struct sockaddr_in or sockaddr_in6.
-    bytes : int
-        Of the last batch.
+        Senders, as struct sockaddr_in or sockaddr_in6; see `address_from_octets`.
+    note : str
+        What should be known of it, in words.
     """
 
-    def __init__(self, batch: int, size: int) -> None:
+    def __init__(
+        self,
+        label: str,
+        batch: int,
+        longest: int,
+        own: Place | None = None,
+        peer: Place | None = None,
+    ) -> None:
         from skinfield.wire.can.kernel import CONTROL, NAME, take_headers
 
-        self.octets: Octets = np.zeros((batch, size), np.uint8)
+        super().__init__(label)
+        self._own, self.note = own, ""
+        self._peer: Address | None = None if peer is None else peer.address
+        self._socket: socket.socket | None = None
+        self.octets: Octets = np.zeros((batch, longest), np.uint8)
         self.lengths: Ints = np.zeros(batch, np.int64)
         self.stamp_ns: Ints = np.zeros(batch, np.int64)
         self.names: Octets = np.zeros((batch, NAME), np.uint8)
-        self.bytes = 0
         self._control = np.zeros(batch * CONTROL // 4, np.uint32)
         self._drops: Ints = np.zeros(2, np.int64)
         self._headers: Ints = np.zeros((batch, 8), np.int64)
         self._vectors: Ints = np.zeros((batch, 2), np.int64)
         steps = np.arange(batch)
-        self._vectors[:, 0] = self.octets.ctypes.data + steps * size
-        self._vectors[:, 1] = size
+        self._vectors[:, 0] = self.octets.ctypes.data + steps * longest
+        self._vectors[:, 1] = longest
         self._headers[:, 0] = self.names.ctypes.data + steps * NAME
         self._headers[:, 1] = NAME
         self._headers[:, 2] = self._vectors.ctypes.data + steps * 16
@@ -81,35 +98,77 @@ class Datagrams:
         self._headers[:, 4] = self._control.ctypes.data + steps * CONTROL
         self._headers[:, 5] = CONTROL
         self._pointer = self._headers.ctypes.data
-        self._take_headers = take_headers
-        self._receive = recvmmsg()
-        self._take(0, 0)  # compiles before the first datagram comes
+        self._take_headers, self._receive = take_headers, recvmmsg()
+        self._note_headers(0, 0)  # compiles before the first datagram comes
 
-    def _take(self, count: int, now_ns: int) -> None:
-        self.bytes = self._take_headers(
+    def _note_headers(self, count: int, now_ns: int) -> None:
+        self._take_headers(
             self._headers, self._control, count, now_ns, self.lengths, self.stamp_ns, self._drops
         )
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port at which it listens; ("", 0) while it is down."""
+        if self._socket is None:
+            return "", 0
+        host, port = self._socket.getsockname()[:2]
+        return str(host), int(port)
 
     @property
     def dropped(self) -> int:
         """Datagrams that the kernel dropped for want of room, in all."""
         return int(self._drops[1])
 
-    def of_new_socket(self) -> None:
-        """Forget the count of an earlier socket; what was dropped stays counted."""
-        self._drops[0] = 0
+    def _open(self) -> bool:
+        self.close()
+        assert self._own is not None
+        sock = None
+        try:
+            sock = socket.socket(self._own.family, socket.SOCK_DGRAM)
+            sock.bind(self._own.address)
+        except OSError as error:
+            let_go(sock)
+            return bool(self.broke(error))
+        return self._use(sock)
 
-    def receive(self, sock: socket.socket) -> int:
-        """Take in what has arrived, as far as there is room; how many datagrams. Never waits."""
+    def _use(self, sock: socket.socket) -> bool:
+        """Take over an open socket, which counts what it dropped from 0 on."""
+        self._socket, self._drops[0] = sock, 0
+        self.note = set_options(sock, self.label)
+        return self._opened(sock.fileno())
+
+    def fill(self) -> int:
+        """Take in the next batch of what has arrived; how many datagrams. Never waits."""
+        if self._socket is None:
+            return 0
         limit = len(self.lengths)
-        count = self._receive(sock.fileno(), self._pointer, limit, socket.MSG_DONTWAIT, None)
+        number = self._socket.fileno()
+        count = self._receive(number, self._pointer, limit, socket.MSG_DONTWAIT, None)
         if count > 0:
-            self._take(count, time_ns())
+            self._note_headers(count, time_ns())
             return count
         code = ctypes.get_errno() if count < 0 else 0
-        if code and code not in TRANSIENT:
-            raise OSError(code, os.strerror(code))
-        return 0
+        return self.broke(os.strerror(code)) if code and code not in TRANSIENT else 0
+
+    def put(self, datagram: bytes) -> bool:
+        """Send a datagram; False if the system did not take it, or nobody is known whom to."""
+        try:
+            return self._socket is not None and self._put(self._socket, datagram)
+        except OSError as error:
+            if error.errno not in TRANSIENT:
+                self.broke(error)
+            return False
+
+    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
+        if self._peer is None:
+            return False
+        sock.sendto(datagram, self._peer)
+        return True
+
+    def close(self) -> None:
+        """Let go of the socket."""
+        let_go(self._socket)
+        self._socket, self.up, self.fault = None, False, "closed"
 
 
 @cache
@@ -136,8 +195,8 @@ def address_from_octets(octets: bytes) -> Address:
     return socket.inet_ntop(socket.AF_INET, octets[4:8]), struct.unpack_from(">H", octets, 2)[0]
 
 
-def set_options(sock: socket.socket) -> int:
-    """Ask for large buffers, stamps and drop counts; bytes of the receive buffer that it got.
+def set_options(sock: socket.socket, label: str) -> str:
+    """Ask for large buffers, stamps and drop counts; a sentence if it got a smaller buffer.
 
     What the system does not know is left out: stamps are then the caller's, and drops unseen.
     """
@@ -151,11 +210,7 @@ def set_options(sock: socket.socket) -> int:
             _is_set(sock, option, size)
     for option in (SO_TIMESTAMPNS, SO_RXQ_OVFL):
         _is_set(sock, option, 1)
-    return sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-
-
-def buffer_note(label: str, size: int) -> str:
-    """What to say of a receive buffer of `size` bytes; empty if it is as large as was asked for."""
+    size = sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
     if size == 0 or size >= RECEIVE_BUFFER:
         return ""
     return (
@@ -171,57 +226,3 @@ def _is_set(sock: socket.socket, option: int, value: int) -> bool:
     except OSError:
         return False
     return True
-
-
-class Place(NamedTuple):
-    """An address that the system can use."""
-
-    family: int
-    address: Address
-
-
-def resolved(host: str, port: int, name: str) -> Place:
-    """Address of a host."""
-    try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
-    except (OSError, UnicodeError) as error:
-        raise InputError(
-            f"{name} is {host!r}, expected an address or a host's name: {error}"
-        ) from None
-    family, _, _, _, address = found[0]
-    return Place(int(family), cast(Address, address))
-
-
-def peer_from_text(text: str) -> Place:
-    """Address of a peer."""
-    host, _, port = text.rpartition(":")
-    if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise InputError(f"peer is {text!r}, expected host:port, as in 127.0.0.1:43113")
-    return resolved(host.strip("[]"), int(port), "peer")
-
-
-def unicast_socket(own: Place) -> tuple[socket.socket, int]:
-    """Bound socket for both directions; the bytes of its receive buffer."""
-    sock = socket.socket(own.family, socket.SOCK_DGRAM)
-    try:
-        size = set_options(sock)
-        sock.bind(own.address)
-    except BaseException:
-        sock.close()
-        raise
-    return sock, size
-
-
-def address_of(sock: socket.socket | None) -> tuple[str, int]:
-    """Host and port at which a socket listens; ("", 0) of none."""
-    if sock is None:
-        return "", 0
-    host, port = sock.getsockname()[:2]
-    return str(host), int(port)
-
-
-def let_go(sock: socket.socket | None) -> None:
-    """Close, whatever state it is in."""
-    if sock is not None:
-        with suppress(OSError):
-            sock.close()

@@ -7,12 +7,70 @@ import socket
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import monotonic
+from typing import NamedTuple, cast
 
 from skinfield.errors import InputError
 from skinfield.signal.block import Octets
-from skinfield.wire.datagrams import Place, let_go
+
+Address = tuple[str | int, ...]
 
 PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
+
+
+class Place(NamedTuple):
+    """An address that the system can use."""
+
+    family: int
+    address: Address
+
+
+def resolved(host: str, port: int, name: str) -> Place:
+    """Address of a host."""
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+    except (OSError, UnicodeError) as error:
+        raise InputError(
+            f"{name} is {host!r}, expected an address or a host's name: {error}"
+        ) from None
+    family, _, _, _, address = found[0]
+    return Place(int(family), cast(Address, address))
+
+
+def host_and_port(text: str, host: str, port: int) -> tuple[str, int]:
+    """Host and port from ``"192.0.2.7:5000"``, ``"[::1]:5000"``, ``"192.0.2.7"`` or ``":5000"``.
+
+    Parameters
+    ----------
+    text : str
+    host, port
+        Where the text does not say.
+
+    Raises
+    ------
+    InputError
+        If the port is none.
+    """
+    before, colon, after = text.rpartition(":")
+    if not colon or "]" in after or (":" in before and not before.startswith("[")):
+        before, after = text, ""
+    if after and not (after.isdecimal() and int(after) <= 65535):
+        raise InputError(f"port of {text!r} is {after!r}, expected a number from 0 to 65535")
+    return before.strip("[]") or host, int(after) if after else port
+
+
+def peer_from_text(text: str) -> Place | None:
+    """Address of a peer; None where the text is empty."""
+    host, port = host_and_port(text, "", 0)
+    if text and not (host and port):
+        raise InputError(f"peer is {text!r}, expected host:port, as in 127.0.0.1:43113")
+    return resolved(host, port, "peer") if text else None
+
+
+def let_go(sock: socket.socket | None) -> None:
+    """Close, whatever state it is in."""
+    if sock is not None:
+        with suppress(OSError):
+            sock.close()
 
 
 class BreakingLink:
@@ -74,15 +132,14 @@ class ByteLink(BreakingLink):
         """Write what has arrived, as far as there is room; how many bytes. Never waits."""
         raise NotImplementedError
 
-    def send(self, data: bytes) -> None:
+    def put(self, data: bytes) -> bool:
         """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
-        if self.up:
-            try:
-                os.write(self._number, data)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError as error:
-                self.broke(error)
+        try:
+            return self.up and os.write(self._number, data) > 0
+        except (BlockingIOError, InterruptedError):
+            return False
+        except OSError as error:
+            return bool(self.broke(error))
 
 
 class DialledLink(ByteLink):

@@ -9,7 +9,7 @@ import errno
 import os
 import socket
 import struct
-from contextlib import suppress
+from collections.abc import Callable
 from time import time_ns
 from types import ModuleType
 from typing import Any
@@ -20,18 +20,8 @@ from skinfield.errors import InputError, Ints
 from skinfield.signal.block import Octets
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
-from skinfield.wire.datagrams import (
-    TRANSIENT,
-    Datagrams,
-    address_from_octets,
-    address_of,
-    buffer_note,
-    let_go,
-    peer_from_text,
-    resolved,
-    set_options,
-    unicast_socket,
-)
+from skinfield.wire.datagrams import DatagramLink, address_from_octets
+from skinfield.wire.links import Place, let_go, peer_from_text, resolved
 
 FRAME = np.dtype([("id", "<u4"), ("length", "u1"), ("pad", "u1", 3), ("data", "u1", 8)])
 STRUCT = FRAME.itemsize  # bytes of struct can_frame
@@ -45,156 +35,106 @@ NO_CAN = {errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT, errno.EPERM, errno.EACCES}
 ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
 
 
-class SocketBus(Bus):
-    """What both have in common; see `Bus`.
+class StructBus(DatagramLink, Bus):
+    """Bus of struct can_frame in datagrams; see `Bus` and `DatagramLink`."""
 
-    Parameters
-    ----------
-    settings : BusSettings
-    longest : int, bytes
-        Of a datagram that is read.
-    together : int
-        Messages that are sent in a datagram, at most.
-    """
+    longest = STRUCT  # bytes of a datagram that is read
+    together = 1  # messages that are sent in a datagram, at most
 
-    def __init__(self, settings: BusSettings, longest: int, together: int) -> None:
+    def __init__(
+        self, settings: BusSettings, own: Place | None = None, peer: Place | None = None
+    ) -> None:
         from skinfield.wire.can.kernel import messages_of_structs
 
-        super().__init__(settings)
-        self._together = together
-        self._in, self._read = Datagrams(BATCH, longest), messages_of_structs
-        self._octets = self._in.octets.reshape(-1)
-        self._words = self._octets.view(np.uint32)
+        super().__init__(settings.label, BATCH, self.longest, own, peer)
+        self.settings, self._read = settings, messages_of_structs
+        self._flat = self.octets.reshape(-1)
+        self._words = self._flat.view(np.uint32)
         self._counts: Ints = np.zeros(2, np.int64)
         self._cursor: Ints = np.zeros(2, np.int64)  # datagram and byte that are read next
         self._taken = 0  # datagrams of the last batch
-        self._socket: socket.socket | None = None
-        self._take(self._one, 0)  # compiles before the first message
+        self._take(CanMessages(1), 0)  # compiles before the first message
 
-    def _use(self, sock: socket.socket, buffer_bytes: int) -> bool:
-        """Take over an open socket."""
-        self._in.of_new_socket()
+    def _use(self, sock: socket.socket) -> bool:
         self._cursor[:], self._taken = 0, 0
-        self._socket, self.note = sock, buffer_note(self.label, buffer_bytes)
-        return self._opened(sock.fileno())
+        return super()._use(sock)
 
-    def receive(self, into: CanMessages, first: int = 0) -> int:
+    def receive(self, into: CanMessages) -> int:
         """See `Bus`."""
-        at, room, empty = first, len(into), False
-        while at < room and self._socket is not None:
+        at, more = 0, True
+        while at < len(into) and self.up:
             if self._cursor[0] == self._taken:
-                if empty:
-                    break
-                try:
-                    count = self._in.receive(self._socket)
-                except OSError as error:
-                    self.broke(error)
-                    break
+                count = self.fill() if more else 0
                 if not count:
                     break
-                self.overflowed = self._in.dropped
-                self._cursor[:], self._taken, empty = 0, count, count < BATCH
+                self._cursor[:], self._taken, more = 0, count, count == BATCH
+                self.overflowed = self.dropped
                 self._came(count)
             at = self._take(into, at)
-        return at - first
+        return at
 
     def _came(self, count: int) -> None:
         """Look at a batch of datagrams."""
 
     def _take(self, into: CanMessages, at: int) -> int:
-        batch = self._in
         end = self._read(
-            self._octets, self._words, batch.octets.shape[1], batch.lengths, batch.stamp_ns,
+            self._flat, self._words, self.octets.shape[1], self.lengths, self.stamp_ns,
             self._taken, self._cursor, at, into.ids, into.lengths, into.data, into.stamp_ns,
             self._counts,
         )  # fmt: skip
         self.malformed, self.errors = self._counts.tolist()
         return int(end)
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
+    def send_many(self, messages: CanMessages, count: int) -> int:
         """See `Bus`; a full queue of the system takes fewer."""
-        messages.check_rows(first, count)
-        octets, sent = structs_of(messages, first, count), 0
-        while sent < count and self._socket is not None:
-            part = min(self._together, count - sent)
-            try:
-                if not self._put(self._socket, octets[STRUCT * sent : STRUCT * (sent + part)]):
-                    break
-            except OSError as error:
-                if error.errno not in TRANSIENT:
-                    self.broke(error)
-                break
-            sent += part
-        return sent
-
-    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
-        """Send a datagram; False if nobody is known whom to."""
-        return sock.send(datagram) > 0
-
-    def close(self) -> None:
-        """Let go of the socket."""
-        let_go(self._socket)
-        self._socket, self.up, self.fault = None, False, "closed"
+        messages.check_rows(0, count)
+        octets, size = structs_of(messages, count), STRUCT * self.together
+        for sent in range(0, len(octets), size):
+            if not self.put(octets[sent : sent + size]):
+                return sent // STRUCT
+        return count
 
 
-def structs_of(messages: CanMessages, first: int, count: int) -> bytes:
-    """Rows `first` to `first + count` as struct can_frame, one behind the other."""
-    rows = slice(first, first + count)
+def structs_of(messages: CanMessages, count: int) -> bytes:
+    """The first `count` rows as struct can_frame, one behind the other."""
     frames = np.zeros(count, FRAME)
-    frames["id"], frames["length"] = messages.ids[rows], np.minimum(messages.lengths[rows], 8)
+    frames["id"], frames["length"] = messages.ids[:count], np.minimum(messages.lengths[:count], 8)
     there = np.arange(8) < frames["length"][:, None]
-    frames["data"] = np.where(there, messages.data[rows], 0)
+    frames["data"] = np.where(there, messages.data[:count], 0)
     return frames.tobytes()
 
 
-class UdpBus(SocketBus):
+class UdpBus(StructBus):
     """Messages in datagrams to one address; see `Bus` and `BusSettings`."""
 
+    longest, together = LONGEST, PER_DATAGRAM
+
     def __init__(self, settings: BusSettings) -> None:
-        super().__init__(settings, LONGEST, PER_DATAGRAM)
-        self._own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
-        peer = peer_from_text(settings.peer) if settings.peer else None
-        if peer is not None and peer.family != self._own.family:
+        own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
+        peer = peer_from_text(settings.peer)
+        if peer is not None and peer.family != own.family:
             raise InputError(
                 f"peer is {settings.peer!r} and channel {settings.channel!r}, expected both of "
                 "IPv4 or both of IPv6"
             )
-        self._peer = peer.address if peer is not None else None
+        super().__init__(settings, own, peer)
         self._name: Octets = np.zeros(0, np.uint8)  # of who sent last
         self.reopen()
 
-    @property
-    def address(self) -> tuple[str, int]:
-        """Host and port at which it listens; ("", 0) while it is down."""
-        return address_of(self._socket)
-
     def _open(self) -> bool:
-        self.close()
-        try:
-            self._use(*unicast_socket(self._own))
-        except OSError as error:
-            self.broke(error)
-        if self.up and self.settings.peer and self._socket is not None:
-            with suppress(OSError):
-                # an empty datagram tells a host that only answers where to answer to
-                self._put(self._socket, b"")
+        if super()._open() and self.settings.peer:
+            self.put(b"")  # tells a host that only answers where to answer to
         return self.up
-
-    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
-        if self._peer is None:
-            return False
-        sock.sendto(datagram, self._peer)
-        return True
 
     def _came(self, count: int) -> None:
         """Without a peer that is configured, answers go to whoever sent last."""
-        name = self._in.names[count - 1]
+        name = self.names[count - 1]
         if not self.settings.peer and not np.array_equal(name, self._name):
             self._name = name.copy()
             self._peer = address_from_octets(name.tobytes())
 
 
-class SocketCanBus(SocketBus):
+class SocketCanBus(StructBus):
     """Linux's own CAN; see `Bus` and `BusSettings`.
 
     Parameters
@@ -205,9 +145,9 @@ class SocketCanBus(SocketBus):
     """
 
     def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
-        super().__init__(settings, STRUCT, 1)
+        super().__init__(settings)
         if sock is not None:
-            self._use(sock, set_options(sock))
+            self._use(sock)
         elif hasattr(socket, "AF_CAN"):
             self._open()
         else:
@@ -237,7 +177,10 @@ class SocketCanBus(SocketBus):
             if error.errno in ABSENT:
                 self.fault += f"; ip link set {device} up type can bitrate 1000000"
             return False
-        return self._use(sock, set_options(sock))
+        return self._use(sock)
+
+    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
+        return sock.send(datagram) > 0
 
 
 NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's own
@@ -268,7 +211,8 @@ class PythonCanBus(Bus):
     """See `Bus` and `BusSettings`."""
 
     def __init__(self, settings: BusSettings) -> None:
-        super().__init__(settings)
+        super().__init__(settings.label)
+        self.settings = settings
         self._can = python_can()
         check_interface(settings.interface)
         self._bus: Any = None
@@ -301,9 +245,9 @@ class PythonCanBus(Bus):
             f"python-can understands, and the driver installed: {type(error).__name__}: {error}"
         )
 
-    def receive(self, into: CanMessages, first: int = 0) -> int:
+    def receive(self, into: CanMessages) -> int:
         """Take in what has arrived."""
-        at = first
+        at = 0
         while self._bus is not None and at < len(into):
             try:
                 message = self._bus.recv(0)
@@ -313,7 +257,7 @@ class PythonCanBus(Bus):
             if message is None:
                 break
             at += self._take(message, into, at)
-        return at - first
+        return at
 
     def _take(self, message: Any, into: CanMessages, row: int) -> int:
         """Note one message; 1 if it is of interest."""
@@ -334,19 +278,19 @@ class PythonCanBus(Bus):
         into.stamp_ns[row] = stamp if now - NEAR < stamp <= now else now
         return 1
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
-        """Send rows of `messages`."""
-        messages.check_rows(first, count)
-        for row in range(first, first + count):
+    def send_many(self, messages: CanMessages, count: int) -> int:
+        """See `Bus`."""
+        messages.check_rows(0, count)
+        for row in range(count):
             if self._bus is None:
-                return row - first
+                return row
             try:
                 self._bus.send(self._message(messages, row), timeout=0)
             except self._can.CanTimeoutError:
-                return row - first
+                return row
             except Exception as error:
                 self.broke(error)
-                return row - first
+                return row
         return count
 
     def _message(self, messages: CanMessages, row: int) -> Any:
@@ -385,5 +329,5 @@ def open_bus(settings: BusSettings) -> Bus:
         If the settings cannot be used: no such interface, address not understood, package not
         installed, no CAN in this system.
     """
-    kinds: dict[str, type[Bus]] = {"udp": UdpBus, "socketcan": SocketCanBus}
+    kinds: dict[str, Callable[[BusSettings], Bus]] = {"udp": UdpBus, "socketcan": SocketCanBus}
     return kinds.get(settings.interface, PythonCanBus)(settings)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal.can import CanMessages
 from skinfield.wire.links import BreakingLink
+from skinfield.wire.links import host_and_port as host_and_port
 
 PORT = 43113  # of UDP, as python-can's bus over multicast has it
 INTERFACES = "udp, socketcan or one of python-can's"
@@ -58,12 +59,9 @@ class BusSettings:
 class Bus(BreakingLink):
     """An open bus; no call waits. A bus that breaks is down until `reopen` says it is back.
 
-    Parameters
-    ----------
-    settings : BusSettings
-
     Attributes
     ----------
+    settings : BusSettings
     overflowed : int
         Messages that the system dropped for want of room, since it was opened; of UDP, datagrams.
     malformed : int
@@ -74,20 +72,12 @@ class Bus(BreakingLink):
         What should be known of it, in words.
     """
 
-    def __init__(self, settings: BusSettings) -> None:
-        super().__init__(settings.label)
-        self.settings, self.note = settings, ""
-        self.overflowed = self.malformed = self.errors = 0
-        self._one = CanMessages(1)
+    settings: BusSettings
+    overflowed = malformed = errors = 0
+    note = ""
 
-    def receive(self, into: CanMessages, first: int = 0) -> int:
-        """Take in what has arrived, as far as there is room from row `first` on.
-
-        Returns
-        -------
-        int
-            Messages; they lie in rows `first` to `first` plus so many.
-        """
+    def receive(self, into: CanMessages) -> int:
+        """Take in what has arrived, as far as there is room; how many messages."""
         raise NotImplementedError
 
     def send(self, identifier: int, data: bytes) -> bool:
@@ -100,37 +90,17 @@ class Bus(BreakingLink):
         data : bytes
             Up to 8.
         """
-        self._one.put(0, identifier, data)
-        return self.send_many(self._one, 1) == 1
+        one = CanMessages(1)
+        one.put(0, identifier, data)
+        return self.send_many(one, 1) == 1
 
-    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
-        """Send rows `first` to `first + count`; how many the system took, the first ones."""
+    def send_many(self, messages: CanMessages, count: int) -> int:
+        """Send the first `count` rows; how many the system took, the first ones."""
         raise NotImplementedError
 
 
+HERE = "127.0.0.1"
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
-
-
-def host_and_port(text: str, host: str, port: int) -> tuple[str, int]:
-    """Host and port from ``"192.0.2.7:5000"``, ``"[::1]:5000"``, ``"192.0.2.7"`` or ``":5000"``.
-
-    Parameters
-    ----------
-    text : str
-    host, port
-        Where the text does not say.
-
-    Raises
-    ------
-    InputError
-        If the port is none.
-    """
-    before, colon, after = text.rpartition(":")
-    if not colon or "]" in after or (":" in before and not before.startswith("[")):
-        before, after = text, ""
-    if after and not (after.isdecimal() and int(after) <= 65535):
-        raise InputError(f"port of {text!r} is {after!r}, expected a number from 0 to 65535")
-    return before.strip("[]") or host, int(after) if after else port
 
 
 def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) -> list[BusSettings]:
@@ -157,14 +127,11 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
             f"channels are {', '.join(channels)}, expected {count}: one for each bus that the "
             "boards are on"
         )
-    return [_bus(bus, channels[i] if channels else "", i, bitrate) for i in range(count)]
-
-
-def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
+    names = channels or ("",) * count
     if bus == "udp":
-        host, port = host_and_port(channel, "127.0.0.1", PORT + number)
-        return BusSettings(bus, *udp_places(channel or host, host, port))
-    return can_interface(bus, channel, number, bitrate)
+        places = (udp_places(name or HERE, PORT + i) for i, name in enumerate(names))
+        return [BusSettings(bus, *each) for each in places]
+    return [can_interface(bus, name, i, bitrate) for i, name in enumerate(names)]
 
 
 def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusSettings:
@@ -177,7 +144,7 @@ def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusS
     return BusSettings(bus, channel, bitrate=bitrate)
 
 
-def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
+def udp_places(text: str, port: int) -> tuple[str, int, str]:
     """Own address and port to bind, and the peer.
 
     No text, a port alone, or all of one's addresses listen there; any other place is the peer's,
@@ -186,13 +153,15 @@ def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
     Parameters
     ----------
     text : str
-    host, port
-        What it says; see `host_and_port`.
+        See `host_and_port`.
+    port : int
+        Where the text does not say.
     """
+    host, port = host_and_port(text, HERE, port)
     if not text or text.startswith(":") or host in ("0.0.0.0", "::"):
         return host, port, ""
-    if host in ("127.0.0.1", "localhost", "::1"):
-        own = "::1" if host == "::1" else "127.0.0.1"
+    if host in (HERE, "localhost", "::1"):
+        own = "::1" if host == "::1" else HERE
     else:
         own = "::" if ":" in host else "0.0.0.0"
     return own, 0, f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -1,4 +1,4 @@
-"""Datagrams of a CAN bus, compiled: their headers, and the struct can_frame in them.
+"""Datagrams of a CAN bus, compiled: headers, the struct can_frame in them, and who sent them.
 
 On 64-bit little-endian Linux struct mmsghdr is 8 words: address, its length, iovec, its count,
 control, its length, flags, length of the datagram. struct can_frame is 16 bytes: 4 of identifier
@@ -38,7 +38,7 @@ def take_headers(
     lengths: Ints,
     stamp_ns: Ints,
     drops: Ints,
-) -> int:
+) -> None:
     """Read what came with `count` datagrams and make their headers ready for the next call.
 
     Parameters
@@ -51,16 +51,9 @@ def take_headers(
         Written; a datagram that was cut has length `TOO_LONG`.
     drops : (2,) int64 array
         Written: see `DROPS`.
-
-    Returns
-    -------
-    int, bytes
-        Of all datagrams.
     """
-    octets = 0
     for i in range(count):
         length = headers[i, LENGTH] & 0xFFFFFFFF
-        octets += length
         lengths[i] = TOO_LONG if headers[i, FLAGS] & TRUNCATED else length
         stamp_ns[i] = now_ns
         at = i * CONTROL
@@ -81,7 +74,6 @@ def take_headers(
             at += (size + 7) & ~7
         headers[i, NAME_LENGTH], headers[i, CONTROL_LENGTH] = NAME, CONTROL
         headers[i, FLAGS] = 0
-    return octets
 
 
 @njit
@@ -141,3 +133,25 @@ def messages_of_structs(
                 data[first, j] = octets[at + 8 + j] if j < size else 0
             first += 1
     return first
+
+
+@njit
+def note_senders(
+    ids: NDArray[np.uint32], stamp_ns: Ints, count: int, mask: int, numbers: Ints, heard_ns: Ints
+) -> None:
+    """Note the newest stamp of each sender.
+
+    Parameters
+    ----------
+    ids, stamp_ns : (N,) arrays
+        Of `CanMessages`.
+    numbers : (K, B) int64 array
+        What the `mask` of a sender's identifiers holds.
+    heard_ns : (K, B) int64 array
+        Written.
+    """
+    for i in range(count):
+        for k in range(numbers.shape[0]):
+            for j in range(numbers.shape[1]):
+                if ids[i] & mask == numbers[k, j]:
+                    heard_ns[k, j] = stamp_ns[i]

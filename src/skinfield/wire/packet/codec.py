@@ -13,8 +13,6 @@ from skinfield.wire.packet.packets import (
     CRC_BYTES,
     DTYPES,
     HEADER_BYTES,
-    LONGEST,
-    LONGEST_PAYLOAD,
     Packet,
     PacketFlag,
     PacketKind,
@@ -32,14 +30,22 @@ class PacketDevice:
         That its packets carry.
     channels : int
         Packets with others are counted as foreign.
+    name : str
+        Of its port; default "skin", or "device<number>" of several.
     """
 
     number: int
     channels: int
+    name: str = ""
 
     def __post_init__(self) -> None:
         check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
         check_count("channels of a device", self.channels, 1, 65535, "taxels and dummies")
+
+    @staticmethod
+    def several(devices: "Sequence[PacketDevice] | int") -> "tuple[PacketDevice, ...]":
+        """Devices; a number stands for device 1 with so many channels."""
+        return (PacketDevice(1, devices),) if isinstance(devices, int) else tuple(devices)
 
 
 class PacketDecoder:
@@ -54,15 +60,13 @@ class PacketDecoder:
     Parameters
     ----------
     devices : sequence of PacketDevice, or int
-        In the order of their channels; a number stands for device 1 with so many channels.
+        In the order of their channels; see `PacketDevice.several`.
     """
 
     def __init__(self, devices: Sequence[PacketDevice] | int) -> None:
         from skinfield.wire.packet.kernel import CHANNELS, COLUMNS, OFFSET, WINDOW
 
-        if isinstance(devices, int):
-            devices = (PacketDevice(1, devices),)
-        self.devices = tuple(devices)
+        self.devices = PacketDevice.several(devices)
         numbers = [device.number for device in self.devices]
         if not numbers or len(set(numbers)) < len(numbers):
             raise InputError(f"devices have the numbers {numbers}, expected one or more, each once")
@@ -108,16 +112,18 @@ class PacketDecoder:
         int
             The first that was left because the blocks might not hold it; `last` if none was.
         """
-        from skinfield.wire.packet.kernel import decode_datagrams
+        from skinfield.wire.packet.kernel import decode_packets
 
         last = min(last, len(datagrams), len(lengths), len(stamp_ns))
         into = blocks.words, blocks.octets, blocks.singles, blocks.end
-        return int(
-            decode_datagrams(
-                datagrams, lengths, stamp_ns, first, last, into, channel, self.tables, counters,
-                self._torn,
-            )
+        left, _ = decode_packets(
+            datagrams, lengths, stamp_ns, first, last, True, self._torn, into, channel,
+            self.tables, counters,
         )  # fmt: skip
+        return int(left)
+
+
+BUFFER = 1 << 18  # bytes; what arrives between two polls must fit
 
 
 class PacketScanner:
@@ -130,15 +136,15 @@ class PacketScanner:
     Parameters
     ----------
     decoder : PacketDecoder
-    size : int, bytes
-        Of the buffer; what arrives between two polls must fit.
     """
 
-    def __init__(self, decoder: PacketDecoder, size: int = 1 << 18) -> None:
-        check_count("size", size, 2 * LONGEST, 1 << 30, "bytes; two of the longest packets or more")
+    def __init__(self, decoder: PacketDecoder) -> None:
         self.decoder = decoder
-        self.octets: Octets = np.zeros(size, np.uint8)
+        self.octets: Octets = np.zeros(BUFFER, np.uint8)
         self.used = 0
+        self._rows = self.octets[np.newaxis]  # as one datagram that goes on and on
+        self._lengths: Ints = np.zeros(1, np.int64)
+        self._stamps: Ints = np.zeros(1, np.int64)
         self._torn: Ints = np.zeros(1, np.int64)
 
     @property
@@ -161,21 +167,23 @@ class PacketScanner:
         Returns
         -------
         int
-            Packets.
+            Bytes that are done with.
         """
-        from skinfield.wire.packet.kernel import decode_run
+        from skinfield.wire.packet.kernel import decode_packets
 
         check_count("received", received, 0, len(self.octets) - self.used, "bytes put into `free`")
-        own, used = self.decoder, self.used + received
-        counters[Count.BYTES] += received
+        used = self.used + received
+        self._lengths[0], self._stamps[0] = used, now_ns
         into = blocks.words, blocks.octets, blocks.singles, blocks.end
-        at, packets = decode_run(
-            self.octets, 0, used, False, self._torn, into, channel, now_ns, own.tables, counters
-        )
+        _, at = decode_packets(
+            self._rows, self._lengths, self._stamps, 0, 1, False, self._torn, into, channel,
+            self.decoder.tables, counters,
+        )  # fmt: skip
+        counters[Count.BYTES] += received
         if at:
             self.octets[: used - at] = self.octets[at:used]
         self.used = used - at
-        return int(packets)
+        return int(at)
 
     def forget(self) -> None:
         """Drop the half packet of a connection that broke."""
@@ -195,8 +203,6 @@ class PacketEncoder:
     kind : PacketKind
         BYTES, SHORTS, FLOATS or SIGNED.
     device : int
-    payload : int, bytes
-        At most, of one packet; the default fits an Ethernet of 1500 bytes.
 
     Attributes
     ----------
@@ -205,20 +211,14 @@ class PacketEncoder:
     """
 
     def __init__(
-        self,
-        channels: int,
-        kind: PacketKind = PacketKind.SHORTS,
-        *,
-        device: int = 1,
-        payload: int = ETHERNET,
+        self, channels: int, kind: PacketKind = PacketKind.SHORTS, *, device: int = 1
     ) -> None:
         PacketDevice(device, channels)  # refuses what cannot be
         if kind not in DTYPES:
             raise InputError(f"kind is {kind!r}, expected BYTES, SHORTS, FLOATS or SIGNED")
         self.kind = PacketKind(kind)
-        width = DTYPES[self.kind].itemsize
-        check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
-        self.channels, self.device, self.per_packet = channels, device, payload // width
+        self.channels, self.device = channels, device
+        self.per_packet = ETHERNET // DTYPES[self.kind].itemsize
         self.sequence = self.reading = 0
 
     def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> list[bytes]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.errors import Ints
 from skinfield.signal.block import Octets, Words
-from skinfield.signal.blocks_kernel import begin_block, payload_words
+from skinfield.signal.blocks_kernel import begin_block
 
 BEGIN = 0xFFFF
 S, F, VERSION = 0x53, 0x46, 1
@@ -38,15 +38,13 @@ HELLO_TIME, TIME, MARKED = 8, 9, 10
 COLUMNS = 11
 NO_JUMP = -1
 
-Row = NDArray[np.int64]
 HELLO, COMMANDS = 16, 32  # as `PacketKind`
 RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
 STATUS_BITS = 0x0F  # that `Status` knows
 LATEST_NS = 1_000_000_000  # how far back a late packet's stamp is put at most
 
-Table = NDArray[np.int64]
 Into = tuple[Words, Octets, NDArray[np.float32], Words]  # words, octets, singles, end of `Blocks`
-Devices = tuple[NDArray[np.int32], Table, Table, Octets]  # see `decode_run`
+Devices = tuple[NDArray[np.int32], Ints, Ints, Octets]  # see `decode_packets`
 
 
 def _tables() -> NDArray[np.uint16]:
@@ -147,19 +145,7 @@ def next_magic(octets: Octets, at: int, stop: int) -> int:
 
 
 @inner
-def words_needed(octets: Octets, at: int) -> int:
-    """Words of blocks that a packet may become, at most."""
-    kind, count = int(np.int64(octets[at + 3])), u16(octets, at + 18)
-    if stated_payload(kind, count) < 0:
-        return 0
-    clearing = 2 + payload_words(BLOCK_STATUS, count)
-    if kind == STATUS:
-        return clearing
-    return clearing + 2 + payload_words(BLOCK_FLOATS if kind == SIGNED else kind, count)
-
-
-@njit
-def track(row: Row, window: Row, sequence: int, time: int, hello: bool, counters: Ints) -> int:
+def track(row: Ints, window: Ints, sequence: int, time: int, hello: bool, counters: Ints) -> int:
     """Number one packet; NEW, TWICE or LATE.
 
     Parameters
@@ -174,77 +160,58 @@ def track(row: Row, window: Row, sequence: int, time: int, hello: bool, counters
         Whether it is a HELLO.
     counters : (len(Count),) int64 array
     """
-    if row[STARTED] == 0:
-        row[STARTED], row[HELLO_TIME] = 1, -1
-        _begin(row, window, (1 << 32) + sequence)
-        _note_hello(row, sequence, time, hello)
-        return NEW
-    newest = row[NEWEST]
-    step = (sequence - newest) & 0xFFFFFFFF
+    step = (sequence - row[NEWEST]) & 0xFFFFFFFF
     if step >= 1 << 31:
         step -= 1 << 32
-    number = newest + step
+    number = row[NEWEST] + step
     far = step <= -WINDOW or step > FAR
     known = not far and step <= 0 and window[number % WINDOW] == number
-    if hello and sequence == 0 and (far or (known and time != row[HELLO_TIME])):
-        _begin(row, window, _epoch(newest))
-        _note_hello(row, sequence, time, hello)
-        row[RESTARTS] += 1
+    first = hello and sequence == 0  # after the device's start
+    restarted = first and (far or (known and time != row[HELLO_TIME]))
+    if restarted or row[STARTED] == 0:
+        row[RESTARTS] += row[STARTED]
+        row[STARTED], row[HELLO_TIME] = 1, time if first else -1
+        begin(row, window, sequence)
         return NEW
     if far:
-        return _far(row, window, sequence, number, counters)
+        return track_far(row, window, sequence, number, counters)
     row[JUMP] = NO_JUMP
     if known:
         counters[DUPLICATED] += 1
         return TWICE
     window[number % WINDOW] = number
-    _note_hello(row, sequence, time, hello)
+    if first:
+        row[HELLO_TIME] = time
     if step > 0:
         counters[LOST] += step - 1
         row[NEWEST] = number
         return NEW
-    _late(row, number, counters)
-    return LATE
-
-
-@inner
-def _epoch(newest: int) -> int:
-    """A number far above all before, for the sequence number 0 of a device that began anew."""
-    return ((newest >> 32) + 2) << 32
-
-
-@njit
-def _begin(row: Row, window: Row, number: int) -> None:
-    row[NEWEST] = row[FIRST] = window[number % WINDOW] = number
-    row[JUMP] = NO_JUMP
-
-
-@inner
-def _note_hello(row: Row, sequence: int, time: int, hello: bool) -> None:
-    if hello and sequence == 0:
-        row[HELLO_TIME] = time
-
-
-@njit
-def _late(row: Row, number: int, counters: Ints) -> None:
-    """Count a packet that came after a later one: it is lost no more, if it was counted so."""
     counters[SWAPPED] += 1
     if number < row[FIRST]:  # from before the first that came: those between are missing
         counters[LOST] += row[FIRST] - number - 1
         row[FIRST] = number
     else:
         counters[LOST] -= 1
+    return LATE
 
 
-@njit
-def _far(row: Row, window: Row, sequence: int, number: int, counters: Ints) -> int:
+@inner
+def begin(row: Ints, window: Ints, sequence: int) -> None:
+    """Number packets anew, far above all before."""
+    number = (((row[NEWEST] >> 32) + 2) << 32) + sequence
+    row[NEWEST] = row[FIRST] = window[number % WINDOW] = number
+    row[JUMP] = NO_JUMP
+
+
+@inner
+def track_far(row: Ints, window: Ints, sequence: int, number: int, counters: Ints) -> int:
     """A packet out of the window: late, until the one after it follows."""
     if row[JUMP] == sequence:
         counters[SWAPPED] -= 1
         counters[LOST] += row[OWED]
-        before = _epoch(row[NEWEST]) + ((sequence - 1) & 0xFFFFFFFF)
-        _begin(row, window, before)
-        row[NEWEST] = window[(before + 1) % WINDOW] = before + 1
+        begin(row, window, (sequence - 1) & 0xFFFFFFFF)
+        row[NEWEST] += 1
+        window[row[NEWEST] % WINDOW] = row[NEWEST]
         row[RESTARTS] += 1
         return NEW
     row[JUMP] = (sequence + 1) & 0xFFFFFFFF
@@ -252,62 +219,6 @@ def _far(row: Row, window: Row, sequence: int, number: int, counters: Ints) -> i
     counters[SWAPPED] += 1
     counters[LOST] -= row[OWED]
     return LATE
-
-
-@njit
-def decode_run(
-    octets: Octets,
-    start: int,
-    stop: int,
-    final: bool,
-    torn: Ints,
-    into: Into,
-    channel: int,
-    now_ns: int,
-    devices: Devices,
-    counters: Ints,
-) -> tuple[int, int]:
-    """Take the packets in `octets[start:stop]`.
-
-    Parameters
-    ----------
-    octets : (L,) uint8 array
-    final : bool
-        Whether nothing follows: what is not whole then is malformed. Otherwise it is left.
-    torn : (1,) int64 array
-        1 while what is no packet goes on, which is counted once.
-    into : arrays
-        Of `Blocks`.
-    channel : int
-    now_ns : int, ns
-    devices : arrays
-        Row of each device's state, or -1 (65536,); the states (D, COLUMNS); their last numbers
-        (D, WINDOW); 1 where a packet of counts left a status behind (C,).
-    counters : (len(Count),) int64 array
-
-    Returns
-    -------
-    at, packets : int
-        Behind the last byte that is done with, and packets. Where `words` has no more room, all
-        from `at` on is as if it had not come yet.
-    """
-    at, packets = start, 0
-    while at < stop:
-        size = packet_size(octets, at, stop)
-        if size > 0:
-            if into[3][0] + words_needed(octets, at) > len(into[0]):
-                break
-            take_packet(octets, at, into, channel, now_ns, devices, counters)
-            torn[0] = 0
-            at += size
-            packets += 1
-        elif size == MORE and not final:
-            break
-        else:
-            counters[MALFORMED] += 1 - torn[0]
-            torn[0] = 1
-            at = next_magic(octets, at + 1, stop)
-    return at, packets
 
 
 @inner
@@ -340,18 +251,14 @@ def take_packet(
     words, payloads, singles, end = into
     status, own, payload = octets[at + 23] & STATUS_BITS, row[OFFSET] + first, at + HEADER_BYTES
     if kind == STATUS:
-        to = begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, status)
-        for i in range((count + 7) >> 3):
-            payloads[to + i] = octets[payload + i]
         for i in range(count):
             marks[own + i] = 0
-        return
-    if status or row[MARKED]:
-        note_status(into, stamp, channel, own, count, status, row, marks)
-    counters[READINGS] += 1
-    to = begin_block(
-        words, end, stamp, channel + own, count, BLOCK_FLOATS if kind == SIGNED else kind, status
-    )
+    else:
+        counters[READINGS] += 1
+        if status or row[MARKED]:
+            note_status(into, stamp, channel, own, count, status, row, marks)
+    form = BLOCK_FLOATS if kind == SIGNED else kind  # else as `Kind`
+    to = begin_block(words, end, stamp, channel + own, count, form, status)
     if kind == SIGNED:
         for i in range(count):
             singles[(to >> 2) + i] = np.float32(np.int16(np.uint16(u16(octets, payload + 2 * i))))
@@ -362,7 +269,14 @@ def take_packet(
 
 @inner
 def note_status(
-    into: Into, stamp: int, channel: int, own: int, count: int, status: int, row: Row, marks: Octets
+    into: Into,
+    stamp: int,
+    channel: int,
+    own: int,
+    count: int,
+    status: int,
+    row: Ints,
+    marks: Octets,
 ) -> None:
     """Keep in mind what a packet of counts says beside them; take it back where it ceased."""
     if status:
@@ -379,31 +293,76 @@ def note_status(
 
 
 @njit
-def decode_datagrams(
+def decode_packets(
     datagrams: NDArray[np.uint8],
-    lengths: NDArray[np.int64],
+    lengths: Ints,
     stamps: Ints,
     first: int,
     last: int,
+    whole: bool,
+    torn: Ints,
     into: Into,
     channel: int,
     devices: Devices,
     counters: Ints,
-    torn: Ints,
-) -> int:
-    """Take datagrams `first` to `last`, each whole or not at all; the first that was left."""
-    room = datagrams.shape[1]
+) -> tuple[int, int]:
+    """Take the packets of datagrams `first` to `last` (exclusive), or of a stream as one datagram.
+
+    Parameters
+    ----------
+    datagrams : (N, L) uint8 array
+    lengths : (N,) int64 array
+    stamps : (N,) int64 array, ns
+    whole : bool
+        Whether each datagram is taken whole or not at all, and what is no whole packet in it is
+        malformed. Otherwise a packet that is not whole, or has no room in the blocks, is left, and
+        bytes are not counted.
+    torn : (1,) int64 array
+        1 while what is no packet goes on, which is counted once.
+    into : arrays
+        Of `Blocks`.
+    channel : int
+    devices : arrays
+        Row of each device's state, or -1 (65536,); the states (D, COLUMNS); their last numbers
+        (D, WINDOW); 1 where a packet of counts left a status behind (C,).
+    counters : (len(Count),) int64 array
+
+    Returns
+    -------
+    left, at : int
+        First datagram that was left because the blocks might not hold it, and bytes of the last one
+        that are done with.
+    """
+    at = 0
     for i in range(first, last):
-        length = max(0, min(int(lengths[i]), room))
-        # A packet of n bytes becomes less than 3 n bytes of blocks: at most 54 of headers and
-        # filling, where it has 26 itself, and twice its payload with an eighth for status.
-        if 8 * (len(into[0]) - into[3][0]) < 3 * length:
-            return i
-        torn[0] = 0
-        counters[OCTETS] += length
-        # A plain 0 and True are types of their own to Numba, which would compile all once more.
-        start, final = int(np.int64(0)), length >= 0
-        decode_run(
-            datagrams[i], start, length, final, torn, into, channel, stamps[i], devices, counters
-        )
-    return last
+        octets, stop, at = datagrams[i], max(0, min(lengths[i], datagrams.shape[1])), 0
+        if whole:
+            if is_full(into, stop):
+                return i, 0
+            torn[0] = 0
+            counters[OCTETS] += stop
+        while at < stop:
+            size = packet_size(octets, at, stop)
+            if size > 0:
+                if is_full(into, size):
+                    break
+                take_packet(octets, at, into, channel, stamps[i], devices, counters)
+                torn[0] = 0
+                at += size
+            elif size == MORE and not whole:
+                break
+            else:
+                counters[MALFORMED] += 1 - torn[0]
+                torn[0] = 1
+                at = next_magic(octets, at + 1, stop)
+    return last, at
+
+
+@inner
+def is_full(into: Into, size: int) -> bool:
+    """Whether the blocks of `size` bytes of packets might have no room.
+
+    A packet of n bytes becomes less than 3 n bytes of blocks: at most 54 of headers and filling,
+    where it has 26 itself, and twice its payload with an eighth for status.
+    """
+    return bool(8 * (len(into[0]) - into[3][0]) < 3 * size)

@@ -31,6 +31,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 from struct import Struct, error, pack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,14 +72,11 @@ class PacketKind(IntEnum):
     ASK = 36  # send a HELLO
 
 
-DTYPES = {
-    kind: np.dtype(form)
-    for kind, form in (
-        (PacketKind.BYTES, "<u1"),
-        (PacketKind.SHORTS, "<u2"),
-        (PacketKind.FLOATS, "<f4"),
-        (PacketKind.SIGNED, "<i2"),
-    )
+DTYPES: dict[int, np.dtype[Any]] = {
+    PacketKind.BYTES: np.dtype("<u1"),
+    PacketKind.SHORTS: np.dtype("<u2"),
+    PacketKind.FLOATS: np.dtype("<f4"),
+    PacketKind.SIGNED: np.dtype("<i2"),
 }
 COMMANDS = frozenset(kind for kind in PacketKind if kind >= PacketKind.START)
 
@@ -126,13 +124,13 @@ class Packet:
         """Numbers (count,) of a packet of counts; empty for other kinds."""
         if self.kind not in DTYPES:
             return ()
-        return tuple(np.frombuffer(self.payload, DTYPES[PacketKind(self.kind)]).tolist())
+        return tuple(np.frombuffer(self.payload, DTYPES[self.kind]).tolist())
 
 
 def payload_bytes(kind: int, count: int) -> int:
     """Bytes that the payload of `count` channels must have; -1 where the kind leaves it open."""
     if kind in DTYPES:
-        return DTYPES[PacketKind(kind)].itemsize * count
+        return DTYPES[kind].itemsize * count
     return -(-count // 8) if kind == PacketKind.STATUS else -1
 
 
@@ -241,7 +239,7 @@ def encode_counts(values: ArrayLike, packet: Packet) -> bytes:
     if packet.kind not in DTYPES:
         kinds = ", ".join(str(int(each)) for each in DTYPES)
         raise InputError(f"kind is {packet.kind}, expected one of {kinds}: the kinds of counts")
-    array = np.asarray(values).astype(DTYPES[PacketKind(packet.kind)])
+    array = np.asarray(values).astype(DTYPES[packet.kind])
     return encode_packet(replace(packet, count=len(array), payload=array.tobytes()))
 
 

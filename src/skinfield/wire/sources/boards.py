@@ -50,7 +50,7 @@ AT_ONCE = 8
 
 
 class BoardSupervision:
-    """The boards of one bus.
+    """The boards of one bus; without any, nothing is told.
 
     Parameters
     ----------
@@ -58,8 +58,9 @@ class BoardSupervision:
         What all boards are told at first, and at last.
     each : sequence of sequences of (identifier, data)
         What each board is told again.
-    numbers : sequence of int
-        By which its messages are known, of each board.
+    numbers : (K, B) sequence of sequences of int
+        By which messages of each board are known; where there are several, the first are of one
+        that nobody configured, the last of one that was.
     mask : int
         Bits of identifiers in which these are.
     period : float, s
@@ -67,7 +68,7 @@ class BoardSupervision:
 
     Attributes
     ----------
-    heard_ns : (N,) int64 array, ns
+    heard_ns : (K, B) int64 array, ns
         When a message of each of `numbers` came last.
     reconfigured : int
         Times that a board was told its settings after the first.
@@ -75,26 +76,26 @@ class BoardSupervision:
 
     def __init__(
         self,
-        begin: Sequence[Message],
-        end: Sequence[Message],
-        each: Sequence[Sequence[Message]],
-        numbers: Sequence[int],
-        mask: int,
-        period: float,
+        begin: Sequence[Message] = (),
+        end: Sequence[Message] = (),
+        each: Sequence[Sequence[Message]] = (),
+        numbers: Sequence[Sequence[int]] = ((),),
+        mask: int = 0,
+        period: float = 1.0,
     ) -> None:
-        from skinfield.wire.sources.kernels import note_senders
+        from skinfield.wire.can.kernel import note_senders
 
         self._note = note_senders
         self._all, self._stop, self._each = tuple(begin), tuple(end), tuple(each)
         self._numbers: Ints = np.array(numbers, np.int64)
         self._mask = mask
         self._silence = round(1e9 * max(SILENCE, 10 * period))
-        self.heard_ns: Ints = np.zeros(len(numbers), np.int64)
-        self._due = [0] * len(each)
-        self._pause = [FIRST_PAUSE] * len(each)
+        self.heard_ns: Ints = np.zeros_like(self._numbers)
+        self._configured = [False] * len(each)
         self._queue: deque[Message] = deque()
         self._look = 0
         self.reconfigured = 0
+        self.resume(0)
 
     @property
     def waiting(self) -> int:
@@ -110,23 +111,11 @@ class BoardSupervision:
         """Take it that all boards were told everything before, and still do it."""
         self._queue.clear()
         self.heard_ns[:] = now_ns  # from here on they may be silent
-        for row in range(len(self._each)):
-            self._was_heard(row)
-
-    def _was_heard(self, row: int) -> None:
-        self._due[row], self._pause[row] = 0, FIRST_PAUSE
+        self._due, self._pause = [0] * len(self._each), [FIRST_PAUSE] * len(self._each)
 
     def heard(self, rows: CanMessages, count: int) -> None:
         """Note who sent."""
         self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)
-
-    def _last_ns(self, row: int) -> int:
-        """When a board sent last."""
-        return int(self.heard_ns[row])
-
-    def _forgot(self, row: int) -> bool:
-        """Whether a board that sends is known to have forgotten its settings."""
-        return False
 
     def attend(self, bus: Bus, now_ns: int) -> None:
         """Look who is silent, and send what is to be sent."""
@@ -144,8 +133,13 @@ class BoardSupervision:
             self._queue.popleft()
 
     def _examine(self, row: int, now_ns: int) -> None:
-        if now_ns - self._last_ns(row) <= self._silence and not self._forgot(row):
-            self._was_heard(row)
+        plain, configured = int(self.heard_ns[0, row]), int(self.heard_ns[-1, row])
+        silent = now_ns - max(plain, configured) > self._silence
+        forgot = self._configured[row] and plain > configured
+        if not silent and not forgot:
+            self._due[row], self._pause[row] = 0, FIRST_PAUSE
+            if plain != configured:  # else it has not sent since all began
+                self._configured[row] = configured > plain
         elif now_ns >= self._due[row]:
             self._queue.extend(self._each[row])
             self._due[row] = now_ns + round(1e9 * self._pause[row])
@@ -159,51 +153,31 @@ class BoardSupervision:
                 bus.send(identifier, data)
 
 
-class ICubSupervision(BoardSupervision):
-    """Boards of an iCub, of bus `place` of their configuration, by their addresses and classes."""
-
-    def __init__(self, configuration: ICubConfiguration, place: int) -> None:
-        boards = [board for board in configuration.boards if board.bus == place]
-        self._configured = [False] * len(boards)
-        super().__init__(
-            configuration.messages(place),
-            configuration.stop_messages(place),
-            [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
-            [message_id(kind, each.address, 0) for kind in MessageClass for each in boards],
-            ~0xF,  # all bits but the triangle's
-            configuration.period,
-        )
-
-    def _classes_ns(self, row: int) -> tuple[int, int]:
-        """When a board sent readings last as one that nobody configured, and as configured."""
-        return int(self.heard_ns[row]), int(self.heard_ns[row + len(self._configured)])
-
-    def _last_ns(self, row: int) -> int:
-        return max(self._classes_ns(row))
-
-    def _was_heard(self, row: int) -> None:
-        super()._was_heard(row)
-        plain, configured = self._classes_ns(row)
-        if plain != configured:  # else it has not sent since all began
-            self._configured[row] = configured > plain
-
-    def _forgot(self, row: int) -> bool:
-        plain, configured = self._classes_ns(row)
-        return self._configured[row] and plain > configured
+def icub_supervision(configuration: ICubConfiguration, place: int) -> BoardSupervision:
+    """Boards of an iCub, of bus `place` of their configuration, by their classes and addresses."""
+    boards = [board for board in configuration.boards if board.bus == place]
+    return BoardSupervision(
+        configuration.messages(place),
+        configuration.stop_messages(place),
+        [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
+        [[message_id(kind, each.address, 0) for each in boards] for kind in MessageClass],
+        ~0xF,  # all bits but the triangle's
+        configuration.period,
+    )
 
 
-class CySkinSupervision(BoardSupervision):
+def cyskin_supervision(
+    boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int
+) -> BoardSupervision:
     """Boards of CySkin on one bus."""
-
-    def __init__(self, boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int) -> None:
-        super().__init__(
-            start_messages(boards, wire, period_ms=period_ms),
-            stop_messages(boards, wire),
-            [start_messages([board], wire, period_ms=period_ms) for board in boards],
-            [board.number for board in boards],
-            wire.every_board,
-            period_ms * 1e-3,
-        )
+    return BoardSupervision(
+        start_messages(boards, wire, period_ms=period_ms),
+        stop_messages(boards, wire),
+        [start_messages([board], wire, period_ms=period_ms) for board in boards],
+        [[board.number for board in boards]],
+        wire.every_board,
+        period_ms * 1e-3,
+    )
 
 
 ROOM = 2048  # messages of one poll of a bus: 0.2 s of a full bus of 1 Mbit/s
@@ -214,41 +188,33 @@ class Line:
     """One bus of a stream, with the decoder of its messages and who attends to its boards."""
 
     def __init__(
-        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision | None, counts: Ints
+        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision, counts: Ints
     ) -> None:
         self.bus, self.decoder, self.supervision = bus, decoder, supervision
         self._rows, self._counts = CanMessages(ROOM), counts
-        self._first = self._count = self._overflowed = self._malformed = 0
+        self._first = self._count = self._malformed = 0
         decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
-        self._heard(0)
+        supervision.heard(self._rows, 0)
 
-    def _heard(self, count: int) -> None:
-        if self.supervision is not None:
-            self.supervision.heard(self._rows, count)
-
-    def take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        """Append the blocks of what has arrived; messages."""
-        taken, bus, counts = 0, self.bus, self._counts
+    def take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        """Append the blocks of what has arrived."""
+        bus, counts = self.bus, self._counts
         for _ in range(ROUNDS):
             if self._first == self._count:
                 self._first, self._count = 0, bus.receive(self._rows)
                 if not self._count:
                     break
-                self._heard(self._count)
-            before = self._first
+                self.supervision.heard(self._rows, self._count)
             self._first = self.decoder.decode(
-                self._rows, self._count, blocks, channel, counts, before
+                self._rows, self._count, blocks, channel, counts, self._first
             )
-            taken += self._first - before
             if self._first < self._count or self._count < ROOM:
                 break  # the blocks are full, or the bus is empty
         malformed = bus.malformed + bus.errors
-        counts[Count.OVERFLOWED] += bus.overflowed - self._overflowed
         counts[Count.MALFORMED] += malformed - self._malformed
-        self._overflowed, self._malformed = bus.overflowed, malformed
-        if self.supervision is not None and bus.up:
+        self._malformed = malformed
+        if bus.up:
             self.supervision.attend(bus, now_ns)
-        return taken
 
 
 class ManagedStream(LinkedStream):
@@ -262,7 +228,7 @@ class ManagedStream(LinkedStream):
     decoders : sequence of CanDecoder
         One for each bus; all decode to the same ports.
     supervisions : sequence of BoardSupervision
-        One for each bus; empty if another host tells the boards what to do.
+        One for each bus.
 
     Attributes
     ----------
@@ -277,17 +243,15 @@ class ManagedStream(LinkedStream):
         decoders: Sequence[CanDecoder],
         supervisions: Sequence[BoardSupervision],
     ) -> None:
-        self._supervisions = tuple(supervisions)
+        self._supervisions, self._leaves = tuple(supervisions), False
         with ExitStack() as undo:
             self.buses = [undo.enter_context(closing(open_bus(settings))) for settings in buses]
             super().__init__(ports, self.buses)
-            attending = self._supervisions or (None,) * len(buses)
             self._lines = [
                 Line(*each, self.counters)
-                for each in zip(self.buses, decoders, attending, strict=True)
+                for each in zip(self.buses, decoders, self._supervisions, strict=True)
             ]
             undo.pop_all()
-        self._leaves = False
         for one in self._supervisions:
             one.begin(time_ns())
 
@@ -305,20 +269,21 @@ class ManagedStream(LinkedStream):
         """See `Lasting`."""
         self._leaves = True
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        return sum(line.take(blocks, channel, now_ns) for line in self._lines)
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        for line in self._lines:
+            line.take(blocks, channel, now_ns)
+        self.counters[Count.OVERFLOWED] = sum(bus.overflowed for bus in self.buses)
 
     def _went_down(self, place: int) -> None:
         self._lines[place].decoder.reset()
 
     def _came_back(self, place: int, now_ns: int) -> None:
-        one = self._lines[place].supervision
-        if one is not None:
-            (one.begin if one.waiting else one.resume)(now_ns)
+        one = self._supervisions[place]
+        (one.begin if one.waiting else one.resume)(now_ns)
 
     def _stop(self) -> None:
         if not self._leaves:
-            for one, bus in zip(self._supervisions, self.buses, strict=False):
+            for one, bus in zip(self._supervisions, self.buses, strict=True):
                 one.stop(bus)
 
 
@@ -351,14 +316,14 @@ class ICubCan:
         """Open the buses and tell the boards to send; see `open_bus` for what cannot be used."""
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
         places = range(len(self.buses))
-        period = self.configuration.period
         return ManagedStream(
             ports,
             self.buses,
-            [ICubDecoder(boards, p, period=period) for p in places],
-            [ICubSupervision(self.configuration, place) for place in places]
-            if self.configure
-            else (),
+            [ICubDecoder(boards, p, period=self.configuration.period) for p in places],
+            [
+                icub_supervision(self.configuration, p) if self.configure else BoardSupervision()
+                for p in places
+            ],
         )
 
 
@@ -397,11 +362,8 @@ def ports_of(configuration: ICubConfiguration) -> tuple[Boards, tuple[Port, ...]
     ports, missing = [], 0
     for name, taken in places.items():
         for place in range(max(taken) + 1):
-            if place in taken:
-                boards.append(addresses[taken[place]])
-            else:
-                boards.append((NOWHERE, missing))
-                missing += 1
+            boards.append(addresses[taken[place]] if place in taken else (NOWHERE, missing))
+            missing += place not in taken
         ports.append(Port(name, BOARD_CHANNELS * (max(taken) + 1)))
     rest = [pair for pair in addresses if pair not in boards]
     if rest:
@@ -454,9 +416,12 @@ class CySkinCan:
             (port_of(self.boards),),
             self.buses,
             [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
-            [CySkinSupervision(each, self.wire, self.period_ms) for each in mine]
-            if self.configure
-            else (),
+            [
+                cyskin_supervision(each, self.wire, self.period_ms)
+                if self.configure
+                else BoardSupervision()
+                for each in mine
+            ],
         )
 
 
@@ -493,5 +458,5 @@ class SharedMemoryStream(LinkedStream):
         self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        return self._reader.read(blocks, channel, self.counters, now_ns)
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        self._reader.read(blocks, channel, self.counters, now_ns)

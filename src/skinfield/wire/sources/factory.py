@@ -1,87 +1,35 @@
-"""Sources from the words of a command line, third parties' included; and ports of patches."""
+"""Sources from the words of a command line, third parties' included."""
 
 from collections.abc import Callable, Mapping, Sequence
+from configparser import RawConfigParser
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from inspect import signature
 from typing import Any
 
 from skinfield.errors import InputError, check_offers
-from skinfield.signal import Port, Source
-from skinfield.skin import Patch, Skin
-from skinfield.wire.can.bus import bus_settings, host_and_port, udp_places
+from skinfield.signal import Source
+from skinfield.skin import Skin
+from skinfield.wire.can.bus import bus_settings, udp_places
 from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
+from skinfield.wire.links import host_and_port
 from skinfield.wire.packet.codec import PacketDevice
 from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
-from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT, PacketSerial, PacketTcp, PacketUdp
-from skinfield.wire.sources.replay import ReplaySource, pressed
+from skinfield.wire.sources.packets import PacketSerial, PacketTcp, PacketUdp
+from skinfield.wire.sources.replay import ReplaySource
 from skinfield.wire.sources.yarp import YarpPort, YarpText
 from skinfield.wire.yarp import PORT as YARP_PORT
 from skinfield.wire.yarp import port_of
 
-YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")
-
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
-STREAMS = ("udp", "tcp", "serial")
-
-
-def _flag(text: str) -> bool:
-    if text.lower() not in YES + NO:
-        raise ValueError(text)
-    return text.lower() in YES
-
-
 CONVERTERS: dict[type, tuple[str, Callable[[str], Any]]] = {
     str: ("text", str),
-    bool: ("yes or no", _flag),
+    bool: ("yes or no", lambda text: RawConfigParser.BOOLEAN_STATES[text.lower()]),
     int: ("a whole number", lambda text: int(text, 0)),
     float: ("a number", float),
 }
-
-
-def matched(skin: Skin | Patch, ports: Sequence[Port]) -> tuple[int, ...]:
-    """Port of each patch: that of its name, or the only one.
-
-    Parameters
-    ----------
-    skin : Skin or Patch
-    ports : sequence of Port
-        Of all sources.
-
-    Returns
-    -------
-    tuple of int
-        Index into `ports`, for each patch.
-
-    Raises
-    ------
-    InputError
-        If a patch has no port, or its channels are more than the port has.
-    """
-    patches = (skin,) if isinstance(skin, Patch) else tuple(skin)
-    names = [port.name for port in ports]
-    found = []
-    for patch in patches:
-        if patch.name in names:
-            place = names.index(patch.name)
-        elif len(ports) == 1:
-            place = 0
-        else:
-            raise InputError(
-                f"patch {patch.name!r} has no port, expected one of its name among "
-                f"{', '.join(names) or 'none'}: name the port after the patch"
-            )
-        highest = int(patch.channel.max())
-        if highest >= ports[place].channels:
-            raise InputError(
-                f"patch {patch.name!r} reads channel {highest}, expected channels below "
-                f"{ports[place].channels}: port {names[place]!r} has no more; is this the layout "
-                "of that skin, and are all its boards listed?"
-            )
-        found.append(place)
-    return tuple(found)
 
 
 def source_from_options(
@@ -115,9 +63,7 @@ def source_from_options(
     texts = dict(options or {})
     if hardware in HARDWARE:
         make = HARDWARE[hardware]
-        read = _read_options(hardware, make, texts)
-        made: Source = make(skin, bus, tuple(channels), **read)
-        return made
+        return make(skin, bus, tuple(channels), **_read_options(hardware, make, texts))
     others = third_parties()
     if hardware not in others:
         more = ", ".join(sorted(others)) or "none"
@@ -125,11 +71,19 @@ def source_from_options(
             f"hardware is {hardware!r}, expected one of {', '.join(HARDWARE)}, or of those that "
             f"installed packages bring: {more}"
         )
-    if bus:
-        texts.setdefault("bus", bus)
-    if channels:
-        texts.setdefault("channels", ",".join(channels))
-    return _called(others[hardware], skin, texts)
+    where = {"bus": bus, "channels": ",".join(channels)}
+    texts = {name: text for name, text in where.items() if text} | texts
+    point = others[hardware]
+    try:
+        build: Any = point.load()
+    except Exception as error:
+        raise InputError(
+            f"source {point.name!r} ({point.value}) cannot be loaded: "
+            f"{type(error).__name__}: {error}; mend or remove the package that brings it"
+        ) from error
+    source: Source = build(skin, texts)
+    check_offers(f"source of {point.name!r}", source, ("open",), "an object with open()")
+    return source
 
 
 def _read_options(
@@ -149,7 +103,7 @@ def _read_options(
         what, convert = CONVERTERS[type(usual[name])]
         try:
             read[name] = convert(text)
-        except ValueError:
+        except (ValueError, KeyError):
             raise InputError(f"option {name} of {hardware} is {text!r}, expected {what}") from None
     return read
 
@@ -157,19 +111,6 @@ def _read_options(
 def third_parties() -> dict[str, EntryPoint]:
     """Sources of other packages, by name; they are loaded only when they are asked for."""
     return {point.name: point for point in entry_points(group=GROUP)}
-
-
-def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
-    try:
-        make: Any = point.load()
-    except Exception as error:
-        raise InputError(
-            f"source {point.name!r} ({point.value}) cannot be loaded: "
-            f"{type(error).__name__}: {error}; mend or remove the package that brings it"
-        ) from error
-    source: Source = make(skin, texts)
-    check_offers(f"source of {point.name!r}", source, ("open",), "an object with open()")
-    return source
 
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
@@ -263,19 +204,20 @@ def packet(
     Channels: of `udp` ``:port`` or ``0.0.0.0:port`` to listen at, or ``host:port`` of the device;
     of `tcp` ``host:port`` of the server; of `serial` the path of the line.
     """
-    devices = tuple(PacketDevice(number, patch.n_channels) for number, patch in enumerate(skin, 1))
-    names = tuple(patch.name for patch in skin)
+    devices = tuple(
+        PacketDevice(k, patch.n_channels, patch.name) for k, patch in enumerate(skin, 1)
+    )
     if bus == "serial":
         path = _one(channels, PacketSerial.path)
-        return PacketSerial(devices, path, baud, names=names, unit=unit, command=not listen)
-    where = _one(channels, "")
-    host, port = host_and_port(where, "127.0.0.1", TCP_PORT if bus == "tcp" else UDP_PORT)
+        return PacketSerial(devices, path, baud, unit=unit, command=not listen)
+    place = _one(channels, "")
     if bus == "tcp":
-        return PacketTcp(devices, host, port, names=names, unit=unit, command=not listen)
+        server = host_and_port(place, PacketTcp.host, PacketTcp.port)
+        return PacketTcp(devices, *server, unit=unit, command=not listen)
     if bus not in ("", "udp"):
-        raise InputError(f"bus is {bus!r}, expected one of {', '.join(STREAMS)}: for packets")
-    own, port, peer = udp_places(where, host, port)
-    return PacketUdp(devices, own, port, peer, names=names, unit=unit, command=not listen)
+        raise InputError(f"bus is {bus!r}, expected one of udp, tcp, serial: for packets")
+    places = udp_places(place, PacketUdp.port)
+    return PacketUdp(devices, *places, unit=unit, command=not listen)
 
 
 def replay(
@@ -286,13 +228,6 @@ def replay(
     if not path:
         raise InputError("channel is missing, expected the path of the recording to replay")
     return ReplaySource(path, speed, loop, skin)
-
-
-def simulation(
-    skin: Skin, bus: str, channels: tuple[str, ...], *, rate: float = 50.0, force: float = 3.0
-) -> Source:
-    """A ball that presses each patch in turn, within this process."""
-    return pressed(skin, force=force, rate=rate)
 
 
 def yarp(
@@ -333,6 +268,5 @@ HARDWARE: dict[str, Callable[..., Source]] = {
     "packet": packet,
     "shm": shared_memory,
     "replay": replay,
-    "simulation": simulation,
     "yarp": yarp,
 }

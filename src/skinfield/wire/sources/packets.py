@@ -4,10 +4,7 @@ A device is told to start when the stream opens, when the connection comes back,
 came for `SILENCE`: then once a second. Devices that send by themselves need not understand it.
 """
 
-import fcntl
 import os
-import socket
-import struct
 import termios
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
@@ -20,17 +17,8 @@ from typing import Any
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import Octets
-from skinfield.wire.datagrams import (
-    TRANSIENT,
-    Datagrams,
-    address_of,
-    buffer_note,
-    let_go,
-    peer_from_text,
-    resolved,
-    unicast_socket,
-)
-from skinfield.wire.links import BreakingLink, ByteLink, DialledLink
+from skinfield.wire.datagrams import DatagramLink
+from skinfield.wire.links import ByteLink, DialledLink, peer_from_text, resolved
 from skinfield.wire.packet.codec import PacketDecoder, PacketDevice, PacketScanner
 from skinfield.wire.packet.packets import PacketKind, encode_command
 from skinfield.wire.sources.streams import LinkedStream
@@ -38,7 +26,6 @@ from skinfield.wire.sources.streams import LinkedStream
 SILENCE = 1_000_000_000  # ns
 START, STOP = encode_command(PacketKind.START), encode_command(PacketKind.STOP)
 ROUNDS = 8  # of a poll
-BUFFER = 1 << 18  # bytes
 
 
 @dataclass(frozen=True)
@@ -49,8 +36,6 @@ class PacketSource:
     ----------
     devices : sequence of PacketDevice, or int
         A number: one device, of number 1, with so many channels.
-    names : sequence of str
-        Of the devices' ports; default "skin", or "device<number>" of several.
     unit : str
         Of the numbers, one of `skinfield.skin.reading.UNITS`.
     command : bool
@@ -58,51 +43,36 @@ class PacketSource:
     """
 
     devices: Sequence[PacketDevice] | int
-    names: Sequence[str] = field(default=(), kw_only=True)
     unit: str = field(default="count", kw_only=True)
     command: bool = field(default=True, kw_only=True)
-
-    def __post_init__(self) -> None:
-        devices = self.devices
-        known = (PacketDevice(1, devices),) if isinstance(devices, int) else tuple(devices)
-        names = tuple(self.names) or tuple(
-            "skin" if len(known) == 1 else f"device{each.number}" for each in known
-        )
-        object.__setattr__(self, "devices", known)
-        object.__setattr__(self, "names", names)
 
     @property
     def ports(self) -> tuple[Port, ...]:
         """One for each device."""
-        devices = self.devices
-        assert not isinstance(devices, int)  # since it was made
-        if len(self.names) != len(devices):
-            raise InputError(
-                f"names are {list(self.names)}, expected {len(devices)}: one for each device's port"
-            )
+        devices = PacketDevice.several(self.devices)
+        usual = "skin" if len(devices) == 1 else "device{}"
         return tuple(
-            Port(name, device.channels, self.unit)
-            for name, device in zip(self.names, devices, strict=True)
+            Port(each.name or usual.format(each.number), each.channels, self.unit)
+            for each in devices
         )
 
 
 class PacketStream(LinkedStream):
     """Packets over one link; see `skinfield.signal.Stream`."""
 
-    def __init__(self, source: PacketSource, link: "ByteLink | UdpLink") -> None:
+    def __init__(self, source: PacketSource, link: ByteLink | DatagramLink) -> None:
         with ExitStack() as undo:
             undo.callback(link.close)
             super().__init__(source.ports, [link])
             self.decoder = PacketDecoder(source.devices)
             undo.pop_all()
-        self._send, self._command = link.send, source.command
+        self._send, self._command = link.put, source.command
         self._heard_ns = 0
         self._new = True  # connection, over which nothing was told yet
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        before = int(self.counters[Count.RECEIVED])
-        self._take_packets(blocks, channel, now_ns)
-        packets = int(self.counters[Count.RECEIVED]) - before
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append what has arrived; see `skinfield.signal.Stream`."""
+        packets = super().poll(blocks, channel, now_ns)
         if packets:
             self._heard_ns = now_ns
         if self._command and (self._new or not 0 <= now_ns - self._heard_ns < SILENCE):
@@ -110,9 +80,6 @@ class PacketStream(LinkedStream):
             if not self._new:
                 self._send(START)
         return packets
-
-    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
-        raise NotImplementedError
 
     def _came_back(self, place: int, now_ns: int) -> None:
         self._new = True
@@ -127,19 +94,18 @@ class ByteStream(PacketStream):
 
     def __init__(self, source: PacketSource, link: ByteLink) -> None:
         super().__init__(source, link)
-        self._receive, self._scanner = link.receive, PacketScanner(self.decoder, BUFFER)
+        self._receive, self._scanner = link.receive, PacketScanner(self.decoder)
         self._scanner.take(0, Blocks(1024), 0, self.counters, 0)  # compiles
 
-    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
         scanner = self._scanner
         for _ in range(ROUNDS):
             free = scanner.free
             received = self._receive(free) if len(free) else 0
             if not received and not scanner.used:
                 break
-            before = scanner.used + received
-            scanner.take(received, blocks, channel, self.counters, now_ns)
-            if received < len(free) or scanner.used == before:
+            done_with = scanner.take(received, blocks, channel, self.counters, now_ns)
+            if received < len(free) or not done_with:
                 break  # nothing more waits, or the blocks are full
 
     def _came_back(self, place: int, now_ns: int) -> None:
@@ -175,7 +141,6 @@ class PacketUdp(PacketSource):
     peer: str = ""
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_count("port", self.port, 0, 65535, "of UDP")
 
     def open(self) -> "PacketUdpStream":
@@ -189,62 +154,15 @@ class PacketUdp(PacketSource):
         return PacketUdpStream(self)
 
 
-class UdpLink(BreakingLink):
-    """A bound socket that takes in datagrams in batches."""
-
-    def __init__(self, settings: PacketUdp) -> None:
-        self._own = resolved(settings.host, settings.port, "host")
-        super().__init__(f"udp {self._own.address}")
-        self.peer = peer_from_text(settings.peer).address if settings.peer else None
-        self.batch = Datagrams(BATCH, LONGEST)
-        self.note = ""  # what should be known of it, in words
-        self._socket: socket.socket | None = None
-        self.reopen()
-
-    @property
-    def address(self) -> tuple[str, int]:
-        """Host and port at which it listens; ("", 0) while it is down."""
-        return address_of(self._socket)
-
-    def _open(self) -> bool:
-        self.close()
-        try:
-            self._socket, buffer_bytes = unicast_socket(self._own)
-        except OSError as error:
-            return bool(self.broke(error))
-        self.batch.of_new_socket()
-        self.note = buffer_note(self.label, buffer_bytes)
-        return self._opened(self._socket.fileno())
-
-    def receive(self) -> int:
-        """Fill the batch; how many datagrams."""
-        try:
-            return self.batch.receive(self._socket) if self._socket is not None else 0
-        except OSError as error:
-            return self.broke(error)
-
-    def send(self, data: bytes) -> None:
-        """Send one datagram to the peer."""
-        try:
-            if self._socket is not None and self.peer is not None:
-                self._socket.sendto(data, self.peer)
-        except OSError as error:
-            if error.errno not in TRANSIENT:
-                self.broke(error)
-
-    def close(self) -> None:
-        """Let go of the socket."""
-        let_go(self._socket)
-        self._socket, self.up = None, False
-
-
 class PacketUdpStream(PacketStream):
     """See `PacketStream`."""
 
     def __init__(self, source: PacketUdp) -> None:
-        self._link = UdpLink(source)
-        super().__init__(source, self._link)
-        self._first = self._count = self._overflowed = 0
+        own, peer = resolved(source.host, source.port, "host"), peer_from_text(source.peer)
+        self._link = link = DatagramLink(f"udp {own.address}", BATCH, LONGEST, own, peer)
+        link.reopen()
+        super().__init__(source, link)
+        self._first = self._count = 0
         self._decode(Blocks(1024), 0)  # compiles before the first packet
 
     @property
@@ -252,23 +170,21 @@ class PacketUdpStream(PacketStream):
         """Host and port at which it listens."""
         return self._link.address
 
-    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
         for _ in range(BATCHES):
             if self._first == self._count:
-                self._first, self._count = 0, self._link.receive()
+                self._first, self._count = 0, self._link.fill()
                 if not self._count:
                     break
             self._decode(blocks, channel)
             if self._first < self._count or self._count < BATCH:
                 break  # the blocks are full, or nothing more waits
-        dropped = self._link.batch.dropped
-        self.counters[Count.OVERFLOWED] += dropped - self._overflowed
-        self._overflowed = dropped
+        self.counters[Count.OVERFLOWED] = self._link.dropped
 
     def _decode(self, blocks: Blocks, channel: int) -> None:
-        batch = self._link.batch
+        link = self._link
         self._first = self.decoder.decode_many(
-            batch.octets, batch.lengths, batch.stamp_ns, self._first, self._count, blocks, channel,
+            link.octets, link.lengths, link.stamp_ns, self._first, self._count, blocks, channel,
             self.counters,
         )  # fmt: skip
 
@@ -288,7 +204,6 @@ class PacketTcp(PacketSource):
     port: int = TCP_PORT
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_count("port", self.port, 1, 65535, "of the server")
 
     def open(self) -> ByteStream:
@@ -321,7 +236,6 @@ class PacketSerial(PacketSource):
     baud: int = 921600
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         check_type("path", self.path, str, "of the device's node, as /dev/ttyACM0")
         check_count("baud", self.baud, 50, 20_000_000, "bit/s of the line")
 
@@ -359,7 +273,6 @@ class SerialLink(ByteLink):
         self._port: Any = None
         self._node = (0, 0)
         self._look = 0.0
-        self._waiting = bytearray(4)
         self._open()
 
     def _open(self) -> bool:
@@ -386,14 +299,13 @@ class SerialLink(ByteLink):
             return 0
         try:
             # a line that was unplugged reads as empty for ever, but refuses this question
-            fcntl.ioctl(self._number, termios.FIONREAD, self._waiting)
-            if struct.unpack("=i", self._waiting)[0] > 0:
+            if self._port.in_waiting > 0:
                 return os.readv(self._number, [into.data])
             if monotonic() > self._look:
                 self._check_node()
         except (BlockingIOError, InterruptedError):
             return 0
-        except (OSError, ValueError) as error:
+        except OSError as error:
             return self.broke(error)
         return 0
 

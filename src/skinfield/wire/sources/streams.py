@@ -3,13 +3,11 @@
 import select
 from collections.abc import Sequence
 from time import monotonic, monotonic_ns, time_ns
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints, SkinfieldError, check_range
-from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
+from skinfield.errors import Ints, SkinfieldError, check_range
+from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
 from skinfield.wire.links import BreakingLink
@@ -63,14 +61,14 @@ class LinkedStream:
         """Append what has arrived; see `skinfield.signal.Stream`."""
         if self.closed:
             return 0
-        messages = self._take(blocks, channel, now_ns)
-        up = True
+        before, up = int(self.counters[Count.RECEIVED]), True
+        self._take(blocks, channel, now_ns)
         for place, link in enumerate(self._links):
             if not link.up or self._retries[place].down_since:
                 up = self._follow(place, link, now_ns) and up
         if up != self._reported_up:
             self._report(up, blocks, now_ns)
-        return messages
+        return int(self.counters[Count.RECEIVED]) - before
 
     def _follow(self, place: int, link: BreakingLink, now_ns: int) -> bool:
         """Note that a link broke, try it again, note that it is back; whether it is up."""
@@ -90,8 +88,8 @@ class LinkedStream:
             blocks.put_number(now_ns, self.index, Kind.SOURCE, int(up))
             self._reported_up = up
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        """Append what has arrived, from all links."""
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        """Append what has arrived, from all links, and count it."""
         raise NotImplementedError
 
     def _went_down(self, place: int) -> None:
@@ -145,13 +143,11 @@ class StreamReader:
         self.channels = Channels(sum(port.channels for port in stream.ports))
         self._new = np.zeros(len(self.channels), bool)  # of the reading that is under way
 
-    def take(self) -> int:
-        """Take in what has arrived; how many messages. Never waits."""
+    def take(self) -> None:
+        """Take in what has arrived. Never waits."""
         self._blocks.clear()
-        messages = self.stream.poll(self._blocks, 0, time_ns())
-        if len(self._blocks.data):
-            self.channels.apply(self._blocks)
-        return messages
+        self.stream.poll(self._blocks, 0, time_ns())
+        self.channels.apply(self._blocks)
 
     def read(self, timeout: float = 1.0) -> Reading:
         """Wait for the next reading of all channels that answer.
@@ -169,13 +165,12 @@ class StreamReader:
             If it is not complete in time.
         """
         check_range("timeout", timeout, 0.0, 1e9, "seconds to wait at most")
-        end = monotonic() + timeout
-        stamps, new = self.channels.stamp_ns, self._new
-        known = stamps > 0
+        end, new, fresh = monotonic() + timeout, self._new, self.channels.fresh
+        known = self.channels.stamp_ns > 0
         while True:
-            before = stamps.copy()
+            fresh[:] = 0
             self.take()
-            came = stamps != before
+            came = fresh > 0
             if (came & new).any():
                 new[:] = came
                 return self._reading()
@@ -189,7 +184,9 @@ class StreamReader:
                     f"{np.count_nonzero(new)} of {len(new)} channels brought something new within "
                     f"{timeout:g} s, expected all that answer: {self._state()}"
                 )
-            self._wait(left)
+            numbers = self.stream.filenos()
+            # never for long: a connection that broke is noticed by polling alone
+            select.select(numbers, [], [], min(left, 20 * STEP if numbers else STEP))
 
     def read_latest(self, max_age: float = 0.1) -> Reading:
         """The newest counts, without waiting.
@@ -223,25 +220,4 @@ class StreamReader:
 
     def _state(self) -> str:
         fault = getattr(self.stream, "fault", "")
-        down = f"the source is down ({fault})" if fault else "the source is down"
-        return "the source is up" if self.stream.up else down
-
-    def _wait(self, seconds: float) -> None:
-        numbers: Sequence[int] = self.stream.filenos()
-        # never for long: a connection that broke is noticed by polling alone
-        select.select(numbers, [], [], min(seconds, 20 * STEP if numbers else STEP))
-
-
-def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
-    """The kind of block that holds all counts without loss, or float32, and the counts so.
-
-    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
-    """
-    finite = np.isfinite(counts).all()
-    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
-        if (counts <= 0xFF).all():
-            return Kind.BYTES, counts.astype("<u1")
-        if (counts <= 0xFFFF).all():
-            return Kind.SHORTS, counts.astype("<u2")
-    with np.errstate(over="ignore"):
-        return Kind.FLOATS, counts.astype("<f4")
+        return f"the source is {'up' if self.stream.up else 'down'} ({fault or 'no fault'})"

@@ -13,13 +13,11 @@ from time import monotonic, sleep
 import numpy as np
 
 from skinfield.errors import InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, Count, Port
+from skinfield.signal import Blocks, Count, Kind, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
-from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.datagrams import Place, resolved
-from skinfield.wire.links import DialledLink
-from skinfield.wire.sources.streams import LinkedStream, narrowest
+from skinfield.wire.links import DialledLink, Place, host_and_port, resolved
+from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
 
@@ -132,7 +130,7 @@ class YarpText:
 
 
 class YarpLink(DialledLink):
-    """One port that we read from.
+    """One port that we read from: vectors, each a line with a stamp and a line of numbers.
 
     Parameters
     ----------
@@ -143,18 +141,33 @@ class YarpLink(DialledLink):
     own : str
         Name that we give.
     channels : int
-        Numbers in a vector, which say how long a line may be.
+        Numbers in a vector.
 
     Attributes
     ----------
-    lines : Lines
-        What came and was not taken.
+    note : str
+        That vectors are of another length.
     """
 
     def __init__(self, port: str, place: Place, own: str, channels: int) -> None:
         self._own, self._longest = own, max(SHORTEST_LINE, BYTES_PER_NUMBER * channels)
-        self.lines = Lines(self._longest)
+        self._buffer: Octets = np.zeros(PIECE, np.uint8)
+        self._values = np.zeros(channels, np.float32)
+        self._begin()
         super().__init__(port, place)
+
+    def _begin(self) -> None:
+        """Forget half a vector of an old connection, and its numbers."""
+        self._lines = Lines(self._longest)  # that came and were not taken
+        self._head = ""  # line with a stamp, whose numbers are still to come
+        self._ready = False  # whether a vector waits for room
+        self._last: int | None = None
+        self.note = ""
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        super().close()
+        self._begin()
 
     def _opening(self) -> Iterator[None]:
         """Ask where the port is, where only its name is known, and be welcomed there."""
@@ -170,10 +183,9 @@ class YarpLink(DialledLink):
             place = resolved(*answer.place, "host of the port")
         hello = greeting(Carrier.TEXT, self._own) + message(Carrier.TEXT, "r")
         yield from self._connected(place, hello)
-        self.lines = Lines(self._longest)
-        while (line := self.lines.take()) is None:  # readings may follow it
+        while (line := self._lines.take()) is None:  # readings may follow it
             data = self._heard("it was closed")
-            self.lines.feed(data)
+            self._lines.feed(data)
             if not data:
                 yield
         if not line.startswith("Welcome"):
@@ -190,69 +202,36 @@ class YarpLink(DialledLink):
             raise OSError(closed)
         return data
 
-    def receive(self, into: Octets) -> int:
-        """Put what has arrived into `lines`, by way of `into`; how many bytes. Never waits."""
-        count = super().receive(into)
-        if count:
-            self.lines.feed(into[:count].tobytes())
-        return count
-
-    def close(self) -> None:
-        """Let go of the connection."""
-        super().close()
-        self.lines = Lines(self._longest)
-
-
-class VectorReader:
-    """Vectors of one port out of its lines: a line with a stamp, a line of numbers.
-
-    Parameters
-    ----------
-    port : Port
-    link : YarpLink
-    """
-
-    def __init__(self, port: Port, link: YarpLink) -> None:
-        self._link, self._values = link, np.zeros(port.channels)
-        self.forget()
-
-    def forget(self) -> None:
-        """Begin anew: half a vector of an old connection, and its numbers."""
-        self._head = ""  # line with a stamp, whose numbers are still to come
-        self._ready = False  # whether a vector waits for room
-        self._last: int | None = None
-        self.note = ""  # that vectors are of another length
-
     def take(self, blocks: Blocks, channel: int, counts: Ints, now_ns: int) -> None:
         """Append the vectors that are complete, as far as there is room."""
-        try:
-            while True:
-                if not self._ready:
-                    line = self._link.lines.take()
-                    if line is None:
-                        return
-                    if not self._take_line(line, counts):
-                        continue
-                if not self._put(blocks, channel, now_ns):
-                    return
-                self._ready = False
-                counts[[Count.RECEIVED, Count.READINGS]] += 1
-        except InputError as error:  # a line that does not end
-            counts[Count.MALFORMED] += 1
-            self._link.broke(str(error))
+        for _ in range(ROUNDS):
+            count = self.receive(self._buffer)
+            counts[Count.BYTES] += count
+            if count:
+                self._lines.feed(self._buffer[:count].tobytes())
+            try:
+                while self.up and self._has_vector(counts) and self._put(blocks, channel, now_ns):
+                    self._ready = False
+                    counts[[Count.RECEIVED, Count.READINGS]] += 1
+            except InputError as error:  # a line that does not end
+                counts[Count.MALFORMED] += 1
+                self.broke(str(error))
+            if count < PIECE:
+                break
 
-    def _take_line(self, line: str, counts: Ints) -> bool:
-        """Understand one line; whether a vector is complete with it."""
-        if self._head:
-            self._follow(self._head, counts)
-            self._head, self._ready = "", self._parse(line)
-            counts[Count.MALFORMED] += not self._ready
-        elif line[:1] in DATA:
-            self._head = line
-        elif line[:1] == "q":
-            self._link.broke("the port was closed")
-        elif line and not line.startswith("<"):  # an acknowledgement
-            counts[Count.MALFORMED] += 1
+    def _has_vector(self, counts: Ints) -> bool:
+        """Understand lines until a vector is complete, or none is left."""
+        while not self._ready and self.up and (line := self._lines.take()) is not None:
+            if self._head:
+                self._follow(self._head, counts)
+                self._head, self._ready = "", self._parse(line)
+                counts[Count.MALFORMED] += not self._ready
+            elif line[:1] in DATA:
+                self._head = line
+            elif line[:1] == "q":
+                self.broke("the port was closed")
+            elif line and not line.startswith("<"):  # an acknowledgement
+                counts[Count.MALFORMED] += 1
         return self._ready
 
     def _follow(self, head: str, counts: Ints) -> None:
@@ -273,7 +252,8 @@ class VectorReader:
         except ValueError:
             numbers, what = [], "something else than"
         if len(numbers) == len(self._values):
-            self._values[:], self.note = numbers, ""
+            with np.errstate(over="ignore"):
+                self._values[:], self.note = numbers, ""
             return True
         self.note = (
             f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in each "
@@ -282,10 +262,9 @@ class VectorReader:
         return False
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
-        """Append the vector in the smallest kind of block for it; False if there is no room."""
-        kind, values = narrowest(self._values)
+        """Append the vector; False if there is no room."""
         try:
-            blocks.put(now_ns, channel, values, kind)
+            blocks.put(now_ns, channel, self._values, Kind.FLOATS)
         except Full:
             return False
         return True
@@ -296,27 +275,9 @@ class YarpStream(LinkedStream):
 
     def __init__(self, ports: Sequence[Port], links: Sequence[YarpLink]) -> None:
         super().__init__(ports, links)
-        self._yarp = tuple(links)
-        self._buffer: Octets = np.zeros(PIECE, np.uint8)
-        self._readers = tuple(map(VectorReader, self.ports, self._yarp))
-        self._firsts = np.cumsum([0, *(port.channels for port in self.ports)]).tolist()
+        firsts = np.cumsum([0, *(port.channels for port in ports)]).tolist()
+        self._yarp = tuple(zip(links, firsts, strict=False))
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        before = int(self.counters[Count.RECEIVED])
-        for link, reader, first in zip(self._yarp, self._readers, self._firsts, strict=False):
-            for _ in range(ROUNDS):
-                count = link.receive(self._buffer)
-                self.counters[Count.BYTES] += count
-                if link.up:
-                    reader.take(blocks, channel + first, self.counters, now_ns)
-                if count < PIECE:
-                    break
-        return int(self.counters[Count.RECEIVED]) - before
-
-    def _went_down(self, place: int) -> None:
-        self._readers[place].forget()
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Ports whose vectors are of another length."""
-        return tuple(reader.note for reader in self._readers if reader.note)
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        for link, first in self._yarp:
+            link.take(blocks, channel + first, self.counters, now_ns)
