@@ -6,8 +6,8 @@ from time import monotonic_ns
 
 import numpy as np
 
-from skinfield.emulator.electronics import converters_for, manufacture, starts_of
-from skinfield.emulator.hardware import Fates, Hardware, Schedule
+from skinfield.emulator.electronics import Converters, manufacture
+from skinfield.emulator.hardware import Hardware
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.emulator.transports import open_link
 from skinfield.errors import InputError
@@ -58,16 +58,6 @@ class Device:
         return (monotonic_ns() - self.booted_ns) // 1000
 
 
-def device_of(patch: Patch, number: int) -> Device:
-    """A device for a patch."""
-    if patch.n_channels > 65535:
-        raise InputError(
-            f"patch {patch.name!r} has {patch.n_channels} channels, expected up to 65535 for "
-            "packets: split it up"
-        )
-    return Device(patch, number, PacketEncoder(patch.n_channels, device=number))
-
-
 class Ear:
     """Finds whole commands in a stream; what is none is passed over."""
 
@@ -107,18 +97,16 @@ class PacketDevices(Hardware):
     """See `Hardware`."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
-        rng = np.random.default_rng([settings.seed, 2])
-        self.devices = [device_of(patch, n) for n, patch in enumerate(skin, 1)]
-        self._starts = starts_of(skin)
-        level = np.full(self._starts[-1], REST)
-        arrays = manufacture(skin, settings)
-        converters = converters_for(arrays, settings, level, (0.0, 65535.0))
-        self._base = converters.level.copy()
-        self._wire = open_link(settings, Fates(settings.wires, rng))
-        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        self.devices = [
+            Device(patch, number, PacketEncoder(patch.n_channels, device=number))
+            for number, patch in enumerate(skin, 1)
+        ]
+        level = np.full(sum(len(patch) for patch in skin), REST)
+        converters = Converters(manufacture(skin, settings), settings, level, (0.0, 65535.0))
+        self._wire = open_link(settings)
         self._modules = [np.unique(patch.module) for patch in skin]
         parts = [len(modules) for modules in self._modules]
-        super().__init__(parts, converters, schedule, [self._wire], settings.rate)
+        super().__init__(skin, settings, parts, converters, [self._wire])
         self._ear = Ear()
         self._greeted = False
 
@@ -162,7 +150,7 @@ class PacketDevices(Hardware):
 
     def _rows(self, board: int) -> slice:
         """Taxels of a device, among those of all patches."""
-        return slice(int(self._starts[board]), int(self._starts[board + 1]))
+        return slice(*self._starts[board : board + 2].tolist())
 
     def _hello(self, device: Device) -> None:
         hello = Hello(
@@ -208,5 +196,5 @@ class PacketDevices(Hardware):
         device, rows = self.devices[board], self._rows(board)
         device.booted_ns = monotonic_ns()
         device.encoder.sequence = device.encoder.reading = 0
-        self.converters.level[rows] = self._base[rows]
+        self.converters.level[rows] = REST
         self._hello(device)

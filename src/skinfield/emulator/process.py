@@ -13,6 +13,7 @@ from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.settings import json_from_value
 from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.datagrams import resolved
 
 ANSWER = 5.0  # s
 TRIES = 3
@@ -76,11 +77,10 @@ class VirtualProcess:
         self._asking = threading.Lock()  # one question at a time, from any thread
         self._socket: socket.socket | None = None
         if reply["control"]:
-            place = host_and_port(reply["control"], "127.0.0.1", 0)
-            family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
-            self._socket = socket.socket(family, socket.SOCK_DGRAM)
+            place = resolved(*host_and_port(reply["control"], "", 0), "control")
+            self._socket = socket.socket(place.family, socket.SOCK_DGRAM)
             self._socket.settimeout(ANSWER)
-            self._socket.connect(place)
+            self._socket.connect(place.address)
 
     def __enter__(self) -> "VirtualProcess":
         return self
@@ -146,17 +146,15 @@ class VirtualProcess:
 
         With an `id` that is pressing already, that press is changed.
         """
-        fields: dict[str, Any] = {
-            "do": "press", "patch": patch, "force": force, "radius": radius, "shape": shape,
+        fields = {
+            "do": "press", "id": id, "patch": patch, "x": x, "y": y, "taxel": taxel,
+            "force": force, "radius": radius, "shape": shape,
         }  # fmt: skip
-        fields |= {"taxel": taxel} if taxel is not None else {"x": x, "y": y}
-        fields |= {"id": id} if id is not None else {}
         return str(self.ask(fields)["id"])
 
     def move(self, id: str, x: float, y: float, force: float | None = None) -> None:
         """Move a press to another point of the patch's plane, m."""
-        fields: dict[str, Any] = {"do": "move", "id": id, "x": x, "y": y}
-        self.ask(fields | ({} if force is None else {"force": force}))
+        self.ask({"do": "move", "id": id, "x": x, "y": y, "force": force})
 
     def release(self, id: str | None = None) -> None:
         """Lift off a press, or all that began by hand."""

@@ -37,8 +37,6 @@ FAULT_SYNTAX = (
 FOREVER = 1e9  # s
 HARDWARE = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
-
-
 PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
 Chance = Annotated[float, PROBABILITY]
 Late = Annotated[float, Range(0.0, 60.0, "seconds; 0 is off")]

@@ -41,23 +41,13 @@ class Part(IntFlag):
 
 
 class Command(IntEnum):
-    """First octet of an application packet, and of the answer to it."""
+    """First octet of an application packet."""
 
-    ERROR = 0x13
     SET_MODULE_GROUPING = 0x36
     SET_AUTO_SYNC = 0x37
     SET_AUTO_SYNC_PERIOD = 0x38
     SYNC = 0x3B
-    DECLARE = 0x3C
-    MODULE_DETAILS = 0x3D
     SENSOR_DATA = 0x43
-
-
-class Refusal(IntEnum):
-    """Error codes of an `ERROR` answer."""
-
-    UNSUPPORTED = 0xE2
-    INVALID = 0xE3
 
 
 @dataclass(frozen=True)
@@ -94,7 +84,8 @@ class CySkinBoard:
     number : int
         In the identifiers of its CAN messages.
     modules : tuple of CySkinModule
-        In the board's own order: what `MODULE_DETAILS` says. Sensor data names them by it.
+        In the board's own order, which its answers to MODULE_DETAILS tell. Sensor data names them
+        by it.
     bus : int
         Index into the buses of the source.
     """
@@ -138,12 +129,13 @@ def port_of(boards: Sequence[CySkinBoard]) -> Port:
 
 def uids_of(boards: Sequence[CySkinBoard]) -> tuple[Uids, Ints]:
     """Uids of all sensors that are there, and their channels (S,), in the order of sending."""
-    uids: list[int] = []
-    channels: list[int] = []
     modules = [module for board in boards for module in board.modules]
-    for place, module in enumerate(modules):
-        uids += [module.sui << 4 | s for s in module.sensors]
-        channels += [SENSORS * place + s for s in module.sensors]
+    pairs = [
+        (module.sui << 4 | sensor, SENSORS * place + sensor)
+        for place, module in enumerate(modules)
+        for sensor in module.sensors
+    ]
+    uids, channels = zip(*pairs, strict=True)
     return np.array(uids, np.uint64), np.array(channels, np.int64)
 
 
