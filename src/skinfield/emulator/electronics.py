@@ -24,26 +24,21 @@ DEVIATES = 1 << BITS  # normal ones, drawn once: each reading takes a stretch fr
 NOISIER = 10.0  # times, of a noisy taxel
 
 
-def electronics_of(settings: VirtualSettings) -> Electronics:
-    """Electronics that the taxels of all patches are drawn from.
+def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
+    """Taxels of all patches, each patch by a stream of random numbers of its own.
 
-    Those of `simulate.electronics` with another noise, and without the spreads, cross-talk and
-    defects that the settings do not ask for.
+    Their electronics are those of `simulate.electronics` with another noise, and without the
+    spreads, cross-talk and defects that the settings do not ask for.
     """
     icub = settings.hardware == "icub"
     known = icub_electronics() if icub else cyskin_electronics()
     noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
-    return Electronics(
+    electronics = Electronics(
         board=known.board if icub else CySkinBoard(gain=CYSKIN_GAIN),
         gain_spread=settings.gain_spread,
         drift=known.drift,
         noise=noise,
     )
-
-
-def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
-    """Taxels of all patches, each patch by a stream of random numbers of its own."""
-    electronics = electronics_of(settings)
     rngs = np.random.default_rng(settings.seed).spawn(len(skin))
     return [electronics.manufacture(p, rng) for p, rng in zip(skin, rngs, strict=True)]
 

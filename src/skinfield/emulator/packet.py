@@ -69,28 +69,18 @@ class Ear:
         self._bytes = (self._bytes + more)[-4 * LONGEST :]
         for _ in range(MOST):
             at = self._bytes.find(MAGIC)
-            if at < 0:
-                self._bytes = self._bytes[-1:]  # the letter that may begin the next
-                return
-            self._bytes = self._bytes[at:]
-            if len(self._bytes) < HEADER_BYTES + CRC_BYTES:
+            self._bytes = self._bytes[at if at >= 0 else -1 :]  # one letter may begin the next
+            size = HEADER_BYTES + int.from_bytes(self._bytes[6:8], "little") + CRC_BYTES
+            if len(self._bytes) < HEADER_BYTES or len(self._bytes) < size <= LONGEST:
                 return
             try:
                 packet = packet_from_bytes(self._bytes)
             except InputError:
-                if self._is_cut():
-                    return
                 self._bytes = self._bytes[1:]
                 continue
-            self._bytes = self._bytes[HEADER_BYTES + len(packet.payload) + CRC_BYTES :]
+            self._bytes = self._bytes[size:]
             if packet.kind in COMMANDS:
                 yield packet
-
-    def _is_cut(self) -> bool:
-        """Whether the packet at the beginning may be whole with more bytes."""
-        length = int.from_bytes(self._bytes[6:8], "little")
-        whole = HEADER_BYTES + length + CRC_BYTES
-        return len(self._bytes) < whole <= LONGEST
 
 
 class PacketDevices(Hardware):

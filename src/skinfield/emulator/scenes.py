@@ -141,7 +141,10 @@ class Scene:
 
 @dataclass
 class Touch:
-    """One press as it is now: at x, y, m, of a patch's plane, with a force, N."""
+    """One press as it is now: at x, y, m, of a patch's plane, with a force, N.
+
+    `contact_radius`, m, is known once its table is.
+    """
 
     id: str
     patch: int
@@ -149,6 +152,7 @@ class Touch:
     x: float
     y: float
     force: float
+    contact_radius: float = 0.0
 
 
 def patch_index(skin: Skin, key: str | int | None) -> int:

@@ -126,26 +126,21 @@ class Fault(Section):
 
 
 def fault_from_text(text: str) -> Fault:
-    """Fault from ``"unplug 3@10s+5s"``.
+    """Fault from ``"unplug 3@10s+5s"``: its kind, and what stands in `FAULT_SYNTAX`.
 
     Raises
     ------
     InputError
         For any other text.
     """
-    kind, _, rest = str(text).strip().partition(" ")
-    return fault_of(kind, rest)
-
-
-def fault_of(kind: str, text: str) -> Fault:
-    """Fault of a kind from what stands behind its flag, see `FAULT_SYNTAX`."""
-    found = FAULT_PATTERN.fullmatch(text.strip())
+    kind, _, rest = text.strip().partition(" ")
+    found = FAULT_PATTERN.fullmatch(rest.strip())
     if found is None:
-        raise InputError(f"{kind} is {text!r}, expected {FAULT_SYNTAX}")
+        raise InputError(f"{kind} is {rest!r}, expected {FAULT_SYNTAX}")
     start = _seconds(found["start"]) if found["start"] else 0.0
-    lasting = _seconds(found["seconds"]) if found["seconds"] else FOREVER
-    if kind == "reboot" and lasting == FOREVER:
-        lasting = 2.0
+    lasting = 2.0 if kind == "reboot" else FOREVER
+    if found["seconds"]:
+        lasting = _seconds(found["seconds"])
     return Fault(kind, found["what"].strip() or "0", start, lasting)
 
 
@@ -227,7 +222,7 @@ class VirtualSettings(Section):
     layer : Layer
         Elastomer that is pressed.
     noise : float
-        Times that of real boards, see `electronics_of`. 0: none.
+        Times that of real boards. 0: none.
     common_noise : float, counts
         Of white noise that the taxels of one converter share.
     gain_spread : float

@@ -237,7 +237,7 @@ class VirtualSkin:
         scene = (moment_ns - self._scene_ns) / SECOND if self._scene_ns else -1.0
         touches = self.world.update(scene, self.hardware.converters.change)
         if touches is not None:
-            self.pressing = [touch for touch, _ in touches]
+            self.pressing = touches
         self.truth.note(touches, moment_ns)
 
     def counts(self) -> dict[str, Any]:

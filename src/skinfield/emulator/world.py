@@ -27,7 +27,6 @@ from skinfield.skin import Skin
 LINES = 10_000  # in memory: 100 s of a press that moves all the time
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
 Line = dict[str, Any]
-Touches = list[tuple[Touch, float]]
 
 
 class Truth:
@@ -56,8 +55,8 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._lines: deque[tuple[int, Touches]] = deque(maxlen=LINES)
-        self._waiting: tuple[int, Touches] | None = None
+        self._lines: deque[tuple[int, list[Touch]]] = deque(maxlen=LINES)
+        self._waiting: tuple[int, list[Touch]] | None = None
         self._file: IO[str] | None = None
         if path:
             try:
@@ -65,8 +64,8 @@ class Truth:
             except OSError as error:
                 raise FileError(f"{path} cannot be written: {error.strerror}") from error
 
-    def note(self, touches: Touches | None, stamp_ns: int) -> None:
-        """Take down what presses from now on, with the radius of each touch, m; None: as before.
+    def note(self, touches: list[Touch] | None, stamp_ns: int) -> None:
+        """Take down what presses from now on; None: as before.
 
         The end of a movement that is too soon after the line before is taken down later.
         """
@@ -76,7 +75,7 @@ class Truth:
             return
         if self._lines and stamp_ns - self._lines[-1][0] < INTERVAL_NS:
             pair = self._lines[-1], self._waiting
-            before, now = ([touch.id for touch, _ in touches] for _, touches in pair)
+            before, now = ([touch.id for touch in touches] for _, touches in pair)
             if before == now:
                 return
         self._lines.append(self._waiting)
@@ -85,11 +84,11 @@ class Truth:
         self.made += 1
         self._waiting = None
 
-    def _line(self, number: int, stamp_ns: int, touches: Touches) -> Line:
-        presses = [self._press(touch, radius) for touch, radius in touches]
+    def _line(self, number: int, stamp_ns: int, touches: list[Touch]) -> Line:
+        presses = [self._press(touch) for touch in touches]
         return {"number": number, "stamp_ns": stamp_ns, "presses": presses}
 
-    def _press(self, touch: Touch, contact_radius: float) -> Line:
+    def _press(self, touch: Touch) -> Line:
         patch = self._skin.patches[touch.patch]
         position = patch.surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
         return {
@@ -101,7 +100,7 @@ class Truth:
             "force": touch.force,
             "radius": touch.tool.radius,
             "shape": touch.tool.shape,
-            "contact_radius": contact_radius,
+            "contact_radius": touch.contact_radius,
         }
 
     def after(self, number: int, most: int) -> list[Line]:
@@ -376,27 +375,24 @@ class World:
         first = bisect_right(self._begins, time - self._longest - 1e-9)
         return self._tracks[first:last]
 
-    def update(self, time: float, change: Floats) -> list[tuple[Touch, float]] | None:
+    def update(self, time: float, change: Floats) -> list[Touch] | None:
         """Write what the taxels read at a time of the scene into `change`, (C,) from the first.
 
-        Returns
-        -------
-        list of (Touch, contact radius in m), or None
-            The presses; None where nothing has changed since the last call.
+        The presses; None where nothing has changed since the last call.
         """
         touches = self.touches(time)
         if touches == self._published:
             return None
         self._published = touches
         change[:] = 0.0
-        told = []
+        found = []
         for touch in touches:
             table = self._solving.now(self._key(touch.patch, touch.tool))
             rows = slice(self._starts[touch.patch], self._starts[touch.patch + 1])
             away = self._plane[rows] - (touch.x, touch.y)
             change[rows] += table.readings(np.hypot(away[:, 0], away[:, 1]), touch.force)
-            told.append((touch, table.radius_at(touch.force)))
-        return told
+            found.append(replace(touch, contact_radius=table.radius_at(touch.force)))
+        return found
 
     def poll(self) -> None:
         """Take in tables that are solved by now; a press that is too hard for its own is let go."""

@@ -168,20 +168,18 @@ def boards_from_uids(
             f"uids are {values[sensors >= SENSORS][:5].tolist()}, expected sui << 4 | sensor with "
             f"sensors from 0 to {SENSORS - 1}: a module has no more"
         )
-    modules = []
-    for sui in np.unique(suis).tolist():
-        uncut = int(temperature)
-        for sensor in sensors[suis == sui].tolist():
-            uncut |= 1 << sensor
-        modules.append(CySkinModule(sui, uncut))
+    numbered, place = np.unique(suis, return_inverse=True)
+    uncut = np.full(len(numbered), int(temperature))
+    np.bitwise_or.at(uncut, place, 1 << sensors)
+    modules = list(map(CySkinModule, numbered.tolist(), uncut.tolist()))
     if len(modules) < len(numbers) or not numbers:
         raise InputError(
             f"there are {len(modules)} modules for {len(numbers)} boards, expected one or more each"
         )
-    cuts = [round(len(modules) * i / len(numbers)) for i in range(len(numbers) + 1)]
+    runs = np.array_split(np.arange(len(modules)), len(numbers))
     return checked_boards(
-        CySkinBoard(number, tuple(modules[a:b]))
-        for number, a, b in zip(numbers, cuts, cuts[1:], strict=False)
+        CySkinBoard(number, tuple(modules[i] for i in run))
+        for number, run in zip(numbers, runs, strict=True)
     )
 
 
