@@ -64,9 +64,7 @@ def test_sensor_data_in_three_messages() -> None:
     [
         (CySkinWire(), 0x505, "3b 00 6e"),
         (CySkinWire(checksum=Sum()), 0x505, "3b 00 c5"),
-        (CySkinWire(checksum=Sum(negated=False)), 0x505, "3b 00 3b"),
         (CySkinWire(checksum=Unchecked(0)), 0x505, "3b 00"),
-        (CySkinWire(checksum=Unchecked()), 0x505, "3b 00 00"),
         (CySkinWire(extended=True), 0x94000005, "3b 00 6e"),
     ],
 )

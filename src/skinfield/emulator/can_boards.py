@@ -1,6 +1,7 @@
 """Boards on CAN buses in software: their buses, and listening to hosts."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
@@ -83,19 +84,16 @@ def open_buses(settings: VirtualSettings, count: int) -> list[Bus]:
             f"this skin need {count} of them, with sixteen boards each"
         )
     buses: list[Bus] = []
-    try:
+    with ExitStack() as undo:
         for number, channel in enumerate(channels):
-            bus = open_bus(_bus(settings, channel, number))
+            bus = undo.enter_context(closing(open_bus(_bus(settings, channel, number))))
             buses.append(bus)
             if not bus.up:
                 raise InputError(
                     f"bus cannot be opened: {bus.fault}, expected one that is free: choose "
                     "another with --channel"
                 )
-    except BaseException:
-        for bus in buses:
-            bus.close()
-        raise
+        undo.pop_all()
     return buses
 
 

@@ -149,20 +149,20 @@ class Converters:
         """Counts (C,) of now without noise or held channels: what a board takes as its base."""
         return self._whole(self._felt(warmth))
 
-    def set_fault(self, kind: str, rows: Ints) -> None:
-        """Begin a fault of taxels; see `settings.KINDS`."""
+    def set_fault(self, kind: str, row: int) -> None:
+        """Begin a fault of a taxel; see `settings.KINDS`."""
         if kind == "noisy":
-            self.white[rows] = NOISIER * np.maximum(self._quiet[rows], 1.0)
+            self.white[row] = NOISIER * max(self._quiet[row], 1.0)
         elif kind == "dead":
-            self.held[rows] = np.rint(self.level[rows])
+            self.held[row] = np.rint(self.level[row])
         elif kind == "stuck":
-            self.held[rows] = self.counts[rows]
+            self.held[row] = self.counts[row]
         else:
-            self.held[rows] = self.high - 1.0 if kind == "saturated" else 0.0
+            self.held[row] = self.high - 1.0 if kind == "saturated" else 0.0
 
-    def clear_fault(self, kind: str, rows: Ints) -> None:
+    def clear_fault(self, kind: str, row: int) -> None:
         """End it."""
         if kind == "noisy":
-            self.white[rows] = self._quiet[rows]
+            self.white[row] = self._quiet[row]
         else:
-            self.held[rows] = np.nan
+            self.held[row] = np.nan

@@ -11,7 +11,6 @@ import numpy as np
 from skinfield.emulator.electronics import Converters, starts_of
 from skinfield.emulator.scenes import patch_index
 from skinfield.emulator.settings import KINDS, VirtualSettings, numbers_of
-from skinfield.errors import Ints
 from skinfield.skin import Skin
 
 NEVER = 1 << 62
@@ -284,67 +283,60 @@ class Hardware:
 
     def begin(self, kind: str, what: str, now_ns: int) -> None:
         """Begin a fault."""
-        if KINDS[kind] == "taxel":
-            self.converters.set_fault(kind, self._taxels(what))
-            return
-        for board, part in self.places(kind, what):
+        for place, part in self.places(kind, what):
             if kind == "unplug":
-                self.unplugged.add((board, part))
+                self.unplugged.add((place, part))
             elif kind == "bus-off":
-                self.wires[board].off = True
-            else:
-                self.quiet.add(board)
-                self._reset(board)
+                self.wires[place].off = True
+            elif kind == "reboot":
+                self.quiet.add(place)
+                self._reset(place)
                 self.reboots += 1
+            else:
+                self.converters.set_fault(kind, place)
         self.reschedule(now_ns)
 
     def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
         """End it."""
-        if KINDS[kind] == "taxel":
-            self.converters.clear_fault(kind, self._taxels(what))
-            return
-        for board, part in self.places(kind, what):
+        for place, part in self.places(kind, what):
             if kind == "unplug":
-                self.unplugged.discard((board, part))
+                self.unplugged.discard((place, part))
             elif kind == "bus-off":
-                self.wires[board].off = False
+                self.wires[place].off = False
+            elif kind == "reboot":
+                self.quiet.discard(place)
+                self._awake(place, warmth)
             else:
-                self.quiet.discard(board)
-                self._awake(board, warmth)
+                self.converters.clear_fault(kind, place)
         self.reschedule(now_ns)
 
-    def check(self, kind: str, what: str) -> None:
-        """Raise InputError if there is no such triangle, board, bus or taxel."""
-        if KINDS[kind] == "taxel":
-            self._taxels(what)
-        else:
-            self.places(kind, what)
-
     def places(self, kind: str, what: str) -> list[tuple[int, int]]:
-        """Boards and their parts of ``"1.3"`` or, of board 0, ``"3"``; or boards, or buses.
+        """Numbers of boards, buses, or taxels of all patches; of boards with those of their parts.
+
+        Parts are ``"1.3"`` or, of board 0, ``"3"``; taxels ``"palm/7"`` or, of the first patch,
+        ``"7"``.
 
         Raises
         ------
         InputError
-            If there is no such triangle, board or bus.
+            If there is no such triangle, board, bus or taxel.
         """
-        if kind != "unplug":
-            each = ("bus", len(self.wires)) if kind == "bus-off" else ("board", self._boards)
-            return [(number, 0) for number in numbers_of(what, each[1], each[0])]
+        level = KINDS[kind]
+        if level == "taxel":
+            name, slash, rest = what.rpartition("/")
+            key: str | int = int(name) if name.isdecimal() and len(name) < 6 else name
+            patch = patch_index(self.skin, key) if slash else 0
+            rows = numbers_of(rest, len(self.skin.patches[patch]), level)
+            return [(int(self._starts[patch]) + row, 0) for row in rows]
+        if level != "triangle":
+            count = len(self.wires) if level == "bus" else self._boards
+            return [(number, 0) for number in numbers_of(what, count, level)]
         board, dot, part = what.rpartition(".")
         return [
             (number, place)
             for number in (numbers_of(board, self._boards, "board") if dot else [0])
             for place in numbers_of(part, self._parts[number], self.part)
         ]
-
-    def _taxels(self, what: str) -> Ints:
-        """Taxels of ``"7"``, ``"3-5"`` or ``"palm/7"``, among those of all patches."""
-        name, slash, rest = what.rpartition("/")
-        key: str | int = int(name) if name.isdecimal() and len(name) < 6 else name
-        patch = patch_index(self.skin, key) if slash else 0
-        rows = numbers_of(rest, len(self.skin.patches[patch]), "taxel")
-        return np.array(rows, np.int64) + int(self._starts[patch])
 
     def counts(self) -> dict[str, Any]:
         """What was sent and what was done to it: whole numbers."""

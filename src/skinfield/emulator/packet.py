@@ -39,14 +39,12 @@ class Device:
     Attributes
     ----------
     patch : Patch
-    number : int
     encoder : PacketEncoder
     period : float, s
     sending : bool
     """
 
     patch: Patch
-    number: int
     encoder: PacketEncoder
     period: float = PERIOD
     sending: bool = True
@@ -88,7 +86,7 @@ class PacketDevices(Hardware):
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         self.devices = [
-            Device(patch, number, PacketEncoder(patch.n_channels, device=number))
+            Device(patch, PacketEncoder(patch.n_channels, device=number))
             for number, patch in enumerate(skin, 1)
         ]
         level = np.full(sum(len(patch) for patch in skin), REST)
@@ -107,8 +105,8 @@ class PacketDevices(Hardware):
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
         for packet in self._ear.packets(self._wire.receive()):
-            for board, device in enumerate(self.devices):
-                if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
+            for board in set(range(self._boards)) - self.quiet:
+                if packet.device in (board + 1, EVERY_DEVICE):
                     self._obey(board, packet, warmth)
         self.reschedule(now_ns)
 
@@ -153,7 +151,7 @@ class PacketDevices(Hardware):
     def _say(self, device: Device, kind: PacketKind, payload: bytes) -> None:
         packet = Packet(
             kind=kind,
-            device=device.number,
+            device=device.encoder.device,
             sequence=device.encoder.sequence,
             time_us=device.clock_us & 0xFFFFFFFF,
             payload=payload,

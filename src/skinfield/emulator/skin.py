@@ -63,7 +63,7 @@ class FaultClock:
         InputError
             If there is no such triangle, board, bus or taxel.
         """
-        self.hardware.check(fault.kind, fault.what)
+        self.hardware.places(fault.kind, fault.what)
         if len(self._queue) >= MOST:
             raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
         heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
