@@ -55,7 +55,7 @@ def start(settings: VirtualSettings | None = None) -> "VirtualProcess":
     if not reply.get("ready"):
         child.communicate()
         raise InputError(f"virtual skin did not start: {reply.get('error', 'it ended')}")
-    return VirtualProcess(child, settings, reply)
+    return VirtualProcess(child, reply)
 
 
 class VirtualProcess:
@@ -63,15 +63,12 @@ class VirtualProcess:
 
     Attributes
     ----------
-    settings : VirtualSettings
     description : dict
         What it said when it was there: `channels`, `control`, `patches`, `pid`, ...
     """
 
-    def __init__(
-        self, child: "subprocess.Popen[bytes]", settings: VirtualSettings, reply: dict[str, Any]
-    ) -> None:
-        self._child, self.settings, self.description = child, settings, reply
+    def __init__(self, child: "subprocess.Popen[bytes]", reply: dict[str, Any]) -> None:
+        self._child, self.description = child, reply
         self._final: dict[str, Any] = {}
         self._tag = 0
         self._asking = threading.Lock()  # one question at a time, from any thread
@@ -98,11 +95,6 @@ class VirtualProcess:
         """Where a host finds each bus, such as ``"127.0.0.1:40123"``."""
         return list(self.description["channels"])
 
-    @property
-    def running(self) -> bool:
-        """Whether the process is there."""
-        return self._child.poll() is None
-
     def ask(self, command: dict[str, Any]) -> dict[str, Any]:
         """Send a command to the control socket; its answer.
 
@@ -115,7 +107,7 @@ class VirtualProcess:
             self._tag += 1
             data = json.dumps({**command, "tag": self._tag}).encode()
             for _ in range(TRIES):
-                if self._socket is None or not self.running:
+                if self._socket is None or self._child.poll() is not None:
                     break
                 with contextlib.suppress(OSError):  # nobody is there, or answers in time
                     self._socket.send(data)

@@ -341,8 +341,6 @@ class World:
             If it presses a body through the layer; the old one goes on then.
         """
         for (patch, tool), force in scene.tools.items():
-            if not 0 <= patch < len(self.skin):
-                raise InputError(f"patch is {patch}, expected one below {len(self.skin)}")
             self._solving.now(self._key(patch, tool)).check_force(force, tool)
         tracks = sorted(scene.tracks, key=lambda track: track.points[0].time)
         self._tracks = [(f"{scene.name}-{i}", track) for i, track in enumerate(tracks)]
