@@ -11,31 +11,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from skinfield.emulator.cyskin import CySkinBoards
 from skinfield.emulator.hardware import MISHAPS, NEVER, Hardware
+from skinfield.emulator.icub import ICubBoards
+from skinfield.emulator.packet import PacketDevices
 from skinfield.emulator.scenes import Touch, scene_from_text
 from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
 from skinfield.emulator.transports import Command, Control, Request
 from skinfield.emulator.world import Truth, World
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
-from skinfield.skin import Skin
 
-
-def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
-    """Boards of the settings' hardware, on their buses."""
-    if settings.hardware == "icub":
-        from skinfield.emulator.icub import ICubBoards
-
-        return ICubBoards(skin, settings)
-    if settings.hardware == "cyskin":
-        from skinfield.emulator.cyskin import CySkinBoards
-
-        return CySkinBoards(skin, settings)
-    from skinfield.emulator.packet import PacketDevices
-
-    return PacketDevices(skin, settings)
-
-
+BOARDS: dict[str, type[ICubBoards | CySkinBoards | PacketDevices]] = {  # by `settings.HARDWARE`
+    "icub": ICubBoards,
+    "cyskin": CySkinBoards,
+    "packet": PacketDevices,
+}
 MOST = 10_000  # to come
 
 
@@ -129,7 +120,7 @@ class VirtualSkin:
         self.skin = skin_from_text(settings.skin)
         scene = scene_from_text(settings.scene, self.skin, settings.seed)
         self.world = World(self.skin, settings.layer, scene)
-        self.hardware: Hardware = open_hardware(self.skin, settings)
+        self.hardware: Hardware = BOARDS[settings.hardware](self.skin, settings)
         self._control: Control | None = None
         self._ended = False
         self.notes: list[str] = []
