@@ -7,7 +7,6 @@ import numpy as np
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
 from skinfield.wire.cyskin import (
-    Assembler,
     Crc,
     CySkinBoard,
     CySkinBoardState,
@@ -102,20 +101,12 @@ def fenced(size: int) -> Blocks:
 
 def as_host(wire: CySkinWire, data: bytes) -> None:
     """A board in software takes them as packets of its host."""
-    state, assembler = CySkinBoardState(board=BOARDS[0], wire=wire), Assembler(wire)
+    state = CySkinBoardState(wire)
     for at in range(0, min(len(data), 10 * ROOM), 10):
-        head = data[at]
-        identifier = (head >> 4 & 7) << (26 if wire.extended else 8) | head & 15
-        taken = assembler.take(identifier | wire.extended << 31, data[at + 2 : at + 10])
-        if taken is None:
-            continue
-        try:
-            command, payload = wire.unpacked(taken[1])
-        except InputError:
-            continue
-        state, answers = state.after(command, payload)
-        for answer in answers:
-            assert wire.unpacked(wire.packet(*answer)) == answer
+        packet = wire.unpacked(data[at + 2 : at + 10])
+        if packet is not None:
+            state = state.after(*packet)
+    assert 0 < state.period_ms <= 0xFFFF
 
 
 def as_memory(data: bytes) -> None:

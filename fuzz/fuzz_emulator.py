@@ -11,8 +11,8 @@ from skinfield.emulator import (
     fault_from_text,
     temperature_from_text,
 )
-from skinfield.emulator.scenes import scene_from_bytes
-from skinfield.emulator.transports import answer_to, encoded
+from skinfield.emulator.scenes import scene_of_file
+from skinfield.emulator.transports import Request, answer_to, encoded
 from skinfield.errors import FileError, InputError
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
@@ -75,20 +75,21 @@ def control(data: bytes) -> None:
     NOW[0] += STEP_NS
     SKIN.step(NOW[0])
     assert abs(SKIN.hardware.converters.counts).max() < 1 << 16
-    SKIN.world.release({})
+    SKIN.world.release(Request())
 
 
 def texts(data: bytes) -> None:
     """A scene of both kinds, a fault, and a temperature."""
+    text = data.decode("utf-8", "replace")
     for name in ("scene.toml", "scene.json"):
         with suppress(FileError):
-            for track in scene_from_bytes(data, name, TRIANGLE).tracks:
+            for track in scene_of_file(text, name, TRIANGLE).tracks:
                 for point in track.points:
                     assert math.isfinite(point.x + point.y + point.force + point.time)
                 track.at(1.0)
     for read in (fault_from_text, temperature_from_text):
         with suppress(InputError):
-            read(data.decode("utf-8", "replace"))
+            read(text)
 
 
 def host(data: bytes) -> None:

@@ -1,7 +1,7 @@
 """CySkin's messages lost, doubled, swapped and damaged: against plain Python, and any bytes."""
 
 import numpy as np
-from bus_peers import decoded_in_parts, rows_of
+from bus_peers import rows_of
 from cyskin_reference import Reference, crc8
 from hypothesis import given
 from hypothesis import strategies as st
@@ -116,12 +116,3 @@ def test_ends_of_packets_that_come_twice_spoil_nothing(
     assert seen[Count.DUPLICATED] == len(twice)
     assert seen[Count.RECEIVED] == len(rows)
     assert not seen[[Count.LOST, Count.MALFORMED]].any()
-
-
-def test_without_room_it_goes_on_where_it_stopped() -> None:
-    rows = sent_rows(6, 20, 3)
-    calls, seen = decoded_in_parts(
-        lambda: CySkinDecoder(BOARDS), (messages_of(rows), len(rows)), 1100
-    )
-    assert calls > 2
-    assert seen[Count.RECEIVED] == len(rows)

@@ -20,7 +20,7 @@ from skinfield.wire.icub import (
     kind_for,
     load_configuration,
 )
-from skinfield.wire.icub.robot_files import LARGEST, LINE, read_tree, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, WHERE, read_tree, without_comments
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def test_files_that_do_not_go_together(write):
         load_configuration(write(SPEC, "spec.xml"))
     with pytest.raises(FileError, match="no file: no addresses"):
         load_configuration()
-    with pytest.raises(FileError, match=r"b.xml: is a second skin beside .*a.xml"):
+    with pytest.raises(FileError, match=r"b.xml:\d+: is a second skin beside .*a.xml"):
         load_configuration(write(SKIN, "a.xml"), write(OLD_SKIN, "b.xml"))
     with pytest.raises(FileError, match="says nothing of a skin"):
         load_configuration(write("<robot name='x'/>"))
@@ -176,7 +176,7 @@ def test_what_is_no_robot_s_file(tmp_path, data, error):
 
 def test_comments_keep_their_lines(write):
     assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert read_tree(write("<a><!-- \n\n --><b/></a>"))[0].get(LINE) == "3"
+    assert read_tree(write("<a><!-- \n\n --><b/></a>"))[0].get(WHERE).endswith("some-skin.xml:3")
 
 
 def test_patches_laid_on_boards_keep_their_channels():

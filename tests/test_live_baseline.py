@@ -8,7 +8,7 @@ from live_skins import LAYER, settings
 
 import skinfield as sf
 from skinfield.emulator import VirtualSettings
-from skinfield.emulator.electronics import converters_for, manufacture
+from skinfield.emulator.electronics import Converters, manufacture
 from skinfield.emulator.packet import REST
 from skinfield.loop.baseline import Baseline, BaselineCollector
 from skinfield.loop.model_config import ModelConfig, bind
@@ -43,7 +43,7 @@ class Skin:
         self.settings = settings(skin=PATCH, board=board, tare_seconds=1.0)
         self.kind = Kind.BYTES if bytewise else Kind.SHORTS
         rest, high = (240.0, 255.0) if bytewise else (REST, 65535.0)
-        self.converters = converters_for(
+        self.converters = Converters(
             manufacture(sf.Skin((PATCH,)), made), made, np.full(len(PATCH), rest), (0.0, high)
         )
         self.model_config = ModelConfig.of(self.settings, (Port("port", len(PATCH)),))

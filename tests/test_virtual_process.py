@@ -18,6 +18,7 @@ from virtual_host import LONG, START, Host, bytes_by_channel
 
 from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
+from skinfield.emulator.transports import Request
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count
 from skinfield.skin import Skin
@@ -174,7 +175,7 @@ def feels(source, skin, rest):
 
     wait_for(lambda: np.nan_to_num(read(), nan=-1.0).min() >= 0.0)
     assert (channels.counts == rest).all()
-    skin.world.press({"taxel": 33, "force": 4.0})
+    skin.world.press(Request(taxel=33, force=4.0))
     wait_for(lambda: read()[33] > rest + 3000)
     assert np.argmax(channels.counts) == 33
     assert stream.counters[Count.LOST] == stream.counters[Count.MALFORMED] == 0

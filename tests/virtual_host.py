@@ -85,7 +85,7 @@ class Stepped:
         """Let time go on; what was sent meanwhile."""
         self.now_ns += round(seconds * SECOND)
         self.skin.step(self.now_ns)
-        due = self.skin.hardware.wires[0].sent - self.received
+        due = self.skin.hardware.wires[0].counts["messages"] - self.received
         self.received += due
         return self.host.wait_for(due)
 

@@ -5,6 +5,5 @@ from skinfield.emulator.settings import Temperature as Temperature
 from skinfield.emulator.settings import VirtualSettings as VirtualSettings
 from skinfield.emulator.settings import Wires as Wires
 from skinfield.emulator.settings import fault_from_text as fault_from_text
-from skinfield.emulator.settings import fault_of as fault_of
 from skinfield.emulator.settings import temperature_from_text as temperature_from_text
 from skinfield.emulator.skin import VirtualSkin as VirtualSkin

@@ -1,16 +1,18 @@
 """Boards on CAN buses in software: their buses, and listening to hosts."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.emulator.electronics import Converters
-from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
+from skinfield.emulator.hardware import Hardware, Wire
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.signal import CanMessages
+from skinfield.skin import Skin
 from skinfield.wire.can import Bus, BusSettings, open_bus
 from skinfield.wire.can.bus import can_interface, host_and_port
 
@@ -28,8 +30,8 @@ Message = tuple[int, int, NDArray[np.uint8]]  # identifier, length and octets
 class CanWire(Wire[Message]):
     """One CAN bus; `made` has the messages to send."""
 
-    def __init__(self, bus: Bus, room: int, fates: Fates[Message]) -> None:
-        super().__init__(fates)
+    def __init__(self, bus: Bus, room: int, settings: VirtualSettings, number: int = 0) -> None:
+        super().__init__(settings, number)
         self.bus, known = bus, bus.settings
         place = getattr(bus, "address", None)
         port = dict(known.options).get("port")
@@ -57,12 +59,10 @@ class CanWire(Wire[Message]):
         self._send(out, len(messages))
 
     def _send(self, messages: CanMessages, count: int) -> None:
-        if not self.bus.up and not self.bus.reopen():
-            self.refused += count
-            return
-        taken = self.bus.send_many(messages, count)
-        self.sent += taken
-        self.refused += count - taken
+        up = self.bus.up or self.bus.reopen()
+        taken = self.bus.send_many(messages, count) if up else 0
+        self.counts["messages"] += taken
+        self.counts["refused"] += count - taken
 
     def _let_go(self) -> None:
         self.bus.close()
@@ -84,19 +84,16 @@ def open_buses(settings: VirtualSettings, count: int) -> list[Bus]:
             f"this skin need {count} of them, with sixteen boards each"
         )
     buses: list[Bus] = []
-    try:
+    with ExitStack() as undo:
         for number, channel in enumerate(channels):
-            bus = open_bus(_bus(settings, channel, number))
+            bus = undo.enter_context(closing(open_bus(_bus(settings, channel, number))))
             buses.append(bus)
             if not bus.up:
                 raise InputError(
                     f"bus cannot be opened: {bus.fault}, expected one that is free: choose "
                     "another with --channel"
                 )
-    except BaseException:
-        for bus in buses:
-            bus.close()
-        raise
+        undo.pop_all()
     return buses
 
 
@@ -117,24 +114,20 @@ class CanBoards(Hardware, Generic[StateT]):
     ----------
     fresh : sequence of states
         Of the boards, as after switching on.
-    parts : sequence of int
-    converters : Converters
-    schedule : Schedule
     wires : sequence of CanWire
         One for each bus.
-    rate : float, 1/s, or None
     """
 
     def __init__(
         self,
-        fresh: Sequence[StateT],
+        skin: Skin,
+        settings: VirtualSettings,
         parts: Sequence[int],
         converters: Converters,
-        schedule: Schedule,
         wires: Sequence[CanWire],
-        rate: float | None,
+        fresh: Sequence[StateT],
     ) -> None:
-        super().__init__(parts, converters, schedule, wires, rate)
+        super().__init__(skin, settings, parts, converters, wires)
         self._buses = tuple(wires)
         self._fresh: tuple[StateT, ...] = tuple(fresh)
         self.states: list[StateT] = list(fresh)

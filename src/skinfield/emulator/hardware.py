@@ -1,18 +1,22 @@
 """Hardware of a virtual skin: schedules of boards, what becomes of messages, faults of boards."""
 
 import random
+from collections import Counter
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from skinfield.emulator.electronics import Converters
-from skinfield.emulator.settings import Wires, numbers_of
+from skinfield.emulator.electronics import Converters, starts_of
+from skinfield.emulator.scenes import patch_index
+from skinfield.emulator.settings import KINDS, VirtualSettings, numbers_of
+from skinfield.skin import Skin
 
 NEVER = 1 << 62
 LATEST = 0.9  # of a period, that jitter can make a reading late
-CHANCES = {"lose": "lost", "duplicate": "duplicated", "swap": "swapped"}  # and what is counted
+MISHAPS = ("lose", "duplicate", "swap")
+COUNTED = ("messages", "lost", "duplicated", "swapped", "refused", "withheld")
 MessageT = TypeVar("MessageT")
 
 
@@ -25,15 +29,17 @@ class Group:
     members : tuple
         Their numbers.
     period_ns, phase_ns : int
+    number : int
+        Of the next reading, which is made at `number` periods and the phase since the epoch.
     due_ns : int
-        When the next reading is sent, jitter included.
+        When it is sent, jitter included.
     """
 
     members: tuple[int, ...]
     period_ns: int
     phase_ns: int
+    number: int = 0
     due_ns: int = NEVER
-    _grid_ns: int = 0
 
 
 @dataclass
@@ -70,15 +76,13 @@ class Schedule:
         if key == self._key:
             return
         self._key = key
-        each: list[tuple[tuple[int, ...], int, int]]
         if self.spread:
-            each = [((b,), p, p * b // boards) for b, p in periods.items()]
+            self.groups = [Group((b,), p, p * b // boards) for b, p in periods.items()]
         else:
             alike: dict[int, list[int]] = {}
             for board, period in periods.items():
                 alike.setdefault(period, []).append(board)
-            each = [(tuple(members), period, 0) for period, members in alike.items()]
-        self.groups = [Group(members, period, phase) for members, period, phase in each]
+            self.groups = [Group(tuple(members), period, 0) for period, members in alike.items()]
         self.begin(now_ns)
 
     def begin(self, now_ns: int) -> None:
@@ -87,9 +91,10 @@ class Schedule:
             self._aim(group, -(-(now_ns - group.phase_ns) // group.period_ns))
 
     def _aim(self, group: Group, number: int) -> None:
-        group._grid_ns = number * group.period_ns + group.phase_ns
         late = self.rng.exponential(self.jitter) * 1e9 if self.jitter > 0.0 else 0.0
-        group.due_ns = group._grid_ns + int(min(late, LATEST * group.period_ns))
+        group.number = number
+        group.due_ns = number * group.period_ns + group.phase_ns
+        group.due_ns += int(min(late, LATEST * group.period_ns))
 
     @property
     def next_ns(self) -> int:
@@ -100,36 +105,49 @@ class Schedule:
         """Groups to send now; each is aimed at its next time."""
         found = [group for group in self.groups if group.due_ns <= now_ns]
         for group in found:
-            number = (group._grid_ns - group.phase_ns) // group.period_ns + 1
-            behind = (now_ns - number * group.period_ns - group.phase_ns) // group.period_ns
-            if behind > 0:
-                self.skipped += behind * len(group.members)
-                number += behind
-            self._aim(group, number)
+            following = group.number + 1
+            newest = max((now_ns - group.phase_ns) // group.period_ns, following)
+            self.skipped += (newest - following) * len(group.members)
+            self._aim(group, newest)
         return found
 
 
-class Fates(Generic[MessageT]):
-    """Draws what happens to each message of one bus.
+class Wire(Generic[MessageT]):
+    """One bus as the boards see it, and what becomes of messages on it.
+
+    What is sent over it lies in a store of the subclass.
+
+    Parameters
+    ----------
+    settings : VirtualSettings
+    number : int
+        Of the bus.
 
     Attributes
     ----------
+    address : str
+        Where a host finds it.
     chances : dict of str to float
-        Of `CHANCES`; may be written at any time.
-    counts : dict of str to int
-        How many were lost, duplicated, swapped.
+        Of `MISHAPS`; may be written at any time.
+    counts : Counter
+        Of `COUNTED`: messages that went out, were lost, duplicated, swapped, that the system did
+        not take, and that met a bus that was off.
     waiting : list
         The message that waits for the next one, if there is one.
+    off : bool
     """
 
-    def __init__(self, wires: Wires, rng: np.random.Generator) -> None:
-        self.chances = {name: float(getattr(wires, name)) for name in CHANCES}
-        self.counts = dict.fromkeys(CHANCES.values(), 0)
-        self._random = random.Random(int(rng.integers(0, 1 << 63))).random
+    address: str
+
+    def __init__(self, settings: VirtualSettings, number: int) -> None:
+        self.chances = {name: float(getattr(settings.wires, name)) for name in MISHAPS}
+        self.counts: Counter[str] = Counter()
         self.waiting: list[MessageT] = []
+        self.off = False
+        self._random = random.Random(f"{settings.seed} {number}").random
 
     def draw(self, messages: Iterable[MessageT]) -> list[MessageT]:
-        """Messages in the order in which they go out."""
+        """Messages in the order in which they go out, as chance has it."""
         lose, duplicate, swap = self.chances.values()
         order: list[MessageT] = []
         for message in messages:
@@ -148,40 +166,14 @@ class Fates(Generic[MessageT]):
                 self.counts["swapped"] += 1
         return order
 
-    @property
-    def idle(self) -> bool:
-        """Whether nothing can happen to the next messages."""
-        return not self.waiting and not any(self.chances.values())
-
-
-class Wire(Generic[MessageT]):
-    """One bus as the boards see it; what is sent over it lies in a store of the subclass.
-
-    Attributes
-    ----------
-    address : str
-        Where a host finds it.
-    fates : Fates
-    sent, refused, withheld : int
-        Messages that went out, that the system did not take, and that met a bus that was off.
-    off : bool
-    """
-
-    address: str
-
-    def __init__(self, fates: Fates[MessageT]) -> None:
-        self.fates = fates
-        self.sent = self.refused = self.withheld = 0
-        self.off = False
-
     def send(self, count: int) -> None:
         """Send the first `count` messages that were made."""
         if self.off:
-            self.withheld += count
-        elif self.fates.idle:
+            self.counts["withheld"] += count
+        elif not self.waiting and not any(self.chances.values()):
             self._put_all(count)
         else:
-            self._put(self.fates.draw(self._message(row) for row in range(count)))
+            self._put(self.draw(self._message(row) for row in range(count)))
 
     def filenos(self) -> Sequence[int]:
         """File descriptors that become readable when a host says something."""
@@ -193,7 +185,7 @@ class Wire(Generic[MessageT]):
 
     def _put_all(self, count: int) -> None:
         """Send the first `count` messages as they are."""
-        raise NotImplementedError
+        self._put([self._message(row) for row in range(count)])
 
     def _put(self, messages: Sequence[MessageT]) -> None:
         """Send copies of messages."""
@@ -204,8 +196,8 @@ class Wire(Generic[MessageT]):
 
     def close(self) -> None:
         """Send what waits, which then is not swapped, and close the bus."""
-        if self.fates.waiting and not self.off:
-            self._put(self.fates.waiting)
+        if self.waiting and not self.off:
+            self._put(self.waiting)
         self._let_go()
 
 
@@ -214,17 +206,17 @@ class Hardware:
 
     Parameters
     ----------
+    skin : Skin
+    settings : VirtualSettings
     parts : sequence of int
         Triangles or modules of each board.
     converters : Converters
         Its first channels are the taxels of all patches.
-    schedule : Schedule
     wires : sequence of Wire
-    rate : float, 1/s, or None
-        Of readings, whatever the host says.
 
     Attributes
     ----------
+    schedule : Schedule
     readings, commands, reboots : int
         Of boards, that were made, obeyed and undergone so far.
     quiet : set of int
@@ -237,14 +229,17 @@ class Hardware:
 
     def __init__(
         self,
+        skin: Skin,
+        settings: VirtualSettings,
         parts: Sequence[int],
         converters: Converters,
-        schedule: Schedule,
         wires: Sequence[Wire[Any]],
-        rate: float | None,
     ) -> None:
-        self.converters, self.schedule, self.wires = converters, schedule, tuple(wires)
-        self._parts, self._boards, self._rate = tuple(parts), len(parts), rate
+        self.skin, self.converters, self.wires = skin, converters, tuple(wires)
+        self._starts = starts_of(skin)
+        rng = np.random.default_rng([settings.seed, 2])
+        self.schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        self._parts, self._boards, self._rate = tuple(parts), len(parts), settings.rate
         self.unplugged: set[tuple[int, int]] = set()
         self.readings = self.commands = self.reboots = 0
         self.quiet: set[int] = set()
@@ -287,41 +282,55 @@ class Hardware:
         self.schedule.set(periods, self._boards, now_ns)
 
     def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """Begin a fault of a triangle, board or bus."""
-        for board, part in self.places(kind, what):
+        """Begin a fault."""
+        for place, part in self.places(kind, what):
             if kind == "unplug":
-                self.unplugged.add((board, part))
+                self.unplugged.add((place, part))
             elif kind == "bus-off":
-                self.wires[board].off = True
-            else:
-                self.quiet.add(board)
-                self._reset(board)
+                self.wires[place].off = True
+            elif kind == "reboot":
+                self.quiet.add(place)
+                self._reset(place)
                 self.reboots += 1
+            else:
+                self.converters.set_fault(kind, place)
         self.reschedule(now_ns)
 
     def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
         """End it."""
-        for board, part in self.places(kind, what):
+        for place, part in self.places(kind, what):
             if kind == "unplug":
-                self.unplugged.discard((board, part))
+                self.unplugged.discard((place, part))
             elif kind == "bus-off":
-                self.wires[board].off = False
+                self.wires[place].off = False
+            elif kind == "reboot":
+                self.quiet.discard(place)
+                self._awake(place, warmth)
             else:
-                self.quiet.discard(board)
-                self._awake(board, warmth)
+                self.converters.clear_fault(kind, place)
         self.reschedule(now_ns)
 
     def places(self, kind: str, what: str) -> list[tuple[int, int]]:
-        """Boards and their parts of ``"1.3"`` or, of board 0, ``"3"``; or boards, or buses.
+        """Numbers of boards, buses, or taxels of all patches; of boards with those of their parts.
+
+        Parts are ``"1.3"`` or, of board 0, ``"3"``; taxels ``"palm/7"`` or, of the first patch,
+        ``"7"``.
 
         Raises
         ------
         InputError
-            If there is no such triangle, board or bus.
+            If there is no such triangle, board, bus or taxel.
         """
-        if kind != "unplug":
-            each = ("bus", len(self.wires)) if kind == "bus-off" else ("board", self._boards)
-            return [(number, 0) for number in numbers_of(what, each[1], each[0])]
+        level = KINDS[kind]
+        if level == "taxel":
+            name, slash, rest = what.rpartition("/")
+            key: str | int = int(name) if name.isdecimal() and len(name) < 6 else name
+            patch = patch_index(self.skin, key) if slash else 0
+            rows = numbers_of(rest, len(self.skin.patches[patch]), level)
+            return [(int(self._starts[patch]) + row, 0) for row in rows]
+        if level != "triangle":
+            count = len(self.wires) if level == "bus" else self._boards
+            return [(number, 0) for number in numbers_of(what, count, level)]
         board, dot, part = what.rpartition(".")
         return [
             (number, place)
@@ -331,17 +340,8 @@ class Hardware:
 
     def counts(self) -> dict[str, Any]:
         """What was sent and what was done to it: whole numbers."""
-        return {
-            "messages": sum(wire.sent for wire in self.wires),
-            **{
-                name: sum(wire.fates.counts[name] for wire in self.wires)
-                for name in CHANCES.values()
-            },
-            "refused": sum(wire.refused for wire in self.wires),
-            "withheld": sum(wire.withheld for wire in self.wires),
-            "commands": self.commands,
-            "reboots": self.reboots,
-        }
+        counted = {name: sum(wire.counts[name] for wire in self.wires) for name in COUNTED}
+        return {**counted, "commands": self.commands, "reboots": self.reboots}
 
     def close(self) -> None:
         """Let go of the buses."""

@@ -1,33 +1,35 @@
 """Skin boards of an iCub: they obey the host's messages, and send two messages per triangle."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
-from skinfield.emulator.electronics import Converters, Others, converters_for, manufacture
-from skinfield.emulator.hardware import Fates, Schedule
+from skinfield.emulator.electronics import Converters, Others, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
 from skinfield.simulate.electronics import ThermalPads
 from skinfield.skin import Skin
-from skinfield.wire.can import Bus
-from skinfield.wire.icub import ICubEncoder, configuration_for
+from skinfield.wire.icub import BoardSettings, ICubEncoder, configuration_for
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
     TAXELS,
+    TRIANGLES,
     BoardState,
     Firmware,
     SkinType,
     addressed_board,
 )
-from skinfield.wire.icub.configuration import THERMAL, kind_for
+from skinfield.wire.icub.configuration import THERMAL
 
 MIDDLE = 0x8000  # converter counts at rest, about
 APART = 2000.0  # converter counts: how far taxels at rest are from there, at most
+SIZE = -4.0  # converter counts per count of a byte, in which the electronics are given
 LOW, HIGH = 1.0, 65534.0  # 0 is a converter that does not answer, 65535 one that is not there
 UNPLUGGED = 0xFFFF
+Shorts = NDArray[np.uint16]
 
 
 @dataclass(frozen=True)
@@ -36,119 +38,76 @@ class Board:
 
     Attributes
     ----------
-    bus, address : int
+    place : BoardSettings
+        Its bus and address, and how a host will configure it.
     patch : int
-    channel : int
-        Of the patch, at which it begins.
     triangles : tuple of int
-        That are there.
+        That are there: those with a taxel.
     row : int
-        Of its first triangle among those of its bus.
-    pads : bool
-        Whether its triangles have thermal pads.
+        Of its first triangle among those of all boards.
     """
 
-    bus: int
-    address: int
+    place: BoardSettings
     patch: int
-    channel: int
     triangles: tuple[int, ...]
     row: int
-    pads: bool
 
     @property
-    def end(self) -> int:
-        """Row behind its last triangle."""
-        return self.row + len(self.triangles)
+    def rows(self) -> slice:
+        """Of its triangles."""
+        return slice(self.row, self.row + len(self.triangles))
+
+    @property
+    def pads(self) -> bool:
+        """Whether its triangles have thermal pads."""
+        return self.place.board.kind == SkinType.COMPENSATED
 
 
 def boards_of(skin: Skin) -> list[Board]:
-    """Boards of all patches, at the addresses of `wire.icub.configuration_for`.
-
-    Triangles without a taxel are not there.
-    """
+    """Boards of all patches, at the addresses of `wire.icub.configuration_for`."""
     boards: list[Board] = []
-    rows: dict[int, int] = {}
-    addresses = iter(configuration_for(*skin.patches).boards)
+    places, row = iter(configuration_for(*skin.patches).boards), 0
     for number, patch in enumerate(skin):
-        pads = kind_for(patch) == SkinType.COMPENSATED
-        for first in range(0, patch.n_channels, BOARD_CHANNELS):
-            place = next(addresses)
+        for _ in range(0, patch.n_channels, BOARD_CHANNELS):
+            place = next(places)
             triangles = tuple(t for t, each in enumerate(place.triangles) if each.enabled)
-            row = rows.get(place.bus, 0)
-            boards.append(Board(place.bus, place.address, number, first, triangles, row, pads))
-            rows[place.bus] = row + len(triangles)
+            boards.append(Board(place, number, triangles, row))
+            row += len(triangles)
     return boards
 
 
 def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) -> Converters:
     """Counts of the taxels of all patches, and then of two thermal pads for each triangle."""
-    arrays, pads = manufacture(skin, settings), ThermalPads()
-    size = -4.0  # converter counts per count of a byte, in which the electronics are given
-    drift = size * np.concatenate([array.drift for array in arrays])
-    first = 0
-    for patch, array in zip(skin, arrays, strict=True):
-        if kind_for(patch) == SkinType.COMPENSATED:
-            gains = np.array(pads.gains, float)[array.wiring.stage]
-            drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
-        first += len(patch)
+    arrays, pads, starts = manufacture(skin, settings), ThermalPads(), starts_of(skin)
     extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
     rng = np.random.default_rng([settings.seed, 3])
-    level = np.rint(MIDDLE + rng.uniform(-APART, APART, len(drift) + extra))
+    level = np.rint(MIDDLE + rng.uniform(-APART, APART, int(starts[-1]) + extra))
     others = Others(pads.per_kelvin, pads.noise * settings.noise, len(THERMAL))
-    return converters_for(
-        arrays, settings, level, (LOW, HIGH), size=size, drift=drift, others=others
-    )
+    made = Converters(arrays, settings, level, (LOW, HIGH), size=SIZE, others=others)
+    for number in {board.patch for board in boards if board.pads}:
+        gains = np.array(pads.gains, float)[arrays[number].wiring.stage]
+        made.drift[starts[number] : starts[number + 1]] = pads.per_kelvin * gains / 128.0
+    return made
 
 
-def slots_of(skin: Skin, boards: list[Board], bus: int) -> Ints:
-    """Where the channels of all converters are among the triangles' inputs of a bus; -1: not there.
-
-    Parameters
-    ----------
-    skin : Skin
-    boards : list of Board
-        Of all buses.
-    bus : int
-    """
+def slots_of(skin: Skin, boards: list[Board]) -> Ints:
+    """Where the channels of all converters are among the inputs (T, 12) of all triangles."""
     parts: list[Ints] = []
     for number, patch in enumerate(skin):
-        slots = np.full(len(patch), -1, np.int64)
-        for board in boards:
-            if (board.bus, board.patch) == (bus, number):
-                slots[:] = np.where(slots < 0, _slots_on(board, patch.channel), slots)
-        parts.append(slots)
+        rows = np.concatenate([_rows_on(board) for board in boards if board.patch == number])
+        parts.append(rows[patch.channel // TAXELS] * TAXELS + patch.channel % TAXELS)
     for board in boards:
         if board.pads:
-            rows = np.arange(board.row, board.end)
-            places = (rows[:, None] * TAXELS + np.array(THERMAL)).ravel()
-            parts.append(places if board.bus == bus else np.full(len(places), -1, np.int64))
-    return np.concatenate(parts).astype(np.int64)
+            rows = np.arange(board.rows.start, board.rows.stop)
+            parts.append((rows[:, None] * TAXELS + np.array(THERMAL)).ravel())
+    return np.concatenate(parts)
 
 
-def _slots_on(board: Board, channel: Ints) -> Ints:
-    within = channel - board.channel
-    triangle = within // TAXELS
-    row = np.searchsorted(board.triangles, triangle)
-    there = (within >= 0) & (within < BOARD_CHANNELS)
-    return np.where(there, (board.row + row) * TAXELS + within % TAXELS, -1)
-
-
-@dataclass
-class Line:
-    """One bus with its triangles.
-
-    Attributes
-    ----------
-    wire : CanWire
-    encoder : ICubEncoder
-    slots : (C,) int64 array
-        See `slots_of`.
-    """
-
-    wire: CanWire
-    encoder: ICubEncoder
-    slots: Ints
+def _rows_on(board: Board) -> Ints:
+    """Row of each of a board's 16 triangles; -1 of one that is not there."""
+    rows = np.full(TRIANGLES, -1, np.int64)
+    rows[list(board.triangles)] = np.arange(board.rows.start, board.rows.stop)
+    return rows
 
 
 class ICubBoards(CanBoards[BoardState]):
@@ -158,116 +117,85 @@ class ICubBoards(CanBoards[BoardState]):
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         self.boards = boards_of(skin)
-        rng = np.random.default_rng([settings.seed, 2])
         firmware = Firmware.MTB3 if settings.mtb3 else Firmware.MTB4
-        fresh = [_fresh(board, firmware, settings) for board in self.boards]
-        converters = icub_converters(skin, settings, self.boards)
-        self._lines = [
-            self._line(skin, settings, firmware, bus, number, rng)
-            for number, bus in enumerate(open_buses(settings, 1 + self.boards[-1].bus))
-        ]
-        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        wires = [line.wire for line in self._lines]
-        parts = [len(board.triangles) for board in self.boards]
-        super().__init__(fresh, parts, converters, schedule, wires, settings.rate)
-        for board in range(len(self.boards)):
-            self._base(board, settings.temperature.warmth(0.0))
-            self._configure(board)
-        self._encode(range(len(self._lines)), 0)  # compiles before the first reading
-
-    def _line(
-        self,
-        skin: Skin,
-        settings: VirtualSettings,
-        firmware: Firmware,
-        bus: Bus,
-        number: int,
-        rng: np.random.Generator,
-    ) -> Line:
-        triangles = [
-            (board.address, triangle)
+        fresh = [
+            BoardState(
+                firmware=firmware,
+                kind=SkinType.COMPENSATED if board.pads else SkinType.UNCOMPENSATED,
+                sending=settings.at_once,
+                configured=settings.at_once,
+            )
             for board in self.boards
-            if board.bus == number
-            for triangle in board.triangles
         ]
-        wire = CanWire(bus, 2 * len(triangles), Fates(settings.wires, rng))
-        encoder = ICubEncoder(triangles, BoardState(firmware=firmware))
-        return Line(wire, encoder, slots_of(skin, self.boards, number))
+        converters = icub_converters(skin, settings, self.boards)
+        buses = open_buses(settings, 1 + self.boards[-1].place.bus)
+        mine = [[b for b in self.boards if b.place.bus == bus] for bus in range(len(buses))]
+        self._encoders = [
+            ICubEncoder([(b.place.address, t) for b in each for t in b.triangles]) for each in mine
+        ]
+        wires = [
+            CanWire(bus, 2 * len(encoder.triangles), settings, number)
+            for number, (bus, encoder) in enumerate(zip(buses, self._encoders, strict=True))
+        ]
+        parts = [len(board.triangles) for board in self.boards]
+        super().__init__(skin, settings, parts, converters, wires, fresh)
+        self._slots = slots_of(skin, self.boards)
+        self._raw: Shorts = np.full((sum(parts), TAXELS), MIDDLE, np.uint16)
+        self._base, self._sends = self._raw.copy(), np.zeros(sum(parts), np.bool_)
+        cuts = np.cumsum([len(encoder.triangles) for encoder in self._encoders])[:-1]
+        views = (np.split(array, cuts) for array in (self._raw, self._base, self._sends))
+        for encoder, raw, base, sends in zip(self._encoders, *views, strict=True):
+            encoder.raw, encoder.base, encoder.sends = raw, base, sends
+        for number in range(len(self.boards)):
+            self._awake(number, settings.temperature.warmth(0.0))
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         address = addressed_board(identifier)
         for number, board in enumerate(self.boards):
-            if (board.bus, board.address) != (bus, address) or number in self.quiet:
+            if (board.place.bus, board.place.address) != (bus, address) or number in self.quiet:
                 continue
             before = self.states[number]
             self.states[number] = before.after(data)
             self.commands += 1
             if self.states[number].calibrations != before.calibrations:
-                self._base(number, warmth)
+                self._calibrate(number, warmth)
             self._configure(number)
             return True
         return False
 
-    def _base(self, number: int, warmth: float) -> None:
+    def _calibrate(self, number: int, warmth: float) -> None:
         """Take the base of a board from what its converters read now: a press is in it."""
-        board = self.boards[number]
-        quiet = self.converters.quiet(warmth)
-        encoder = self._lines[board.bus].encoder
-        slots = self._lines[board.bus].slots
-        base = encoder.base.reshape(-1)
-        mine = np.flatnonzero((slots >= board.row * TAXELS) & (slots < board.end * TAXELS))
-        base[slots[mine]] = quiet[mine]
+        rows, base = self.boards[number].rows, self._base.copy()
+        base.reshape(-1)[self._slots] = self.converters.quiet(warmth)
+        self._base[rows] = base[rows]
 
     def _configure(self, number: int) -> None:
         """Put a board's state into the encoder of its bus."""
-        board = self.boards[number]
-        self._lines[board.bus].encoder.follow(board.address, self.states[number])
+        place = self.boards[number].place
+        self._encoders[place.bus].follow(place.address, self.states[number])
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
-        for line in self._lines:
-            line.encoder.sends[:] = False
-        used = set()
+        self._raw.reshape(-1)[self._slots] = self.converters.counts
+        for number, part in self.unplugged:
+            self._raw[self.boards[number].row + part] = UNPLUGGED
+        self._sends[:] = False
         for number in members:
-            board, state = self.boards[number], self.states[number]
-            sends = self._lines[board.bus].encoder.sends
-            for row, triangle in enumerate(board.triangles, board.row):
-                sends[row] = state.triangles[triangle].enabled
-            used.add(board.bus)
+            board, triangles = self.boards[number], self.states[number].triangles
+            self._sends[board.rows] = [triangles[t].enabled for t in board.triangles]
         self.readings += len(members)
-        for bus, count in zip(used, self._encode(used, now_ns), strict=True):
-            self._lines[bus].wire.send(count)
-
-    def _encode(self, buses: Iterable[int], now_ns: int) -> list[int]:
-        """Write the messages of the boards that send; how many, on each bus."""
-        from skinfield.emulator.kernels import scatter
-
-        counts = []
-        for bus in buses:
-            line = self._lines[bus]
-            scatter(self.converters.counts, line.slots, line.encoder.raw.reshape(-1))
-            for board, part in self.unplugged:
-                if self.boards[board].bus == bus:
-                    line.encoder.raw[self.boards[board].row + part] = UNPLUGGED
-            counts.append(line.encoder.encode(line.wire.made, 0, now_ns))
-        return counts
+        for wire, encoder in zip(self._buses, self._encoders, strict=True):
+            if encoder.sends.any():
+                wire.send(encoder.encode(wire.made, 0, now_ns))
 
     def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
         """See `Hardware`; a triangle that is plugged in again reads its base at first."""
         super().end(kind, what, now_ns, warmth)
         if kind == "unplug":
             for number, part in self.places(kind, what):
-                board = self.boards[number]
-                encoder = self._lines[board.bus].encoder
-                encoder.raw[board.row + part] = encoder.base[board.row + part]
+                row = self.boards[number].row + part
+                self._raw[row] = self._base[row]
 
     def _awake(self, number: int, warmth: float) -> None:
-        self._base(number, warmth)
+        self._calibrate(number, warmth)
         self._configure(number)
-
-
-def _fresh(board: Board, firmware: Firmware, settings: VirtualSettings) -> BoardState:
-    """State of a board after switching on."""
-    kind = SkinType.COMPENSATED if board.pads else SkinType.UNCOMPENSATED
-    fresh = BoardState(firmware=firmware, kind=kind)
-    return replace(fresh, sending=True, configured=True) if settings.at_once else fresh

@@ -6,8 +6,8 @@ from time import monotonic_ns
 
 import numpy as np
 
-from skinfield.emulator.electronics import converters_for, manufacture, starts_of
-from skinfield.emulator.hardware import Fates, Hardware, Schedule
+from skinfield.emulator.electronics import Converters, manufacture
+from skinfield.emulator.hardware import Hardware
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.emulator.transports import open_link
 from skinfield.errors import InputError
@@ -39,14 +39,12 @@ class Device:
     Attributes
     ----------
     patch : Patch
-    number : int
     encoder : PacketEncoder
     period : float, s
     sending : bool
     """
 
     patch: Patch
-    number: int
     encoder: PacketEncoder
     period: float = PERIOD
     sending: bool = True
@@ -56,16 +54,6 @@ class Device:
     def clock_us(self) -> int:
         """Of its own clock."""
         return (monotonic_ns() - self.booted_ns) // 1000
-
-
-def device_of(patch: Patch, number: int) -> Device:
-    """A device for a patch."""
-    if patch.n_channels > 65535:
-        raise InputError(
-            f"patch {patch.name!r} has {patch.n_channels} channels, expected up to 65535 for "
-            "packets: split it up"
-        )
-    return Device(patch, number, PacketEncoder(patch.n_channels, device=number))
 
 
 class Ear:
@@ -79,46 +67,34 @@ class Ear:
         self._bytes = (self._bytes + more)[-4 * LONGEST :]
         for _ in range(MOST):
             at = self._bytes.find(MAGIC)
-            if at < 0:
-                self._bytes = self._bytes[-1:]  # the letter that may begin the next
-                return
-            self._bytes = self._bytes[at:]
-            if len(self._bytes) < HEADER_BYTES + CRC_BYTES:
+            self._bytes = self._bytes[at if at >= 0 else -1 :]  # one letter may begin the next
+            size = HEADER_BYTES + int.from_bytes(self._bytes[6:8], "little") + CRC_BYTES
+            if len(self._bytes) < HEADER_BYTES or len(self._bytes) < size <= LONGEST:
                 return
             try:
                 packet = packet_from_bytes(self._bytes)
             except InputError:
-                if self._is_cut():
-                    return
                 self._bytes = self._bytes[1:]
                 continue
-            self._bytes = self._bytes[HEADER_BYTES + len(packet.payload) + CRC_BYTES :]
+            self._bytes = self._bytes[size:]
             if packet.kind in COMMANDS:
                 yield packet
-
-    def _is_cut(self) -> bool:
-        """Whether the packet at the beginning may be whole with more bytes."""
-        length = int.from_bytes(self._bytes[6:8], "little")
-        whole = HEADER_BYTES + length + CRC_BYTES
-        return len(self._bytes) < whole <= LONGEST
 
 
 class PacketDevices(Hardware):
     """See `Hardware`."""
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
-        rng = np.random.default_rng([settings.seed, 2])
-        self.devices = [device_of(patch, n) for n, patch in enumerate(skin, 1)]
-        self._starts = starts_of(skin)
-        level = np.full(self._starts[-1], REST)
-        arrays = manufacture(skin, settings)
-        converters = converters_for(arrays, settings, level, (0.0, 65535.0))
-        self._base = converters.level.copy()
-        self._wire = open_link(settings, Fates(settings.wires, rng))
-        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        self.devices = [
+            Device(patch, PacketEncoder(patch.n_channels, device=number))
+            for number, patch in enumerate(skin, 1)
+        ]
+        level = np.full(sum(len(patch) for patch in skin), REST)
+        converters = Converters(manufacture(skin, settings), settings, level, (0.0, 65535.0))
+        self._wire = open_link(settings)
         self._modules = [np.unique(patch.module) for patch in skin]
         parts = [len(modules) for modules in self._modules]
-        super().__init__(parts, converters, schedule, [self._wire], settings.rate)
+        super().__init__(skin, settings, parts, converters, [self._wire])
         self._ear = Ear()
         self._greeted = False
 
@@ -129,8 +105,8 @@ class PacketDevices(Hardware):
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
         for packet in self._ear.packets(self._wire.receive()):
-            for board, device in enumerate(self.devices):
-                if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
+            for board in set(range(self._boards)) - self.quiet:
+                if packet.device in (board + 1, EVERY_DEVICE):
                     self._obey(board, packet, warmth)
         self.reschedule(now_ns)
 
@@ -162,7 +138,7 @@ class PacketDevices(Hardware):
 
     def _rows(self, board: int) -> slice:
         """Taxels of a device, among those of all patches."""
-        return slice(int(self._starts[board]), int(self._starts[board + 1]))
+        return slice(*self._starts[board : board + 2].tolist())
 
     def _hello(self, device: Device) -> None:
         hello = Hello(
@@ -175,7 +151,7 @@ class PacketDevices(Hardware):
     def _say(self, device: Device, kind: PacketKind, payload: bytes) -> None:
         packet = Packet(
             kind=kind,
-            device=device.number,
+            device=device.encoder.device,
             sequence=device.encoder.sequence,
             time_us=device.clock_us & 0xFFFFFFFF,
             payload=payload,
@@ -208,5 +184,5 @@ class PacketDevices(Hardware):
         device, rows = self.devices[board], self._rows(board)
         device.booted_ns = monotonic_ns()
         device.encoder.sequence = device.encoder.reading = 0
-        self.converters.level[rows] = self._base[rows]
+        self.converters.level[rows] = REST
         self._hello(device)

@@ -13,6 +13,7 @@ from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.settings import json_from_value
 from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.datagrams import resolved
 
 ANSWER = 5.0  # s
 TRIES = 3
@@ -54,7 +55,7 @@ def start(settings: VirtualSettings | None = None) -> "VirtualProcess":
     if not reply.get("ready"):
         child.communicate()
         raise InputError(f"virtual skin did not start: {reply.get('error', 'it ended')}")
-    return VirtualProcess(child, settings, reply)
+    return VirtualProcess(child, reply)
 
 
 class VirtualProcess:
@@ -62,25 +63,21 @@ class VirtualProcess:
 
     Attributes
     ----------
-    settings : VirtualSettings
     description : dict
         What it said when it was there: `channels`, `control`, `patches`, `pid`, ...
     """
 
-    def __init__(
-        self, child: "subprocess.Popen[bytes]", settings: VirtualSettings, reply: dict[str, Any]
-    ) -> None:
-        self._child, self.settings, self.description = child, settings, reply
+    def __init__(self, child: "subprocess.Popen[bytes]", reply: dict[str, Any]) -> None:
+        self._child, self.description = child, reply
         self._final: dict[str, Any] = {}
         self._tag = 0
         self._asking = threading.Lock()  # one question at a time, from any thread
         self._socket: socket.socket | None = None
         if reply["control"]:
-            place = host_and_port(reply["control"], "127.0.0.1", 0)
-            family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
-            self._socket = socket.socket(family, socket.SOCK_DGRAM)
+            place = resolved(*host_and_port(reply["control"], "", 0), "control")
+            self._socket = socket.socket(place.family, socket.SOCK_DGRAM)
             self._socket.settimeout(ANSWER)
-            self._socket.connect(place)
+            self._socket.connect(place.address)
 
     def __enter__(self) -> "VirtualProcess":
         return self
@@ -98,11 +95,6 @@ class VirtualProcess:
         """Where a host finds each bus, such as ``"127.0.0.1:40123"``."""
         return list(self.description["channels"])
 
-    @property
-    def running(self) -> bool:
-        """Whether the process is there."""
-        return self._child.poll() is None
-
     def ask(self, command: dict[str, Any]) -> dict[str, Any]:
         """Send a command to the control socket; its answer.
 
@@ -115,7 +107,7 @@ class VirtualProcess:
             self._tag += 1
             data = json.dumps({**command, "tag": self._tag}).encode()
             for _ in range(TRIES):
-                if self._socket is None or not self.running:
+                if self._socket is None or self._child.poll() is not None:
                     break
                 with contextlib.suppress(OSError):  # nobody is there, or answers in time
                     self._socket.send(data)
@@ -146,17 +138,15 @@ class VirtualProcess:
 
         With an `id` that is pressing already, that press is changed.
         """
-        fields: dict[str, Any] = {
-            "do": "press", "patch": patch, "force": force, "radius": radius, "shape": shape,
+        fields = {
+            "do": "press", "id": id, "patch": patch, "x": x, "y": y, "taxel": taxel,
+            "force": force, "radius": radius, "shape": shape,
         }  # fmt: skip
-        fields |= {"taxel": taxel} if taxel is not None else {"x": x, "y": y}
-        fields |= {"id": id} if id is not None else {}
         return str(self.ask(fields)["id"])
 
     def move(self, id: str, x: float, y: float, force: float | None = None) -> None:
         """Move a press to another point of the patch's plane, m."""
-        fields: dict[str, Any] = {"do": "move", "id": id, "x": x, "y": y}
-        self.ask(fields | ({} if force is None else {"force": force}))
+        self.ask({"do": "move", "id": id, "x": x, "y": y, "force": force})
 
     def release(self, id: str | None = None) -> None:
         """Lift off a press, or all that began by hand."""

@@ -1,24 +1,15 @@
 """Scenes of presses over time, by name or of files; bodies that press, and places on a skin."""
 
-import json
 import math
-import tomllib
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
-from skinfield.errors import (
-    FileError,
-    InputError,
-    check_choice,
-    check_count,
-    check_positive,
-    check_range,
-)
-from skinfield.settings import from_plain
+from skinfield.errors import FileError, InputError, check_choice, check_count, check_range
+from skinfield.settings.text import text_of_file, value_from_json, value_from_toml
 from skinfield.settings.tree import Range, Section
 from skinfield.simulate import Cylinder, Sphere
 from skinfield.skin import Patch, Skin
@@ -60,8 +51,7 @@ class Tool:
 
     def __post_init__(self) -> None:
         check_choice("shape", self.shape, SHAPES, "what presses")
-        check_positive("radius", self.radius, "of the body, in metres: 4 mm is 4e-3")
-        check_range("radius", self.radius, 0.5e-3, LARGEST, "of the body, in metres")
+        check_range("radius", self.radius, 0.5e-3, LARGEST, "of the body in metres: 4 mm is 4e-3")
         object.__setattr__(self, "radius", round(round(float(self.radius) / STEP) * STEP, 6))
 
     def body(self, **load: float) -> Any:
@@ -72,11 +62,10 @@ class Tool:
         return Cylinder(radius=self.radius, edge_radius=edge, **load)  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """Where and how hard a track presses at a moment.
 
-    Parameters
+    Attributes
     ----------
     time : float, s
         Since the scene began.
@@ -115,26 +104,13 @@ class Track:
             if not before.time <= after.time:
                 raise InputError(f"time {after.time} follows {before.time}, expected none earlier")
 
-    @property
-    def highest(self) -> float:
-        """Largest force, N."""
-        return max(point.force for point in self.points)
-
     def at(self, time: float) -> tuple[float, float, float] | None:
         """Place, m, and force, N, at a time; None where nothing presses."""
-        points = self.points
-        if not points[0].time <= time <= points[-1].time:
+        times, *columns = zip(*self.points, strict=True)
+        if not times[0] <= time <= times[-1]:
             return None
-        for before, after in pairwise(points):
-            if time <= after.time:
-                span = after.time - before.time
-                part = (time - before.time) / span if span > 0.0 else 1.0
-                force = before.force + part * (after.force - before.force)
-                if force <= 0.0:
-                    return None
-                x = before.x + part * (after.x - before.x)
-                return x, before.y + part * (after.y - before.y), force
-        return None
+        x, y, force = (float(np.interp(time, times, column)) for column in columns)
+        return (x, y, force) if force > 0.0 else None
 
 
 @dataclass(frozen=True)
@@ -151,33 +127,23 @@ class Scene:
 
     name: str
     tracks: tuple[Track, ...] = ()
-    period: float = field(default=float("inf"))
-
-    def __post_init__(self) -> None:
-        if self.period != float("inf"):
-            check_positive("period", self.period, "of the scene, in seconds")
+    period: float = math.inf
 
     @property
     def tools(self) -> dict[tuple[int, Tool], float]:
         """Largest force, N, of each tool on each patch."""
         found: dict[tuple[int, Tool], float] = {}
         for track in self.tracks:
-            key = (track.patch, track.tool)
-            found[key] = max(found.get(key, 0.0), track.highest)
+            key, highest = (track.patch, track.tool), max(point.force for point in track.points)
+            found[key] = max(found.get(key, 0.0), highest)
         return found
 
 
 @dataclass
 class Touch:
-    """One press as it is now.
+    """One press as it is now: at x, y, m, of a patch's plane, with a force, N.
 
-    Attributes
-    ----------
-    id : str
-    patch : int
-    tool : Tool
-    x, y : float, m
-    force : float, N
+    `contact_radius`, m, is known once its table is.
     """
 
     id: str
@@ -186,6 +152,7 @@ class Touch:
     x: float
     y: float
     force: float
+    contact_radius: float = 0.0
 
 
 def patch_index(skin: Skin, key: str | int | None) -> int:
@@ -282,12 +249,11 @@ class PressEntry(PathPoint):
         """What presses when and where."""
         place = patch_index(skin, self.patch)
         patch, tool = skin.patches[place], Tool(1e-3 * self.radius_mm, self.shape)
-        now = PathPoint(**{each.name: getattr(self, each.name) for each in fields(PathPoint)})
         if not self.path:
             force = 1.0 if self.force_n is None else self.force_n
             return _held(place, tool, self.on(patch), force, self.start_s or 0.0, self.seconds,
                          min(self.ramp_s, self.seconds / 2.0))  # fmt: skip
-        points = []
+        points, now = list[Point](), cast(PathPoint, self)
         for each in self.path:
             now = each.after(now)
             if now.time_s is None:
@@ -388,32 +354,24 @@ def scene_from_text(text: str, skin: Skin, seed: int) -> Scene:
     """
     if text in SCENES or Path(text).suffix.lower() not in (".toml", ".json"):
         return scene_by_name(text, skin, seed)
-    return load_scene(text, skin)
+    return scene_of_file(text_of_file(text), text, skin)
 
 
-def load_scene(path: str | Path, skin: Skin) -> Scene:
-    """Scene from a file: a list `press`, and `repeat_s` if it is played over and over.
+def scene_of_file(text: str, path: str, skin: Skin) -> Scene:
+    """Scene of what a file holds: a list `press`, and `repeat_s` if it is played over and over.
 
     Raises
     ------
     FileError
-        If it cannot be read, or an entry cannot be used; the message names it.
+        If an entry cannot be used; the message names it.
     """
     try:
-        data = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        raise FileError(f"{path} cannot be read: {error}") from error
-    return scene_from_bytes(data, str(path), skin)
-
-
-def scene_from_bytes(data: bytes, path: str, skin: Skin) -> Scene:
-    """As `load_scene`, from what the file holds."""
-    try:
-        text = data.decode()
-        content = json.loads(text) if path.lower().endswith(".json") else tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} cannot be read: {error}, expected TOML or JSON") from error
-    try:
-        return from_plain(SceneFile, content).scene(Path(path).stem, skin)
+        if path.lower().endswith(".json"):
+            file = value_from_json(SceneFile, text)
+        else:
+            file = value_from_toml(SceneFile, text, path)
+        return file.scene(Path(path).stem, skin)
+    except FileError:
+        raise
     except InputError as error:
         raise FileError(f"{path}: {error}") from error

@@ -37,8 +37,6 @@ FAULT_SYNTAX = (
 FOREVER = 1e9  # s
 HARDWARE = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
-
-
 PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
 Chance = Annotated[float, PROBABILITY]
 Late = Annotated[float, Range(0.0, 60.0, "seconds; 0 is off")]
@@ -66,12 +64,10 @@ class Temperature(Section):
 
     def warmth(self, time: float) -> float:
         """K above 25 °C at a time, s, since the stream began."""
-        above = self.start - ROOM
-        if not self.change:
-            return above
+        part = min(max(time / self.seconds, 0.0), 1.0)
         if self.sine:
-            return above + self.change * math.sin(2.0 * math.pi * time / self.seconds)
-        return above + self.change * min(max(time / self.seconds, 0.0), 1.0)
+            part = math.sin(2.0 * math.pi * time / self.seconds)
+        return self.start - ROOM + self.change * part
 
 
 def temperature_from_text(text: str) -> Temperature:
@@ -118,8 +114,7 @@ class Fault(Section):
     def check(self) -> None:
         """See `Section`."""
         check_choice("kind", self.kind, KINDS, "of a fault")
-        if not isinstance(self.what, str) or len(self.what) > 100:
-            raise InputError(f"what is {self.what!r:.120}, expected the number of what fails")
+        check_type("what", self.what, str, "the number of what fails")
 
     @property
     def end(self) -> float:
@@ -128,26 +123,21 @@ class Fault(Section):
 
 
 def fault_from_text(text: str) -> Fault:
-    """Fault from ``"unplug 3@10s+5s"``.
+    """Fault from ``"unplug 3@10s+5s"``: its kind, and what stands in `FAULT_SYNTAX`.
 
     Raises
     ------
     InputError
         For any other text.
     """
-    kind, _, rest = str(text).strip().partition(" ")
-    return fault_of(kind, rest)
-
-
-def fault_of(kind: str, text: str) -> Fault:
-    """Fault of a kind from what stands behind its flag, see `FAULT_SYNTAX`."""
-    found = FAULT_PATTERN.fullmatch(text.strip())
+    kind, _, rest = text.strip().partition(" ")
+    found = FAULT_PATTERN.fullmatch(rest.strip())
     if found is None:
-        raise InputError(f"{kind} is {text!r}, expected {FAULT_SYNTAX}")
+        raise InputError(f"{kind} is {rest!r}, expected {FAULT_SYNTAX}")
     start = _seconds(found["start"]) if found["start"] else 0.0
-    lasting = _seconds(found["seconds"]) if found["seconds"] else FOREVER
-    if kind == "reboot" and lasting == FOREVER:
-        lasting = 2.0
+    lasting = 2.0 if kind == "reboot" else FOREVER
+    if found["seconds"]:
+        lasting = _seconds(found["seconds"])
     return Fault(kind, found["what"].strip() or "0", start, lasting)
 
 
@@ -229,7 +219,7 @@ class VirtualSettings(Section):
     layer : Layer
         Elastomer that is pressed.
     noise : float
-        Times that of real boards, see `electronics_of`. 0: none.
+        Times that of real boards. 0: none.
     common_noise : float, counts
         Of white noise that the taxels of one converter share.
     gain_spread : float

@@ -9,46 +9,24 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from typing import Any
 
-import numpy as np
-
-from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.hardware import NEVER, Hardware
-from skinfield.emulator.scenes import Touch, patch_index, scene_from_text
-from skinfield.emulator.settings import (
-    FOREVER,
-    KINDS,
-    PROBABILITY,
-    Fault,
-    VirtualSettings,
-    fault_from_text,
-    numbers_of,
-)
-from skinfield.emulator.transports import Command, Control
+from skinfield.emulator.cyskin import CySkinBoards
+from skinfield.emulator.hardware import MISHAPS, NEVER, Hardware
+from skinfield.emulator.icub import ICubBoards
+from skinfield.emulator.packet import PacketDevices
+from skinfield.emulator.scenes import Touch, scene_from_text
+from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
+from skinfield.emulator.transports import Command, Control, Request
 from skinfield.emulator.world import Truth, World
-from skinfield.errors import InputError, Ints
+from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
-from skinfield.settings import from_plain
-from skinfield.settings.tree import Range, Section
-from skinfield.skin import Skin
 
-
-def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
-    """Boards of the settings' hardware, on their buses."""
-    if settings.hardware == "icub":
-        from skinfield.emulator.icub import ICubBoards
-
-        return ICubBoards(skin, settings)
-    if settings.hardware == "cyskin":
-        from skinfield.emulator.cyskin import CySkinBoards
-
-        return CySkinBoards(skin, settings)
-    from skinfield.emulator.packet import PacketDevices
-
-    return PacketDevices(skin, settings)
-
-
+BOARDS: dict[str, type[ICubBoards | CySkinBoards | PacketDevices]] = {  # by `settings.HARDWARE`
+    "icub": ICubBoards,
+    "cyskin": CySkinBoards,
+    "packet": PacketDevices,
+}
 MOST = 10_000  # to come
 
 
@@ -62,7 +40,6 @@ class FaultClock:
         How many of each kind began.
     """
 
-    skin: Skin
     hardware: Hardware
     begun: Counter[str] = field(default_factory=Counter)
     active: list[Fault] = field(default_factory=list)
@@ -77,10 +54,7 @@ class FaultClock:
         InputError
             If there is no such triangle, board, bus or taxel.
         """
-        if KINDS[fault.kind] == "taxel":
-            self._rows(fault.what)
-        else:
-            self.hardware.places(fault.kind, fault.what)
+        self.hardware.places(fault.kind, fault.what)
         if len(self._queue) >= MOST:
             raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
         heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
@@ -95,7 +69,10 @@ class FaultClock:
         while self._queue and self._queue[0][0] <= time:
             _, _, begins, fault = heapq.heappop(self._queue)
             if begins:
-                self._begin(fault, now_ns)
+                self.begun[fault.kind] += 1
+                self.active.append(fault)
+                self.hardware.begin(fault.kind, fault.what, now_ns)
+                heapq.heappush(self._queue, (fault.end, next(self._order), False, fault))
             elif fault in self.active:
                 self._end(fault, now_ns, warmth)
 
@@ -108,72 +85,14 @@ class FaultClock:
             self._end(fault, now_ns, warmth)
         return len(ending)
 
-    def _begin(self, fault: Fault, now_ns: int) -> None:
-        self.begun[fault.kind] += 1
-        self.active.append(fault)
-        if KINDS[fault.kind] == "taxel":
-            self.hardware.converters.set_fault(fault.kind, self._rows(fault.what))
-        else:
-            self.hardware.begin(fault.kind, fault.what, now_ns)
-        if fault.end != FOREVER:
-            heapq.heappush(self._queue, (fault.end, next(self._order), False, fault))
-
     def _end(self, fault: Fault, now_ns: int, warmth: float) -> None:
         self.active.remove(fault)
-        if KINDS[fault.kind] == "taxel":
-            self.hardware.converters.clear_fault(fault.kind, self._rows(fault.what))
-        else:
-            self.hardware.end(fault.kind, fault.what, now_ns, warmth)
-
-    def _rows(self, what: str) -> Ints:
-        """Taxels of ``"7"``, ``"3-5"`` or ``"palm/7"``, among those of all patches."""
-        name, slash, rest = what.rpartition("/")
-        key: str | int = int(name) if name.isdecimal() and len(name) < 6 else name
-        patch = patch_index(self.skin, key) if slash else 0
-        rows = numbers_of(rest, len(self.skin.patches[patch]), "taxel")
-        return np.array(rows, np.int64) + int(starts_of(self.skin)[patch])
+        self.hardware.end(fault.kind, fault.what, now_ns, warmth)
 
 
 LINES = 100  # of truth in one answer, at most
 LONGEST_WAIT = 0.05  # s: how often it looks for signals and for tables that are solved
 SECOND = 1_000_000_000
-
-
-@dataclass(frozen=True, kw_only=True)
-class FaultCommand:
-    """A fault as text, whose times count from now."""
-
-    fault: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClearCommand:
-    """The kind of the faults that end; None: of all."""
-
-    kind: str | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SceneCommand:
-    """A scene by its name, or a file."""
-
-    scene: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TruthCommand(Section):
-    """Number of the first line that is wanted; None: of the newest."""
-
-    after: Annotated[int | None, Range(0, 1 << 50, "number of a line")] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class WiresCommand(Section):
-    """Probabilities from now on; None: as they are."""
-
-    lose: Annotated[float | None, PROBABILITY] = None
-    duplicate: Annotated[float | None, PROBABILITY] = None
-    swap: Annotated[float | None, PROBABILITY] = None
 
 
 class VirtualSkin:
@@ -201,7 +120,7 @@ class VirtualSkin:
         self.skin = skin_from_text(settings.skin)
         scene = scene_from_text(settings.scene, self.skin, settings.seed)
         self.world = World(self.skin, settings.layer, scene)
-        self.hardware: Hardware = open_hardware(self.skin, settings)
+        self.hardware: Hardware = BOARDS[settings.hardware](self.skin, settings)
         self._control: Control | None = None
         self._ended = False
         self.notes: list[str] = []
@@ -211,7 +130,7 @@ class VirtualSkin:
         self.pressing: list[Touch] = []
         self._slow_ns = 0
         try:
-            self.faults = FaultClock(self.skin, self.hardware)
+            self.faults = FaultClock(self.hardware)
             for fault in settings.faults:
                 self.faults.add(fault)
             if settings.control:
@@ -309,23 +228,8 @@ class VirtualSkin:
         scene = (moment_ns - self._scene_ns) / SECOND if self._scene_ns else -1.0
         touches = self.world.update(scene, self.hardware.converters.change)
         if touches is not None:
-            self.pressing = [touch for touch, _ in touches]
-            self.truth.note(touches, moment_ns)
-        else:
-            self.truth.settle(moment_ns)
-
-    def play(self, text: str) -> None:
-        """Play another scene, from its beginning.
-
-        Raises
-        ------
-        InputError
-            If there is none such.
-        """
-        scene = scene_from_text(text, self.skin, self.settings.seed)
-        self.world.play(scene)
-        if self.stream_ns:
-            self._scene_ns = self.clock()
+            self.pressing = touches
+        self.truth.note(touches, moment_ns)
 
     def counts(self) -> dict[str, Any]:
         """What was sent, and what was done to it, so far."""
@@ -369,9 +273,9 @@ class VirtualSkin:
             "quit": self._quit,
         }
 
-    def _fault(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        fault = fault_from_text(from_plain(FaultCommand, fields).fault)
-        now_ns = self.clock()
+    def _fault(self, request: Request) -> dict[str, Any]:
+        """Add a fault, whose times count from now."""
+        fault, now_ns = fault_from_text(request.fault), self.clock()
         fault = replace(fault, start=max(self.time(now_ns), 0.0) + fault.start)
         self.faults.add(fault)
         if self.stream_ns:
@@ -379,31 +283,35 @@ class VirtualSkin:
         until = fault.end if math.isfinite(fault.end) else None
         return {"kind": fault.kind, "what": fault.what, "start": fault.start, "end": until}
 
-    def _clear(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        kind, now_ns = from_plain(ClearCommand, fields).kind, self.clock()
-        return {"cleared": self.faults.clear(kind, now_ns, self.warmth(now_ns))}
+    def _clear(self, request: Request) -> dict[str, Any]:
+        now_ns = self.clock()
+        return {"cleared": self.faults.clear(request.kind, now_ns, self.warmth(now_ns))}
 
-    def _wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
-        wanted = vars(from_plain(WiresCommand, fields))
-        chances = {name: chance for name, chance in wanted.items() if chance is not None}
+    def _wires(self, request: Request) -> dict[str, float]:
         for wire in self.hardware.wires:
-            wire.fates.chances.update(chances)
-        return dict(self.hardware.wires[0].fates.chances)
+            for name in MISHAPS:
+                chance = getattr(request, name)
+                wire.chances[name] = wire.chances[name] if chance is None else chance
+        return dict(self.hardware.wires[0].chances)
 
-    def _scene(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        self.play(from_plain(SceneCommand, fields).scene)
+    def _scene(self, request: Request) -> dict[str, Any]:
+        """Play another scene, from its beginning."""
+        self.world.play(scene_from_text(request.scene, self.skin, self.settings.seed))
+        if self.stream_ns:
+            self._scene_ns = self.clock()
         return {"scene": self.world.scene.name}
 
-    def _truth(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+    def _truth(self, request: Request) -> dict[str, Any]:
         """Lines from `after` on, as many as one answer holds; the newest alone without it."""
-        after, made = from_plain(TruthCommand, fields).after, self.truth.made
-        lines = self.truth.after(max(made - 1, 0) if after is None else after, LINES)
+        made = self.truth.made
+        first = max(made - 1, 0) if request.after is None else request.after
+        lines = self.truth.after(first, LINES)
         while len(lines) > 1 and sum(len(line["presses"]) for line in lines) > LINES:
             lines = lines[: len(lines) // 2]
         found = {"lines": lines, "made": made, "stamp_ns": self.clock()}
         return {**found, "waits": self.world.waits, "notes": self.world.notes}
 
-    def _quit(self, _: Mapping[str, Any]) -> dict[str, Any]:
+    def _quit(self, _: Request) -> dict[str, Any]:
         self.stop()
         return {}
 

@@ -6,53 +6,59 @@ import socket
 import tty
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from skinfield.emulator.hardware import Fates, Wire
-from skinfield.emulator.settings import VirtualSettings
+from skinfield.emulator.hardware import Wire
+from skinfield.emulator.scenes import FINGER, Place
+from skinfield.emulator.settings import PROBABILITY, VirtualSettings
 from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.settings import from_plain
+from skinfield.settings.tree import Range
 from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.datagrams import resolved, unicast_socket
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT
 
 LISTEN = "listen"
 READ_BYTES = 4096  # bytes in one reading
-SEND_BUFFER = 1 << 20  # bytes
 DATAGRAMS = 64
 
 
 class Link(Wire[bytes]):
     """The bus of devices that send packets; never waits.
 
+    Parameters
+    ----------
+    settings : VirtualSettings
+    channel : str
+        Where.
+
     Attributes
     ----------
     made : list of bytes
         Packets to send.
-    address : str
-        Where a host finds it.
     heard : bool
         Whether somebody is there to send to, as far as is known.
     """
 
-    address: str
     heard: bool
 
-    def __init__(self, fates: Fates[bytes]) -> None:
-        super().__init__(fates)
+    def __init__(self, settings: VirtualSettings, channel: str) -> None:
+        super().__init__(settings, 0)
         self.made: list[bytes] = []
+        self._open(channel)
+
+    def _open(self, channel: str) -> None:
+        """Open it, and set `address` and `heard`."""
+        raise NotImplementedError
 
     def _message(self, row: int) -> bytes:
         return self.made[row]
 
-    def _put_all(self, count: int) -> None:
-        self._put(self.made[:count])
-
     def _put(self, messages: Sequence[bytes]) -> None:
         for message in messages:
-            if self._take(message):
-                self.sent += 1
-            else:
-                self.refused += 1
+            self.counts["messages" if self._take(message) else "refused"] += 1
 
     def say(self, packet: bytes) -> None:
         """Send a packet whatever else may happen on the way."""
@@ -67,7 +73,7 @@ class Link(Wire[bytes]):
         raise NotImplementedError
 
 
-def open_link(settings: VirtualSettings, fates: Fates[bytes]) -> Link:
+def open_link(settings: VirtualSettings) -> Link:
     """The link of the settings; their first channel says where.
 
     Raises
@@ -80,7 +86,7 @@ def open_link(settings: VirtualSettings, fates: Fates[bytes]) -> Link:
     channel = settings.channels[0] if settings.channels else ""
     kind = {"udp": UdpLink, "tcp": TcpLink, "serial": TerminalLink}[settings.bus]
     try:
-        return kind(fates, channel)
+        return kind(settings, channel)
     except (OSError, UnicodeError) as error:
         raise InputError(
             f"{settings.bus} cannot be opened at {channel!r}: {error}, expected an address that "
@@ -95,31 +101,23 @@ def place_of(sock: socket.socket) -> str:
 
 
 class UdpLink(Link):
-    """Datagrams to a host, or to whoever asked last.
+    """Datagrams to the host of the channel, ``host:port``; or to whoever asked last.
 
-    Parameters
-    ----------
-    channel : str
-        ``host:port`` of a host that listens; or ``listen:host:port`` to be asked there.
+    Of the latter the channel is ``listen:host:port``, where to ask.
     """
 
-    def __init__(self, fates: Fates[bytes], channel: str) -> None:
-        super().__init__(fates)
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._peer: tuple[str, int] | None = None
+    _peer: tuple[str, int] | None = None
+
+    def _open(self, channel: str) -> None:
         word, _, rest = channel.partition(":")
-        try:
-            if word == LISTEN:
-                self._socket.bind(host_and_port(rest, "127.0.0.1", 0))
-            else:
-                self._peer = host_and_port(channel, "127.0.0.1", UDP_PORT)
-                local = "127.0.0.1" if self._peer[0] in ("127.0.0.1", "localhost") else ""
-                self._socket.bind((local, 0))
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-            self._socket.setblocking(False)
-        except BaseException:
-            self._socket.close()
-            raise
+        own = ("0.0.0.0", 0)
+        if word == LISTEN:
+            own = host_and_port(rest, "127.0.0.1", 0)
+        else:
+            self._peer = host_and_port(channel, "127.0.0.1", UDP_PORT)
+            if self._peer[0] in ("127.0.0.1", "localhost"):
+                own = ("127.0.0.1", 0)
+        self._socket, _ = unicast_socket(resolved(*own, "channel"))
         self.address, self.heard = place_of(self._socket), self._peer is not None
 
     def _take(self, packet: bytes) -> bool:
@@ -175,18 +173,12 @@ class _Bytes(Link):
 class TcpLink(_Bytes):
     """A server with one host at a time; who comes later takes over."""
 
-    def __init__(self, fates: Fates[bytes], channel: str) -> None:
-        super().__init__(fates)
-        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        self._client: socket.socket | None = None
-        try:
-            self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            self._server.bind(host_and_port(channel, "127.0.0.1", TCP_PORT))
-            self._server.listen(1)
-            self._server.setblocking(False)
-        except BaseException:
-            self._server.close()
-            raise
+    _client: socket.socket | None = None
+
+    def _open(self, channel: str) -> None:
+        place = host_and_port(channel, "127.0.0.1", TCP_PORT)
+        self._server = socket.create_server(place, backlog=1)
+        self._server.setblocking(False)
         self.address, self.heard = place_of(self._server), False
 
     def _write(self, data: bytes) -> int:
@@ -238,28 +230,23 @@ class TcpLink(_Bytes):
 class TerminalLink(_Bytes):
     """A pseudo-terminal, as a microcontroller at USB looks.
 
-    Parameters
-    ----------
-    channel : str
-        Path of a link to it, which must not be there; empty for none.
+    The channel is the path of a link to it, which must not be there; empty for none.
     """
 
-    def __init__(self, fates: Fates[bytes], channel: str) -> None:
-        super().__init__(fates)
+    _link: Path | None = None
+
+    def _open(self, channel: str) -> None:
         self._near, self._far = os.openpty()
-        self._link = Path(channel) if channel else None
         tty.setraw(self._far)
         os.set_blocking(self._near, False)
-        self.address = os.ttyname(self._far)
-        self.heard = True
-        if self._link is not None:
+        self.address, self.heard = os.ttyname(self._far), True
+        if channel:
             try:
-                self._link.symlink_to(self.address)
-                self.address = channel
+                Path(channel).symlink_to(self.address)
             except OSError as error:
-                self._link = None
                 self._let_go()
                 raise FileError(f"{channel} cannot be made: {error.strerror}") from error
+            self.address, self._link = channel, Path(channel)
 
     def _write(self, data: bytes) -> int:
         try:
@@ -291,7 +278,29 @@ LONGEST = 4096  # bytes of a command
 ANSWER = 60_000  # bytes of an answer: one datagram
 PER_POLL = 64  # commands, so that a flood of them delays no reading for long
 
-Command = Callable[[Mapping[str, Any]], dict[str, Any]]
+
+@dataclass(frozen=True, kw_only=True)
+class Request(Place):
+    """Fields that a command has beside `do` and `tag`, whichever are its own.
+
+    See docs/virtual-skin.md. What is None is as it was, or as usual.
+    """
+
+    id: str | None = None
+    patch: str | int | None = None
+    force: Annotated[float | None, Range(1e-6, 1e4, "newtons")] = None
+    radius: float = FINGER
+    shape: str = "ball"
+    fault: str = ""
+    kind: str | None = None
+    scene: str = ""
+    lose: Annotated[float | None, PROBABILITY] = None
+    duplicate: Annotated[float | None, PROBABILITY] = None
+    swap: Annotated[float | None, PROBABILITY] = None
+    after: Annotated[int | None, Range(0, 1 << 50, "number of a line")] = None
+
+
+Command = Callable[[Request], dict[str, Any]]
 
 
 def answer_to(data: bytes, commands: Mapping[str, Command]) -> dict[str, Any]:
@@ -319,7 +328,7 @@ def answer_to(data: bytes, commands: Mapping[str, Command]) -> dict[str, Any]:
         tag, name = fields.pop("tag", None), fields.pop("do", None)
         if not isinstance(name, str) or name not in commands:
             raise InputError(f"do is {name!r:.60}, expected one of {', '.join(sorted(commands))}")
-        answer = {"ok": True, **commands[name](fields)}
+        answer = {"ok": True, **commands[name](from_plain(Request, fields))}
     except SkinfieldError as error:
         answer = {"ok": False, "error": str(error)[:2000]}
     return answer if tag is None else {"tag": tag, **answer}
@@ -335,6 +344,11 @@ class Control:
     commands : mapping of str to function
         What `do` can be.
 
+    Attributes
+    ----------
+    address : str
+        Where it is reached.
+
     Raises
     ------
     InputError
@@ -342,23 +356,15 @@ class Control:
     """
 
     def __init__(self, address: str, commands: Mapping[str, Command]) -> None:
-        place = host_and_port(address, "127.0.0.1", 0)
         self._commands = commands
-        family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
-        self._socket = socket.socket(family, socket.SOCK_DGRAM)
         try:
-            self._socket.bind(place)
-        except (OSError, UnicodeError) as error:
-            self._socket.close()
+            place = resolved(*host_and_port(address, "127.0.0.1", 0), "control")
+            self._socket, _ = unicast_socket(place)
+        except OSError as error:
             raise InputError(
                 f"control is {address!r}, expected an address of this machine that is free: {error}"
             ) from error
-        self._socket.setblocking(False)
-
-    @property
-    def address(self) -> str:
-        """Where it is reached."""
-        return place_of(self._socket)
+        self.address = place_of(self._socket)
 
     def fileno(self) -> int:
         """Of the socket."""

@@ -9,26 +9,24 @@ import subprocess
 import sys
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import IO, Annotated, Any
+from typing import IO, Any
 
 import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.scenes import FINGER, Place, Scene, Tool, Touch, Track, patch_index
+from skinfield.emulator.scenes import Scene, Tool, Touch, Track, patch_index
+from skinfield.emulator.transports import Request
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.settings import from_plain
-from skinfield.settings.tree import Range
 from skinfield.skin import Skin
 
 LINES = 10_000  # in memory: 100 s of a press that moves all the time
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
 Line = dict[str, Any]
-Touches = list[tuple[Touch, float]]
 
 
 class Truth:
@@ -57,10 +55,8 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._lines: deque[tuple[int, Touches]] = deque(maxlen=LINES)
-        self._ids: list[str] | None = None
-        self._last_ns = 0
-        self._waiting: tuple[Touches, int] | None = None
+        self._lines: deque[tuple[int, list[Touch]]] = deque(maxlen=LINES)
+        self._waiting: tuple[int, list[Touch]] | None = None
         self._file: IO[str] | None = None
         if path:
             try:
@@ -68,33 +64,31 @@ class Truth:
             except OSError as error:
                 raise FileError(f"{path} cannot be written: {error.strerror}") from error
 
-    def note(self, touches: Touches, stamp_ns: int) -> None:
-        """Take down what presses from now on, with the radius of each touch, m."""
-        self._waiting = None
-        same = [touch.id for touch, _ in touches] == self._ids
-        if same and stamp_ns - self._last_ns < INTERVAL_NS:
-            self._waiting = (touches, stamp_ns)
-        else:
-            self._write(touches, stamp_ns)
+    def note(self, touches: list[Touch] | None, stamp_ns: int) -> None:
+        """Take down what presses from now on; None: as before.
 
-    def settle(self, stamp_ns: int) -> None:
-        """Take down the end of a movement that was too soon after the line before."""
-        if self._waiting is not None and stamp_ns - self._last_ns >= INTERVAL_NS:
-            self._write(*self._waiting)
-            self._waiting = None
-
-    def _write(self, touches: Touches, stamp_ns: int) -> None:
-        self._ids, self._last_ns = [touch.id for touch, _ in touches], stamp_ns
-        self._lines.append((stamp_ns, touches))
+        The end of a movement that is too soon after the line before is taken down later.
+        """
+        if touches is not None:
+            self._waiting = stamp_ns, touches
+        if self._waiting is None:
+            return
+        if self._lines and stamp_ns - self._lines[-1][0] < INTERVAL_NS:
+            pair = self._lines[-1], self._waiting
+            before, now = ([touch.id for touch in touches] for _, touches in pair)
+            if before == now:
+                return
+        self._lines.append(self._waiting)
         if self._file is not None:
-            self._file.write(json.dumps(self._line(self.made, stamp_ns, touches)) + "\n")
+            self._file.write(json.dumps(self._line(self.made, *self._waiting)) + "\n")
         self.made += 1
+        self._waiting = None
 
-    def _line(self, number: int, stamp_ns: int, touches: Touches) -> Line:
-        presses = [self._press(touch, radius) for touch, radius in touches]
+    def _line(self, number: int, stamp_ns: int, touches: list[Touch]) -> Line:
+        presses = [self._press(touch) for touch in touches]
         return {"number": number, "stamp_ns": stamp_ns, "presses": presses}
 
-    def _press(self, touch: Touch, contact_radius: float) -> Line:
+    def _press(self, touch: Touch) -> Line:
         patch = self._skin.patches[touch.patch]
         position = patch.surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
         return {
@@ -106,7 +100,7 @@ class Truth:
             "force": touch.force,
             "radius": touch.tool.radius,
             "shape": touch.tool.shape,
-            "contact_radius": contact_radius,
+            "contact_radius": touch.contact_radius,
         }
 
     def after(self, number: int, most: int) -> list[Line]:
@@ -168,13 +162,21 @@ class PressTable:
                 f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
             )
 
-    def row(self, force: float) -> float:
+    def _row(self, force: float) -> float:
         """Row of a force, between two of them as a rule."""
         return math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
 
+    def readings(self, distance: Floats, force: float) -> Floats:
+        """ΔC/C₀ at distances, m, from a press; linear between the entries."""
+        row = self._row(force)
+        lower = min(int(row), FORCES - 2)
+        values = (lower + 1 - row) * self.change[lower] + (row - lower) * self.change[lower + 1]
+        places = SPACING * np.arange(len(values))
+        return np.asarray(np.interp(distance, places, values, right=0.0))
+
     def radius_at(self, force: float) -> float:
         """Radius of the touch, m."""
-        return float(np.interp(self.row(force), ROWS, self.contact_radius))
+        return float(np.interp(self._row(force), ROWS, self.contact_radius))
 
 
 def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
@@ -214,11 +216,21 @@ def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
 def table_for(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
     """As `solve_table`, from the user's cache where it was solved before by the very same code."""
     path = cache_path(tool, layer, pad_diameter)
-    found = _stored(path)
-    if found is None:
-        found = solve_table(tool, layer, pad_diameter)
-        _store(path, found)
-    return found
+    try:
+        with np.load(path) as file:
+            return PressTable(float(file["force"]), file["radius"], file["change"])
+    except (OSError, ValueError, KeyError, EOFError):  # not there, or cut
+        table = solve_table(tool, layer, pad_diameter)
+    partial = path.with_name(f"{path.stem}-{os.getpid()}.part.npz")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez(
+            partial, force=table.highest_force, radius=table.contact_radius, change=table.change
+        )
+        partial.replace(path)
+    except OSError:  # a folder that cannot be written only means to solve again next time
+        partial.unlink(missing_ok=True)
+    return table
 
 
 def cache_path(tool: Tool, layer: Layer, pad_diameter: float) -> Path:
@@ -238,28 +250,6 @@ def _code() -> str:
             digest.update(file.read_bytes())
     digest.update(Path(__file__).read_bytes())
     return digest.hexdigest()
-
-
-def _stored(path: Path) -> PressTable | None:
-    """A table from the cache; None where there is none that can be read."""
-    try:
-        with np.load(path) as file:
-            return PressTable(float(file["force"]), file["radius"], file["change"])
-    except (OSError, ValueError, KeyError, EOFError):
-        return None  # not there, or cut: it is solved again, which only takes time
-
-
-def _store(path: Path, table: PressTable) -> None:
-    """Keep a table; a folder that cannot be written only means to solve again next time."""
-    partial = path.with_name(f"{path.stem}-{os.getpid()}.part.npz")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(
-            partial, force=table.highest_force, radius=table.contact_radius, change=table.change
-        )
-        partial.replace(path)
-    except OSError:
-        partial.unlink(missing_ok=True)
 
 
 class Solving:
@@ -287,14 +277,14 @@ class Solving:
 
         Where nothing could be stored, it is solved here after all.
         """
-        done = [key for key, process in self._running.items() if process.poll() is not None]
-        for key in done:
+        ended = [key for key, process in self._running.items() if process.poll() is not None]
+        for key in ended:
             del self._running[key]
             self.now(key)
         for key in reversed(wanted):
             if len(self._running) < AT_ONCE and key not in self._there | self._running:
                 self._solve(key)
-        return bool(done)
+        return bool(ended)
 
     def _solve(self, key: Key) -> None:
         script = SCRIPT.format(tool=key[0], layer=self._layer, pad_diameter=key[1])
@@ -314,35 +304,6 @@ class Solving:
 MOST = 64  # presses at once, by hand
 KEPT = 20  # notes
 LONGEST_ID = 64  # characters
-
-
-Newtons = Range(1e-6, 1e4, "newtons")
-
-
-@dataclass(frozen=True, kw_only=True)
-class PressCommand(Place):
-    """See `World.press`."""
-
-    id: str | None = None
-    patch: str | int | None = None
-    force: Annotated[float, Newtons] = 1.0
-    radius: float = FINGER
-    shape: str = "ball"
-
-
-@dataclass(frozen=True, kw_only=True)
-class MoveCommand(Place):
-    """See `World.move`."""
-
-    id: str | None = None
-    force: Annotated[float | None, Newtons] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReleaseCommand:
-    """See `World.release`."""
-
-    id: str | None = None
 
 
 class World:
@@ -368,16 +329,8 @@ class World:
         self._numbers = itertools.count(1)
         self._published: list[Touch] | None = None
         self.notes: list[str] = []
-        self._warm()
         self.play(scene)
         self._solving.now(self._key(0, Tool()))
-
-    def _warm(self) -> None:
-        """Compile before the first press."""
-        from skinfield.emulator.kernels import add_press
-
-        nothing = np.zeros((2, 2))
-        add_press(np.zeros(0), self._plane, 0, 0, nothing, SPACING, 0.0, 0.0, 0.0)
 
     def play(self, scene: Scene) -> None:
         """Play another scene from now on.
@@ -388,8 +341,6 @@ class World:
             If it presses a body through the layer; the old one goes on then.
         """
         for (patch, tool), force in scene.tools.items():
-            if not 0 <= patch < len(self.skin):
-                raise InputError(f"patch is {patch}, expected one below {len(self.skin)}")
             self._solving.now(self._key(patch, tool)).check_force(force, tool)
         tracks = sorted(scene.tracks, key=lambda track: track.points[0].time)
         self._tracks = [(f"{scene.name}-{i}", track) for i, track in enumerate(tracks)]
@@ -422,35 +373,24 @@ class World:
         first = bisect_right(self._begins, time - self._longest - 1e-9)
         return self._tracks[first:last]
 
-    def update(self, time: float, change: Floats) -> list[tuple[Touch, float]] | None:
+    def update(self, time: float, change: Floats) -> list[Touch] | None:
         """Write what the taxels read at a time of the scene into `change`, (C,) from the first.
 
-        Returns
-        -------
-        list of (Touch, contact radius in m), or None
-            The presses; None where nothing has changed since the last call.
+        The presses; None where nothing has changed since the last call.
         """
         touches = self.touches(time)
         if touches == self._published:
             return None
         self._published = touches
-        return self._render(touches, change)
-
-    def _render(self, touches: list[Touch], change: Floats) -> list[tuple[Touch, float]]:
-        from skinfield.emulator.kernels import add_press
-
         change[:] = 0.0
-        told = []
+        found = []
         for touch in touches:
             table = self._solving.now(self._key(touch.patch, touch.tool))
-            row = table.row(touch.force)
-            first, last = self._starts[touch.patch], self._starts[touch.patch + 1]
-            add_press(
-                change, self._plane, int(first), int(last), table.change, SPACING, row, touch.x,
-                touch.y,
-            )  # fmt: skip
-            told.append((touch, table.radius_at(touch.force)))
-        return told
+            rows = slice(self._starts[touch.patch], self._starts[touch.patch + 1])
+            away = self._plane[rows] - (touch.x, touch.y)
+            change[rows] += table.readings(np.hypot(away[:, 0], away[:, 1]), touch.force)
+            found.append(replace(touch, contact_radius=table.radius_at(touch.force)))
+        return found
 
     def poll(self) -> None:
         """Take in tables that are solved by now; a press that is too hard for its own is let go."""
@@ -475,13 +415,13 @@ class World:
         """Presses by hand whose body is still being solved."""
         return [touch.id for touch in self._by_hand.values() if self._table(touch) is None]
 
-    def press(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+    def press(self, request: Request) -> dict[str, Any]:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
-        wanted = from_plain(PressCommand, fields)
-        patch = patch_index(self.skin, wanted.patch)
-        x, y = wanted.on(self.skin.patches[patch])
-        tool, force = Tool(wanted.radius, wanted.shape), wanted.force
-        name = wanted.id or f"press-{next(self._numbers)}"
+        patch = patch_index(self.skin, request.patch)
+        x, y = request.on(self.skin.patches[patch])
+        tool = Tool(request.radius, request.shape)
+        force = 1.0 if request.force is None else request.force
+        name = request.id or f"press-{next(self._numbers)}"
         if len(name) > LONGEST_ID:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
@@ -495,24 +435,22 @@ class World:
         self._solve()
         return {"id": name, "x": x, "y": y, "radius": tool.radius, "solving": table is None}
 
-    def move(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+    def move(self, request: Request) -> dict[str, Any]:
         """Move a press by hand, or change its force."""
-        wanted = from_plain(MoveCommand, fields)
-        touch = self._named(wanted.id)
-        x = touch.x if wanted.x is None else wanted.x
-        y = touch.y if wanted.y is None else wanted.y
-        x, y = replace(wanted, x=x, y=y).on(self.skin.patches[touch.patch])
-        force = touch.force if wanted.force is None else wanted.force
+        touch = self._named(request.id)
+        x = touch.x if request.x is None else request.x
+        y = touch.y if request.y is None else request.y
+        x, y = replace(request, x=x, y=y).on(self.skin.patches[touch.patch])
+        force = touch.force if request.force is None else request.force
         table = self._table(touch)
-        if wanted.force is not None and table is not None:
+        if request.force is not None and table is not None:
             table.check_force(force, touch.tool)
-        self._by_hand[touch.id] = Touch(touch.id, touch.patch, touch.tool, x, y, force)
+        self._by_hand[touch.id] = replace(touch, x=x, y=y, force=force)
         return {"id": touch.id, "x": x, "y": y, "force": force}
 
-    def release(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+    def release(self, request: Request) -> dict[str, Any]:
         """Lift off one press by hand, or all."""
-        wanted = from_plain(ReleaseCommand, fields)
-        names = list(self._by_hand) if wanted.id is None else [self._named(wanted.id).id]
+        names = list(self._by_hand) if request.id is None else [self._named(request.id).id]
         for name in names:
             del self._by_hand[name]
         return {"released": names}

@@ -8,14 +8,12 @@ from skinfield.wire.cyskin.codec import CySkinEncoder as CySkinEncoder
 from skinfield.wire.cyskin.modules import Command as Command
 from skinfield.wire.cyskin.modules import CySkinBoard as CySkinBoard
 from skinfield.wire.cyskin.modules import CySkinModule as CySkinModule
-from skinfield.wire.cyskin.modules import Refusal as Refusal
 from skinfield.wire.cyskin.modules import boards_from_uids as boards_from_uids
 from skinfield.wire.cyskin.modules import on_boards as on_boards
 from skinfield.wire.cyskin.modules import port_of as port_of
 from skinfield.wire.cyskin.modules import skin_on_boards as skin_on_boards
 from skinfield.wire.cyskin.modules import uids_of as uids_of
 from skinfield.wire.cyskin.shared_memory import SharedMemoryReader as SharedMemoryReader
-from skinfield.wire.cyskin.wire import Assembler as Assembler
 from skinfield.wire.cyskin.wire import Crc as Crc
 from skinfield.wire.cyskin.wire import CySkinWire as CySkinWire
 from skinfield.wire.cyskin.wire import Sum as Sum

@@ -1,7 +1,6 @@
 """Codec of CySkin's sensor data over CAN: messages to blocks, and counts to messages."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +20,19 @@ from skinfield.wire.cyskin.modules import (
 from skinfield.wire.cyskin.wire import CySkinWire
 
 
-@dataclass(frozen=True, eq=False)
 class SensorTable:
-    """Where each sensor that a board sends belongs.
+    """Where each sensor that the boards of one bus send belongs.
+
+    Parameters
+    ----------
+    boards : sequence of CySkinBoard
+        Of the whole port, whose channels these are.
+    bus : int
 
     Attributes
     ----------
     numbers : (B,) int64 array
-        Of the boards of one bus.
+        Of the boards of the bus.
     channels : (S,) int64 array
         Of all their sensors, in the order of sending, board after board.
     begins : (B, 250) int64 array
@@ -37,30 +41,19 @@ class SensorTable:
         Modules of each board.
     """
 
-    numbers: Ints
-    channels: Ints
-    begins: Ints
-    counts: Ints
-
-
-def sensor_table(boards: Iterable[CySkinBoard], bus: int) -> SensorTable:
-    """Sensors of the boards of one bus; the channels are those of the whole port."""
-    boards = checked_boards(boards)
-    ours = [board for board in boards if board.bus == bus]
-    begins = np.full((len(ours), MODULES + 2), -1, np.int64)
-    channels: list[int] = []
-    for row, board in enumerate(ours):
-        first = channels_of(boards[: boards.index(board)])
-        for place, module in enumerate(board.modules):
-            begins[row, place] = len(channels)
-            channels += [first + SENSORS * place + sensor for sensor in module.sensors]
-        begins[row, len(board.modules)] = len(channels)
-    return SensorTable(
-        numbers=np.array([board.number for board in ours], np.int64),
-        channels=np.array(channels, np.int64),
-        begins=begins,
-        counts=np.array([len(board.modules) for board in ours], np.int64),
-    )
+    def __init__(self, boards: Sequence[CySkinBoard], bus: int) -> None:
+        ours = [board for board in boards if board.bus == bus]
+        self.begins: Ints = np.full((len(ours), MODULES + 2), -1, np.int64)
+        channels: list[int] = []
+        for row, board in enumerate(ours):
+            first = channels_of(boards[: boards.index(board)])
+            for place, module in enumerate(board.modules):
+                self.begins[row, place] = len(channels)
+                channels += [first + SENSORS * place + sensor for sensor in module.sensors]
+            self.begins[row, len(board.modules)] = len(channels)
+        self.numbers: Ints = np.array([board.number for board in ours], np.int64)
+        self.channels: Ints = np.array(channels, np.int64)
+        self.counts: Ints = np.array([len(board.modules) for board in ours], np.int64)
 
 
 class CySkinDecoder(CanDecoder):
@@ -101,7 +94,7 @@ class CySkinDecoder(CanDecoder):
 
         self.boards = checked_boards(boards)
         self.wire = wire or CySkinWire()
-        self.table = sensor_table(self.boards, bus)
+        self.table = SensorTable(self.boards, bus)
         count = len(self.table.numbers)
         self._check = self.wire.checksum.numbers, self.wire.checksum.table
         self._packets: Octets = np.zeros((count, ROOM), np.uint8)
@@ -173,7 +166,7 @@ class CySkinEncoder:
         check_count("per_packet", per_packet, 1, RESPONSES, "responses in a packet")
         self.boards = checked_boards(boards)
         self.wire, self.per_packet = wire or CySkinWire(), per_packet
-        self.table = sensor_table(self.boards, bus)
+        self.table = SensorTable(self.boards, bus)
         count = len(self.table.numbers)
         self.counts: NDArray[np.uint16] = np.zeros(channels_of(self.boards), np.uint16)
         self.sends: NDArray[np.bool_] = np.ones(count, np.bool_)

@@ -65,33 +65,11 @@ def summed(octets: Octets, start: int, stop: int, check: Check) -> int:
 @inner
 def is_summed(octets: Octets, start: int, stop: int, check: Check) -> bool:
     """Whether the checksum behind `octets[start:stop]` is right."""
-    if check[0][HOW] == UNCHECKED:
-        return True
     crc = summed(octets, start, stop, check)
     right = True
     for i in range(check[0][WIDTH]):
         right = right and octets[stop + i] == (crc >> (8 * i)) & 0xFF
-    return right
-
-
-@inner
-def run_length(channels: Ints, start: int, stop: int) -> int:
-    """Channels from `start` on that follow one another."""
-    end = start + 1
-    while end < stop and channels[end] == channels[end - 1] + 1:
-        end += 1
-    return int(end - start)
-
-
-@inner
-def words_of_runs(channels: Ints, start: int, stop: int) -> int:
-    """Words of the blocks of `channels[start:stop]`."""
-    at, words = start, 0
-    while at < stop:
-        count = run_length(channels, at, stop)
-        words += 2 + ((count + 3) >> 2)
-        at += count
-    return words
+    return bool(right or check[0][HOW] == UNCHECKED)
 
 
 @njit
@@ -106,8 +84,8 @@ def put_pairs(
     at: int,
     big_endian: bool,
     counters: Ints,
-) -> bool:
-    """Append responses of two octets each, from `octets[at]` on; False, and nothing, if full.
+) -> None:
+    """Append responses of two octets each, from `octets[at]` on; there is room.
 
     Parameters
     ----------
@@ -121,19 +99,19 @@ def put_pairs(
         Which sensors the responses are of.
     """
     words, payloads, end = into
-    if end[0] + words_of_runs(channels, start, stop) > len(words):
-        return False
     high, low = (0, 1) if big_endian else (1, 0)
     while start < stop:
-        count = run_length(channels, start, stop)
+        after = start + 1
+        while after < stop and channels[after] == channels[after - 1] + 1:
+            after += 1
+        count = after - start
         to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, NO_STATUS)
         for i in range(count):
             payloads[to + 2 * i] = octets[at + 2 * i + low]
             payloads[to + 2 * i + 1] = octets[at + 2 * i + high]
         counters[READINGS] += 1
         at += 2 * count
-        start += count
-    return True
+        start = after
 
 
 @inner

@@ -41,23 +41,13 @@ class Part(IntFlag):
 
 
 class Command(IntEnum):
-    """First octet of an application packet, and of the answer to it."""
+    """First octet of an application packet."""
 
-    ERROR = 0x13
     SET_MODULE_GROUPING = 0x36
     SET_AUTO_SYNC = 0x37
     SET_AUTO_SYNC_PERIOD = 0x38
     SYNC = 0x3B
-    DECLARE = 0x3C
-    MODULE_DETAILS = 0x3D
     SENSOR_DATA = 0x43
-
-
-class Refusal(IntEnum):
-    """Error codes of an `ERROR` answer."""
-
-    UNSUPPORTED = 0xE2
-    INVALID = 0xE3
 
 
 @dataclass(frozen=True)
@@ -94,7 +84,8 @@ class CySkinBoard:
     number : int
         In the identifiers of its CAN messages.
     modules : tuple of CySkinModule
-        In the board's own order: what `MODULE_DETAILS` says. Sensor data names them by it.
+        In the board's own order, which its answers to MODULE_DETAILS tell. Sensor data names them
+        by it.
     bus : int
         Index into the buses of the source.
     """
@@ -138,12 +129,13 @@ def port_of(boards: Sequence[CySkinBoard]) -> Port:
 
 def uids_of(boards: Sequence[CySkinBoard]) -> tuple[Uids, Ints]:
     """Uids of all sensors that are there, and their channels (S,), in the order of sending."""
-    uids: list[int] = []
-    channels: list[int] = []
     modules = [module for board in boards for module in board.modules]
-    for place, module in enumerate(modules):
-        uids += [module.sui << 4 | s for s in module.sensors]
-        channels += [SENSORS * place + s for s in module.sensors]
+    pairs = [
+        (module.sui << 4 | sensor, SENSORS * place + sensor)
+        for place, module in enumerate(modules)
+        for sensor in module.sensors
+    ]
+    uids, channels = zip(*pairs, strict=True)
     return np.array(uids, np.uint64), np.array(channels, np.int64)
 
 
@@ -176,20 +168,18 @@ def boards_from_uids(
             f"uids are {values[sensors >= SENSORS][:5].tolist()}, expected sui << 4 | sensor with "
             f"sensors from 0 to {SENSORS - 1}: a module has no more"
         )
-    modules = []
-    for sui in np.unique(suis).tolist():
-        uncut = int(temperature)
-        for sensor in sensors[suis == sui].tolist():
-            uncut |= 1 << sensor
-        modules.append(CySkinModule(sui, uncut))
+    numbered, place = np.unique(suis, return_inverse=True)
+    uncut = np.full(len(numbered), int(temperature))
+    np.bitwise_or.at(uncut, place, 1 << sensors)
+    modules = list(map(CySkinModule, numbered.tolist(), uncut.tolist()))
     if len(modules) < len(numbers) or not numbers:
         raise InputError(
             f"there are {len(modules)} modules for {len(numbers)} boards, expected one or more each"
         )
-    cuts = [round(len(modules) * i / len(numbers)) for i in range(len(numbers) + 1)]
+    runs = np.array_split(np.arange(len(modules)), len(numbers))
     return checked_boards(
-        CySkinBoard(number, tuple(modules[a:b]))
-        for number, a, b in zip(numbers, cuts, cuts[1:], strict=False)
+        CySkinBoard(number, tuple(modules[i] for i in run))
+        for number, run in zip(numbers, runs, strict=True)
     )
 
 

@@ -70,6 +70,7 @@ class SensorOrder:
         self._uids: Words32 = np.zeros(0, np.uint32)
         self._take: Ints = np.zeros(0, np.int64)
         self._runs: Ints = np.zeros(0, np.int64)
+        self._words = 0  # of the blocks of these
 
     def follow(self, uids: Words32) -> None:
         """Learn where the uids of the next responses belong; costs little if they are the same."""
@@ -78,10 +79,10 @@ class SensorOrder:
         self._uids = uids.copy()
         at = np.minimum(np.searchsorted(self._known, uids), len(self._known) - 1)
         found = self._known[at] == uids
-        channels = self._channels[at[found]]
-        _, first = np.unique(channels, return_index=True)  # sorts, and of twins takes the first
-        self._take = np.flatnonzero(found)[first]
-        self._runs = channels[first]
+        channels, first = np.unique(self._channels[at[found]], return_index=True)  # of twins one
+        self._take, self._runs = np.flatnonzero(found)[first], channels
+        ends = np.flatnonzero(np.diff(channels, append=-1) != 1) + 1
+        self._words = int((2 + (np.diff(ends, prepend=0) + 3) // 4).sum())
         self.unknown = len(uids) - len(first)
 
     def put(
@@ -90,11 +91,12 @@ class SensorOrder:
         """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
         from skinfield.wire.cyskin.kernel import put_pairs
 
+        if blocks.end[0] + self._words > len(blocks.words):
+            return False
         octets = responses[self._take].astype(np.uint16).view(np.uint8)
         into, stop = (blocks.words, blocks.octets, blocks.end), len(self._runs)
-        return bool(
-            put_pairs(into, now_ns, channel, self._runs, 0, stop, octets, 0, False, counters)
-        )
+        put_pairs(into, now_ns, channel, self._runs, 0, stop, octets, 0, False, counters)
+        return True
 
 
 class Area:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -229,9 +229,10 @@ class CySkinWire:
         """Number of a board that means all of them."""
         return EXTENDED_ID if self.extended else STANDARD_ID
 
-    def number(self, value: int, octets: int) -> bytes:
-        """A number of several octets."""
-        return value.to_bytes(octets, "big" if self.big_endian else "little")
+    @property
+    def order(self) -> Literal["big", "little"]:
+        """Of the octets of a number."""
+        return "big" if self.big_endian else "little"
 
     def identifier(self, board: int, part: Part) -> int:
         """CAN identifier, with the bit `EXTENDED` where it has 29 bits."""
@@ -265,59 +266,11 @@ class CySkinWire:
                 part = Part.LAST if at else Part.SINGLE
             yield self.identifier(board, part), packet[at : at + 8]
 
-    def unpacked(self, packet: bytes) -> tuple[int, bytes]:
-        """Command and data of an application packet.
-
-        Raises
-        ------
-        InputError
-            If it is shorter or longer than it says, or its checksum is wrong.
-        """
-        tail = self.checksum.octets
-        if len(packet) < 2 or len(packet) != 2 + packet[1] + tail:
-            raise InputError(
-                f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
-                f"octets of data and {tail} of checksum"
-            )
-        body, rest = packet[: len(packet) - tail], packet[len(packet) - tail :]
-        expected = self.checksum.of(body)
-        if rest != expected and not isinstance(self.checksum, Unchecked):
-            raise InputError(
-                f"packet {packet.hex()} ends with the checksum {rest.hex()}, expected "
-                f"{expected.hex()}: it is damaged, or the board sums in another way; see "
-                "matching_checksums"
-            )
-        return body[0], body[2:]
-
-
-class Assembler:
-    """Packets of CAN messages, in plain Python: for boards in software and for tools."""
-
-    def __init__(self, wire: CySkinWire | None = None) -> None:
-        self.wire = wire or CySkinWire()
-        self._parts: dict[int, bytes] = {}
-
-    def take(self, identifier: int, data: bytes) -> tuple[int, bytes] | None:
-        """Board and packet that a message completes, if it does; pieces without a start fall away.
-
-        Parameters
-        ----------
-        identifier : int
-            With the bit `EXTENDED` where it has 29 bits.
-        data : bytes
-        """
-        extended = bool(identifier & EXTENDED)
-        if extended != self.wire.extended:
+    def unpacked(self, packet: bytes) -> tuple[int, bytes] | None:
+        """Command and data of an application packet; None if it is damaged."""
+        cut = len(packet) - self.checksum.octets
+        body, rest = packet[:cut], packet[cut:]
+        if cut < 2 or cut != 2 + body[1]:
             return None
-        shift = EXTENDED_SHIFT if extended else STANDARD_SHIFT
-        board, part = identifier & self.wire.every_board, identifier >> shift & 7
-        if part == Part.SINGLE:
-            self._parts.pop(board, None)
-            return board, data
-        if part == Part.FIRST:
-            self._parts[board] = data
-        elif board in self._parts and part in (Part.MID, Part.LAST):
-            self._parts[board] += data
-            if part == Part.LAST:
-                return board, self._parts.pop(board)
-        return None
+        whole = rest == self.checksum.of(body) or isinstance(self.checksum, Unchecked)
+        return (body[0], body[2:]) if whole else None

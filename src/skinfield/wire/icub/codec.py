@@ -126,12 +126,12 @@ NO_GAINS = (0,) * TAXELS
 Shorts = NDArray[np.uint16]
 
 
-def gains_of(kind: SkinType, triangle: int = 0) -> tuple[int, ...]:
+def gains_of(kind: int, triangle: int = 0) -> tuple[int, ...]:
     """Gains of the correction of drift, 128ths, per channel of a triangle of the board."""
-    if kind == SkinType.ERGO_HAND:
-        return GAINS_V2 if triangle > LAST_FINGERTIP else NO_GAINS
-    known = {SkinType.COMPENSATED: GAINS, SkinType.COMPENSATED_V2: GAINS_V2}
-    return known.get(kind, NO_GAINS)
+    if kind == SkinType.COMPENSATED:
+        return GAINS
+    newer = kind == SkinType.ERGO_HAND and triangle > LAST_FINGERTIP
+    return GAINS_V2 if newer or kind == SkinType.COMPENSATED_V2 else NO_GAINS
 
 
 class ICubEncoder:
@@ -176,9 +176,6 @@ class ICubEncoder:
         self._negated_first: NDArray[np.bool_] = np.zeros((count, 1), np.bool_)
         for row in range(count):
             self._configure(row, state or BoardState())
-
-    def __len__(self) -> int:
-        return len(self.triangles)
 
     def _configure(self, row: int, state: BoardState) -> None:
         board, triangle = self.triangles[row]
@@ -238,7 +235,7 @@ def triangle_payloads(
     firmware: Firmware = Firmware.MTB4,
     no_load: int = 240,
     shift: int = 2,
-    kind: SkinType = SkinType.COMPENSATED,
+    kind: int = SkinType.COMPENSATED,
 ) -> tuple[bytes, bytes]:
     """Head and tail of one triangle; for tests and tools, not for the loop.
 

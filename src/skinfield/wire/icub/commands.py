@@ -61,7 +61,7 @@ class SetBoard:
     Parameters
     ----------
     kind : int
-        See `SkinType`.
+        See `SkinType`; numbers that the firmware does not know switch the correction of drift off.
     period_ms : int, ms
         Between two readings, 1 to 255. 50 on most robots.
     no_load : int
@@ -180,20 +180,16 @@ def command_from(data: bytes) -> Command | None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BoardState:
+class BoardState(SetBoard):
     """A board as it is after what it was told; `after` gives the next one.
 
     A board that boots again is a new `BoardState(firmware=...)`: silent, as nobody configured it.
     Defaults are those that the robots' software sends where a file says nothing; the firmware's own
-    are 50 ms and 245.
+    are 50 ms and 245. See `SetBoard` for its kind, period and rest.
 
     Parameters
     ----------
     firmware : Firmware
-    kind : SkinType
-        Numbers that the firmware does not know switch the correction of drift off.
-    period_ms : int, ms
-    no_load : int
     triangles : tuple of 16 TriangleState
     configured : bool
         Whether a 4D, a 50 or a start came. Boards of the mtb3 send class 3 until then.
@@ -201,24 +197,17 @@ class BoardState:
     calibrations : int
         How often it took its base anew. Whoever plays the converters sets base to raw when this
         has changed.
-    ignored : int
-        Messages that meant nothing to it.
     """
 
     firmware: Firmware = Firmware.MTB4
-    kind: SkinType = SkinType.COMPENSATED
-    period_ms: int = 40
-    no_load: int = 240
     triangles: tuple[TriangleState, ...] = (TriangleState(),) * TRIANGLES
     configured: bool = False
     sending: bool = False
     calibrations: int = 0
-    ignored: int = 0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_type("firmware", self.firmware, Firmware, "MTB3 or MTB4")
-        check_count("period_ms", self.period_ms, 1, 255, "milliseconds between readings")
-        check_count("no_load", self.no_load, 0, 255, "the byte of an unloaded taxel")
         check_count("triangles", len(self.triangles), TRIANGLES, TRIANGLES, "one state for each")
 
     @property
@@ -228,7 +217,7 @@ class BoardState:
         return MessageClass.ANALOG if old else MessageClass.SKIN
 
     def after(self, data: bytes) -> "BoardState":
-        """State after a message of the host with such data; unknown ones are counted and ignored.
+        """State after a message of the host with such data; the same after an unknown one.
 
         ======= ========================================================================
         message what follows
@@ -239,19 +228,11 @@ class BoardState:
         ======= ========================================================================
         """
         match command_from(data):
-            case SetBoard(kind=kind, period_ms=period_ms, no_load=no_load):
+            case SetBoard() as board:
                 triangles = self.triangles
                 if self.firmware == Firmware.MTB4:
                     triangles = tuple(replace(each, enabled=False) for each in triangles)
-                known = kind in list(SkinType)
-                return replace(
-                    self,
-                    kind=SkinType(kind) if known else SkinType.UNCOMPENSATED,
-                    period_ms=period_ms,
-                    no_load=no_load,
-                    triangles=triangles,
-                    configured=True,
-                )
+                return replace(self, **vars(board), triangles=triangles, configured=True)
             case SetTriangles(first=first, last=last, shift=shift, enabled=on, cdc_offset=offset):
                 new = TriangleState(shift=shift, enabled=on, cdc_offset=offset)
                 before, behind = self.triangles[:first], self.triangles[last + 1 :]
@@ -264,4 +245,4 @@ class BoardState:
                 )
             case Transmit(on=on):
                 return replace(self, sending=on, configured=self.configured or on)
-        return replace(self, ignored=self.ignored + 1)
+        return self

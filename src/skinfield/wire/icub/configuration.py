@@ -1,10 +1,8 @@
 """Configuration of skin boards: from a robot's files, or for patches of a skin."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -25,23 +23,22 @@ from skinfield.wire.icub.commands import (
     host_message,
 )
 from skinfield.wire.icub.robot_files import (
-    LINE,
+    WHERE,
     PortRun,
-    SkinDevice,
-    SkinSpec,
-    device_from,
+    named,
+    patches_of,
+    ports_of,
     read_tree,
-    spec_from,
-    wrapper_from,
+    settings_of,
 )
 
 USUAL = SetBoard(period_ms=50)  # of robots
 THERMAL = (6, 10)  # channels of a triangle that feel warmth alone
 FIRST_ADDRESS, ADDRESSES = 1, 14  # that the robots' Ethernet boards take for skin
-PARTS: dict[str, Callable[[str, Element], Any]] = {  # of files, by what they are called
-    "skin": device_from,
-    "skinSpec": spec_from,
-    "wrapper": wrapper_from,
+HEADS = {  # tags and names of elements, any of which a file of that kind has
+    "skin": (("group", "patches"), ("param", "skinCanIds")),
+    "skinSpec": (("group", "defaultCfgBoard"), ("group", "defaultCfgTriangle")),
+    "wrapper": (("paramlist", "ports"),),
 }
 
 
@@ -157,69 +154,48 @@ def load_configuration(*paths: str | Path, last_patch_first: bool = True) -> ICu
     FileError
         If a file cannot be read or used, or they do not go together.
     """
-    found: dict[str, tuple[str, Any]] = {}
-    for path in map(str, paths):
-        root = read_tree(Path(path))
-        parts = {name: (path, part) for name, read in PARTS.items() if (part := read(path, root))}
+    files: dict[str, Element] = {}
+    for root in (read_tree(Path(path)) for path in paths):
+        parts = [
+            part
+            for part, heads in HEADS.items()
+            if any(named(root, *head) is not None for head in heads)
+        ]
         if not parts:
             raise FileError(
-                f"{path}:{root.get(LINE)}: {root.tag} {root.get('name', '')!r} says nothing of a "
+                f"{root.get(WHERE)}: {root.tag} {root.get('name', '')!r} says nothing of a "
                 "skin, expected defaultCfgBoard, patches, skinCanIds or ports"
             )
-        for name in parts.keys() & found.keys():
-            raise FileError(
-                f"{path}: is a second {name} beside {found[name][0]}, expected one skin, one "
-                "skinSpec, one wrapper"
-            )
-        found |= parts
-    if "skin" not in found:
+        for part in parts:
+            if part in files:
+                raise FileError(
+                    f"{root.get(WHERE)}: is a second {part} beside {files[part].get(WHERE)}, "
+                    "expected one skin, one skinSpec, one wrapper"
+                )
+            files[part] = root
+    if "skin" not in files:
         raise FileError(
             f"{', '.join(str(path) for path in paths) or 'no file'}: no addresses of boards, "
             "expected a *-skin.xml with skinCanAddrsPatch1 or skinCanIds"
         )
-    path, device = found["skin"]
-    spec_path, spec = found.get("skinSpec", ("", SkinSpec(USUAL, TriangleState())))
-    wrapper_path, ports = found.get("wrapper", (path, ()))
-    _check_specials(device, spec, spec_path)
-    boards = [
-        _specified(bus, address, patch, spec)
-        for bus, (patch, addresses) in enumerate(device.patches)
-        for address in addresses
-    ]
+    patches = patches_of(files["skin"])
+    settings = settings_of(files["skinSpec"], patches) if "skinSpec" in files else {}
+    usual = USUAL, [TriangleState()] * TRIANGLES
+    boards = []
+    for bus, (patch, addresses) in enumerate(patches.items()):
+        for address in addresses:
+            board, triangles = settings.get((patch, address), usual)
+            boards.append(BoardSettings(bus, address, board, tuple(triangles)))
     if last_patch_first:
         boards.sort(key=lambda board: -board.bus)
+    name = next(files["skin"].iter("device"), files["skin"]).get("name", "")
+    wrapper = files.get("wrapper")
+    ports = () if wrapper is None else ports_of(wrapper)
     try:
-        return ICubConfiguration(
-            tuple(boards), tuple(number for number, _ in device.patches), device.name, ports
-        )
+        return ICubConfiguration(tuple(boards), tuple(patches), name, ports)
     except InputError as error:
-        raise FileError(f"{wrapper_path}: {error}") from error
-
-
-def _specified(bus: int, address: int, patch: int, spec: SkinSpec) -> BoardSettings:
-    settings, triangles = spec.board, [spec.triangle] * TRIANGLES
-    for each in spec.specials:
-        if each.patch != patch or address not in each.boards:
-            continue
-        if isinstance(each.settings, SetBoard):
-            settings = each.settings
-        else:
-            for triangle in each.triangles:
-                triangles[triangle] = each.settings
-    return BoardSettings(bus, address, settings, tuple(triangles))
-
-
-def _check_specials(device: SkinDevice, spec: SkinSpec, path: str) -> None:
-    """Raise FileError if a special setting is of a board that is not there."""
-    known = dict(device.patches)
-    for each in spec.specials:
-        for address in each.boards:
-            if address not in known.get(each.patch, ()):
-                there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
-                raise FileError(
-                    f"{path}:{each.line}: sets board {address} of patch {each.patch}, expected "
-                    f"one of {there}"
-                )
+        where = files["skin"] if wrapper is None else wrapper
+        raise FileError(f"{where.get(WHERE)}: {error}") from error
 
 
 def kind_for(patch: Patch) -> SkinType:

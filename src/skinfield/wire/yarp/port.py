@@ -207,12 +207,11 @@ class Connection:
                     return ""
                 facts = {"from": port.name, "to": second, "carrier": there[second]}
                 return text_from_bottle([[key, value] for key, value in facts.items()])
-            case "add":
-                outcome = port.add(f"{second}:/{first}" if second else first)
-                return text_from_bottle([0 if outcome.startswith("Added") else -1, outcome])
-            case "del":
-                outcome = port.remove(first)
-                return text_from_bottle([0 if outcome.startswith("Removed") else -1, outcome])
+            case "add" | "del":
+                wanted = f"{second}:/{first}" if second else first
+                outcome = port.add(wanted) if command == "add" else port.remove(first)
+                good = outcome.startswith(("Added", "Removed"))
+                return text_from_bottle([0 if good else -1, outcome])
         return '[fail] "expected [ver], [add], [del] or [list]"'
 
 
