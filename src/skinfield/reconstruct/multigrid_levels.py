@@ -74,22 +74,16 @@ class RestrictedPosterior:
     ----------
     fine : PressurePosterior
     restriction : Restriction
-    cells : (K,) int array
-        Which of the coarse cells, by their numbers on the coarse grid.
     """
 
     fine: PressurePosterior
     restriction: Restriction
-    cells: NDArray[np.int64]
-
-    def on(self, nodes: NDArray[np.int64]) -> "RestrictedPosterior":
-        """Of some of the cells, in their order."""
-        return replace(self, cells=self.cells[nodes])
 
     @cached_property
     def std(self) -> Floats:
         """Standard deviation of each coarse cell, (K,) Pa."""
-        each, one = np.arange(len(self.cells))[:, None], np.ones((1, 1))
+        count, one = len(self.restriction.down) * len(self.restriction.across), np.ones((1, 1))
+        each = np.arange(count)[:, None]
         variance = [self.covariance_of_sums(cell, one)[0, 0] for cell in each]
         return np.sqrt(np.maximum(variance, 0.0))
 
@@ -101,8 +95,8 @@ class RestrictedPosterior:
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         restriction = self.restriction
-        places, count = self.cells[cells], len(restriction.down) * len(restriction.across)
-        sums = [np.bincount(places, weight, count) for weight in weights]  # cells may come again
+        count = len(restriction.down) * len(restriction.across)
+        sums = [np.bincount(cells, weight, count) for weight in weights]  # cells may come again
         coarse = np.asarray(sums, dtype=np.float64)
         fine = restriction.transposed(coarse)
         used = np.flatnonzero(fine.any(axis=0))
@@ -289,9 +283,9 @@ def linear_rung(
     grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
     error: PressurePosterior | RestrictedPosterior | None = posterior
     if grid.shape != model.grid.shape:
-        restriction, every = Restriction.between(model.grid, grid), np.arange(len(grid))
+        restriction = Restriction.between(model.grid, grid)
         matrix = np.ascontiguousarray(restriction(matrix.T).T)
-        error = None if posterior is None else RestrictedPosterior(posterior, restriction, every)
+        error = None if posterior is None else RestrictedPosterior(posterior, restriction)
     noise = PressureNoise(matrix * model.noise_std)
     return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
 
