@@ -171,9 +171,11 @@ class FactoredError:
         """`factor` in single precision, for loops that have half the time to read it."""
         return np.require(self.factor, np.float32, ("C", "W"))
 
-    @cached_property
-    def _factor(self) -> Floats:
-        return np.ascontiguousarray(self.factor, dtype=np.float64)
+    def explained(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of sums with weights (M, N) of rows `cells` of the factor."""
+        check_cells(cells, weights, len(self.factor))
+        moved = weights @ self.factor[cells]
+        return np.asarray(moved @ moved.T)
 
 
 class PressureNoise(FactoredError):
@@ -187,20 +189,17 @@ class PressureNoise(FactoredError):
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        return np.asarray(compiled().of_factor(self._factor, cells, weights))
+        return self.explained(cells, weights)
 
 
 @lru_cache(maxsize=1)
 def compiled() -> Any:
-    """The kernels, loaded when first needed, and all at once."""
-    from skinfield.estimate import covariance_kernel
+    """The kernel `of_lattice`, loaded when first needed."""
+    from skinfield.estimate.covariance_kernel import of_lattice
 
-    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
-    covariance_kernel.of_factor(one, cell, one)
-    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
-    return covariance_kernel
+    one = np.ones((1, 1))
+    of_lattice(one, np.zeros((1, 2), np.int64), np.zeros(1, np.int64), one)
+    return of_lattice
 
 
 def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
@@ -261,12 +260,10 @@ class PressurePosterior(FactoredError):
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        kernel = compiled()
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        explained = kernel.of_factor(self._factor, cells, weights)
+        explained = self.explained(cells, weights)
         if len(cells) <= DENSE:
-            return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
+            cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+            return np.asarray(compiled()(*self._lattice, cells, weights) - explained)
         return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
 
     @cached_property
