@@ -71,7 +71,7 @@ class State:
     Attributes
     ----------
     group : which kind the patch is of
-    integers, numbers : (5, P) arrays, of which the others are rows; see `learning_kernel`
+    integers, numbers : (5, P) arrays, of which the others are rows; see `cycle_kernel`
     answer : of `Answer`
     rung : of the answer; -1 where there is none
     gap : relative, of the answer
