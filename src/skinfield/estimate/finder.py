@@ -92,6 +92,24 @@ def area_moves(
     return around, moves[around], grid.cell_area * float(np.sqrt(SIDE_VARIANCE * sides))
 
 
+@lru_cache(maxsize=64)
+def loads_per_pressure(grid: Grid) -> Floats:
+    """What a pressure of 1 Pa on each cell adds to the sums over a region, (K, 12).
+
+    Force N and its first and second moments in the plane: 1, x, y, xx, xy, yy; the force in the
+    patch's frame, and its moment about the origin.
+    """
+    (x, y), area = grid.plane.T, grid.cell_area
+    plane = area * np.stack([np.ones(len(grid)), x, y, x * x, x * y, y * y], axis=1)
+    forces = -area * grid.normals
+    return np.hstack([plane, forces, cross(grid.positions, forces)])
+
+
+def cross(one: Floats, other: Floats) -> Floats:
+    """Cross products of vectors (N, 3)."""
+    return np.asarray(one[:, NEXT] * other[:, AFTER] - one[:, AFTER] * other[:, NEXT])
+
+
 @dataclass(frozen=True, eq=False)
 class FieldRegions:
     """Regions of a field, with what is needed to say more of them.
@@ -118,40 +136,37 @@ class FieldRegions:
     starts: Ints
     cells: Ints
 
-    def summed(self, values: Floats) -> Floats:
-        """Sums (R, ...) over each region of values (N, ...) of its cells."""
-        return np.asarray(np.add.reduceat(values, self.starts[:-1], axis=0))
-
     def contacts(self) -> Iterator[Contact]:
         """One contact for each region, by falling force; some of it comes when asked for."""
-        grid, cells, surface = self.grid, self.cells, self.grid.patch.surface
-        sizes = np.diff(self.starts)
-        pressure, plane = self.pressure[cells], grid.plane[cells]
-        load = (pressure * grid.cell_area)[:, None]
-        total = self.summed(load)
-        centre = self.summed(load * plane) / total
+        grid, cells, first, surface = (
+            self.grid,
+            self.cells,
+            self.starts[:-1],
+            self.grid.patch.surface,
+        )
+        pressure = self.pressure[cells]
+        loads = pressure[:, None] * np.take(loads_per_pressure(grid), cells, axis=0)
+        sums = np.add.reduceat(loads, first, axis=0)
+        total, means, force = sums[:, 0], sums[:, 1:6] / sums[:, :1], sums[:, 6:9]
+        centre = means[:, :2]
         positions = surface.position_from_plane(centre)
         normals = grid.normals[:1]  # on a flat skin one for all
         if not surface.is_flat:
             normals = surface.frame_from_plane(centre)[:, :, 2]
-        forces = -load * grid.normals[cells]
-        arms = grid.positions[cells] - np.repeat(positions, sizes, axis=0)
-        moment = self.summed(arms[:, NEXT] * forces[:, AFTER] - arms[:, AFTER] * forces[:, NEXT])
-        force = self.summed(forces)
-        x, y = (plane - np.repeat(centre, sizes, axis=0)).T
-        second = self.summed(load * np.stack([x * x, x * y, y * y], axis=1)) / total
-        xx, xy, yy = second.T + np.array([[1.0], [0.0], [1.0]]) * grid.cell_area / 12
+        moment = sums[:, 9:] - cross(positions, force)
+        (x, y, xx, xy, yy), own = means.T, grid.cell_area / 12
+        xx, xy, yy = xx - x * x + own, xy - x * y, yy - y * y + own
         large = (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
         axes = 2.0 * np.sqrt([large, (xx * yy - xy * xy) / large]).T
         angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-        angle = np.where(angle < np.pi / 2, angle, angle - np.pi).tolist()
-        areas = (sizes * grid.cell_area).tolist()
-        peaks = np.maximum.reduceat(pressure, self.starts[:-1]).tolist()
+        angles = np.where(angle < np.pi / 2, angle, angle - np.pi).tolist()
+        areas = (np.diff(self.starts) * grid.cell_area).tolist()
+        peaks = np.maximum.reduceat(pressure, first).tolist()
         along = -(force * normals).sum(axis=1)
-        for index in falling_order(along.tolist(), cells[self.starts[:-1]].tolist()):
+        for index in falling_order(along.tolist(), cells[first].tolist()):
             mine = cells[self.starts[index] : self.starts[index + 1]]
             yield Contact.later(
-                Details(self, mine, centre[index], float(total[index, 0])),
+                Details(self, mine, centre[index], float(total[index])),
                 position=positions[index],
                 force=force[index],
                 moment=moment[index],
@@ -161,7 +176,7 @@ class FieldRegions:
                 radius=(areas[index] / np.pi) ** 0.5,
                 shape="other",
                 axes=axes[index],
-                angle=angle[index],
+                angle=angles[index],
                 cells=mine,
                 track_id=None,
                 spread=None,
@@ -296,19 +311,18 @@ class ContactFinder:
         InputError
             If the pressure or the noise is not one number for each node.
         """
-        flat = np.array(pressure, np.float64)  # what comes later is of these
+        flat = np.require(pressure, np.float64, ("C", "W"))  # others would be compiled for anew
         if not flat.shape == noise.std.shape == (len(grid),):
             check_shape("pressure", flat, (len(grid),), "one per node of the grid")
             check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
         kernel, columns = kernels(), grid.shape[1]
         work = kernel.room_for(len(flat), columns)
-        std = np.require(noise.std, np.float64, ("C", "W"))  # others would be compiled for anew
-        count = kernel.find(flat, std, columns, *self.heights(noise), *work)
+        count = kernel.find(flat, noise.std, columns, *self.heights(noise), *work)
         if not count:
             return ()
         starts = work[2][kernel.STARTS, : count + 1].copy()
         cells = work[2][kernel.REGIONS, : starts[-1]].copy()
         stated = noise if error is None else error
-        return tuple(
-            FieldRegions(grid, flat, stated, model_error, self.edge, starts, cells).contacts()
-        )
+        own = flat.copy()  # what is worked out later is of these
+        regions = FieldRegions(grid, own, stated, model_error, self.edge, starts, cells)
+        return tuple(regions.contacts())

@@ -171,10 +171,14 @@ class FactoredError:
         """`factor` in single precision, for loops that have half the time to read it."""
         return np.require(self.factor, np.float32, ("C", "W"))
 
+    @cached_property
+    def _rows(self) -> Floats:
+        return np.ascontiguousarray(self.factor, dtype=np.float64)
+
     def explained(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of sums with weights (M, N) of rows `cells` of the factor."""
         check_cells(cells, weights, len(self.factor))
-        moved = weights @ self.factor[cells]
+        moved = weights @ np.take(self._rows, cells, axis=0)
         return np.asarray(moved @ moved.T)
 
 

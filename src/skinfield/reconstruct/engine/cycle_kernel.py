@@ -322,9 +322,12 @@ def plan(
     until none fits.
     """
     share = 1.0 / np.sqrt(max(len(hot), 1))
-    high, typical, out = times[0].ravel(), times[1].ravel(), planned.ravel()
-    for step in range(len(out)):
-        out[step] = typical[step] + share * (high[step] - typical[step]) + after
+    for its in range(planned.shape[0]):
+        for kind in range(planned.shape[1]):
+            for rung in range(planned.shape[2]):
+                typical = times[1, its, kind, rung]
+                high = times[0, its, kind, rung] - typical
+                planned[its, kind, rung] = typical + share * high + after
     count = 0
     for patch in hot:
         target[patch], rungs[patch] = -1, UNKNOWN
