@@ -18,7 +18,7 @@ from skinfield.reconstruct.engine.timing_model import CostModel
 def planned(costs: Floats, unresolved: Floats, energy: Floats, left: float) -> tuple[Any, Any]:
     """Rung of each patch, -1 for none, and the patches that are searched, in their order."""
     state = State(np.zeros(len(energy), dtype=np.int64))
-    state.energy[:] = state.excess[:] = energy
+    state.energy[:], state.excess[:], state.kind[:] = energy, energy, 0
     none, ones = np.zeros(len(energy), dtype=np.int64), np.ones(len(energy))
     target, order, tops, times = none.copy(), none.copy(), none + costs.shape[2] - 1, [costs, costs]
     known = state.group, state.integers, state.numbers, state.age, tops, ones, np.array(times), 0.0

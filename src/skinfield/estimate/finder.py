@@ -65,9 +65,9 @@ def area_moves(
     Returns cells, their weights, and one standard deviation of an area counted in whole cells.
     """
     (rows, columns), picture = grid.shape, pressure.reshape(grid.shape)
-    slopes = [
-        np.gradient(picture, axis=axis) if grid.shape[axis] > 1 else np.zeros(grid.shape)
-        for axis in (0, 1)
+    slopes: list[Floats] = [
+        np.asarray(np.gradient(picture, axis=axis)) if size > 1 else np.zeros(grid.shape)
+        for axis, size in enumerate(grid.shape)
     ]
     inside, moves = np.zeros(len(grid), np.bool_), np.zeros(len(grid))
     inside[cells] = True
@@ -78,7 +78,7 @@ def area_moves(
         on = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
         here, beside = cells[on], (row * columns + column)[on]
         outer = ~inside[beside]
-        sides += np.count_nonzero(outer) + np.count_nonzero(~on)
+        sides += int(np.count_nonzero(outer) + np.count_nonzero(~on))
         crossed = outer & (pressure[beside] < level) & (level < pressure[here])
         here, beside = here[crossed], beside[crossed]
         across, tangent = pressure[here] - pressure[beside], slopes[abs(down)].ravel()
@@ -92,7 +92,7 @@ def area_moves(
     return around, moves[around], grid.cell_area * float(np.sqrt(SIDE_VARIANCE * sides))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)
 def loads_per_pressure(grid: Grid) -> Floats:
     """What a pressure of 1 Pa on each cell adds to the sums over a region, (K, 12).
 

@@ -211,7 +211,8 @@ class LiveContacts:
         self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
         self.memory: NDArray[np.void] = np.zeros(REMEMBERED * rows, KNOWN)
         self._habits = np.array([habits.reach, habits.speed, habits.hold, habits.smoothing])
-        self._find, self._tell = find, tell
+        self._find: Any = find
+        self._tell: Any = tell
         self._rooms = []
         for level in self.levels:
             room = room_for(len(level.std), level.heights[0])

@@ -91,6 +91,7 @@ class Tracker:
         check_type("gate", self.gate, Gate, "how far from what is foretold a contact may be")
         self._chart: Chart | None = None
         self._next_number = 0
+        self.events: tuple[ContactEvent, ...] = ()
         self.reset()
 
     def __call__(self, estimate: Estimate) -> tuple[Any, ...]:
@@ -126,7 +127,7 @@ class Tracker:
         self._tracks: list[Track] = []  # in the plane; also those that are not confirmed yet
         self._changes: list[Change] = []  # of the last step
         self._now, self._stamp, self._started = 0.0, 0, False
-        self.events: tuple[ContactEvent, ...] = ()
+        self.events = ()
 
     def _follow(
         self, estimate: Estimate

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError, check_range, check_shape
 
 ANGLES = 32  # at which an ellipse is seen in a quarter turn
-HALVINGS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,15 +82,13 @@ def normal_radius(covariance: Floats, level: float) -> float:
     seen = large * np.cos(turn) ** 2 + small * np.sin(turn) ** 2
     if not large > 0.0:
         return 0.0
-    high = float(np.sqrt(-2.0 * large * np.log1p(-level)))  # of a round one that is as wide
-    low = 0.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        if np.mean(-np.expm1(-(middle**2) / (2 * seen))) < level:
-            low = middle
-        else:
-            high = middle
-    return high
+    widest = float(np.sqrt(-2.0 * large * np.log1p(-level)))  # of a round one that is as wide
+    from scipy.optimize import brentq
+
+    def lacking(radius: float) -> float:
+        return level - float(np.mean(-np.expm1(-(radius**2) / (2 * seen))))
+
+    return float(brentq(lacking, 0.0, widest * (1.0 + 1e-9), xtol=1e-15 * widest))
 
 
 def _checked(level: float) -> float:

@@ -13,7 +13,7 @@ from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quanti
 from skinfield.errors import Floats, InputError, check_offers, check_positive
 from skinfield.estimate import Contact, ContactFinder, Estimate
 from skinfield.reconstruct.multigrid_levels import Rung, linear_rung, prepare_rungs
-from skinfield.reconstruct.plan import MOST
+from skinfield.reconstruct.plan import until
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.skin import Grid, Patch
 from skinfield.solve import FieldOperator, GaussianField, InverseOperator, Solver
@@ -215,7 +215,7 @@ class Ladder:
         good = mask[0]
         known = np.where(good, table[0], 0.0)
         linear = np.array(self.quantity.linearise(known, np.empty_like(known)))
-        end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
+        end = until(deadline, start)
         rest, operator = self._answer(linear, good, end)
         now = time.perf_counter_ns()
         notes = () if good.all() else (f"{int((~good).sum())} taxels left out",)

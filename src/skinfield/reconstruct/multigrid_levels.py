@@ -160,26 +160,25 @@ class Rungs:
     Attributes
     ----------
     steps : tuple of Rung
-    explained : (L, L) array
-        From linearised readings to what the linear answer predicts of them, on any rung.
-    noise_std : (L,) array, unit of the reading
     start : InverseOperator
         The linear answer on the finest rung.
     model : ObservationModel
         On the finest rung.
-    linear : bool
-        Whether the linear answer is the solver's own.
-    bayesian : bool
-        Whether the linear answer is a posterior mean.
     """
 
     steps: tuple[Rung, ...]
-    explained: Floats
-    noise_std: Floats
     start: InverseOperator
     model: ObservationModel
-    linear: bool
-    bayesian: bool
+
+    @cached_property
+    def explained(self) -> Floats:
+        """From linearised readings to what the linear answer predicts of them, on any rung."""
+        return self.model.matrix @ self.start.matrix
+
+    @property
+    def linear(self) -> bool:
+        """Whether the linear answer is the solver's own."""
+        return self.steps[-1].operator is None
 
     @cached_property
     def weights(self) -> Floats:
@@ -190,15 +189,15 @@ class Rungs:
         .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
         """
         unexplained = np.eye(len(self.explained)) - self.explained
-        weights = unexplained / np.square(self.noise_std)[:, None]
+        weights = unexplained / np.square(self.model.noise_std)[:, None]
         return np.asarray(0.5 * (weights + weights.T))
 
     @cached_property
     def unresolved(self) -> tuple[float, ...]:
         """Part of the finest linear answer's squared norm that each rung averages away."""
         finest = self.steps[-1]
-        kept = [_power(step.matrix * self.noise_std, step.grid) for step in self.steps]
-        whole = _power(finest.matrix * self.noise_std, finest.grid)
+        kept = [_power(step.matrix * self.model.noise_std, step.grid) for step in self.steps]
+        whole = _power(finest.matrix * self.model.noise_std, finest.grid)
         return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
 
 
@@ -244,15 +243,7 @@ def prepare_rungs(
             assert not isinstance(operator, InverseOperator)  # it is linear on all grids or none
             step = replace(step, model=model, operator=operator)
         steps.append(step)
-    return Rungs(
-        steps=tuple(steps),
-        explained=finest.matrix @ start.matrix,
-        noise_std=finest.noise_std,
-        start=start,
-        model=finest,
-        linear=linear,
-        bayesian=start.posterior is not None,
-    )
+    return Rungs(tuple(steps), start, finest)
 
 
 def check_sides(sides: Sequence[int]) -> None:

@@ -6,7 +6,6 @@ itself. The double runs the same code over the same prepared arrays, and answers
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +128,12 @@ class Shadow:
         self._readings = [change * flat for change in CHANGES]
         self._valid = np.ones(len(flat), np.bool_)
         self._next, self._own, self._engine = 0, work, engine
-        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(work)]
+        state, intake = work.state, work.intake
+        small = (
+            *(state.integers, state.numbers, state.age, intake.given, intake.linear, intake.white),
+            *(work.times.both, work.planned),
+        )
+        self._octets = [each.reshape(-1).view(np.uint8) for each in small]
 
     def next_touch(self) -> tuple[Floats, NDArray[np.bool_]]:
         """Readings of the next rehearsed cycle, and which of them are valid."""
@@ -148,18 +152,3 @@ class Shadow:
         for last in used:
             for room in getattr(last, "rooms", ()):
                 work.kernel.touch(room)
-
-
-def _arrays_of(work: Clockwork) -> list[NDArray[Any]]:
-    """Small arrays of all patches."""
-    state, intake = work.state, work.intake
-    return [
-        state.integers,
-        state.numbers,
-        state.age,
-        intake.given,
-        intake.linear,
-        intake.white,
-        work.times.both,
-        work.planned,
-    ]

@@ -95,9 +95,8 @@ class State:
         self.numbers = np.zeros((5, patches))
         self.gap, self.excess, self.energy, self.spent, self.predicted = self.numbers
         self.age, self.invalid = np.zeros((2, patches), dtype=np.int64)
-        self.rung[:] = self.at[:] = -1
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
-        self.unforced = 0
+        self.reset()
 
     def copy(self) -> "State":
         """What the next cycle changes, as it is now."""

@@ -91,7 +91,7 @@ class Clockwork:
         self._opened = (
             *(intake.given, intake.wanted, intake.places),
             *(float(intake.quantity.lowest), intake.how),
-            *(intake.per_noise, intake.valid, self.starts, first.bayesian),
+            *(intake.per_noise, intake.valid, self.starts, first.start.posterior is not None),
             *(intake.linear, intake.white, intake.present),
             *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
         )
