@@ -144,14 +144,12 @@ def scenes(seed: int = 0, each: int = 8, kinds: dict[str, Grid] | None = None) -
                 )
 
 
-def regions(
-    values: np.ndarray, least_drop: np.ndarray, floor: float, edge: float
-) -> list[np.ndarray]:
+def regions(values: np.ndarray, prominence: float, height: float, edge: float) -> list[np.ndarray]:
     """Split a picture into the regions of its peaks, each as rising flat cells; by falling peak."""
     flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
-    least = np.ascontiguousarray(least_drop, dtype=np.float64).ravel()
-    rows, columns = values.shape
-    work = kernel.room_for(rows, columns)
-    count = kernel.flood(flat, least, columns, 1.0, 0.0, floor, edge, work)
+    work = kernel.room_for(len(flat), values.shape[1])
+    limits = 1.0, height, prominence, edge
+    count = kernel.find(flat, np.zeros(len(flat)), values.shape[1], *limits, *work)
+    assert (work[0] == -1).all()
     starts, cells = work[2][kernel.STARTS], work[2][kernel.REGIONS]
     return [cells[starts[n] : starts[n + 1]].copy() for n in range(count)]

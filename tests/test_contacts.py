@@ -196,18 +196,22 @@ def test_all_is_as_defined(kind: str) -> None:
     hnp.arrays(float, (5, 8), elements=st.integers(-2, 6).map(float)),
     st.sampled_from([0.0, 0.3, 1.0]),
     st.sampled_from([0.0, 0.2, 0.7]),
+    st.sampled_from([0.0, 0.1, 0.5]),
 )
-def test_regions_of_plateaus_and_equal_peaks(values: np.ndarray, share: float, edge: float) -> None:
-    drop = share * np.abs(values)
-    found = regions(values, drop, 0.5, edge)
-    expected = reference.regions(values.ravel(), drop.ravel(), 0.5, edge, 8)
+def test_regions_of_plateaus_and_equal_peaks(
+    values: np.ndarray, share: float, edge: float, height: float
+) -> None:
+    flat, least = values.ravel(), height * values.max()
+    found = regions(values, share, height, edge)
+    expected = reference.regions(flat, share * np.abs(flat), max(edge * least, 0.0), edge, 8)
+    expected = [cells for cells in expected if (flat[cells] > max(least, 0.0)).any()]
     assert [cells.tolist() for cells in found] == [cells.tolist() for cells in expected]
 
 
 def test_hills_of_one_height_that_meet_in_turn_stay_whole() -> None:
     values = np.array([[2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]])
     for turned in (values, values.T.copy(), values[:, ::-1].copy()):
-        (found,) = regions(turned, np.full(turned.shape, 5.0), 0.0, 0.0)
+        (found,) = regions(turned, 1.0, 0.0, 0.0)
         assert found.tolist() == list(range(7))
 
 

@@ -17,11 +17,13 @@ from skinfield.reconstruct.engine.timing_model import CostModel
 
 def planned(costs: Floats, unresolved: Floats, energy: Floats, left: float) -> tuple[Any, Any]:
     """Rung of each patch, -1 for none, and the patches that are searched, in their order."""
-    count, ones, none = len(energy), np.ones(len(energy)), np.zeros(len(energy), dtype=np.int64)
-    target, order = none.copy(), none.copy()
-    free = none + costs.shape[2] - 1, ones
-    arrays = (energy, energy, none, *free, costs, unresolved, left, target, order)
-    chosen = plan(np.arange(count), none, none, none - 1, *arrays, none.copy(), 0.0 * ones)
+    state = State(np.zeros(len(energy), dtype=np.int64))
+    state.energy[:], state.excess[:], state.kind[:] = energy, energy, 0
+    none, ones = np.zeros(len(energy), dtype=np.int64), np.ones(len(energy))
+    target, order, tops, times = none.copy(), none.copy(), none + costs.shape[2] - 1, [costs, costs]
+    known = state.group, state.integers, state.numbers, state.age, tops, ones, np.array(times), 0.0
+    room = target, order, none.copy(), 0.0 * ones
+    chosen = plan(np.arange(len(energy)), *known, unresolved, left, 0.0 * costs, *room)
     return target, order[:chosen]
 
 
@@ -231,7 +233,7 @@ def test_a_worse_answer_does_not_replace_a_better_one() -> None:
 
     def search(rung: int, gap: float, missing: float) -> None:
         row = (1, rung, gap, missing, missing == 0.0, 3, 2e-5, 0.0, 0, 10_000)
-        take_in(np.array([row], dtype=np.float64), *arrays, times, moves)
+        take_in(np.array([row], dtype=np.float64), *arrays, times, moves, state.group, state.group)
 
     search(0, 1e-3, 0.0)
     assert (state.answer[1], state.rung[1], state.at[1], state.gap[1]) == (FEASIBLE, 0, 0, 1e-3)

@@ -32,6 +32,7 @@ from skinfield.testing.solver import square_patch
 PATCH = square_patch(side=8, pitch=5e-3)
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 LEVELS = (0.5, 0.68, 0.9)
+REST = ("pressure", "traction", "displacement", "pressure_std", "residual", "valid")
 KNOWN = (Sphere(radius=4e-3), Sphere(radius=9e-3), Cylinder(radius=3e-3))
 OTHERS = (Sphere(radius=6e-3), Cylinder(radius=4e-3))
 
@@ -42,7 +43,6 @@ def pretended(bias: float, spread: float) -> Callable[[Floats], Estimate]:
     Half its contacts err three times as much, and say so, but all state half of what they err.
     """
     grid, rng = Grid.square(PATCH, nodes=4), np.random.default_rng(8)
-    none = np.zeros((len(grid), 3))
 
     def solve(readings: Floats) -> Estimate:
         x, y, force, area = readings[:4]
@@ -50,24 +50,17 @@ def pretended(bias: float, spread: float) -> Callable[[Floats], Estimate]:
         found = force / np.exp(bias + wrong * rng.standard_normal())
         off = 1e-3 * wrong * rng.standard_normal(2) * (1.0, 2.0)
         stated = np.diag([1e-3 * wrong, 2e-3 * wrong, wrong * found]) / 2
-        contact = Contact(
+        contact = Contact.later(
+            None,
             position=np.array([x + off[0], y + off[1], 0.0]),
             force=np.array([0.0, 0.0, -found]),
-            moment=np.zeros(3),
             normal=np.array([0.0, 0.0, 1.0]),
             area=area * np.exp(wrong * rng.standard_normal()),
-            peak_pressure=1.0,
             covariance=stated**2,
-            area_std=1e-6,
-            radius=1e-3,
-            shape="other",
-            outline=none,
-            axes=np.ones(2),
-            angle=0.0,
-            cells=np.arange(1),
+            spread=None,
         )
-        flat, taxels = np.zeros(len(grid)), np.zeros(len(PATCH))
-        return Estimate(grid, flat, none, none, flat, (contact,), taxels, taxels == 0)
+        rest = dict.fromkeys(REST, np.zeros(0))
+        return Estimate(grid=grid, contacts=(contact,), **rest)
 
     return solve
 

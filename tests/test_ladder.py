@@ -77,7 +77,7 @@ def test_coarse_uncertainty_is_that_of_averages(linear: sf.Ladder) -> None:
     expected = matrix @ covariance @ matrix.T
     linear.rung = 6
     np.testing.assert_allclose(linear(READINGS).pressure_std, np.sqrt(np.diag(expected)), rtol=1e-6)
-    posterior = RestrictedPosterior(fine, restriction, np.arange(36))
+    posterior = RestrictedPosterior(fine, restriction)
     cells = np.array([14, 15, 20, 14])  # one of them twice
     weights = np.random.default_rng(0).normal(size=(3, 4))
     whole = np.zeros((3, 36))
@@ -85,9 +85,7 @@ def test_coarse_uncertainty_is_that_of_averages(linear: sf.Ladder) -> None:
     np.testing.assert_allclose(
         posterior.covariance_of_sums(cells, weights), whole @ expected @ whole.T, rtol=1e-6
     )
-    part = posterior.on(np.array([20, 14]))
-    np.testing.assert_allclose(part.std, posterior.std[[20, 14]])
-    assert part.felt == 2
+    assert posterior.felt == 36
 
 
 def test_restriction_conserves_force_between_grids_that_do_not_nest() -> None:
@@ -104,9 +102,10 @@ def test_restriction_conserves_force_between_grids_that_do_not_nest() -> None:
 
 def allocated(action: Any, times: int) -> int:
     """Bytes that `times` calls left allocated at their highest."""
-    action()
     tracemalloc.start()
     try:
+        for _ in range(times):  # for what the compiler keeps of its arguments
+            action()
         before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()
         for _ in range(times):
@@ -157,50 +156,6 @@ def test_a_search_goes_on_from_rung_to_rung(searching: sf.Ladder) -> None:
     assert cold.contacts[0].normal_force == pytest.approx(alone.contacts[0].normal_force, rel=0.02)
 
 
-def focus_on_contact(ladder: sf.Ladder, readings: np.ndarray, margin: float) -> None:
-    outline = ladder(readings).contacts[0].outline[:, :2]
-    ladder.focus(outline.min(axis=0) - margin, outline.max(axis=0) + margin)
-
-
-def test_a_linear_focus_is_a_part_of_the_whole(linear: sf.Ladder) -> None:
-    linear.rung = 24
-    whole = linear(READINGS)
-    linear.rung = 6
-    focus_on_contact(linear, READINGS, margin=2e-3)
-    assert linear.rung == 24
-    part = linear(READINGS)
-    assert len(part.pressure) == len(linear.grid) < len(whole.pressure)
-    offset = (linear.grid.plane[:, None] - whole.grid.plane[None]).reshape(-1, 2)
-    near = np.linalg.norm(offset, axis=1).reshape(len(part.pressure), -1).argmin(axis=1)
-    np.testing.assert_allclose(part.grid.plane, whole.grid.plane[near], atol=1e-12)
-    for name in ("pressure", "displacement", "pressure_std", "traction"):
-        np.testing.assert_allclose(getattr(part, name), getattr(whole, name)[near], rtol=1e-6)
-    np.testing.assert_allclose(part.residual, whole.residual)
-    assert part.contacts[0].normal_force == pytest.approx(whole.contacts[0].normal_force, rel=0.05)
-    out = np.empty(len(linear.grid))
-    linear.apply(READINGS, out)
-    np.testing.assert_allclose(out, part.pressure)
-    linear.rung = 12
-    assert len(linear.grid) == 144
-
-
-def test_the_gap_of_a_focus_tells_what_was_left_out(searching: sf.Ladder) -> None:
-    searching.rung = 12
-    focus_on_contact(searching, READINGS, margin=3e-3)
-    good = searching(READINGS)
-    assert good.grid.shape == (24, 24)
-    assert good.gap < 0.05
-    searching.rung = 24
-    whole = searching(READINGS)
-    np.testing.assert_allclose(good.pressure, whole.pressure, atol=0.1 * whole.pressure.max())
-    searching.rung = 6
-    far = PATCH.plane[np.linalg.norm(PATCH.plane - PATCH.plane[4], axis=1).argmax()]
-    searching.focus(far - 2e-3, far + 2e-3, rung=24)  # where nothing presses
-    bad = searching(READINGS)
-    assert bad.gap > 2 * good.gap
-    assert bad.pressure.min() == 0.0
-
-
 def test_a_deadline_reaches_the_search(searching: sf.Ladder) -> None:
     searching.rung = 24
     searching.reset()
@@ -216,26 +171,10 @@ def test_arguments_that_do_not_fit(linear: sf.Ladder) -> None:
         sf.Ladder(PATCH, LAYER, ())
     with pytest.raises(InputError, match="rungs is 1, expected a whole number from 2 to 400"):
         sf.Ladder(PATCH, LAYER, (1, 10))
-    with pytest.raises(InputError, match="holds no node of the 24 x 24 grid"):
-        linear.focus((1.0, 1.0), (2.0, 2.0), rung=24)
     with pytest.raises(InputError, match="one reading at a time"):
         linear(np.zeros((2, len(PATCH))))
     with pytest.raises(InputError, match="deadline is 0"):
         linear(np.zeros(len(PATCH)), deadline=0)
-
-
-@pytest.mark.parametrize(("low", "high"), [((np.nan, 0), (1, 1)), ((-1, -1), (np.inf, 1))])
-def test_a_window_without_a_place_is_refused(linear: sf.Ladder, low: Any, high: Any) -> None:
-    linear.focus((-5e-3, -5e-3), (5e-3, 5e-3), rung=12)
-    before = linear.grid
-    with pytest.raises(InputError, match=r"(low|high)\[0\] is (nan|inf), expected finite numbers"):
-        linear.focus(low, high)
-    with pytest.raises(InputError, match="holds no node"):
-        linear.focus((1.0, 1.0), (2.0, 2.0))
-    assert linear.grid.shape == before.shape, "it still looks where it did"
-    assert linear.rung == 12
-    linear.focus((-1e300, -1e300), (1e300, 1e300), rung=12)
-    assert linear.grid.shape == (12, 12)
 
 
 @pytest.mark.parametrize("deadline", [1e10, 1e300])

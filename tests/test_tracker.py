@@ -16,6 +16,7 @@ from skinfield.skin.generators import cylinder
 PATCH = sf.Patch(np.array([(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 0.03)]))
 GRID = sf.Grid.square(PATCH, nodes=3)
 STEP = 0.02
+REST = ("pressure", "traction", "displacement", "pressure_std", "residual", "valid")
 Place = tuple[float, float, float]  # x mm, y mm, force N
 
 
@@ -45,18 +46,8 @@ def contact(
 def estimate(
     contacts: Sequence[sf.Contact], stamp_ns: int = 0, grid: sf.Grid = GRID
 ) -> sf.Estimate:
-    nothing, taxels = np.zeros(len(grid)), len(grid.patch)
-    return sf.Estimate(
-        grid=grid,
-        pressure=nothing,
-        traction=np.zeros((len(grid), 3)),
-        displacement=np.zeros((len(grid), 3)),
-        pressure_std=nothing,
-        contacts=tuple(contacts),
-        residual=np.zeros(taxels),
-        valid=np.ones(taxels, dtype=bool),
-        stamp_ns=stamp_ns,
-    )
+    rest = dict.fromkeys(REST, np.zeros(0))
+    return sf.Estimate(grid=grid, contacts=tuple(contacts), stamp_ns=stamp_ns, **rest)
 
 
 def seen(*places: Place) -> sf.Estimate:

@@ -9,27 +9,6 @@ FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 
 
 @njit(fastmath=FAST)
-def of_factor(factor: Floats, cells: Ints, weights: Floats) -> Floats:
-    """Covariance (M, M) of sums with weights (M, N) of rows `cells` of a factor (K, L)."""
-    sums, readings = weights.shape[0], factor.shape[1]
-    moved = np.zeros((sums, readings))
-    for index in range(len(cells)):
-        row = factor[cells[index]]
-        for m in range(sums):
-            weight, mine = weights[m, index], moved[m]
-            for reading in range(readings):
-                mine[reading] += weight * row[reading]
-    covariance = np.empty((sums, sums))
-    for m in range(sums):
-        for n in range(m + 1):
-            total = 0.0
-            for reading in range(readings):
-                total += moved[m, reading] * moved[n, reading]
-            covariance[m, n] = covariance[n, m] = total
-    return covariance
-
-
-@njit(fastmath=FAST)
 def of_lattice(prior: Floats, steps: Ints, cells: Ints, weights: Floats) -> Floats:
     """Covariance (M, M) of sums with weights (M, N), by the offset of each pair of cells.
 

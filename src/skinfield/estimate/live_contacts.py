@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +16,6 @@ from skinfield.estimate.uncertainty import (
     PressurePosterior,
 )
 from skinfield.skin import Grid
-
-if TYPE_CHECKING:
-    from skinfield.estimate.live_contacts_kernel import Level, Room
 
 CONTACT = np.dtype(
     [
@@ -80,6 +77,34 @@ class Habits:
             check_positive(name, getattr(self, name), "how contacts go on between readings")
 
 
+class Level(NamedTuple):
+    """What is known of the answers on one grid.
+
+    Attributes
+    ----------
+    std : (K,) array, Pa
+        By which contacts stand out.
+    heights : tuple
+        Columns of the grid, and the finder's limits, as `regions_kernel.find` takes them.
+    positions, normals : (K, 3) arrays
+    factor : (K, L) float32 array, Pa
+    prior : array, Pa²
+        Of a posterior: see `PressurePosterior`.
+    signatures : (K, L) float32 array, 1/Pa
+    numbers : array
+        As the kernel names them.
+    """
+
+    std: Floats
+    heights: tuple[int, float, float, float, float]
+    positions: Floats
+    normals: Floats
+    factor: NDArray[np.float32]
+    prior: Floats
+    signatures: NDArray[np.float32]
+    numbers: Floats
+
+
 def level_of(
     grid: Grid,
     noise: PressureError,
@@ -89,7 +114,7 @@ def level_of(
     *,
     signatures: ArrayLike | None = None,
     threshold: float = 0.0,
-) -> "Level":
+) -> Level:
     """What is known of the answers on one grid, for `LiveContacts`; arguments as `ContactFinder`.
 
     Parameters
@@ -105,25 +130,20 @@ def level_of(
     InputError
         For a noise of another number of nodes.
     """
-    from skinfield.estimate.live_contacts_kernel import Level
-
     check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
     known = ContactFinder() if finder is None else finder
     factor, prior, sign = _covariance(grid, noise if error is None else error)
-    heights = known.sigmas(noise), known.relative_height, known.prominence, known.edge
-    numbers = [grid.shape[1], grid.pitch, *grid.origin, *heights]
-    numbers += [model_error.force, model_error.place, sign]
-    tested = signatures is not None and threshold > 0.0
-    numbers.append(threshold if tested else 0.0)
     read = np.zeros((1, 1)) if signatures is None else signatures
+    numbers = [grid.shape[1], grid.pitch, *grid.origin, model_error.force, model_error.place]
     return Level(
         std=_as_compiled(noise.std),
+        heights=(grid.shape[1], *known.heights(noise)),
         positions=_as_compiled(grid.positions),
         normals=_as_compiled(grid.normals),
         factor=factor,
         prior=_as_compiled(prior),
         signatures=np.array(read, np.float32, order="C"),
-        numbers=np.array(numbers, dtype=np.float64),
+        numbers=np.array([*numbers, sign, 0.0 if signatures is None else threshold]),
     )
 
 
@@ -174,7 +194,7 @@ class LiveContacts:
 
     def __init__(
         self,
-        levels: Sequence["Level"],
+        levels: Sequence[Level],
         *,
         patch: int = 0,
         rows: int = 8,
@@ -182,6 +202,7 @@ class LiveContacts:
         ids: Ints | None = None,
     ) -> None:
         from skinfield.estimate.live_contacts_kernel import tell
+        from skinfield.estimate.regions_kernel import find, room_for
 
         if rows < 1 or not levels:
             raise InputError(f"rows is {rows} on {len(levels)} levels, expected 1 or more of each")
@@ -190,8 +211,14 @@ class LiveContacts:
         self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
         self.memory: NDArray[np.void] = np.zeros(REMEMBERED * rows, KNOWN)
         self._habits = np.array([habits.reach, habits.speed, habits.hold, habits.smoothing])
-        self._rooms = [_room_for(level, rows) for level in self.levels]
-        self._tell = tell
+        self._find: Any = find
+        self._tell: Any = tell
+        self._rooms = []
+        for level in self.levels:
+            room = room_for(len(level.std), level.heights[0])
+            taxels = level.signatures.shape[1]
+            moved = np.zeros((4, max(taxels, level.factor.shape[1])))
+            self._rooms.append((level, room, moved, np.zeros(taxels)))
 
     def __call__(
         self,
@@ -222,45 +249,31 @@ class LiveContacts:
         InputError
             For arrays of another size.
         """
-        known = self.levels[level]
+        known, room, moved, residual = self._rooms[level]
         if pressure.shape != known.std.shape or len(out) > self.most:
             check_shape("pressure", pressure, known.std.shape, "one per node of the grid")
             raise InputError(f"out has {len(out)} rows, expected at most {self.most}")
-        room = self._rooms[level]
-        if whitened is not None and known.signatures.shape[1] == len(whitened):
-            room.residual[:] = whitened
-        count = self._tell(
-            pressure,
-            known,
-            room,
-            self._habits,
-            self.memory,
-            self.ids,
-            self.patch,
-            stamp_ns,
-            out,
+        if whitened is not None and len(residual) == len(whitened):
+            residual[:] = whitened
+        std, heights, *arrays = known
+        count = self._find(pressure, std, *heights, *room)
+        return int(
+            self._tell(
+                pressure,
+                count,
+                *arrays,
+                *room[1:],
+                moved,
+                residual,
+                self._habits,
+                self.memory,
+                self.ids,
+                self.patch,
+                stamp_ns,
+                out,
+            )
         )
-        return int(count)
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
         self.memory[:] = 0
-
-
-def _room_for(level: "Level", rows: int) -> "Room":
-    from skinfield.estimate.live_contacts_kernel import CELLS, Room
-    from skinfield.estimate.regions_kernel import room_for
-
-    columns = int(level.numbers[0])
-    wet, values, tables = room_for(len(level.std) // columns, columns)
-    return Room(
-        wet=wet,
-        values=values,
-        tables=tables,
-        strongest=np.zeros(rows, np.int64),
-        forces=np.zeros(rows),
-        moved=np.zeros((3, level.factor.shape[1])),
-        picked=np.zeros((2, CELLS)),
-        residual=np.zeros(level.signatures.shape[1]),
-        signature=np.zeros(level.signatures.shape[1]),
-    )

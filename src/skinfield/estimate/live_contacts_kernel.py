@@ -1,65 +1,39 @@
-"""Contacts of a live loop, compiled: regions, what they amount to, and which are those of before.
+"""Contacts of a live loop, compiled: what regions amount to, and which are those of before.
 
 Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.live_contacts`
 for the rows.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.estimate.regions_kernel import (
-    REGIONS,
-    STARTS,
-    TIE,
-    Work,
-    comes_first,
-    flood,
-    highest_of,
-    keep_high,
-)
+from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
+TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
 NS = 1e-9
-COLUMNS, PITCH, X, Y, SIGMAS, HEIGHT, PROMINENCE, EDGE = range(8)  # of a level's numbers
-FORCE_PART, PLACE, SIGN, THRESHOLD = range(8, 12)
+COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
 REACH, SPEED, HOLD, SMOOTH = range(4)  # of `habits`: m, m/s, s, s
-
-
-class Level(NamedTuple):
-    """What is known of one grid: see `skinfield.estimate.live_contacts.level_of`."""
-
-    std: Floats
-    positions: Floats
-    normals: Floats
-    factor: NDArray[np.float32]
-    prior: Floats
-    signatures: NDArray[np.float32]
-    numbers: Floats
-
-
-class Room(NamedTuple):
-    """Room to work in."""
-
-    wet: Ints
-    values: Floats
-    tables: Ints
-    strongest: Ints
-    forces: Floats
-    moved: Floats
-    picked: Floats
-    residual: Floats
-    signature: Floats
 
 
 @njit
 def tell(
     pressure: Floats,
-    level: Level,
-    room: Room,
+    count: int,
+    positions: Floats,
+    normals: Floats,
+    factor: NDArray[np.float32],
+    prior: Floats,
+    signatures: NDArray[np.float32],
+    numbers: Floats,
+    values: Floats,
+    tables: Ints,
+    taxels: Floats,
+    residual: Floats,
     habits: Floats,
     memory: Any,
     ids: Ints,
@@ -67,98 +41,54 @@ def tell(
     now: int,
     out: Any,
 ) -> int:
-    """Write the strongest contacts into `out`, by falling force; how many there are in all."""
-    work: Work = (room.wet, room.values, room.tables)
-    count = regions(pressure, level, work)
-    many = strongest(pressure, count, level, room, len(out))
-    if many > 1 and level.numbers[THRESHOLD] > 0.0:
-        kept = standing_out(pressure, many, level, room)
-        many, count = kept, count - (many - kept)
+    """Write the strongest of `count` regions into `out`, by falling force; how many count.
+
+    `positions` to `numbers` are a level's, `values` and `tables` those in which its regions were
+    found; `taxels` (4, L) is room to work in. `residual` (L,) holds whitened readings.
+    """
+    starts, cells, listed = tables[STARTS], tables[REGIONS], tables[SPARE]
+    many = list_strongest(pressure, count, starts, cells, listed, values[0], len(out))
+    if many > 1 and numbers[THRESHOLD] > 0.0:
+        listed_before = many
+        many = standing_out(
+            pressure, many, starts, cells, listed, signatures, residual, taxels[3], numbers
+        )
+        count -= listed_before - many
     for place in range(many):
-        describe(pressure, room.strongest[place], level, room, out[place])
-        out[place].patch = patch
-    associate(many, level, habits, memory, ids, now, room, out)
+        region, row = listed[place], out[place]
+        mine = cells[starts[region] : starts[region + 1]]
+        total = describe(pressure, mine, numbers, row)
+        row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
+        if numbers[SIGN] != 0.0:
+            deviations(mine, total, factor, prior, numbers, values, taxels, row)
+        stand(pressure, mine, positions, normals, numbers, row)
+    associate(many, habits, memory, ids, now, out)
     return count
 
 
 @inner
-def standing_out(pressure: Floats, many: int, level: Level, room: Room) -> int:
-    """Drop listed regions that noise explains as well, given the others; how many are kept.
-
-    A field that is nowhere negative fits what it can of the noise. What a region reads, s in units
-    of the noise, is looked for in the residual r without that region: s (r + s) / |s| is the
-    matched filter's answer, and must exceed the threshold by which an idle patch is told. The
-    strongest region is that for which the patch is not idle: it stays.
-    """
-    residual, signature, listed = room.residual, room.signature, room.strongest
-    cells, starts = room.tables[REGIONS], room.tables[STARTS]
-    for cell in range(len(pressure)):
-        if pressure[cell] > 0.0:
-            add_to(residual, level.signatures[cell], -pressure[cell])
-    kept = 1
-    for place in range(1, many):
-        region = listed[place]
-        signature[:] = 0.0
-        for cell in cells[starts[region] : starts[region + 1]]:
-            add_to(signature, level.signatures[cell], pressure[cell])
-        across, square = 0.0, 0.0
-        for taxel in range(len(signature)):
-            across += signature[taxel] * residual[taxel]
-            square += signature[taxel] * signature[taxel]
-        if across + square >= level.numbers[THRESHOLD] * np.sqrt(square):
-            listed[kept] = region
-            kept += 1
-    return kept
-
-
-@inner
-def add_to(total: Floats, row: NDArray[np.float32], weight: float) -> None:
-    """Add a row, weighted."""
-    for taxel in range(len(total)):
-        total[taxel] += weight * row[taxel]
-
-
-@inner
-def regions(pressure: Floats, level: Level, work: Work) -> int:
-    """Find regions as a `ContactFinder` does; how many there are."""
-    known, std = level.numbers, level.std
-    least = known[HEIGHT] * highest_of(pressure)
-    if not stands_out(pressure, std, known[SIGMAS], least):
-        return 0
-    edge, columns, sigmas = known[EDGE], int(known[COLUMNS]), known[SIGMAS]
-    count = flood(pressure, std, columns, sigmas, known[PROMINENCE], edge * least, edge, work)
-    return int(keep_high(pressure, std, sigmas, least, count, work))
-
-
-@inner
-def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bool:
-    """Whether any cell is above its noise and above `least`.
-
-    The noise is only read where the pressure is that high: elsewhere it need not be at hand.
-    """
-    for cell in range(len(pressure)):
-        if pressure[cell] > least and pressure[cell] > sigmas * std[cell]:
-            return True
-    return False
-
-
-@inner
-def strongest(pressure: Floats, count: int, level: Level, room: Room, most: int) -> int:
-    """List the regions of the largest sums, falling; how many are listed."""
-    starts, cells = room.tables[STARTS], room.tables[REGIONS]
-    listed, forces = room.strongest, room.forces
+def list_strongest(
+    pressure: Floats,
+    count: int,
+    starts: Ints,
+    cells: Ints,
+    listed: Ints,
+    forces: Floats,
+    most: int,
+) -> int:
+    """List the regions of the largest sums, falling, then by rising first cell; how many."""
     many = 0
     for region in range(count):
-        total = 0.0
+        total, first, place = 0.0, cells[starts[region]], many
         for cell in cells[starts[region] : starts[region + 1]]:
             total += pressure[cell]
-        place, first = many, cells[starts[region]]
         while place > 0:
-            other = listed[place - 1]
-            if not comes_first(total, first, forces[place - 1], cells[starts[other]]):
+            other = forces[place - 1]
+            tied = abs(total - other) <= TIE * abs(other)
+            if (tied and first > cells[starts[listed[place - 1]]]) or (not tied and total < other):
                 break
             if place < most:
-                forces[place], listed[place] = forces[place - 1], other
+                forces[place], listed[place] = other, listed[place - 1]
             place -= 1
         if place < most:
             forces[place], listed[place] = total, region
@@ -167,12 +97,49 @@ def strongest(pressure: Floats, count: int, level: Level, room: Room, most: int)
 
 
 @inner
-def describe(pressure: Floats, region: int, level: Level, room: Room, row: Any) -> None:
-    """What one region amounts to; its place in the plane goes to `position` for now."""
-    known, columns = level.numbers, int(level.numbers[COLUMNS])
-    pitch = known[PITCH]
-    first, last = room.tables[STARTS][region], room.tables[STARTS][region + 1]
-    cells = room.tables[REGIONS][first:last]
+def standing_out(
+    pressure: Floats,
+    many: int,
+    starts: Ints,
+    cells: Ints,
+    listed: Ints,
+    signatures: NDArray[np.float32],
+    residual: Floats,
+    signature: Floats,
+    numbers: Floats,
+) -> int:
+    """Drop listed regions that noise explains as well, given the others; how many are kept.
+
+    A field that is nowhere negative fits what it can of the noise. What a region reads, s in units
+    of the noise, is looked for in the residual r without that region: s (r + s) / |s| is the
+    matched filter's answer, and must exceed the threshold by which an idle patch is told. The
+    strongest region is that for which the patch is not idle: it stays.
+    """
+    for cell in range(len(pressure)):
+        if pressure[cell] > 0.0:
+            for taxel in range(len(residual)):
+                residual[taxel] -= pressure[cell] * signatures[cell, taxel]
+    kept = 1
+    for place in range(1, many):
+        region = listed[place]
+        signature[:] = 0.0
+        for cell in cells[starts[region] : starts[region + 1]]:
+            for taxel in range(len(residual)):
+                signature[taxel] += pressure[cell] * signatures[cell, taxel]
+        across, square = 0.0, 0.0
+        for taxel in range(len(residual)):
+            across += signature[taxel] * residual[taxel]
+            square += signature[taxel] * signature[taxel]
+        if across + square >= numbers[THRESHOLD] * np.sqrt(square):
+            listed[kept] = region
+            kept += 1
+    return kept
+
+
+@inner
+def describe(pressure: Floats, cells: Ints, numbers: Floats, row: Any) -> float:
+    """What one region amounts to; its place `x`, `y` is counted in cells. Returns its sum, Pa."""
+    columns, pitch = int(numbers[COLUMNS]), numbers[PITCH]
     total, x, y, peak = 0.0, 0.0, 0.0, 0.0
     for cell in cells:
         value = pressure[cell]
@@ -189,105 +156,101 @@ def describe(pressure: Floats, region: int, level: Level, room: Room, row: Any) 
         xy += pressure[cell] * dx * dy
     share = pitch * pitch / total
     own = pitch * pitch / 12.0  # of a cell
-    row.moments[0], row.moments[1], row.moments[2] = share * xx + own, share * yy + own, share * xy
+    moments = row.moments
+    moments[0], moments[1], moments[2] = share * xx + own, share * yy + own, share * xy
     row.cells, row.area, row.peak_pressure = len(cells), len(cells) * pitch * pitch, peak
-    deviations(cells, x, y, total, level, room, row)
-    stand(pressure, cells, x, y, level, row)
+    row.x, row.y = x, y
+    return float(total)
 
 
 @inner
-def stand(pressure: Floats, cells: Ints, x: float, y: float, level: Level, row: Any) -> None:
+def stand(
+    pressure: Floats, cells: Ints, positions: Floats, normals: Floats, numbers: Floats, row: Any
+) -> None:
     """Set place and normal on the skin, between four nodes, and the force along that normal."""
-    columns, pitch = int(level.numbers[COLUMNS]), level.numbers[PITCH]
-    rows = len(level.positions) // columns
+    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
+    rows = len(positions) // columns
     left, low = min(int(x), max(columns - 2, 0)), min(int(y), max(rows - 2, 0))
     right, high = min(left + 1, columns - 1), min(low + 1, rows - 1)
     u, v, square = x - left, y - low, 0.0
+    position, outward = row.position, row.normal
     for axis in range(3):
         place, normal = 0.0, 0.0
         for corner in range(4):
             node = (high if corner > 1 else low) * columns + (right if corner % 2 else left)
             weight = (v if corner > 1 else 1.0 - v) * (u if corner % 2 else 1.0 - u)
-            place += weight * level.positions[node, axis]
-            normal += weight * level.normals[node, axis]
-        row.position[axis], row.normal[axis] = place, normal
+            place += weight * positions[node, axis]
+            normal += weight * normals[node, axis]
+        position[axis], outward[axis] = place, normal
         square += normal * normal
     size, force = np.sqrt(square), 0.0
     for axis in range(3):
-        row.normal[axis] /= size
+        outward[axis] /= size
         along = 0.0
         for cell in cells:
-            along += pressure[cell] * level.normals[cell, axis]
-        force += along * row.normal[axis]
+            along += pressure[cell] * normals[cell, axis]
+        force += along * outward[axis]
     row.normal_force = force * pitch * pitch
-    row.x, row.y = level.numbers[X] + x * pitch, level.numbers[Y] + y * pitch
+    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
 
 
 @inner
 def deviations(
-    cells: Ints, x: float, y: float, total: float, level: Level, room: Room, row: Any
+    cells: Ints,
+    total: float,
+    factor: NDArray[np.float32],
+    prior: Floats,
+    numbers: Floats,
+    picked: Floats,
+    moved: Floats,
+    row: Any,
 ) -> None:
     """Set one standard deviation of force and place, as the covariance of a `Contact` has them."""
-    known, columns = level.numbers, int(level.numbers[COLUMNS])
-    if known[SIGN] == 0.0:
-        row.force_std = row.place_std = np.nan
-        return
+    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
     stride = (len(cells) - 1) // CELLS + 1
-    picked, moved = room.picked, room.moved
-    used = 0
-    for index in range(0, len(cells), stride):
-        picked[0, used] = cells[index] % columns - x
-        picked[1, used] = cells[index] // columns - y
-        used += 1
-    moved[:] = 0.0
+    used = (len(cells) - 1) // stride + 1
+    moved[:3] = 0.0
     for index in range(used):
-        line = level.factor[cells[index * stride]]
-        dx, dy = picked[0, index], picked[1, index]
-        for taxel in range(len(line)):
-            value = line[taxel]
+        cell = cells[index * stride]
+        dx, dy = cell % columns - x, cell // columns - y
+        picked[0, index], picked[1, index] = dx, dy
+        for taxel in range(factor.shape[1]):
+            value = factor[cell, taxel]
             moved[0, taxel] += value
             moved[1, taxel] += dx * value
             moved[2, taxel] += dy * value
     ones, alongs, acrosses = 0.0, 0.0, 0.0
-    for taxel in range(moved.shape[1]):
+    for taxel in range(factor.shape[1]):
         ones += moved[0, taxel] * moved[0, taxel]
         alongs += moved[1, taxel] * moved[1, taxel]
         acrosses += moved[2, taxel] * moved[2, taxel]
-    if known[SIGN] < 0.0:
-        before = of_prior(picked, used, level.prior)
-        ones, alongs, acrosses = before[0] - ones, before[1] - alongs, before[2] - acrosses
-    share, pitch = len(cells) / used, known[PITCH]
+    if numbers[SIGN] < 0.0:
+        before, before_x, before_y = 0.0, 0.0, 0.0
+        for index in range(used):
+            x, y = picked[0, index], picked[1, index]
+            one = 0.5 * prior[0, 0]
+            along, across = one * x, one * y
+            for other in range(index):
+                dx, dy = picked[0, other], picked[1, other]
+                value = prior[int(abs(y - dy) + 0.5), int(abs(x - dx) + 0.5)]
+                one += value
+                along += value * dx
+                across += value * dy
+            before += 2.0 * one
+            before_x += 2.0 * along * x
+            before_y += 2.0 * across * y
+        ones, alongs, acrosses = before - ones, before_x - alongs, before_y - acrosses
+    share = len(cells) / used
     newtons = share * share * pitch**4
     metres = share * share * pitch * pitch / (total * total)
-    force = total * pitch * pitch * known[FORCE_PART]
+    force = total * pitch * pitch * numbers[FORCE_PART]
     row.force_std = np.sqrt(max(ones, 0.0) * newtons + force * force)
     both = max(0.5 * (alongs + acrosses), 0.0)
-    row.place_std = np.sqrt(both * metres + known[PLACE] * known[PLACE])
+    row.place_std = np.sqrt(both * metres + numbers[PLACE] * numbers[PLACE])
 
 
 @inner
-def of_prior(picked: Floats, used: int, prior: Floats) -> tuple[float, float, float]:
-    """Prior variances of the sums of some cells, with weights 1, x and y."""
-    own, ones, alongs, acrosses = prior[0, 0], 0.0, 0.0, 0.0
-    for index in range(used):
-        x, y = picked[0, index], picked[1, index]
-        one, along, across = 0.5 * own, 0.5 * own * x, 0.5 * own * y
-        for other in range(index):
-            dx, dy = picked[0, other], picked[1, other]
-            value = prior[int(abs(y - dy) + 0.5), int(abs(x - dx) + 0.5)]
-            one += value
-            along += value * dx
-            across += value * dy
-        ones += 2.0 * one
-        alongs += 2.0 * along * x
-        acrosses += 2.0 * across * y
-    return ones, alongs, acrosses
-
-
-@inner
-def associate(
-    many: int, level: Level, habits: Floats, memory: Any, ids: Ints, now: int, room: Room, out: Any
-) -> None:
+def associate(many: int, habits: Floats, memory: Any, ids: Ints, now: int, out: Any) -> None:
     """Give each row the number of the nearest contact of before, or a new one.
 
     The nearest pair first; of equally near ones, that of the first row, then of the oldest number.

@@ -1,12 +1,12 @@
-"""Tracked contacts, what happens to them, and the settings of a tracker: motion and gate."""
+"""Tracked contacts, what happens to them, and how they may move: motion and gate."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from skinfield.errors import Floats, check_count, check_positive, check_range, check_type
+from skinfield.errors import Floats, check_positive
 from skinfield.estimate.contact import Contact
 
 EventKind = Literal["made", "moved", "merged", "split", "lost"]
@@ -164,31 +164,3 @@ class Gate:
         check_positive("distance", self.distance, "squared Mahalanobis distance")
         check_positive("floor", self.floor, "standard deviation of the place, in metres")
         check_positive("reach", self.reach, "from what is foretold, in metres")
-
-
-@dataclass(eq=False, kw_only=True)
-class TrackerSettings:
-    """Settings of a `Tracker`, which says what they are."""
-
-    period: float = 0.02
-    motion: Motion = field(default_factory=Motion)
-    gate: Gate = field(default_factory=Gate)
-    coast: float = 0.1
-    strong: float = 5.0
-    weak_readings: int = 2
-    near: float = 12e-3
-    memory: float = 1.0
-    slip_speed: float = 5e-3
-    slip_sigmas: float = 3.0
-
-    def __post_init__(self) -> None:
-        check_positive("period", self.period, "seconds between readings without stamps")
-        check_range("coast", self.coast, 0.0, 1e6, "seconds for which a contact may be unseen")
-        check_range("strong", self.strong, 0.0, 1e6, "standard deviations of the force")
-        check_positive("near", self.near, "farthest distance of contacts that merge, in metres")
-        check_positive("memory", self.memory, "seconds for which merged contacts are known")
-        check_positive("slip_speed", self.slip_speed, "from which on a contact slips, in m/s")
-        check_range("slip_sigmas", self.slip_sigmas, 0.0, 1e6, "standard deviations of the speed")
-        check_count("weak_readings", self.weak_readings, 1, 1000, "in a row, before a weak contact")
-        check_type("motion", self.motion, Motion, "how contacts move")
-        check_type("gate", self.gate, Gate, "how far from what is foretold a contact may be")

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError, check_range, check_shape
 
 ANGLES = 32  # at which an ellipse is seen in a quarter turn
-HALVINGS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,15 +82,13 @@ def normal_radius(covariance: Floats, level: float) -> float:
     seen = large * np.cos(turn) ** 2 + small * np.sin(turn) ** 2
     if not large > 0.0:
         return 0.0
-    high = float(np.sqrt(-2.0 * large * np.log1p(-level)))  # of a round one that is as wide
-    low = 0.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        if np.mean(-np.expm1(-(middle**2) / (2 * seen))) < level:
-            low = middle
-        else:
-            high = middle
-    return high
+    widest = float(np.sqrt(-2.0 * large * np.log1p(-level)))  # of a round one that is as wide
+    from scipy.optimize import brentq
+
+    def lacking(radius: float) -> float:
+        return level - float(np.mean(-np.expm1(-(radius**2) / (2 * seen))))
+
+    return float(brentq(lacking, 0.0, widest * (1.0 + 1e-9), xtol=1e-15 * widest))
 
 
 def _checked(level: float) -> float:
@@ -172,8 +169,14 @@ class FactoredError:
         return np.require(self.factor, np.float32, ("C", "W"))
 
     @cached_property
-    def _factor(self) -> Floats:
+    def _rows(self) -> Floats:
         return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+    def explained(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of sums with weights (M, N) of rows `cells` of the factor."""
+        check_cells(cells, weights, len(self.factor))
+        moved = weights @ np.take(self._rows, cells, axis=0)
+        return np.asarray(moved @ moved.T)
 
 
 class PressureNoise(FactoredError):
@@ -187,20 +190,17 @@ class PressureNoise(FactoredError):
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        return np.asarray(compiled().of_factor(self._factor, cells, weights))
+        return self.explained(cells, weights)
 
 
 @lru_cache(maxsize=1)
 def compiled() -> Any:
-    """The kernels, loaded when first needed, and all at once."""
-    from skinfield.estimate import covariance_kernel
+    """The kernel `of_lattice`, loaded when first needed."""
+    from skinfield.estimate.covariance_kernel import of_lattice
 
-    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
-    covariance_kernel.of_factor(one, cell, one)
-    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
-    return covariance_kernel
+    one = np.ones((1, 1))
+    of_lattice(one, np.zeros((1, 2), np.int64), np.zeros(1, np.int64), one)
+    return of_lattice
 
 
 def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
@@ -261,12 +261,10 @@ class PressurePosterior(FactoredError):
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        kernel = compiled()
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        explained = kernel.of_factor(self._factor, cells, weights)
+        explained = self.explained(cells, weights)
         if len(cells) <= DENSE:
-            return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
+            cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+            return np.asarray(compiled()(*self._lattice, cells, weights) - explained)
         return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
 
     @cached_property

@@ -358,31 +358,27 @@ def _board_of(blocks: Blocks) -> tuple[Convention, tuple[str, ...]]:
     """Guess the board by the range of its counts, and say so.
 
     CySkin's boards clip at their rest, so that taxels which nothing touches read 0 again and again.
-    Words of which most taxels never read 0 are of a board that rests elsewhere.
+    Words of which most taxels never read 0 are of a board that rests elsewhere; too few readings
+    do not tell.
     """
-    lowest = min(float(np.nanmin(b.counts, initial=np.inf)) for b in blocks())
-    highest = max(float(np.nanmax(b.counts, initial=-np.inf)) for b in blocks())
+    least, highest, readings = np.full(next(blocks()).counts.shape[1], np.inf), -np.inf, 0
+    for block in blocks():
+        there = ~np.isnan(block.counts)
+        np.fmin(least, np.min(block.counts, axis=0, initial=np.inf, where=there), out=least)
+        highest = max(highest, float(np.max(block.counts, initial=-np.inf, where=there)))
+        readings += len(block)
+    lowest = float(least.min())
     if lowest >= 0 and highest <= 255:
         said = f"counts from {lowest:g} to {highest:g}: taken as iCub bytes that rest at 240"
         return ICubByte(), (said,)
-    if lowest >= 0 and highest <= 65535 and not _clipped(blocks):
+    words = lowest >= 0 and highest <= 65535
+    if words and readings >= FEWEST and np.median(least[np.isfinite(least)]) > 0.0:
         said = f"counts from {lowest:g} to {highest:g}, most never 0: each taxel has its own rest"
         return PlainCount(), (said,)
-    if lowest >= 0 and highest <= 65535:
+    if words:
         said = f"counts from {lowest:g} to {highest:g}: taken as CySkin counts that rest at 0"
         return CySkinCount(), (said,)
     raise InputError(
         f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
         "(16 bits): say which board sent them (--board), or give a calibration (--calibration)"
     )
-
-
-def _clipped(blocks: Blocks) -> bool:
-    """Whether at least half of the taxels that answer are 0 at times, or too few readings tell."""
-    least = np.full(next(blocks()).counts.shape[1], np.inf)
-    readings = 0
-    for block in blocks():
-        readings += len(block)
-        there = ~np.isnan(block.counts)
-        np.fmin(least, np.min(block.counts, axis=0, initial=np.inf, where=there), out=least)
-    return readings < FEWEST or bool(np.median(least[np.isfinite(least)]) <= 0.0)

@@ -33,6 +33,7 @@ BODIES: tuple[Any, ...] = (
     Cone(radius=7e-3, half_angle=np.radians(75.0)),
     Bar(length=9e-3, width=2.5e-3, edge_radius=0.5e-3),
 )
+READ = {Capacitance: "capacitance", BaseStress: "stress", Gap: "gap"}
 LOADS = (0.1, 3.0)  # N
 STEPS = 5  # loads of each body
 DEEPEST = 0.7  # thicknesses: beyond, linear elasticity is no truth
@@ -108,7 +109,13 @@ def rehearse(
     InputError
         For a quantity that the simulator does not know, or bodies that all sink through the layer.
     """
-    name, pad = _spelt(quantity), patch.pad_diameter
+    name = next((name for kind, name in READ.items() if isinstance(quantity, kind)), None)
+    if name is None:
+        raise InputError(
+            f"quantity is {quantity!r}, expected Capacitance(), BaseStress() or Gap(): the "
+            "simulator knows what those taxels read"
+        )
+    pad = patch.pad_diameter
     pad = pad if getattr(quantity, "pad_averaged", True) else 0.0
     truth = mechanics if isinstance(mechanics, BondedLayer) else BondedLayer()
     rng = np.random.default_rng([seed, 1])
@@ -140,16 +147,6 @@ def _carried(
         forces=np.array([one.force for one in solved]),
         areas=np.array([one.area for one in solved]),
         angles=angles,
-    )
-
-
-def _spelt(quantity: Quantity) -> str:
-    for kind, name in ((Capacitance, "capacitance"), (BaseStress, "stress"), (Gap, "gap")):
-        if isinstance(quantity, kind):
-            return name
-    raise InputError(
-        f"quantity is {quantity!r}, expected Capacitance(), BaseStress() or Gap(): the simulator "
-        "knows what those taxels read"
     )
 
 

@@ -74,22 +74,16 @@ class RestrictedPosterior:
     ----------
     fine : PressurePosterior
     restriction : Restriction
-    cells : (K,) int array
-        Which of the coarse cells, by their numbers on the coarse grid.
     """
 
     fine: PressurePosterior
     restriction: Restriction
-    cells: NDArray[np.int64]
-
-    def on(self, nodes: NDArray[np.int64]) -> "RestrictedPosterior":
-        """Of some of the cells, in their order."""
-        return replace(self, cells=self.cells[nodes])
 
     @cached_property
     def std(self) -> Floats:
         """Standard deviation of each coarse cell, (K,) Pa."""
-        each, one = np.arange(len(self.cells))[:, None], np.ones((1, 1))
+        count, one = len(self.restriction.down) * len(self.restriction.across), np.ones((1, 1))
+        each = np.arange(count)[:, None]
         variance = [self.covariance_of_sums(cell, one)[0, 0] for cell in each]
         return np.sqrt(np.maximum(variance, 0.0))
 
@@ -101,8 +95,8 @@ class RestrictedPosterior:
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         restriction = self.restriction
-        places, count = self.cells[cells], len(restriction.down) * len(restriction.across)
-        sums = [np.bincount(places, weight, count) for weight in weights]  # cells may come again
+        count = len(restriction.down) * len(restriction.across)
+        sums = [np.bincount(cells, weight, count) for weight in weights]  # cells may come again
         coarse = np.asarray(sums, dtype=np.float64)
         fine = restriction.transposed(coarse)
         used = np.flatnonzero(fine.any(axis=0))
@@ -166,26 +160,25 @@ class Rungs:
     Attributes
     ----------
     steps : tuple of Rung
-    explained : (L, L) array
-        From linearised readings to what the linear answer predicts of them, on any rung.
-    noise_std : (L,) array, unit of the reading
     start : InverseOperator
         The linear answer on the finest rung.
     model : ObservationModel
         On the finest rung.
-    linear : bool
-        Whether the linear answer is the solver's own.
-    bayesian : bool
-        Whether the linear answer is a posterior mean.
     """
 
     steps: tuple[Rung, ...]
-    explained: Floats
-    noise_std: Floats
     start: InverseOperator
     model: ObservationModel
-    linear: bool
-    bayesian: bool
+
+    @cached_property
+    def explained(self) -> Floats:
+        """From linearised readings to what the linear answer predicts of them, on any rung."""
+        return self.model.matrix @ self.start.matrix
+
+    @property
+    def linear(self) -> bool:
+        """Whether the linear answer is the solver's own."""
+        return self.steps[-1].operator is None
 
     @cached_property
     def weights(self) -> Floats:
@@ -196,15 +189,15 @@ class Rungs:
         .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
         """
         unexplained = np.eye(len(self.explained)) - self.explained
-        weights = unexplained / np.square(self.noise_std)[:, None]
+        weights = unexplained / np.square(self.model.noise_std)[:, None]
         return np.asarray(0.5 * (weights + weights.T))
 
     @cached_property
     def unresolved(self) -> tuple[float, ...]:
         """Part of the finest linear answer's squared norm that each rung averages away."""
         finest = self.steps[-1]
-        kept = [_power(step.matrix * self.noise_std, step.grid) for step in self.steps]
-        whole = _power(finest.matrix * self.noise_std, finest.grid)
+        kept = [_power(step.matrix * self.model.noise_std, step.grid) for step in self.steps]
+        whole = _power(finest.matrix * self.model.noise_std, finest.grid)
         return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
 
 
@@ -250,15 +243,7 @@ def prepare_rungs(
             assert not isinstance(operator, InverseOperator)  # it is linear on all grids or none
             step = replace(step, model=model, operator=operator)
         steps.append(step)
-    return Rungs(
-        steps=tuple(steps),
-        explained=finest.matrix @ start.matrix,
-        noise_std=finest.noise_std,
-        start=start,
-        model=finest,
-        linear=linear,
-        bayesian=start.posterior is not None,
-    )
+    return Rungs(tuple(steps), start, finest)
 
 
 def check_sides(sides: Sequence[int]) -> None:
@@ -289,9 +274,9 @@ def linear_rung(
     grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
     error: PressurePosterior | RestrictedPosterior | None = posterior
     if grid.shape != model.grid.shape:
-        restriction, every = Restriction.between(model.grid, grid), np.arange(len(grid))
+        restriction = Restriction.between(model.grid, grid)
         matrix = np.ascontiguousarray(restriction(matrix.T).T)
-        error = None if posterior is None else RestrictedPosterior(posterior, restriction, every)
+        error = None if posterior is None else RestrictedPosterior(posterior, restriction)
     noise = PressureNoise(matrix * model.noise_std)
     return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
 

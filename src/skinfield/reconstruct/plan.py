@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -32,9 +32,9 @@ NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of
 PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
 
 
-def until(deadline: float | None) -> int | None:
-    """Time of `time.perf_counter_ns` at which a deadline in seconds from now ends."""
-    return None if deadline is None else time.perf_counter_ns() + int(min(deadline, MOST) * 1e9)
+def until(deadline: float | None, start: int) -> int | None:
+    """Time, ns, at which a deadline ends, in seconds from the start."""
+    return None if deadline is None else start + int(min(deadline, MOST) * 1e9)
 
 
 @dataclass
@@ -344,10 +344,6 @@ class LinearPlan:
 
     def reset(self) -> None:
         """Nothing is kept."""
-
-    def within(self, setting: Setting) -> "LinearPlan":
-        """The same in another setting of the same patch."""
-        return replace(self, setting=setting)
 
 
 def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.estimate import Contact, PressureNoise, PressurePosterior
 from skinfield.estimate.finder import EXACT
 from skinfield.reconstruct.plan import (
@@ -98,10 +98,6 @@ class FieldPlan:
         if reset is not None:
             reset()
 
-    def within(self, setting: Setting) -> "FieldPlan":
-        """The same in another setting of the same patch."""
-        return replace(self, setting=setting)
-
     def without(self, valid: NDArray[np.bool_]) -> "FieldPlan | None":
         """Plan that leaves out taxels, if the operator can do so without preparing again."""
         leave_out = getattr(self.operator, "without", None)
@@ -173,11 +169,6 @@ class ContactPlan:
         if self.extended is not None:
             self.extended.reset()
 
-    def within(self, setting: Setting) -> "ContactPlan":
-        """The same in another setting of the same patch."""
-        extended = None if self.extended is None else self.extended.within(setting)
-        return replace(self, setting=setting, extended=extended)
-
 
 Plan = LinearPlan | FieldPlan | ContactPlan
 
@@ -245,19 +236,15 @@ class Plans:
         for index, pattern in enumerate(patterns):
             these = rows[which == index]
             part = table[these] if pattern.all() else table[np.ix_(these, pattern)]
-            self._solve(self.of(pattern), part, these, out, deadline)
-
-    def _solve(
-        self, plan: Plan, readings: Floats, rows: Ints, out: Results, deadline: float | None
-    ) -> None:
-        if isinstance(plan, LinearPlan):
-            plan.solve(readings, rows, out)
-            return
-        for row, reading in zip(rows, readings, strict=True):
-            start, end = time.perf_counter_ns(), until(deadline)
-            answer = plan.prompt(reading, end)
-            out.in_time[row] = answer.met(start, end)
-            out.take(row, answer)
+            plan = self.of(pattern)
+            if isinstance(plan, LinearPlan):
+                plan.solve(part, these, out)
+                continue
+            for row, reading in zip(these, part, strict=True):
+                end = until(deadline, start := time.perf_counter_ns())
+                answer = plan.prompt(reading, end)
+                out.in_time[row] = answer.met(start, end)
+                out.take(row, answer)
 
     def prompt(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer:
         """Answer one reading (L,) at once."""
@@ -270,8 +257,14 @@ class Plans:
 
     def within(self, setting: Setting) -> "Plans":
         """The same in another setting of the same patch."""
-        other = Plans(setting, self._solver, self.whole.within(setting))
-        other._kept.update((key, plan.within(setting)) for key, plan in self._kept.items())
+
+        def moved(plan: Plan) -> Plan:
+            if isinstance(plan, ContactPlan) and plan.extended is not None:
+                plan = replace(plan, extended=replace(plan.extended, setting=setting))
+            return replace(plan, setting=setting)
+
+        other = Plans(setting, self._solver, moved(self.whole))
+        other._kept.update((key, moved(plan)) for key, plan in self._kept.items())
         return other
 
     def reset(self) -> None:

@@ -32,7 +32,7 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
-from skinfield.reconstruct.plan import MOST, LinearPlan, Results, Setting
+from skinfield.reconstruct.plan import LinearPlan, Results, Setting, until
 from skinfield.reconstruct.plans import Plans
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, Solver
@@ -261,7 +261,7 @@ class Reconstructor:
         deadline: float | None,
     ) -> Estimate:
         """Answer one reading with its pressure, the rest to be computed when asked for."""
-        end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
+        end = until(deadline, start)
         answer = self._plans.prompt(reading, valid, end)
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
         rest["traction"] = lambda: -pressure[:, None] * self.grid.normals

@@ -124,31 +124,25 @@ def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
     return tests
 
 
-def linear_answers(groups: Sequence[Group]) -> list[tuple[Atlas, Singles]]:
-    """Linear answers of all patches on each rung, and where they are written: `Group.fields`.
-
-    None where a grid is too coarse for tiles.
-    """
+def linear_answers(groups: Sequence[Group]) -> list[Atlas]:
+    """Linear answers of all patches on each rung; none where a grid is too coarse for tiles."""
     counts, answers = [group.count for group in groups], []
     for rung, step in enumerate(groups[0].rungs.steps):
         if min(step.grid.shape) < SIDE:
             return []
-        stamps = [
-            _stamps(
-                group.rungs.steps[rung].matrix * group.kind.noise_std,
-                group.rungs.steps[rung].grid.shape,
-                CUT,
-            )
-            for group in groups
-        ]
-        field: Singles = np.zeros(sum(group.fields[rung].size for group in groups), np.float32)
-        at = 0
-        for group in groups:
-            size = group.fields[rung].size
-            group.fields[rung] = field[at : at + size].reshape(group.count, -1)
-            at += size
-        answers.append((Atlas.of(stamps, counts), field))
+        steps = [(group.rungs.steps[rung], group.kind.noise_std) for group in groups]
+        stamps = [_stamps(each.matrix * noise, each.grid.shape, CUT) for each, noise in steps]
+        answers.append(Atlas.of(stamps, counts))
     return answers
+
+
+def join_fields(groups: Sequence[Group], rung: int) -> Singles:
+    """Put the linear answers' fields of all patches end to end, where an `Atlas` writes them."""
+    sizes = [group.fields[rung].size for group in groups]
+    field: Singles = np.zeros(sum(sizes), np.float32)
+    for group, part in zip(groups, np.split(field, np.cumsum(sizes)[:-1]), strict=True):
+        group.fields[rung] = part.reshape(group.count, -1)
+    return field
 
 
 def _stamps(matrix: NDArray[Any], shape: tuple[int, int], cut: float) -> Tiles:

@@ -11,6 +11,7 @@ from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles_many
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
 
+TILE, TILES, PITCH, SIZE, WIDTH, COUNT, TAXEL, CELL, BOUND, FIRST = range(10)  # of `table`
 Ints32 = NDArray[np.int32]
 Numbers = NDArray[Any]
 
@@ -32,13 +33,15 @@ def products(
     bounds in those of an idle test, and its patches among all.
     """
     for kind in range(len(table)):
-        tile, tiles, pitch, size, width, count, taxel, cell, _, _ = table[kind]
+        row = table[kind]
+        tile, tiles, size, width, count = row[TILE], row[TILES], row[SIZE], row[WIDTH], row[COUNT]
+        taxel, cell = row[TAXEL], row[CELL]
         apply_tiles_many(
             values,
             taxels,
             firsts[tile : tile + tiles + 1],
             cells[tile : tile + tiles],
-            pitch,
+            row[PITCH],
             white[taxel : taxel + count * size].reshape((count, size)),
             out[cell : cell + count * width].reshape((count, width)),
         )
@@ -63,9 +66,10 @@ def idle_patches(
     added. `scores` is room for the fields of the patches that are computed together.
     """
     for kind in range(len(table)):
-        tile, tiles, pitch, size, width, count, taxel, _, bound, row = table[kind]
-        given = white[taxel : taxel + count * size].reshape((count, size))
-        lacking = dropped[bound : bound + width]
+        row = table[kind]
+        tile, tiles, size, width, count = row[TILE], row[TILES], row[SIZE], row[WIDTH], row[COUNT]
+        given = white[row[TAXEL] : row[TAXEL] + count * size].reshape((count, size))
+        lacking = dropped[row[BOUND] : row[BOUND] + width]
         for start in range(0, count, TOGETHER):
             now = min(TOGETHER, count - start)  # scores stay in the first cache
             room = scores[: now * width].reshape((now, width))
@@ -74,13 +78,13 @@ def idle_patches(
                 taxels,
                 firsts[tile : tile + tiles + 1],
                 cells[tile : tile + tiles],
-                pitch,
+                row[PITCH],
                 given[start : start + now],
                 room,
             )
             for patch in range(now):
                 above = count_above(room[patch], lacking, given[start + patch], thresholds[kind])
-                idle[row + start + patch] = above == 0
+                idle[row[FIRST] + start + patch] = above == 0
 
 
 @njit(fastmath=FAST)

@@ -5,17 +5,14 @@ itself. The double runs the same code over the same prepared arrays, and answers
 """
 
 from collections.abc import Callable, Sequence
-from copy import copy
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.reconstruct.engine.intake import Intake
 from skinfield.reconstruct.engine.patch_kinds import Group
-from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM, State
+from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
 
@@ -31,11 +28,11 @@ def measure(work: Clockwork) -> None:
     for rung in range(work.rungs):
         if work.tests:
             _lap(work, work.groups[0], TEST, rung, partial(work.test_idle, rung))
-        if work.answers:
+        if work.atlases:
             _lap(work, work.groups[0], PRODUCT, rung, partial(work.answer_all, rung))
         for group in work.groups:
             white = work.white[group.index]
-            if not work.answers:
+            if not work.atlases:
                 _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
             if group.searches:
@@ -123,13 +120,20 @@ class Shadow:
     def __init__(
         self, work: Clockwork, names: Sequence[str], around: CostModel, engine: object
     ) -> None:
-        self.work, self.around = _double_of(work), CostModel(around.steps.copy())
+        twins = [group.twin() for group in work.groups]
+        self.work = Clockwork(twins, work.intake.twin(), work.clock, like=work)
+        self.around = CostModel(around.steps.copy())
         touch = rehearsed_cycle(self.work)
         flat: Floats = np.concatenate([touch[name] for name in names])
         self._readings = [change * flat for change in CHANGES]
         self._valid = np.ones(len(flat), np.bool_)
         self._next, self._own, self._engine = 0, work, engine
-        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(work)]
+        state, intake = work.state, work.intake
+        small = (
+            *(state.integers, state.numbers, state.age, intake.given, intake.linear, intake.white),
+            *(work.times.both, work.planned),
+        )
+        self._octets = [each.reshape(-1).view(np.uint8) for each in small]
 
     def next_touch(self) -> tuple[Floats, NDArray[np.bool_]]:
         """Readings of the next rehearsed cycle, and which of them are valid."""
@@ -141,62 +145,10 @@ class Shadow:
         work = self._own
         for octets in self._octets:
             work.kernel.touch(octets)
-        used = [last for group in work.groups for last in group._last if last is not None]
+        used = [last for group in work.groups for last in group.last if last is not None]
         for each in (self._engine, work, work.state, work.intake, work.times, *used):
             if hasattr(each, "__dict__"):
                 list(vars(each).values())  # counting references touches objects
         for last in used:
             for room in getattr(last, "rooms", ()):
                 work.kernel.touch(room)
-
-
-def _arrays_of(work: Clockwork) -> list[NDArray[Any]]:
-    """Small arrays of all patches."""
-    state, intake = work.state, work.intake
-    return [
-        state.integers,
-        state.numbers,
-        state.age,
-        intake.given,
-        intake.straight,
-        intake.linear,
-        intake.white,
-        work.times.both,
-        work.planned,
-    ]
-
-
-def _double_of(work: Clockwork) -> Clockwork:
-    double = copy(work)
-    double.groups = [_double_group(group) for group in work.groups]
-    double.places = [(group, place) for group in double.groups for place in range(group.count)]
-    double.intake, double.state = _double_intake(work.intake), State(work.state.group)
-    double.answers, double.log = [], []
-    for rung, (atlas, field) in enumerate(work.answers):
-        room, at = np.zeros_like(field), 0
-        for group in double.groups:
-            size = group.fields[rung].size
-            group.fields[rung] = room[at : at + size].reshape(group.count, -1)
-            at += size
-        double.answers.append((atlas, room))
-    double.renew(work)
-    return double
-
-
-def _double_group(group: Group) -> Group:
-    """With the same matrices; of the searches only that of the first patch has its own memory."""
-    double = copy(group)
-    double.fields = [np.zeros_like(each) for each in group.fields]
-    double.feasible = [np.zeros_like(each) for each in group.feasible]
-    double.rows_of_feasible = [list(fields) for fields in double.feasible]
-    double.searches = [[twins[0].twin(), *twins[1:]] for twins in group.searches]
-    double.duals = np.zeros_like(group.duals)
-    double._last = [None] * group.count
-    return double
-
-
-def _double_intake(intake: Intake) -> Intake:
-    double = copy(intake)
-    for name in ("raw", "linear", "straight", "given", "white", "valid", "present", "wanted"):
-        setattr(double, name, getattr(intake, name).copy())
-    return double

@@ -21,91 +21,16 @@ UP, DOWN, LEAST = range(3)  # of `CostModel.moves`
 NS = 1e-9
 
 
-@njit
-def take_in(
-    found: Floats,
-    group: Ints,
-    integers: Ints,
-    numbers: Floats,
-    settled: NDArray[np.bool_],
-    unresolved: Floats,
-    times: NDArray[np.float64],
-    moves: Floats,
-) -> None:
-    """Learn from searches, and keep their answers where they are better than what there is.
-
-    Parameters
-    ----------
-    found : (N, 10) array
-        Receives in `PREDICTED` what was predicted by the first of the two models.
-    group, integers, numbers, settled
-        Of `State`.
-    unresolved : (G, R) array
-    times : (2, G, kinds, R) array, s
-        Predictions of two cost models, which are corrected; of a search that was cut short only
-        upwards.
-    moves : (2, 3) array
-        Of both models.
-    """
-    for row in found:
-        patch, rung, seconds = int(row[PATCH]), int(row[RUNG]), NS * (row[END] - row[START])
-        its = times[:, group[patch], integers[KIND, patch], rung]
-        row[PREDICTED] = its[0]
-        for model in range(2):
-            slower = seconds > its[model]
-            if slower or row[SETTLED] > 0.0:
-                its[model] *= moves[model, UP if slower else DOWN]
-                its[model] = max(its[model], moves[model, LEAST])
-        keep(patch, rung, seconds, row, group, integers, numbers, settled, unresolved)
-
-
-@njit
-def keep(
-    patch: int,
-    rung: int,
-    seconds: float,
-    row: Floats,
-    group: Ints,
-    integers: Ints,
-    numbers: Floats,
-    settled: NDArray[np.bool_],
-    unresolved: Floats,
-) -> None:
-    """Keep what one search found, if it is better, and what it took."""
-    integers[ITERATIONS, patch] += int(row[STEPS])
-    integers[KIND, patch] = WARM
-    numbers[SPENT, patch] += seconds
-    numbers[EXPECTED, patch] += row[COST]
-    error = numbers[ENERGY, patch] * unresolved[group[patch], rung] + row[LACKING]
-    if integers[AT, patch] < 0 or error <= numbers[EXCESS, patch]:
-        integers[ANSWER, patch] = FEASIBLE
-        integers[ON, patch] = integers[AT, patch] = rung
-        numbers[ITS_GAP, patch], numbers[EXCESS, patch] = row[GAP], error
-        settled[patch] = row[SETTLED] > 0.0
-
-
 Flags = NDArray[np.bool_]
 
 
 @njit
-def take(
-    given: Floats, asked: Flags, places: Ints, lowest: float, raw: Floats, valid: Flags
-) -> bool:
-    """Gather readings, 0 for those that are not `valid`; whether all are."""
-    complete = True
-    for taxel in range(len(places)):
-        place = places[taxel]
-        value = given[place]
-        good = np.isfinite(value) and value > lowest and asked[place]
-        raw[taxel] = value if good else 0.0
-        valid[taxel] = good
-        complete &= good
-    return complete
-
-
-@njit
 def open_cycle(
-    straight: Floats,
+    given: Floats,
+    asked: Flags,
+    places: Ints,
+    lowest: float,
+    how: int,
     per_noise: Floats,
     valid: Flags,
     starts: Ints,
@@ -118,14 +43,26 @@ def open_cycle(
     numbers: NDArray[np.float64],
     settled: Flags,
     was_hot: Flags,
-) -> None:
-    """Keep linearised readings, also in units of their noise, and forget the answers of before.
+) -> bool:
+    """Take readings, also in units of their noise, and forget the answers of before.
 
-    `present` (P,) stays so for patches with a valid taxel; without `fills`, with valid ones only.
+    A reading c becomes c / (1 + c) if `how` is 1; if it is 2, they are in `linear` and checked
+    already. Those that are not `valid` are 0. `present` (P,) stays so for patches with a valid
+    taxel; without `fills`, with valid ones only. Returns whether all readings are valid.
     """
-    for taxel in range(len(straight)):
-        linear[taxel] = straight[taxel]
-        white[taxel] = straight[taxel] * per_noise[taxel]
+    complete = True
+    for taxel in range(len(places)):
+        value, good = linear[taxel], valid[taxel]
+        if how < 2:
+            place = places[taxel]
+            value = given[place]
+            good = np.isfinite(value) and value > lowest and asked[place]
+            if not good:
+                value = 0.0
+            elif how == 1:
+                value /= value + 1.0
+        linear[taxel], valid[taxel], white[taxel] = value, good, value * per_noise[taxel]
+        complete &= good
     integers[:, :] = 0
     numbers[:, :] = 0.0
     for patch in range(len(present)):
@@ -138,53 +75,7 @@ def open_cycle(
         integers[ON, patch] = integers[AT, patch] = -1
         numbers[ITS_GAP, patch] = np.nan
         settled[patch] = False
-
-
-@njit
-def take_and_open(
-    given: Floats,
-    asked: Flags,
-    places: Ints,
-    lowest: float,
-    strain: bool,
-    per_noise: Floats,
-    valid: Flags,
-    starts: Ints,
-    fills: bool,
-    straight: Floats,
-    linear: Floats,
-    white: Any,
-    present: Flags,
-    invalid: Ints,
-    integers: Ints,
-    numbers: NDArray[np.float64],
-    settled: Flags,
-    was_hot: Flags,
-) -> bool:
-    """`take` and `open_cycle`; between them readings c become c / (1 + c) if they are a `strain`'s.
-
-    Whether all readings are valid.
-    """
-    complete = take(given, asked, places, lowest, straight, valid)
-    if strain:
-        for taxel in range(len(straight)):
-            straight[taxel] /= straight[taxel] + 1.0
-    open_cycle(
-        straight,
-        per_noise,
-        valid,
-        starts,
-        fills,
-        linear,
-        white,
-        present,
-        invalid,
-        integers,
-        numbers,
-        settled,
-        was_hot,
-    )
-    return bool(complete)
+    return complete
 
 
 @njit
@@ -207,27 +98,12 @@ def test_idle(
     masked: Ints,
     before: Ints,
 ) -> int:
-    """Idle test of all patches, by an `Atlas`, and `sort_idle`."""
-    idle_patches(values, taxels, firsts, cells, table, dropped, thresholds, white, scores, idle)
-    return int(sort_idle(idle, rung, present, invalid, integers, numbers, masked, before))
-
-
-@inner
-def sort_idle(
-    idle: Flags,
-    rung: int,
-    present: Flags,
-    invalid: Ints,
-    integers: Ints,
-    numbers: NDArray[np.float64],
-    masked: Ints,
-    before: Ints,
-) -> int:
-    """Take in an idle test of all patches that had no contact so far.
+    """Idle test, by an `Atlas`, of all patches that had no contact so far.
 
     Those with missing taxels that are idle are listed in `masked`, with the rung on which they
     were idle before; returns how many.
     """
+    idle_patches(values, taxels, firsts, cells, table, dropped, thresholds, white, scores, idle)
     count = 0
     for patch in range(len(idle)):
         if not present[patch] or integers[ANSWER, patch] > IDLE:
@@ -289,30 +165,55 @@ def all_settled(hot: Ints, settled: Flags, integers: Ints, tops: Ints) -> bool:
 
 
 @njit
-def longest_waiting(hot: Ints, age: Ints) -> int:
-    """Patch in `hot` that waited longest; the first of several."""
-    found = hot[0]
-    for patch in hot:
-        if age[patch] > age[found]:
-            found = patch
-    return int(found)
-
-
-@njit
-def learn(
+def take_in(
     found: Floats,
     group: Ints,
     integers: Ints,
     numbers: NDArray[np.float64],
     settled: Flags,
     unresolved: Floats,
-    times: Floats,
+    times: NDArray[np.float64],
     moves: Floats,
     hot: Ints,
     tops: Ints,
 ) -> bool:
-    """`learning_kernel.take_in`, and `all_settled` then."""
-    take_in(found, group, integers, numbers, settled, unresolved, times, moves)
+    """Learn from searches, and keep their answers where they are better than what there is.
+
+    Parameters
+    ----------
+    found : (N, 10) array
+        Receives in `PREDICTED` what was predicted by the first of the two models.
+    group, integers, numbers, settled
+        Of `State`.
+    unresolved : (G, R) array
+    times : (2, G, kinds, R) array, s
+        Predictions of two cost models, which are corrected; of a search that was cut short only
+        upwards.
+    moves : (2, 3) array
+        Of both models.
+    hot, tops
+        As of `all_settled`, which is returned then.
+    """
+    for row in found:
+        patch, rung, seconds = int(row[PATCH]), int(row[RUNG]), NS * (row[END] - row[START])
+        its, kind = group[patch], integers[KIND, patch]
+        row[PREDICTED] = times[0, its, kind, rung]
+        for model in range(2):
+            predicted = times[model, its, kind, rung]
+            slower = seconds > predicted
+            if slower or row[SETTLED] > 0.0:
+                predicted *= moves[model, UP if slower else DOWN]
+                times[model, its, kind, rung] = max(predicted, moves[model, LEAST])
+        integers[ITERATIONS, patch] += int(row[STEPS])
+        integers[KIND, patch] = WARM
+        numbers[SPENT, patch] += seconds
+        numbers[EXPECTED, patch] += row[COST]
+        error = numbers[ENERGY, patch] * unresolved[its, rung] + row[LACKING]
+        if integers[AT, patch] < 0 or error <= numbers[EXCESS, patch]:
+            integers[ANSWER, patch] = FEASIBLE
+            integers[ON, patch] = integers[AT, patch] = rung
+            numbers[ITS_GAP, patch], numbers[EXCESS, patch] = row[GAP], error
+            settled[patch] = row[SETTLED] > 0.0
     return bool(all_settled(hot, settled, integers, tops))
 
 
@@ -361,8 +262,103 @@ def touch(octets: NDArray[np.uint8]) -> int:
     return total
 
 
-Steps = NDArray[np.int64]
 UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew
+
+
+@njit
+def plan(
+    hot: Ints,
+    group: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    age: Ints,
+    tops: Ints,
+    weights: Floats,
+    times: NDArray[np.float64],
+    after: float,
+    unresolved: Floats,
+    left: float,
+    planned: NDArray[np.float64],
+    target: Ints,
+    order: Ints,
+    rungs: Ints,
+    ratios: Floats,
+) -> int:
+    """Choose a rung for as many of the patches in `hot` (H,) as the time pays; returns how many.
+
+    Parameters
+    ----------
+    hot : (H,) array
+        Patches, as rows of the arrays (P,) that follow.
+    group, integers, numbers, age
+        Of `State`: `KIND` is the step that a patch would take, `AT` the rung of the answer that
+        there is, `EXCESS` by how much its objective may be above the minimum, `ENERGY` that of an
+        answer of 0; the age weighs what a patch gains.
+    tops : (P,) array
+        Finest rung that each may have.
+    weights : (P,) array
+        Of what each gains.
+    times : (2, G, kinds, R) array, s
+        High quantile, and what is typical, of a step on each rung.
+    after : float, s
+        What each takes beside.
+    unresolved : (G, R) array
+        Part of the energy that each rung leaves unresolved.
+    left : float, s
+    planned : (G, kinds, R) array, s
+        Receives the costs.
+    target : (P,) array
+        Receives the rung, or -1.
+    order : (P,) array
+        Receives the chosen patches, what gains most per second first.
+    rungs, ratios : (P,) arrays
+        To work in.
+
+    Notes
+    -----
+    Of N searches together a high quantile is nearer to what is typical than that of one, by a
+    square root of N, as they are slow independently. Each patch takes one rung at most, and only
+    that is paid: a knapsack with choices, filled by the upgrade that gains most per further second
+    until none fits.
+    """
+    share = 1.0 / np.sqrt(max(len(hot), 1))
+    for its in range(planned.shape[0]):
+        for kind in range(planned.shape[1]):
+            for rung in range(planned.shape[2]):
+                typical = times[1, its, kind, rung]
+                high = times[0, its, kind, rung] - typical
+                planned[its, kind, rung] = typical + share * high + after
+    count = 0
+    for patch in hot:
+        target[patch], rungs[patch] = -1, UNKNOWN
+    while True:
+        chosen, highest = -1, 0.0
+        for patch in hot:
+            if rungs[patch] == UNKNOWN:
+                rungs[patch], ratios[patch] = best_upgrade(
+                    target[patch],
+                    integers[AT, patch],
+                    tops[patch],
+                    numbers[EXCESS, patch],
+                    numbers[ENERGY, patch],
+                    planned[group[patch], integers[KIND, patch]],
+                    unresolved[group[patch]],
+                    left,
+                )
+                ratios[patch] *= weights[patch] * (1.0 + age[patch])
+            if rungs[patch] >= 0 and ratios[patch] > highest:
+                chosen, highest = patch, ratios[patch]
+        if chosen < 0:
+            return count
+        before, paid = target[chosen], planned[group[chosen], integers[KIND, chosen]]
+        more = max(paid[rungs[chosen]] - (paid[before] if before >= 0 else 0.0), 1e-9)
+        if more <= left:
+            left -= more
+            target[chosen] = rungs[chosen]
+            if before < 0:
+                order[count] = chosen
+                count += 1
+        rungs[chosen] = UNKNOWN
 
 
 @inner
@@ -387,149 +383,3 @@ def best_upgrade(
         if gain > 0.0 and more <= affordable and gain > ratio * more:
             best, ratio = rung, gain / more
     return best, ratio
-
-
-@inner
-def most_gaining(hot: Steps, rungs: Steps, ratios: Floats) -> int:
-    """Patch whose upgrade gains most per second; -1 where none fits."""
-    chosen, highest = -1, 0.0
-    for patch in hot:
-        if rungs[patch] >= 0 and ratios[patch] > highest:
-            chosen, highest = patch, ratios[patch]
-    return chosen
-
-
-@njit
-def plan(
-    hot: Steps,
-    kind: Steps,
-    group: Steps,
-    at: Steps,
-    excess: Floats,
-    energy: Floats,
-    age: Steps,
-    tops: Steps,
-    weights: Floats,
-    costs: NDArray[np.float64],
-    unresolved: Floats,
-    left: float,
-    target: Steps,
-    order: Steps,
-    rungs: Steps,
-    ratios: Floats,
-) -> int:
-    """Choose a rung for as many of the patches in `hot` (H,) as the time pays; returns how many.
-
-    Parameters
-    ----------
-    hot : (H,) array
-        Patches, as rows of the arrays (P,) that follow.
-    kind, group : (P,) arrays
-        Of the step that the patch would take, and of the patch: where its costs stand.
-    at : (P,) array
-        Rung of the answer that there is; -1 where it is linear.
-    excess : (P,) array
-        By how much that answer's objective may be above the minimum.
-    energy : (P,) array
-        Objective of an answer of 0.
-    age : (P,) array
-        Cycles since the patch was served: weighs what it gains.
-    tops : (P,) array
-        Finest rung that each may have.
-    weights : (P,) array
-        Of what each gains.
-    costs : (G, kinds, R) array, s
-        Of a step on each rung.
-    unresolved : (G, R) array
-        Part of the energy that each rung leaves unresolved.
-    left : float, s
-    target : (P,) array
-        Receives the rung, or -1.
-    order : (P,) array
-        Receives the chosen patches, what gains most per second first.
-    rungs, ratios : (P,) arrays
-        To work in.
-
-    Notes
-    -----
-    Each patch takes one rung at most, and only that is paid: a knapsack with choices, filled by
-    the upgrade that gains most per further second until none fits.
-    """
-    count = 0
-    for patch in hot:
-        target[patch], rungs[patch], ratios[patch] = -1, UNKNOWN, 0.0
-    while True:
-        for patch in hot:
-            if rungs[patch] == UNKNOWN:
-                its, row = group[patch], costs[group[patch], kind[patch]]
-                rungs[patch], ratios[patch] = best_upgrade(
-                    target[patch],
-                    at[patch],
-                    tops[patch],
-                    excess[patch],
-                    energy[patch],
-                    row,
-                    unresolved[its],
-                    left,
-                )
-                ratios[patch] *= weights[patch] * (1.0 + age[patch])
-        chosen = most_gaining(hot, rungs, ratios)
-        if chosen < 0:
-            return count
-        before, paid = target[chosen], costs[group[chosen], kind[chosen]]
-        more = max(paid[rungs[chosen]] - (paid[before] if before >= 0 else 0.0), 1e-9)
-        if more <= left:
-            left -= more
-            target[chosen] = rungs[chosen]
-            if before < 0:
-                order[count] = chosen
-                count += 1
-        rungs[chosen] = UNKNOWN
-
-
-@njit
-def plan_within(
-    hot: Steps,
-    group: Steps,
-    integers: Steps,
-    numbers: NDArray[np.float64],
-    age: Steps,
-    tops: Steps,
-    weights: Floats,
-    times: NDArray[np.float64],
-    after: float,
-    unresolved: Floats,
-    left: float,
-    planned: NDArray[np.float64],
-    target: Steps,
-    order: Steps,
-    rungs: Steps,
-    ratios: Floats,
-) -> int:
-    """`plan` with costs that it writes into `planned` (G, kinds, R), from the two `times` of each.
-
-    Of N searches together a high quantile is nearer to what is typical than that of one, by a
-    square root of N, as they are slow independently. `after` is what each takes beside.
-    """
-    share = 1.0 / np.sqrt(max(len(hot), 1))
-    high, typical, out = times[0].ravel(), times[1].ravel(), planned.ravel()
-    for step in range(len(out)):
-        out[step] = typical[step] + share * (high[step] - typical[step]) + after
-    return plan(
-        hot,
-        integers[KIND],
-        group,
-        integers[AT],
-        numbers[EXCESS],
-        numbers[ENERGY],
-        age,
-        tops,
-        weights,
-        planned,
-        unresolved,
-        left,
-        target,
-        order,
-        rungs,
-        ratios,
-    )

@@ -14,7 +14,7 @@ from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
 from skinfield.reconstruct.engine.intake import Intake, Readings
 from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
-from skinfield.reconstruct.engine.report import CycleReport, Snapshot
+from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_on
 from skinfield.reconstruct.engine.stages import (
     answer_linearly,
@@ -187,17 +187,17 @@ class Engine:
         work, cycle = self._work, self.cycle + 1
         work.logging = True
         work.intake.take(readings, valid)
-        first, snapshot = self._run(start)
-        assert snapshot is not None  # as it is logging
-        report = CycleReport(
+        left = self._run(start)
+        report = CycleReport.of(
+            work,
+            self._ordered,
+            self.rungs,
+            left,
             budget=self._granted,
             spent=self.spent,
-            first=(first - start) * NS,
+            first=self.first,
             started=start,
             overrun=self.spent > self._granted,
-            names=self._ordered,
-            _log=tuple(work.log),
-            _snapshot=snapshot,
         )
         return Estimates(
             self.names,
@@ -247,10 +247,10 @@ class Engine:
         work.end = start + int((min(given, ENDLESS) - reserve) / NS)
         return start
 
-    def _run(self, start: int) -> tuple[int, Snapshot | None]:
-        """Answer what was taken in; when every patch had its first answer, ns, and a snapshot.
+    def _run(self, start: int) -> float:
+        """Answer what was taken in, and learn how long the end of a cycle takes.
 
-        The snapshot is None without a log. It learns how long the end of a cycle takes.
+        Returns the time that was left after the last step, s.
         """
         work, around = self._work, self._around
         work.open()
@@ -265,12 +265,11 @@ class Engine:
         work.close(hot, around)
         self.cycle += 1
         self.results.update()
-        snapshot = Snapshot.of(work, left, self.rungs) if work.logging else None
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
         around.observe(BEYOND, max(-left, 0.0))
         self.spent, self.first = (end - start) * NS, (first - start) * NS
-        return first, snapshot
+        return left
 
     def rehearse(self, budget: float | None = None) -> None:
         """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.

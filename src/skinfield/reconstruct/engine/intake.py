@@ -1,6 +1,7 @@
 """Readings of all patches into one array: checked, linearised and in units of their noise."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -46,8 +47,6 @@ class Intake:
         Patches that gave a reading.
     how : int
         How it is linearised: see `_linearised_how`.
-    straight : (N,) array
-        Room for what was taken in, linearised.
     per_noise : (N,) array
     """
 
@@ -58,14 +57,12 @@ class Intake:
         quantity: Quantity,
         noise_std: Floats,
     ) -> None:
-        from skinfield.reconstruct.engine.cycle_kernel import take as gather
-
         self.names = [patch.name for patch in patches]
         self.quantity = quantity
         self.sizes = [len(patch) for patch in patches]
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
-        self.raw, self.linear, self.straight, self.given = np.zeros((4, taxels))
+        self.linear, self.given = np.zeros((2, taxels))
         self.white: Singles = np.zeros(taxels, np.float32)
         self.valid = np.ones(taxels, np.bool_)
         self.wanted: NDArray[np.bool_] = np.ones(taxels, np.bool_)
@@ -79,8 +76,7 @@ class Intake:
         self._parts = {self.names[row]: part for row, part in zip(self._rows, parts, strict=True)}
         self._nothing = [np.zeros(size) for size in sizes]
         self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
-        self._gather = gather
-        self.how = _linearised_how(quantity, self.raw)
+        self.how = _linearised_how(quantity, self.given)
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -118,13 +114,11 @@ class Intake:
         self.present[:] = True
 
     def linearise(self) -> None:
-        """Gather what was given into `straight` as the quantity says; 0 for what is not valid."""
-        lowest = self.quantity.lowest
-        taken = self.given, self.wanted, self.places, lowest, self.raw, self.valid
-        self.all_valid = self._gather(*taken)
-        straight = self.quantity.linearise(self.raw, self.straight)
-        if straight is not self.straight:
-            self.straight[:] = straight
+        """Take what was given into `linear` as the quantity says; 0 for what is not valid."""
+        raw = self.given[self.places]
+        good = np.isfinite(raw) & (raw > self.quantity.lowest) & self.wanted[self.places]
+        self.valid[:] = good
+        self.linear[:] = self.quantity.linearise(np.where(good, raw, 0.0), self.linear)
 
     def rows_of(self, place: int) -> slice:
         """Taxels of a patch."""
@@ -171,6 +165,13 @@ class Intake:
                     f"valid[{name!r}] has shape {mask.shape}, expected {part.shape}: one per taxel"
                 )
             part[:] = mask
+
+    def twin(self) -> "Intake":
+        """Arrays of its own for the same patches."""
+        twin = copy(self)
+        for name in ("linear", "given", "white", "valid", "present", "wanted"):
+            setattr(twin, name, getattr(self, name).copy())
+        return twin
 
     def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
         """Rows (count, L) of patches of one size in an array (N,)."""

@@ -1,6 +1,7 @@
 """Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -155,6 +156,8 @@ class Group:
         Where the last search of each patch ended, if it left taxels out.
     filler : FilledReadings
         Of whitened readings.
+    last : list of P
+        Search that each patch used last, `SHARED`, or None.
     """
 
     def __init__(self, index: int, first: int, kind: Kind, rungs: Rungs) -> None:
@@ -171,7 +174,7 @@ class Group:
         self.feasible = [np.zeros((count, len(each.problem.norms))) for each in searches]
         self.rows_of_feasible = [list(fields) for fields in self.feasible]
         self.duals = np.zeros((count, len(noise)))
-        self._last: list[Any] = [None] * count  # searches, or SHARED
+        self.last: list[Any] = [None] * count
         self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
         every = np.ones(len(noise), np.bool_)
         self._reduced = [each.without(every) for each in searches]
@@ -204,7 +207,7 @@ class Group:
 
         If not all taxels are valid, it is one that all patches share.
         """
-        last = self._last[place]
+        last = self.last[place]
         if valid is None:
             operator = self.searches[rung][place]
             if last is operator:
@@ -214,20 +217,34 @@ class Group:
             operator.leave_out(self.searches[rung][0], valid)
         if last is not None:
             operator.start_from(self.duals[place] if last is SHARED else last.dual)
-        self._last[place] = operator
+        self.last[place] = operator
         return operator
 
     def remember(self, place: int, shared: NonNegativeOperator) -> None:
         """Keep where a patch's search ended that another patch will use next."""
         np.copyto(self.duals[place], shared.dual)
-        self._last[place] = SHARED
+        self.last[place] = SHARED
+
+    def twin(self) -> "Group":
+        """Arrays of its own, with the same matrices.
+
+        Of the searches only that of the first patch has a memory of its own.
+        """
+        twin = copy(self)
+        twin.fields = [np.zeros_like(each) for each in self.fields]
+        twin.feasible = [np.zeros_like(each) for each in self.feasible]
+        twin.rows_of_feasible = [list(fields) for fields in twin.feasible]
+        twin.searches = [[twins[0].twin(), *twins[1:]] for twins in self.searches]
+        twin.duals = np.zeros_like(self.duals)
+        twin.last = [None] * self.count
+        return twin
 
     def reset(self) -> None:
         """Forget the readings before."""
         for twins in self.searches:
             for each in twins:
                 each.reset()
-        self._last = [None] * self.count
+        self.last = [None] * self.count
 
 
 def _search(operator: FieldOperator) -> NonNegativeOperator:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -81,21 +82,60 @@ class CycleReport:
     overrun: bool
     names: tuple[str, ...]
     _log: tuple[Logged, ...]
-    _snapshot: "Snapshot"
+    _state: State
+    _costs: Floats
+    _left: float
+    _sides: Sequence[int]
+    _linear: bool
+    _why_missing: Mapping[int, str]
+
+    @classmethod
+    def of(
+        cls,
+        work: Clockwork,
+        names: tuple[str, ...],
+        sides: Sequence[int],
+        left: float,
+        **known: Any,
+    ) -> "CycleReport":
+        """Copy what of a cycle's work the next one changes, as it left it."""
+        missing = np.flatnonzero(~work.intake.present).tolist()
+        return cls(
+            **known,
+            names=names,
+            _log=tuple(work.log),
+            _state=work.state.copy(),
+            _costs=work.costs.copy(),
+            _left=left,
+            _sides=sides,
+            _linear=work.linear,
+            _why_missing={place: _why(work, place) for place in missing},
+        )
 
     @cached_property
     def steps(self) -> tuple[LoggedStep, ...]:
         """All steps; those of one plan's searches in the order in which they were taken."""
-        return tuple(
-            done for each in self._log for done in steps_of(each, self._snapshot.state.group)
-        )
+        return tuple(done for each in self._log for done in steps_of(each, self._state.group))
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:
             raise InputError(
                 f"no patch is named {name!r}, expected one of {', '.join(self.names[:8])}"
             )
-        return self._snapshot.report(name, self.names.index(name))
+        place, state = self.names.index(name), self._state
+        rung = int(state.rung[place])
+        return PatchReport(
+            name=name,
+            answer=WORDS[Answer(state.answer[place])],
+            rung=self._sides[rung] if rung >= 0 else 0,
+            gap=float(state.gap[place]),
+            iterations=int(state.iterations[place]),
+            invalid=int(state.invalid[place]),
+            spent=float(state.spent[place]),
+            predicted=float(state.predicted[place]),
+            waited=int(state.age[place]),
+            skipped=self._skipped(place, rung),
+        )
 
     def __iter__(self) -> Iterator[PatchReport]:
         return (self[name] for name in self.names)
@@ -124,8 +164,31 @@ class CycleReport:
         return sum(each.predicted for each in self.steps)
 
     def _named(self, answer: Answer) -> tuple[str, ...]:
-        there = np.flatnonzero(self._snapshot.state.answer == answer)
+        there = np.flatnonzero(self._state.answer == answer)
         return tuple(self.names[place] for place in there)
+
+    def _skipped(self, place: int, rung: int) -> str:
+        answer, top = Answer(self._state.answer[place]), len(self._sides) - 1
+        if answer == Answer.MISSING:
+            return self._why_missing.get(place, "no reading")
+        step = Step(self._state.kind[place])
+        if answer == Answer.IDLE:
+            step, following, what = Step.TEST, rung + 1, "idle test on rung"
+        elif self._linear:
+            step, following, what = Step.ROW, rung + 1, "rung"
+        else:
+            done = answer == Answer.FEASIBLE and self._state.settled[place]
+            following = rung + 1 if done else max(rung, 0)
+            what = "search on rung" if answer == Answer.LINEAR else "rung"
+            what = what if done or answer == Answer.LINEAR else "more iterations on rung"
+        if following > top:
+            return ""
+        group = 0 if step == Step.TEST else self._state.group[place]  # one test of all
+        cost = float(self._costs[group, step, following])
+        return (
+            f"{what} {self._sides[following]}: {cost * 1e6:.0f} µs predicted, "
+            f"{max(self._left, 0.0) * 1e6:.0f} µs left"
+        )
 
 
 def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
@@ -138,64 +201,6 @@ def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
         patch, rung, predicted, start, end = (row[i] for i in (0, 1, -3, -2, -1))
         group = int(groups[int(patch)])
         yield LoggedStep(kind, group, int(patch), int(rung), int(start), int(end), predicted)
-
-
-@dataclass(frozen=True, eq=False)
-class Snapshot:
-    """What of a cycle's work the next one changes, as it left it."""
-
-    state: State
-    costs: Floats
-    left: float
-    sides: Sequence[int]
-    linear: bool
-    why_missing: Mapping[int, str]
-
-    @classmethod
-    def of(cls, work: Clockwork, left: float, sides: Sequence[int]) -> "Snapshot":
-        """Copy it."""
-        missing = np.flatnonzero(~work.intake.present).tolist()
-        why = {place: _why(work, place) for place in missing}
-        return cls(work.state.copy(), work.costs.copy(), left, sides, work.linear, why)
-
-    def report(self, name: str, place: int) -> PatchReport:
-        """Report of one patch."""
-        state, rung = self.state, int(self.state.rung[place])
-        return PatchReport(
-            name=name,
-            answer=WORDS[Answer(state.answer[place])],
-            rung=self.sides[rung] if rung >= 0 else 0,
-            gap=float(state.gap[place]),
-            iterations=int(state.iterations[place]),
-            invalid=int(state.invalid[place]),
-            spent=float(state.spent[place]),
-            predicted=float(state.predicted[place]),
-            waited=int(state.age[place]),
-            skipped=self._skipped(place, rung),
-        )
-
-    def _skipped(self, place: int, rung: int) -> str:
-        answer, top = Answer(self.state.answer[place]), len(self.sides) - 1
-        if answer == Answer.MISSING:
-            return self.why_missing.get(place, "no reading")
-        step = Step(self.state.kind[place])
-        if answer == Answer.IDLE:
-            step, following, what = Step.TEST, rung + 1, "idle test on rung"
-        elif self.linear:
-            step, following, what = Step.ROW, rung + 1, "rung"
-        else:
-            done = answer == Answer.FEASIBLE and self.state.settled[place]
-            following = rung + 1 if done else max(rung, 0)
-            what = "search on rung" if answer == Answer.LINEAR else "rung"
-            what = what if done or answer == Answer.LINEAR else "more iterations on rung"
-        if following > top:
-            return ""
-        group = 0 if step == Step.TEST else self.state.group[place]  # one test of all
-        cost = float(self.costs[group, step, following])
-        return (
-            f"{what} {self.sides[following]}: {cost * 1e6:.0f} µs predicted, "
-            f"{max(self.left, 0.0) * 1e6:.0f} µs left"
-        )
 
 
 def _why(work: Clockwork, place: int) -> str:

@@ -1,18 +1,13 @@
 """Contacts of all patches of an engine's cycle, as rows of numbers."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints, check_shape
-from skinfield.estimate.live_contacts import CONTACT, Habits, LiveContacts, level_of
+from skinfield.estimate.live_contacts import CONTACT, Habits, Level, LiveContacts, level_of
 from skinfield.reconstruct.engine.engine import Engine
 from skinfield.reconstruct.engine.results import grid_on
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
-
-if TYPE_CHECKING:
-    from skinfield.estimate.live_contacts_kernel import Level
 
 
 class SkinContacts:
@@ -106,7 +101,7 @@ class SkinContacts:
                 each(level, np.zeros(len(known.std)), 0, out)
 
 
-def _levels(engine: Engine, name: str) -> "list[Level]":
+def _levels(engine: Engine, name: str) -> list[Level]:
     """Of the rungs on which a patch may be answered: by linear answers, then by searches."""
     group, place = next(
         (group, place)

@@ -35,7 +35,7 @@ def answer_linearly(work: Clockwork, rung: int) -> None:
         invalid = np.flatnonzero(state.invalid[group.rows])
         fill_missing(work, group, invalid[work.intake.present[group.rows][invalid]])
     start = work.clock()  # how long a product takes is learnt without
-    if work.answers:
+    if work.atlases:
         work.answer_all(rung)
         work.log_step(PRODUCT, 0, -1, rung, start)
     else:
@@ -86,7 +86,7 @@ def refine_one(work: Clockwork, patch: int, rung: int) -> None:
 
 
 FIRST = 0.25  # of the time, for the first idle test
-Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `learning_kernel`
+Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `cycle_kernel`
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 PATIENCE = 20  # cycles after which a contact is served even if there is no time for it
 SELDOM = 10  # cycles, at least, between two such
@@ -203,7 +203,7 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
     state = work.state
     if work.waited < PATIENCE or state.unforced < SELDOM or not len(hot):
         return
-    patch = work.kernel.longest_waiting(hot, state.age)
+    patch = int(hot[state.age[hot].argmax()])
     if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
         return
     cost = float(work.costs[state.group[patch], state.kind[patch], 0])

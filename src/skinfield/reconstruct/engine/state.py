@@ -71,7 +71,7 @@ class State:
     Attributes
     ----------
     group : which kind the patch is of
-    integers, numbers : (5, P) arrays, of which the others are rows; see `learning_kernel`
+    integers, numbers : (5, P) arrays, of which the others are rows; see `cycle_kernel`
     answer : of `Answer`
     rung : of the answer; -1 where there is none
     gap : relative, of the answer
@@ -95,9 +95,8 @@ class State:
         self.numbers = np.zeros((5, patches))
         self.gap, self.excess, self.energy, self.spent, self.predicted = self.numbers
         self.age, self.invalid = np.zeros((2, patches), dtype=np.int64)
-        self.rung[:] = self.at[:] = -1
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
-        self.unforced = 0
+        self.reset()
 
     def copy(self) -> "State":
         """What the next cycle changes, as it is now."""

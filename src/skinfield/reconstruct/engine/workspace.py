@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Ints
-from skinfield.reconstruct.engine.block_sparse import idle_tests, linear_answers
+from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
 from skinfield.reconstruct.engine.intake import Intake
 from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.state import Logged, State
@@ -24,6 +24,8 @@ class Clockwork:
     groups : sequence of Group
     intake : Intake
     clock : function that returns ns
+    like : Clockwork, optional
+        Of the same patches, with which it shares what is prepared; costs begin as the other's.
 
     Attributes
     ----------
@@ -33,7 +35,7 @@ class Clockwork:
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
-    answers : R pairs of Atlas and array
+    atlases, fields : R of Atlas and R arrays
         Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
     tested : int
         Rung of the last idle test.
@@ -54,41 +56,47 @@ class Clockwork:
         to. Kept while `logging`.
     """
 
-    def __init__(self, groups: Sequence[Group], intake: Intake, clock: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        groups: Sequence[Group],
+        intake: Intake,
+        clock: Callable[[], int],
+        like: "Clockwork | None" = None,
+    ) -> None:
         from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
 
         self.groups, self.intake, self.clock = groups, intake, clock
         self.kernel: Any = cycle_kernel
         self._idle_without = block_sparse_kernel.idle_without
-        self.end, self.log = 0, list[Logged]()
         counts, first = [group.count for group in groups], groups[0].rungs
-        self.state = State(np.repeat(np.arange(len(counts)), counts))
-        self.rungs, self.linear, self.fills = len(first.steps), first.linear, first.bayesian
-        self.tests = idle_tests(groups)
-        self.answers = linear_answers(groups) if self.linear else []
+        self.state = state = State(np.repeat(np.arange(len(counts)), counts))
+        self.rungs, self.linear = len(first.steps), first.linear
+        if like is None:
+            self.tests = idle_tests(groups)
+            self.atlases = linear_answers(groups) if self.linear else []
+        else:
+            self.tests, self.atlases = like.tests, like.atlases
+        self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
+        self.times = Times(len(groups), self.rungs, bool(self.atlases))
+        if like is not None:
+            self.times.start_as(like.times)
+        self.costs, self.planned = self.times.costs, self.times.costs.copy()
         self.unresolved = np.array([group.rungs.unresolved for group in groups])
         self.places = [(group, place) for group in groups for place in range(group.count)]
-        self._make_room(len(self.places))
-        self._make_views()
-
-    def _make_views(self) -> None:
-        """What belongs to each kind and each patch."""
-        intake, state = self.intake, self.state
-        self.white = [intake.views(intake.white, group.first, group.count) for group in self.groups]
-        rows = [intake.rows_of(patch) for patch in range(len(intake.names))]
+        self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
+        rows = [intake.rows_of(patch) for patch in range(len(self.places))]
         self.linear_rows = [intake.linear[each] for each in rows]
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
-        self._lowest = float(intake.quantity.lowest)
-        self._whitening = intake.per_noise, intake.valid, self.starts, self.fills
-        arrays = state.invalid, state.integers, state.numbers, state.settled, state.was_hot
-        self._opened = intake.linear, intake.white, intake.present, *arrays
-
-    def _make_room(self, patches: int) -> None:
-        """Where a cycle stands, and room to work in."""
+        self._opened = (
+            *(intake.given, intake.wanted, intake.places),
+            *(float(intake.quantity.lowest), intake.how),
+            *(intake.per_noise, intake.valid, self.starts, first.start.posterior is not None),
+            *(intake.linear, intake.white, intake.present),
+            *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
+        )
+        patches, self.end, self.log = len(self.places), 0, list[Logged]()
         self.tested, self.waited, self.logging = 0, 0, True
-        self.times = Times(len(self.groups), self.rungs, bool(self.answers))
-        self.costs, self.planned = self.times.costs, self.times.costs.copy()
         self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
@@ -103,33 +111,13 @@ class Clockwork:
             self.tops[first], self.weights[first] = self.rungs - 1, FOREMOST
         self.finest = int(self.tops.max())
 
-    def renew(self, other: "Clockwork") -> None:
-        """Have costs and room of its own, as a copy of another that has its own groups and intake.
-
-        Costs begin as the other's.
-        """
-        self._make_room(len(self.places))
-        self._make_views()
-        self.times.start_as(other.times)
-
     def open(self) -> None:
         """Linearise and whiten what was taken in, and forget the answers of the cycle before."""
         intake = self.intake
         self.log.clear()
         if intake.how > 1:
             intake.linearise()
-            self.kernel.open_cycle(intake.straight, *self._whitening, *self._opened)
-        else:
-            intake.all_valid = self.kernel.take_and_open(
-                intake.given,
-                intake.wanted,
-                intake.places,
-                self._lowest,
-                intake.how == 1,
-                *self._whitening,
-                intake.straight,
-                *self._opened,
-            )
+        intake.all_valid = self.kernel.open_cycle(*self._opened)
 
     def close(self, hot: Ints, around: CostModel) -> None:
         """Remember which patches had a contact, and let predictions come down a little."""
@@ -192,8 +180,7 @@ class Clockwork:
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
-        atlas, fields = self.answers[rung]
-        atlas.apply(self.intake.white, fields)
+        self.atlases[rung].apply(self.intake.white, self.fields[rung])
 
     def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""
@@ -210,7 +197,7 @@ class Clockwork:
         return seconds
 
     def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
-        """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns.
+        """As `done`, of searches, and keep their answers; see `cycle_kernel` for the columns.
 
         Whether all of the patches in `hot` are then solved on the finest rung.
         """
@@ -218,7 +205,7 @@ class Clockwork:
         for row, one in enumerate(each):
             found[row] = one
         kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
-        settled = self.kernel.learn(
+        settled = self.kernel.take_in(
             found,
             state.group,
             state.integers,
@@ -235,12 +222,12 @@ class Clockwork:
         return bool(settled)
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
-        """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`.
+        """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.
 
         Times are those of `planned`.
         """
         state = self.state
-        count = self.kernel.plan_within(
+        count = self.kernel.plan(
             hot,
             state.group,
             state.integers,
