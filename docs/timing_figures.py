@@ -29,7 +29,7 @@ from skinfield.lab.bench.jitter import JitterSettings, run_jitter
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import machine_line, picture
 from skinfield.lab.bench.run import run_bench
-from skinfield.lab.bench.scene import SIZES, BenchSettings
+from skinfield.lab.bench.scene import SIZES
 from skinfield.loop.realtime import RealTime
 from skinfield.plot import save
 from skinfield.solve import GaussianField
@@ -60,8 +60,10 @@ def draw_bench(size: str = "short", file: str = "") -> None:
     with Progress() as bar, threadpool_limits(limits=1):
         task = bar.add_task("bench")
         found = run_bench(
-            BenchSettings(size=SIZES[size]),
-            lambda what, done, of: bar.update(task, description=what, completed=done, total=of),
+            SIZES[size],
+            show=lambda what, done, of: bar.update(
+                task, description=what, completed=done, total=of
+            ),
         )
     if file:
         Path(file).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

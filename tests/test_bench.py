@@ -11,15 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from skinfield.elastic import BaseStress, BondedLayer
 from skinfield.lab.bench import contenders, machine, run, scene
 from skinfield.lab.bench.contenders import Answer, Chain, Contender, run_chain
 from skinfield.lab.bench.machine import spread, undisturbed
 from skinfield.lab.bench.picture import FLOOR, picture
 from skinfield.lab.bench.run import Track, miss
-from skinfield.lab.bench.scene import SMOKE, BenchSettings
+from skinfield.lab.bench.scene import NOISE, SMOKE
+from skinfield.lab.paper import Method, paper_patch
 from skinfield.solve import GaussianField, NonNegative
 
-TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,), cell=1e-3))
+PATCH = paper_patch()
+TINY = replace(SMOKE, readings=3, nodes=10, grids=(10,), cell=1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -61,19 +64,19 @@ def test_fingers_move_as_fingers_do() -> None:
     assert forces.max() == pytest.approx(2.0, abs=0.01)
     speed = np.linalg.norm(np.diff(places, axis=0), axis=2) * scene.RATE
     assert 0.01 < np.median(speed) < speed.max() < 0.1  # some centimetres a second
-    reach = np.abs(TINY.patch.plane).max(axis=0)
+    reach = np.abs(PATCH.plane).max(axis=0)
     assert (np.abs(places).max(axis=(0, 1)) < reach).all()
 
 
 def test_readings_are_the_truth_and_noise(tiny: scene.Scene) -> None:
     assert len(tiny) == 3
-    assert tiny.readings.shape == (scene.LEAD + 3, len(TINY.patch))
+    assert tiny.readings.shape == (scene.LEAD + 3, len(PATCH))
     noise = tiny.readings - tiny.exact
-    assert noise.std() == pytest.approx(TINY.noise, rel=0.1)
-    assert abs(noise.mean()) < 4 * TINY.noise / noise.size**0.5
-    distance = np.linalg.norm(TINY.patch.plane - tiny.places[-1][:, None], axis=2).min(axis=0)
+    assert noise.std() == pytest.approx(NOISE, rel=0.1)
+    assert abs(noise.mean()) < 4 * NOISE / noise.size**0.5
+    distance = np.linalg.norm(PATCH.plane - tiny.places[-1][:, None], axis=2).min(axis=0)
     highest = int(tiny.readings[-1].argmax())
-    assert tiny.readings[-1][highest] > 10 * TINY.noise
+    assert tiny.readings[-1][highest] > 10 * NOISE
     assert distance[highest] < 6e-3  # of a finger: a taxel sees no farther
     assert np.array_equal(tiny.part(-1, 3), tiny.readings)
     assert np.array_equal(tiny.part(0, 2), tiny.readings[: scene.LEAD + 2])
@@ -102,26 +105,18 @@ def track_of(
     return Track(made, start, deadline, np.ones((3, 4)) if reference is None else reference, chains)
 
 
-def test_a_point_says_error_lateness_and_share_in_time(tiny: scene.Scene) -> None:
+def test_a_point_says_time_and_error(tiny: scene.Scene) -> None:
     reference = np.array([[2.0, 2, 2, 2], [4, 4, 4, 4], [1, 1, 1, 1]])
     times = [0.5e-3, 2e-3, 1e-3], [0.5e-3, 4e-3, 3e-3]
-    point = track_of(1e-3, *times, reference=reference).point(tiny, TINY.patch)
+    point = track_of(1e-3, *times, reference=reference).point(tiny)
     # Differences 1, 3, 0 per node against 2, 4, 1: relative 0.5, 0.75, 0.
-    assert point["error"] == pytest.approx(np.sqrt((1 + 9) / (4 + 16 + 1)))
     assert point["errors"]["p50"] == pytest.approx(0.5)
     assert point["usual_errors"]["count"] == 3
     assert point["usual_seconds_us"]["max"] == pytest.approx(3000)  # median of 2 and 4 ms
-    assert point["met"] == pytest.approx(3 / 6)
-    assert (point["late_us"]["min"], point["late_us"]["max"]) == pytest.approx((0.0, 3000))
     assert (point["gap"]["p50"], point["missed"], point["place_median_mm"]) == (0.25, 2.0, None)
     assert point["deadline_us"] == 1000.0
     assert point["force"]["p50"] == 1.0  # nothing found: all of the force is missing
     assert json.loads(json.dumps(point, allow_nan=False)) == point
-
-
-def test_without_a_deadline_nothing_is_late(tiny: scene.Scene) -> None:
-    point = track_of(None, [1.0] * 3).point(tiny, TINY.patch)
-    assert (point["late_us"], point["met"], point["error"]) == (None, None, 0.0)
 
 
 @given(st.lists(st.floats(0, 1), max_size=9), st.integers(1, 9))
@@ -138,20 +133,20 @@ def test_a_contact_beside_its_finger_and_one_that_is_none() -> None:
         SimpleNamespace(position=np.array([x, 0.0, 0.0]), normal_force=force)
         for x, force in ((1e-3, 0.5), (-20e-3, 1.5))
     ]
-    force, place, missed = miss(TINY.patch, places, forces, found)
+    force, place, missed = miss(places, forces, found)
     assert (force, place, missed) == (pytest.approx(0.5), pytest.approx((1e-3,)), 1)  # 2 N of 4 N
 
 
 def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
     nodes, reading = 10, tiny.readings[-1]
-    model = contenders.model_of(TINY, nodes)
+    model = contenders.model_of(nodes)
     for made, solver in (
-        (contenders.gaussian("g", TINY, nodes), GaussianField()),
+        (contenders.gaussian("g", nodes), GaussianField()),
         (contenders.non_negative("n", model, NonNegative()), NonNegative()),
     ):
         made.reset()
         made.answer(reading, None)
-        estimate = contenders.reconstructor(TINY, nodes, solver)(reading)
+        estimate = Method("", solver, BondedLayer(), BaseStress()).prepared(nodes, NOISE)(reading)
         size = np.abs(estimate.pressure).max()
         assert made.last().pressure == pytest.approx(estimate.pressure, abs=1e-4 * size)
         assert [c.normal_force for c in made.last().contacts()] == pytest.approx(
@@ -160,11 +155,11 @@ def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
 
 
 def test_the_papers_point_has_the_time_of_all_its_work(tiny: scene.Scene) -> None:
-    point = track_of(None, [1.0] * 3, name=run.PAPER, pressure=1.5).point(tiny, TINY.patch)
+    point = track_of(None, [1.0] * 3, name=run.PAPER, pressure=1.5).point(tiny)
     times = [{"nodes": n, "name": run.PAPER, "seconds_us": spread([n * 1e3])} for n in (10, 20)]
     (found,) = run.as_printed([point], times, 20)
     assert found["seconds_us"]["p50"] == found["usual_seconds_us"]["p50"] == pytest.approx(20e3)
-    assert (found["start"], found["error"]) == ("cold", pytest.approx(0.5))
+    assert (found["start"], found["errors"]["p50"]) == ("cold", pytest.approx(0.5))
 
 
 def test_company_is_worth_a_warning_when_it_costs() -> None:
@@ -205,7 +200,7 @@ def test_a_system_that_tells_nothing(tmp_path, monkeypatch) -> None:
 def drawn_bench(tiny: scene.Scene) -> dict:
     def point(solver: str, start: str, error: float) -> dict:
         track = track_of(None, [1e-4] * 3, name=solver, start=start, pressure=1.0 + error)
-        return track.point(tiny, TINY.patch)
+        return track.point(tiny)
 
     names = (run.PAPER, run.FIELD, "NonNegative to 1e-4, warm", "ContactFit")
     names += ("NonNegative to 1e-2, warm", run.PREPARED)

@@ -28,8 +28,8 @@ def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     assert first.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
     assert "does not hold" in first
     names = {file.name for file in (tmp_path / "agreement").iterdir()}
-    assert names == {"task.json", "section.json", "agreement.csv", "errors.png", "half-space.png"}
-    page, section = tmp_path / "report.html", tmp_path / "agreement" / "section.json"
+    assert names == {"task.json", "agreement.csv", "errors.png", "half-space.png"}
+    page, section = tmp_path / "report.html", tmp_path / "agreement" / "task.json"
     mains, stamp = [page.read_text()], section.stat().st_mtime_ns
     run(*words)
     assert section.stat().st_mtime_ns == stamp
@@ -62,7 +62,7 @@ def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
     results = json.loads((tmp_path / "results.json").read_text())
     assert [section["name"] for section in results["sections"]] == NAMES
     assert results["sections"][0]["sentences"] == ["threads 1"]
-    assert results["missing"] == []
+    assert results["failures"] == {}
     assert seen[0] == ("", 0, 3)
     assert [done for _, done, _ in seen] == [0, 1, 2, 3]
     assert seen[-1][0] == "last"  # what measures time waits for all others

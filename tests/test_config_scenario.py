@@ -81,7 +81,7 @@ MISTAKES = [
     ("[[places]]\nkind = 'between_two'\npairs = [1, 2]", "pairs is .1, 2., expected a list"),
     ("[[places]]\nkind = 'at'", "positions_mm is missing, expected rows of x and y"),
     ("[places]\nkind = 'at'", r"expected tables: \[\[places\]\]"),
-    ("[[indenter]]\nshape = 'sphere'\nradius = 3", "press.toml:2: .*did you mean radius_mm"),
+    ("[[indenter]]\nshape = 'sphere'\nradius = 3", "press.toml:4: .*did you mean radius_mm"),
     ("[[indenter]]\nshape = 'sphere'\nradius_mm = 3\nforce_n = 1", r"those of all .* in \[loads\]"),
     ("[elecronics]\n", "'elecronics' is not known.*did you mean electronics"),
     ("[electronics.noise]\nwhite = 3", r"\[electronics.noise\]: 'white' .*white_counts"),

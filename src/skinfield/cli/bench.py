@@ -83,12 +83,13 @@ def bench(
     from skinfield.cli.bench_tables import tables
     from skinfield.lab.bench.picture import machine_line, picture
     from skinfield.lab.bench.run import run_bench
-    from skinfield.lab.bench.scene import SIZES, BenchSettings
+    from skinfield.lab.bench.scene import SIZES
     from skinfield.plot import save
 
     with report.progress("bench", 1) as step:
         measured = run_bench(
-            BenchSettings(size=SIZES[size], seed=seed),
+            SIZES[size],
+            seed,
             lambda what, done, total: step(done, total, what),
         )
     if output is not None:

@@ -105,7 +105,7 @@ def rows_of_presses(
     bound: list[Row] = []
     for index in range(first, last):
         pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell)
-        about = {"case": pressed.name, "group": pressed.group}
+        about = {"group": pressed.group}
         for quantity in plan.quantities:
             levels = [level for level in plan.levels if level.quantity == quantity]
             case = pressed.case(patch, quantity)
@@ -114,6 +114,7 @@ def rows_of_presses(
         balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
         if len(balls) == len(pressed.press.indenters):
             rng = np.random.default_rng([plan.seed, index, 1])
+            about |= {"case": pressed.name}
             bound += [about | row for row in bound_rows(plan, balls, pressed.truth, rng)]
     return {"rows": rows, "bound": bound}
 

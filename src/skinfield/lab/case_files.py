@@ -1,6 +1,5 @@
 """NPZ files of cases: docs/cases.md has every key, with its shape and its unit."""
 
-import io
 import zipfile
 from operator import attrgetter
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 
 from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import FileError, InputError, check_shape
-from skinfield.files.pending import write_bytes
+from skinfield.files.pending import write_npz
 from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.skin import Patch
 
@@ -74,9 +73,7 @@ def save_case(case: Case, path: str | Path) -> Path:
     path = path / f"{case.name}{ENDING}" if path.is_dir() else path
     if path.suffix != ENDING:
         raise FileError(f"{path}: a case is an NPZ file, expected a name that ends in {ENDING}")
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **_plain(case))
-    write_bytes(path, buffer.getvalue())
+    write_npz(path, _plain(case))
     return path
 
 

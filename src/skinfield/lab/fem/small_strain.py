@@ -252,9 +252,12 @@ def apply_pressure(
     check_positive("radius", radius, "of the loaded circle, in metres")
     h = layer.thickness
     section = section_around(layer, [radius / h], radius / h, finest, COARSEST)
-    places = section.trace.gauss_radii
-    loaded = np.where(places < radius / h, pressure(places.ravel() * h).reshape(places.shape), 0.0)
-    found = _solution(layer, section, section.trace.loads(loaded / layer.young_modulus), 0.0)
+
+    def loaded(places: Floats) -> Floats:
+        inside = pressure(places.ravel() * h).reshape(places.shape) / layer.young_modulus
+        return np.where(places < radius / h, inside, 0.0)
+
+    found = _solution(layer, section, section.trace.loads(loaded), 0.0)
     return replace(found, depth=float(found.indentation(np.zeros(1))[0]))
 
 

@@ -2,19 +2,20 @@
 
 import tomllib
 from collections.abc import Mapping
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import PronySeries, StandardLinearSolid, Viscoelastic
+from skinfield.elastic import StandardLinearSolid
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.load import load_layout
 from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
-from skinfield.lab.scenarios.indenters import indenter_from_mapping
-from skinfield.lab.scenarios.table import Table, ending_of
+from skinfield.lab.scenarios.indenters import indenter_from_table
+from skinfield.lab.scenarios.table import Table, field_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -61,7 +62,7 @@ Keys = Mapping[str, str]  # of the file, to the field
 
 def _keys(words: str, **others: str) -> Keys:
     """Keys whose fields are called so without the unit, and others."""
-    return {key: key.removesuffix(ending_of(key)) for key in words.split()} | others
+    return {key: field_of(key) for key in words.split()} | others
 
 
 LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
@@ -145,7 +146,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
         **_patch(table.table("patch"), folder),
         cover=layer.value("inextensible_cover", bool, False),
         layer=layer.read(usual.layer, LAYER),
-        elastomer=_elastomer(table.table("elastomer")),
+        elastomer=table.table("elastomer").read(StandardLinearSolid(), SOLID),
         tools=tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools,
         places=tuple(map(_places, table.tables("places"))) or usual.places,
         loads=_loads(table.table("loads"), usual.loads),
@@ -159,11 +160,8 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
 
 def _patch(table: Table, folder: Path) -> dict[str, Any]:
     layout, name = table.value("layout", str, Scenario().layout), table.value("name", str, "")
-    table.read(Scenario(), {})  # nothing else is known
-    try:
-        patch, found = _patch_from(layout, name, folder)
-    except InputError as error:
-        raise FileError(f"{table.place('layout')}: {error}") from error
+    table.values({})  # nothing else is known
+    patch, found = table.make(partial(_patch_from, layout, name, folder), "layout")
     return {"patch": patch, "layout": found, "patch_name": name}
 
 
@@ -179,25 +177,12 @@ def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
     return skin[name or 0], str(file.resolve())
 
 
-def _elastomer(table: Table) -> Viscoelastic:
-    if table.content.get("prony_terms"):
-        return table.read(PronySeries(terms=((0.5, 1.0),)), {"prony_terms": "terms"})
-    table.taken.add("prony_terms")
-    return table.read(StandardLinearSolid(), SOLID)
-
-
 def _tool(table: Table, row: int, folder: Path) -> Tool:
-    settings = dict(table.content)
-    name = settings.pop("name", None) or f"{settings.get('shape', 'indenter')}-{row + 1}"
     for key, expected in NOT_HERE.items():
-        if key in settings:
+        if key in table.content:
             raise table.wrong(key, expected)
-    try:
-        return Tool(name=name, indenter=indenter_from_mapping(settings, table.where, folder))
-    except FileError:
-        raise
-    except (InputError, ArithmeticError, OSError, ValueError) as error:
-        raise FileError(f"{table.place(None)}: {error}") from error
+    name = table.value("name", str, "") or f"{table.content.get('shape', 'indenter')}-{row + 1}"
+    return table.make(Tool, name=name, indenter=indenter_from_table(table, folder))
 
 
 def _places(table: Table) -> Places:

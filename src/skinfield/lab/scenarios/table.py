@@ -1,14 +1,15 @@
 """Tables of a settings file: keys with units, read into dataclasses, every key accounted for."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
+from functools import partial
 from typing import Any, TypeVar, get_origin, get_type_hints
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.settings.text import line_of, nearest
 
 T = TypeVar("T")
@@ -22,6 +23,11 @@ UNITS = {  # endings of keys, with the power of ten to SI
 def ending_of(key: str) -> str:
     """Unit at the end of a key, the longest that fits; "" for a plain number."""
     return max((ending for ending in UNITS if key.endswith(ending)), key=len)
+
+
+def field_of(key: str) -> str:
+    """A key without its unit, as fields are called."""
+    return key.removesuffix(ending_of(key))
 
 
 def si_from_value(key: str, value: Any) -> Any:
@@ -71,22 +77,28 @@ class Table:
         **others
             Fields that are made of what the table was asked for before.
         """
-        kinds, values = get_type_hints(type(usual)), dict(others)
+        kinds = get_type_hints(type(usual))
+        values = self.values({key: (name, kinds[name]) for key, name in keys.items()})
+        return self.make(partial(replace, usual), **others, **values)  # type: ignore[type-var]
+
+    def values(self, keys: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:
+        """What the table says under `keys`, by the field of each, of its kind; no other may be."""
         self.taken |= set(keys)
         for key in set(self.content) - self.taken:
             raise FileError(
                 f"{self.place(key)}: {key!r} is not known, expected one of "
                 f"{', '.join(sorted(self.taken))}{nearest(key, self.taken)}"
             )
-        for key, name in keys.items():
-            if key in self.content:
-                values[name] = self.value(key, kinds[name])
+        return {
+            name: self.value(key, kind) for key, (name, kind) in keys.items() if key in self.content
+        }
+
+    def make(self, kind: Callable[..., T], key: str | None = None, /, **values: Any) -> T:
+        """Object of some values; an error about them gets the place of the table or of a key."""
         try:
-            return replace(usual, **values)  # type: ignore[type-var]
-        except FileError:
-            raise
-        except InputError as error:
-            raise FileError(f"{self.place(None)}: {error}") from error
+            return kind(**values)
+        except (ValueError, ArithmeticError, OSError) as error:
+            raise FileError(f"{self.place(key)}: {error}") from error
 
     def value(self, key: str, kind: Any, default: Any = None) -> Any:
         """Value of a key in SI units, if it is of a kind."""

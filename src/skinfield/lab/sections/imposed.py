@@ -8,7 +8,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.lab.paper import FIELD, PAIR, PAPER, Method, paper_patch
+from skinfield.lab.paper import FIELD, LAYER, PAIR, PAPER, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
     Picture,
@@ -112,15 +112,15 @@ def discs_of(patch: Patch) -> dict[str, Floats]:
     return {ADJACENT: plane[list(first)], SEPARATE: plane[chosen]}
 
 
-def truth_of(case: str, settings: Settings) -> Truth:
+def truth_of(case: str) -> Truth:
     """Press flat discs as wide as pads 0.2 mm into the layer, all at once, and read the patch."""
-    patch, layer = paper_patch(), settings.layer
+    patch = paper_patch()
     places = discs_of(patch)[case]
     discs = [
         Cylinder(radius=patch.pad_diameter / 2, position=(x, y), depth=DEPTH)
         for x, y in places.tolist()
     ]
-    solved = press(layer, discs, EXTENT, CELL)
+    solved = press(LAYER, discs, EXTENT, CELL)
     grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
     inwards = -solved.displacement[:, 2]
     readings = solved.base_stress(patch.plane, patch.pad_diameter)
@@ -141,13 +141,13 @@ class Finding(NamedTuple):
         return [self.peaks.max()] if self.truth.case == ADJACENT else self.peaks.tolist()
 
 
-def all_findings(settings: Settings) -> list[Finding]:
+def all_findings() -> list[Finding]:
     """Both methods on every grid, for both cases."""
-    truths = [truth_of(case, settings) for case in (ADJACENT, SEPARATE)]
+    truths = [truth_of(case) for case in (ADJACENT, SEPARATE)]
     findings = []
     for method in (PAPER, FIELD):
         for nodes in GRIDS:
-            reconstruct = method.prepared(paper_patch(), settings.layer, nodes, NOISE)
+            reconstruct = method.prepared(nodes, NOISE)
             findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in truths]
     return findings
 
@@ -210,7 +210,7 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
 
 def imposed(settings: Settings) -> Section:
     """Peaks, widths and number of contacts."""
-    findings = all_findings(settings)
+    findings = all_findings()
 
     def of(case: str, method: Method = PAPER) -> list[Finding]:
         wanted = {"imposed on": case, "method": method.name}

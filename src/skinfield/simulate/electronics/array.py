@@ -105,7 +105,6 @@ class Defects:
         return state
 
 
-PER_TAXEL = ("gain", "baseline", "drift", "white_noise", "defect", "stops_after")
 OVERLOAD = 1e9  # counts: beyond the clamp of any board
 NOISELESS = 1e-6  # of ΔC/C₀: stands for no noise, which a calibration cannot hold
 
@@ -142,15 +141,6 @@ class TaxelArray:
     white_noise: Floats
     defect: Kinds
     stops_after: Floats
-
-    def __post_init__(self) -> None:
-        for name in PER_TAXEL:
-            column = np.array(getattr(self, name))
-            check_shape(name, column, (len(self.patch),), "one per taxel of the patch")
-            column.setflags(write=False)
-            object.__setattr__(self, name, column)
-        pads = (self.wiring.converters,)
-        check_shape("pad_error", self.pad_error, pads, "one per converter of the patch")
 
     def __len__(self) -> int:
         return len(self.patch)

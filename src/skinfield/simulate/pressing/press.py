@@ -443,10 +443,6 @@ def press_ladder(
     """
     loads = as_floats("forces", forces)
     check_shape("forces", loads, (None,), "one press per force, in newtons")
-    if not len(loads):
-        raise InputError("forces is empty, expected at least one force in newtons")
-    for index, load in enumerate(loads):
-        check_positive(f"forces[{index}]", float(load), "into the skin, in newtons")
     skin = skin_of(layer, extent, cell, mechanics)
     found: dict[int, Press] = {}
     before: Settled | None = None

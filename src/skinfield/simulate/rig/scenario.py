@@ -198,11 +198,19 @@ class Pose:
     y: float
     angle: float = 0.0
 
+    @property
+    def turn(self) -> Floats:
+        """Rotation matrix (2, 2)."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[cos, -sin], [sin, cos]])
+
+    def carried(self, plane: Floats) -> Floats:
+        """Points (N, 2) m of a press at the origin, carried with it."""
+        return np.asarray(plane @ self.turn.T + [self.x, self.y])
+
     def taxels(self, plane: ArrayLike) -> Floats:
         """Taxels at (L, 2) m of the patch's plane as the indenter sees them, (L, 2) m."""
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        turn = np.array([[cos, -sin], [sin, cos]])
-        return np.asarray((as_floats("plane", plane) - [self.x, self.y]) @ turn)
+        return np.asarray((as_floats("plane", plane) - [self.x, self.y]) @ self.turn)
 
 
 class Places(Protocol):
