@@ -14,15 +14,15 @@ from skinfield.elastic import Layer
 from skinfield.errors import FileError
 from skinfield.files.layouts.load import save_layout
 from skinfield.lab.scenarios import load_scenario, scenario_from_toml, template
-from skinfield.lab.scenarios.scenario import PARTS, SIMPLE
-from skinfield.lab.scenarios.table import si_from_value
+from skinfield.lab.scenarios.scenario import PARTS
+from skinfield.lab.scenarios.table import key_of, si_from_value
 from skinfield.simulate.electronics import (
     Electronics,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
 )
-from skinfield.simulate.rig import At, Scenario
+from skinfield.simulate.rig import At, Profile, Scenario
 
 HEAD = "skinfield_rig = 1\n"
 
@@ -64,7 +64,9 @@ def test_the_template_has_all_that_it_says_and_its_values_are_the_defaults() -> 
         assert getattr(scenario, name) == getattr(usual, name), name
     assert scenario.tools[:1] == usual.tools
     assert scenario.places[:1] == usual.places
-    assert set(tomllib.loads(template())["profile"]) == set(SIMPLE["profile"])
+    assert set(tomllib.loads(template())["profile"]) == set(
+        map(key_of, Profile.__dataclass_fields__)
+    )
     assert set(PARTS) < {name.name for name in Electronics.__dataclass_fields__.values()}
 
 

@@ -15,7 +15,7 @@ from skinfield.files.layouts.load import load_layout
 from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
-from skinfield.lab.scenarios.table import Table, field_of
+from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -57,50 +57,14 @@ NOT_HERE = {
 PICTURE = "run.png"
 TASK_VERSION = "2"  # raise it when the same scenario makes other files
 
-Keys = Mapping[str, str]  # of the file, to the field
-
-
-def _keys(words: str, **others: str) -> Keys:
-    """Keys whose fields are called so without the unit, and others."""
-    return {key: field_of(key) for key in words.split()} | others
-
-
-LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
-SOLID = _keys("relaxed_fraction time_constant_s")
-LOADS = _keys("forces_n depths_mm")
-SIMPLE = {
-    "profile": _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm"),
-    "load_cell": _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms"),
-    "temperature": _keys("start_c end_c"),
-    "solving": _keys("extent_mm cell_mm rungs"),
-}
-ELECTRONICS = _keys("quantised gain_spread converter_gain_spread baseline_spread_counts")
-PARTS: Mapping[str, Keys] = {  # of the electronics
-    "cross_talk": _keys("neighbours"),
-    "drift": _keys(
-        "converter_spread_counts_per_k taxel_spread_counts_per_k time_constant_s reference_c",
-        mean_counts_per_k="per_kelvin",
-    ),
-    "noise": _keys("white_counts spread common_counts flicker_counts walk_counts_per_sqrt_s"),
-    "defects": _keys(
-        "absent dead stuck flickering saturated stuck_within_s open_time_s closed_time_s"
-    ),
-    "delivery": _keys(
-        "rate_hz conversion_time_ms free_running delay_ms jitter_ms lost_readings lost_messages "
-        "holds logged_at_hz"
-    ),
-}
-ICUB = _keys("rest_capacitance_pf", step_ff="farads_per_count")
-BYTE = _keys("no_load shift")
-PLACES: Mapping[str, tuple[Places, Keys]] = {
-    "over_taxel": (OverTaxels(), _keys("taxels angle_deg")),
-    "between_two": (BetweenTwo(), _keys("pairs angle_deg")),
-    "between_three": (BetweenThree(), _keys("triples angle_deg")),
-    "at": (At(positions=((0.0, 0.0),)), _keys("positions_mm angle_deg")),
-    "random": (Random(), _keys("count within_mm turned")),
-    "raster": (Raster(), _keys("rows columns step_mm angle_deg")),
-}
-HEAD = {key: key for key in ("name", "seed", "repeats", "first_repeat")}
+PLACES: Mapping[str, Places] = {
+    "over_taxel": OverTaxels(), "between_two": BetweenTwo(), "between_three": BetweenThree(),
+    "at": At(positions=((0.0, 0.0),)), "random": Random(), "raster": Raster(),
+}  # fmt: skip
+SIMPLE = ("profile", "load_cell", "temperature", "solving")
+SPREADS = ("quantised", "gain_spread", "converter_gain_spread", "baseline_spread")
+PARTS = ("cross_talk", "drift", "noise", "defects", "delivery")  # of the electronics
+HEAD = ("name", "seed", "repeats", "first_repeat")
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -145,16 +109,13 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
         HEAD,
         **_patch(table.table("patch"), folder),
         cover=layer.value("inextensible_cover", bool, False),
-        layer=layer.read(usual.layer, LAYER),
-        elastomer=table.table("elastomer").read(StandardLinearSolid(), SOLID),
+        layer=layer.read(usual.layer),
+        elastomer=table.table("elastomer").read(StandardLinearSolid()),
         tools=tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools,
         places=tuple(map(_places, table.tables("places"))) or usual.places,
         loads=_loads(table.table("loads"), usual.loads),
         electronics=_electronics(table.table("electronics")),
-        **{
-            name: table.table(name).read(getattr(usual, name), keys)
-            for name, keys in SIMPLE.items()
-        },
+        **{name: table.table(name).read(getattr(usual, name)) for name in SIMPLE},
     )
 
 
@@ -186,37 +147,32 @@ def _tool(table: Table, row: int, folder: Path) -> Tool:
 
 
 def _places(table: Table) -> Places:
-    usual, keys = table.choice("kind", PLACES)
+    usual = table.choice("kind", PLACES)
     if isinstance(usual, At) and "positions_mm" not in table.content:
         raise table.wrong("positions_mm", "rows of x and y, such as [[0, 2.5]]")
-    return table.read(usual, keys)
+    return table.read(usual)
 
 
 def _loads(table: Table, usual: Loads) -> Loads:
-    if "forces_n" not in table.content and "depths_mm" in table.content:
-        return table.read(Loads(depths=(1e-4,)), LOADS)
-    return table.read(usual, LOADS)
+    depths = "forces_n" not in table.content and "depths_mm" in table.content
+    return table.read(Loads(depths=(1e-4,)) if depths else usual)
 
 
 def _electronics(table: Table) -> Electronics:
     usual = table.choice("preset", PRESETS, "icub")()
-    parts = {
-        name: table.table(name).read(getattr(usual, name), keys) for name, keys in PARTS.items()
-    }
+    parts = {name: table.table(name).read(getattr(usual, name)) for name in PARTS}
     board = _board(table.table("board"), usual.board)
-    return table.read(usual, ELECTRONICS, board=board, **parts)
+    return table.read(usual, SPREADS, board=board, **parts)
 
 
 def _board(table: Table, usual: Board) -> Board:
     kinds = {made: kind for kind, made in BOARDS.items()}
     kind = table.choice("kind", BOARDS, kinds[type(usual)])
-    if kind is LinearBoard:
-        return table.read(LinearBoard(), {})
-    if kind is CySkinBoard:
-        return table.read(CySkinBoard(), {"gain_counts": "gain"})
-    table.taken |= {*ICUB, *BYTE}
-    byte = table.read(ICubByte(), BYTE)
-    return table.read(ICubBoard(), ICUB, convention=byte)
+    if kind is not ICubBoard:
+        return table.read(kind(), () if kind is LinearBoard else ("gain",))
+    byte, sizes = ("no_load", "shift"), ("rest_capacitance", "farads_per_count")
+    table.taken |= {key_of(name) for name in (*byte, *sizes)}
+    return table.read(ICubBoard(), sizes, convention=table.read(ICubByte(), byte))
 
 
 def template() -> str:

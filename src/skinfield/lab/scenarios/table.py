@@ -1,8 +1,8 @@
 """Tables of a settings file: keys with units, read into dataclasses, every key accounted for."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from decimal import Decimal
 from functools import partial
 from typing import Any, TypeVar, get_origin, get_type_hints
@@ -18,6 +18,34 @@ UNITS = {  # endings of keys, with the power of ten to SI
     "_counts": 0, "_pf": -12, "_ff": -15, "_counts_per_k": 0, "_counts_per_sqrt_s": 0, "_k": 0,
     "": 0,
 }  # fmt: skip
+
+
+UNIT = {  # of fields, where their keys end in one
+    name: unit
+    for unit, names in {
+        "_mm": "thickness clearance extent cell depths positions within step",
+        "_s": "rest approach ramp hold release pause time_constant stuck_within open_time "
+              "closed_time",
+        "_ms": "delay jitter conversion_time",
+        "_hz": "rate logged_at",
+        "_n": "forces full_scale",
+        "_mn": "noise offset resolution",
+        "_kpa": "young_modulus",
+        "_deg": "angle",
+        "_c": "start end reference",
+        "_counts": "baseline_spread white common flicker gain",
+        "_counts_per_k": "converter_spread taxel_spread",
+        "_counts_per_sqrt_s": "walk",
+        "_pf": "rest_capacitance",
+    }.items()
+    for name in names.split()
+}  # fmt: skip
+OTHERWISE = {"per_kelvin": "mean_counts_per_k", "farads_per_count": "step_ff"}
+
+
+def key_of(name: str) -> str:
+    """Key of a field: its name with its unit."""
+    return OTHERWISE.get(name, name + UNIT.get(name, ""))
 
 
 def ending_of(key: str) -> str:
@@ -67,18 +95,20 @@ class Table:
     text: str = ""
     taken: set[str] = field(default_factory=set)
 
-    def read(self, usual: T, keys: Mapping[str, str], **others: Any) -> T:
-        """Object like `usual` with what the table says under `keys`, to each its field.
+    def read(self, usual: T, names: Iterable[str] | None = None, **others: Any) -> T:
+        """Object like `usual` with what the table says.
 
         Parameters
         ----------
         usual : dataclass object
-        keys : mapping of str to str
+        names : iterable of str, optional
+            Of the fields that it may hold, each under `key_of` its name. Default all.
         **others
             Fields that are made of what the table was asked for before.
         """
         kinds = get_type_hints(type(usual))
-        values = self.values({key: (name, kinds[name]) for key, name in keys.items()})
+        chosen = [each.name for each in fields(usual)] if names is None else names  # type: ignore
+        values = self.values({key_of(name): (name, kinds[name]) for name in chosen})
         return self.make(partial(replace, usual), **others, **values)  # type: ignore[type-var]
 
     def values(self, keys: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:

@@ -26,38 +26,6 @@ from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, result
 from skinfield.simulate.pressing.windows import Skin
 from skinfield.skin import Grid, Patch
 
-
-def outlines(share: Floats, y: Floats, x: Floats) -> list[Floats]:
-    """Polygons along which a picture passes through one half.
-
-    Parameters
-    ----------
-    share : (rows, columns) array
-        Between nodes it is taken as linear, and 0 around the picture.
-    y, x : (rows,) and (columns,) arrays, m
-        Places of the nodes, evenly spaced.
-
-    Returns
-    -------
-    list of (N, 2) arrays, m
-        Closed, the first point repeated as the last; what is above one half lies to the left, so
-        holes run the other way round. The largest first.
-    """
-    from contourpy import contour_generator
-
-    step = float(x[1] - x[0]) if len(x) > 1 else float(y[1] - y[0]) if len(y) > 1 else 1.0
-    lines = contour_generator(z=np.pad(share, 1)).lines(0.5)
-    corner = np.array([x[0] - step, y[0] - step])
-    polygons = [corner + step * np.asarray(line) for line in lines]
-    return sorted(polygons, key=lambda polygon: -abs(enclosed(polygon)))
-
-
-def enclosed(polygon: Floats) -> float:
-    """Area within a closed polygon (N, 2), positive where it runs counter-clockwise."""
-    x, y = polygon.T
-    return float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) / 2)
-
-
 MOST_CELLS = 4_000_000
 
 
@@ -160,11 +128,14 @@ class Press:
     @property
     def outline(self) -> list[Floats]:
         """Closed polygons (N, 2) m around what touches, anticlockwise; holes run clockwise."""
-        return [
-            polygon
-            for touch in self.touches
-            for polygon in outlines(touch.share, *self._skin.axes(touch.window))
-        ]
+        from contourpy import contour_generator
+
+        found = []
+        for touch in self.touches:
+            (y, x), side = self._skin.axes(touch.window), self._skin.side(touch.window)
+            lines = contour_generator(z=np.pad(touch.share, 1)).lines(0.5)
+            found += [[x[0], y[0]] + side * (np.asarray(line) - 1.0) for line in lines]
+        return found
 
     @cached_property
     def _above(self) -> Floats:
