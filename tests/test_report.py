@@ -1,7 +1,6 @@
 """The report: one page that needs nothing else, and files that say the same."""
 
 import csv
-import json
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -110,16 +109,6 @@ def test_files_hold_pictures_and_tables(tmp_path: Path) -> None:
     assert (tmp_path / "first.png").read_bytes() == PNG
     with (tmp_path / "numbers.csv").open(newline="") as file:
         assert list(csv.reader(file)) == [[*COLUMNS], ["a, b", "0.12345", "3"], ["c", "", "4"]]
-
-
-def test_results_are_json_without_nan(tmp_path: Path) -> None:
-    odd = Section("odd", "t", "", (), (), (Table("n", "c", ("x",), ((float("nan"),),)),))
-    write_report(Run(Settings(size=SMOKE), (SECTION, odd), {}, 1.0), tmp_path)
-    assert (tmp_path / "report.html").is_file()
-    results = json.loads((tmp_path / "results.json").read_text())
-    assert results["sections"][1]["tables"][0]["rows"] == [[None]]
-    assert results["settings"]["seed"] == 0
-    assert results["sections"][0]["verdicts"][0]["verdict"] == "does not hold"
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from skinfield.design.design import respond
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.lab.case_sets import CELL, SILICONE, random_press
-from skinfield.lab.cases import Case, TrueContact, Truth, quantity_by_name
+from skinfield.lab.cases import QUANTITIES, Case, TrueContact, Truth
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
@@ -137,7 +137,7 @@ def bound_rows(
     forces = np.array([contact.force for contact in truth.contacts])
     white = rng.standard_normal((draws, len(forces), 3))
     for level in (level for level in plan.levels if level.noise > 0):
-        quantity = quantity_by_name(level.quantity)
+        quantity = QUANTITIES[level.quantity]
         design = SkinDesign(
             patch=plan.patch, layer=SILICONE, quantity=quantity, noise_std=level.noise
         )

@@ -132,18 +132,6 @@ def posed(truth: Truth, pose: Pose) -> Truth:
     )
 
 
-def quantity_by_name(name: str) -> Quantity:
-    """What taxels read, by the word in a case.
-
-    Raises
-    ------
-    InputError
-        For another word.
-    """
-    check_choice("quantity", name, QUANTITIES, "what taxels read")
-    return QUANTITIES[name]
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """Readings of a patch with the truth beside them.
@@ -238,14 +226,15 @@ class Case:
         if not isinstance(press.mechanics, BondedLayer):
             raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
         where = Pose(*pose)
-        typical = quantity_by_name(quantity).typical_noise
         taxels = where.taxels(patch.plane)
+        readings = press.readings(taxels, patch.pad_diameter, quantity)
+        typical = QUANTITIES[quantity].typical_noise
         return cls(
             name=name,
             patch=patch,
             layer=press.layer,
             quantity=quantity,
-            readings=press.readings(taxels, patch.pad_diameter, quantity),
+            readings=readings,
             noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
             truth=posed(truth_of_press(press), where),
             mechanics=press.mechanics,

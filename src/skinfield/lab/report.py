@@ -6,7 +6,7 @@ import hashlib
 import platform
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
@@ -201,7 +201,7 @@ def listed(words: Sequence[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-PAGE, RESULTS = "report.html", "results.json"
+PAGE = "report.html"
 PACKAGES = ("skinfield", "numpy", "scipy", "numba", "matplotlib", "scikit-fem")
 
 
@@ -236,25 +236,16 @@ def write_files(section: Section, own: Path) -> None:
 
 
 def write_report(run: Run, folder: Path) -> None:
-    """Write the page and the JSON file of the whole run.
+    """Write the page of the whole run.
 
     Raises
     ------
     FileError
-        If a file cannot be written.
+        If it cannot be written.
     """
-    import msgspec
-
     page = folder / PAGE
     try:
         page.write_text(page_of(run), encoding="utf-8")
-        sections = [
-            replace(each, pictures=tuple(replace(p, png=b"") for p in each.pictures))
-            for each in run.sections
-        ]
-        results = {"versions": versions(*PACKAGES)} | vars(run) | {"sections": sections}
-        text = msgspec.json.encode(results, enc_hook=float)  # NaN is null
-        (folder / RESULTS).write_bytes(msgspec.json.format(text, indent=1) + b"\n")
     except OSError as error:
         raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
 

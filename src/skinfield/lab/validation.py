@@ -10,7 +10,7 @@ import numpy as np
 from skinfield.elastic import HalfSpace, Mechanics
 from skinfield.errors import Floats, InputError, check_choice
 from skinfield.estimate import Contact
-from skinfield.lab.cases import Case, quantity_by_name
+from skinfield.lab.cases import QUANTITIES, Case
 from skinfield.lab.score import GATE, Judge, Row
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
@@ -126,7 +126,7 @@ class Entrant:
                 case.layer,
                 Grid.square(patch, nodes=self.nodes),
                 mechanics=mechanics,
-                quantity=quantity_by_name(case.quantity),
+                quantity=QUANTITIES[case.quantity],
                 solver=self.solver,
                 noise_std=case.noise_std,
             )

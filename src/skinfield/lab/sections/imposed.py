@@ -95,21 +95,14 @@ class Truth:
 def discs_of(patch: Patch) -> dict[str, Floats]:
     """Centres (3, 2) m of the taxels that are pressed."""
     plane = patch.plane
-    distance = np.linalg.norm(plane[:, None] - plane[None], axis=2)
-    near = (distance < PAIR) & (distance > 0)
-    trios = [
-        (a, b, c)
-        for a in range(len(plane))
-        for b in np.flatnonzero(near[a]).tolist()
-        for c in np.flatnonzero(near[a] & near[b]).tolist()
-        if a < b < c
-    ]
-    spots = np.array([plane[list(trio)].mean(axis=0) for trio in trios])
-    first = trios[int(np.linalg.norm(spots - INNER_TRIO, axis=1).argmin())]
+    trios = plane[patch.triangles]
+    sides = np.linalg.norm(trios - np.roll(trios, 1, axis=1), axis=2)
+    trios = trios[(sides < PAIR).all(axis=1)]
+    middle = np.linalg.norm(trios.mean(axis=1) - INNER_TRIO, axis=1).argmin()
     bearings = np.radians([90.0, 210.0, 330.0])
     ideal = APART * np.column_stack([np.cos(bearings), np.sin(bearings)])
     chosen = np.linalg.norm(plane[None] - ideal[:, None], axis=2).argmin(axis=1)
-    return {ADJACENT: plane[list(first)], SEPARATE: plane[chosen]}
+    return {ADJACENT: trios[middle], SEPARATE: plane[chosen]}
 
 
 def truth_of(case: str) -> Truth:

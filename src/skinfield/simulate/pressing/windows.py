@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -132,22 +132,17 @@ def width(mask: NDArray[np.bool_], coverage: Floats) -> float:
 
 def merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
     """Join windows that are less than `APART` cells from each other; the smaller width counts."""
-    found = list(found)
-    index = 0
-    while index < len(found):
-        one, width = found[index]
-        for other_index in range(index + 1, len(found)):
-            other, narrower = found[other_index]
-            first = np.minimum([one.row, one.column], [other.row, other.column])
-            last = np.maximum(one.end, other.end)
-            size = np.array([one.rows + other.rows, one.columns + other.columns])
-            if (last - first - size).max() < APART:
-                joined = Window(*first.tolist(), *(last - first).tolist())
-                found[index] = (joined, min(width, narrower))
-                del found[other_index]
-                index = -1
-                break
-        index += 1
+    for (index, (one, width)), (other_index, (other, narrower)) in combinations(
+        enumerate(found), 2
+    ):
+        first = np.minimum([one.row, one.column], [other.row, other.column])
+        last = np.maximum(one.end, other.end)
+        size = np.array([one.rows + other.rows, one.columns + other.columns])
+        if (last - first - size).max() < APART:
+            joined = Window(*first.tolist(), *(last - first).tolist())
+            rest = [*found[:index], (joined, min(width, narrower)), *found[index + 1 :]]
+            del rest[other_index]
+            return merged(rest)
     return found
 
 
