@@ -92,7 +92,7 @@ def measure_jitter(seconds: float = 60.0) -> None:
     for name, settings in LOOPS.items():
         found = run_jitter(replace(settings, duration=seconds), tell(name), virtual_boards)
         parts += [f"**{name}**", markdown(jitter_table(found)), "; ".join(jitter_lines(found))]
-        say_notes([found.no_pair] if found.no_pair else [])
+        say_notes([found["no_cyclictest"]] if found["no_cyclictest"] else [])
     machine = this_machine()
     parts.append(f"{machine['processor']}, {machine['cores']} CPUs, {date.today()}.")
     put(DOCS / "real-time.md", "jitter", "\n\n".join(parts))

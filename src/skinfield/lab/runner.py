@@ -209,8 +209,10 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """
     before = dict(os.environ)
     os.environ.update(dict.fromkeys(THREADS, "1"))
-    at_start = {"initializer": signal.signal, "initargs": (signal.SIGINT, signal.SIG_DFL)}
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), **at_start)  # type: ignore[arg-type]
+    ended_by = (signal.SIGINT, signal.SIG_DFL)
+    pool = ProcessPoolExecutor(
+        workers, get_context("spawn"), initializer=signal.signal, initargs=ended_by
+    )
     try:
         yield pool
     finally:

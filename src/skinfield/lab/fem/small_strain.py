@@ -4,7 +4,7 @@ Forces only push: a small dense problem of what the surface yields to each of th
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -222,38 +222,6 @@ def indent(
     reach = min(reach, max(found) + 0.5)
     section = section_around(layer, [*found, *edges], reach, finest, reach / 15)
     return _solve(layer, shape, reach, section, force, depth)
-
-
-def apply_pressure(
-    layer: Layer, pressure: Profile, radius: float, *, finest: float = FINEST
-) -> AxisymmetricSolution:
-    """Load the layer with a given pressure inside a circle.
-
-    Parameters
-    ----------
-    layer : Layer
-    pressure : callable
-        Pressures (N,) Pa at radii (N,) m.
-    radius : float, m
-        Of the circle.
-    finest : float
-        Length of the elements at its edge, in thicknesses.
-
-    Returns
-    -------
-    AxisymmetricSolution
-        Its depth is that of the surface at the axis.
-    """
-    check_positive("radius", radius, "of the loaded circle, in metres")
-    h = layer.thickness
-    section = section_around(layer, [radius / h], radius / h, finest, COARSEST)
-
-    def loaded(places: Floats) -> Floats:
-        inside = pressure(places.ravel() * h).reshape(places.shape) / layer.young_modulus
-        return np.where(places < radius / h, inside, 0.0)
-
-    found = _solution(layer, section, section.trace.loads(loaded), 0.0)
-    return replace(found, depth=float(found.indentation(np.zeros(1))[0]))
 
 
 def section_around(
