@@ -60,7 +60,7 @@ def test_the_template_has_all_that_it_says_and_its_values_are_the_defaults() -> 
     assert [tool.name for tool in scenario.tools] == ["sphere6", "cylinder3"]
     usual = Scenario()
     for name in ("layer", "elastomer", "loads", "profile", "load_cell", "temperature", "solving",
-                 "electronics", "seed", "repeats", "name", "layout", "cover"):  # fmt: skip
+                 "electronics", "seed", "repeats", "name", "cover"):  # fmt: skip
         assert getattr(scenario, name) == getattr(usual, name), name
     assert scenario.tools[:1] == usual.tools
     assert scenario.places[:1] == usual.places
@@ -167,7 +167,6 @@ def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HEAD + "[patch]\nlayout = 'mine.toml'\n")
     scenario = load_scenario(tmp_path / "s.toml")
     assert scenario.patch.positions == pytest.approx(patch.positions)
-    assert scenario.layout == str(tmp_path / "mine.toml")
 
 
 def test_shapes_from_files_are_found_beside_a_scenario(tmp_path: Path) -> None:

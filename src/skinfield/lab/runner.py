@@ -80,8 +80,8 @@ def _canonical(value: Any) -> str:
     if isinstance(value, np.ndarray):
         content = hashlib.blake2b(np.ascontiguousarray(value).tobytes()).hexdigest()
         return f"{value.dtype.str}{value.shape}{content}"
-    if is_dataclass(value) and not isinstance(value, type):  # other fields are no part of it
-        names = [each.name for each in fields(value) if each.compare]
+    if is_dataclass(value) and not isinstance(value, type):
+        names = [each.name for each in fields(value) if each.init]
         parts = [f"{name}={_canonical(getattr(value, name))}" for name in names]
         return f"{type(value).__qualname__}({', '.join(parts)})"
     if isinstance(value, tuple | list):

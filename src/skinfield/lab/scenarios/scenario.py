@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from skinfield.elastic import StandardLinearSolid
-from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.load import load_layout
+from skinfield.errors import FileError
+from skinfield.files.layouts.load import skin_from_text
 from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
@@ -44,9 +44,9 @@ from skinfield.simulate.rig import (
     run_rig,
 )
 from skinfield.skin import Patch
-from skinfield.skin.generators import GENERATORS, by_name
 
 VERSION = 1
+LAYOUT = "icub_hexagon"
 PRESETS = {"icub": icub_electronics, "cyskin": cyskin_electronics, "ideal": ideal_electronics}
 BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
 NO_LOAD = "no load here: those of all indenters are in [loads]"
@@ -107,7 +107,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     return table.read(
         usual,
         HEAD,
-        **_patch(table.table("patch"), folder),
+        patch=_patch(table.table("patch"), folder),
         cover=layer.value("inextensible_cover", bool, False),
         layer=layer.read(usual.layer),
         elastomer=table.table("elastomer").read(StandardLinearSolid()),
@@ -119,23 +119,14 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     )
 
 
-def _patch(table: Table, folder: Path) -> dict[str, Any]:
-    layout, name = table.value("layout", str, Scenario().layout), table.value("name", str, "")
+def _patch(table: Table, folder: Path) -> Patch:
+    layout, name = table.value("layout", str, LAYOUT), table.value("name", str, "")
     table.values({})  # nothing else is known
-    patch, found = table.make(partial(_patch_from, layout, name, folder), "layout")
-    return {"patch": patch, "layout": found, "patch_name": name}
-
-
-def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
-    """Patch of a layout's file or a generator, and the layout's text without the folder."""
     file = folder / layout
-    if layout.partition(":")[0].strip() in GENERATORS and not file.is_file():
-        return by_name(layout), layout
-    skin = load_layout(file)
+    skin = table.make(partial(skin_from_text, str(file) if file.is_file() else layout), "layout")
     if not name and len(skin) > 1:
-        names = ", ".join(patch.name for patch in skin)
-        raise InputError(f"it has {len(skin)} patches, expected a name of one: {names}")
-    return skin[name or 0], str(file.resolve())
+        raise table.wrong("name", f"one of {', '.join(patch.name for patch in skin)}")
+    return table.make(partial(skin.__getitem__, name or 0), "name")
 
 
 def _tool(table: Table, row: int, folder: Path) -> Tool:

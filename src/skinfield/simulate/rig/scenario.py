@@ -473,10 +473,6 @@ class Scenario:
     repeats, first_repeat : int
         Recordings per tool, and the number of the first.
     patch : Patch
-    layout : str
-        Where the patch is from, for a file: a layout file, or a generator by name.
-    patch_name : str
-        Which patch of that layout; "" where it has one.
     layer : Layer
     cover : bool
         The layer's surface cannot stretch (a fabric on it).
@@ -497,8 +493,6 @@ class Scenario:
     repeats: int = 1
     first_repeat: int = 0
     patch: Patch = field(default_factory=icub_hexagon, compare=False)
-    layout: str = "icub_hexagon"
-    patch_name: str = ""
     layer: Layer = field(default_factory=Layer)
     cover: bool = False
     elastomer: Viscoelastic = field(default_factory=StandardLinearSolid)
