@@ -94,20 +94,15 @@ def test_units_may_be_left_out() -> None:
     ("text", "said"),
     [
         ("", "shape is '', expected one of sphere, cylinder"),
-        ("radius=3", "shape is 'radius=3', expected one of sphere"),
-        ("spere radius=6", "did you mean sphere"),
         ("sphere radius", "'radius', expected key=value"),
         ("sphere radius=", "'radius=', expected key=value"),
         ("sphere radius=six", "radius_mm is 'six', expected a finite number"),
-        ("sphere radius=nan", "radius_mm is nan, expected a finite number"),
         ("sphere radius=6 radius_mm=6", "'radius_mm=6', expected key=value, each key once"),
         ("sphere radius=6 frce=1", "did you mean force_n"),
-        ("cylinder", "radius_mm is missing, .*'cylinder radius_mm=3 edge_radius_mm=0.3'"),
         ("sphere 'radius=6", "No closing quotation"),
         ("mesh file=a.stl down=0,0", "down is .*, expected a list of finite numbers"),
         ("mesh file=a.stl down=up", "down is 'up', expected a list"),
         ("heightmap file=a.png pixel=1 invert=perhaps", "expected true or false"),
-        ("sphere radius=6 force=1 depth=0.2", "one of the two"),
     ],
 )
 def test_words_that_mean_nothing_are_named(text: str, said: str) -> None:

@@ -245,11 +245,9 @@ def computed(
                 raise SkinfieldError(f"{outcome.name} fails: {reason}")
             results[outcome.name] = outcome.result
             progress(done, len(tasks))
-    found: dict[str, list[Row]] = {"rows": [], "bound": [], "idle": []}
-    for task in tasks:
-        for name, rows in results[task.name].items():
-            found[name] += rows
-    return Findings(**found)
+    parts = [results[task.name] for task in tasks]
+    kinds = ("rows", "bound", "idle")
+    return Findings(*([row for part in parts for row in part.get(kind, ())] for kind in kinds))
 
 
 def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:

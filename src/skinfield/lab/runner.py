@@ -71,21 +71,21 @@ class Task:
     @property
     def fingerprint(self) -> str:
         """Of function, arguments and version, 32 hexadecimal digits; the name is not in it."""
-        text = _canonical((self.function, self.arguments, self.version))
+        text = canonical((self.function, self.arguments, self.version))
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def _canonical(value: Any) -> str:
+def canonical(value: Any) -> str:
     """Text of a value, the same in every process, and another one of another value."""
     if isinstance(value, np.ndarray):
         content = hashlib.blake2b(np.ascontiguousarray(value).tobytes()).hexdigest()
         return f"{value.dtype.str}{value.shape}{content}"
     if is_dataclass(value) and not isinstance(value, type):
         names = [each.name for each in fields(value) if each.init]
-        parts = [f"{name}={_canonical(getattr(value, name))}" for name in names]
+        parts = [f"{name}={canonical(getattr(value, name))}" for name in names]
         return f"{type(value).__qualname__}({', '.join(parts)})"
     if isinstance(value, tuple | list):
-        return f"({', '.join(map(_canonical, value))})"
+        return f"({', '.join(map(canonical, value))})"
     if hasattr(value, "__qualname__"):
         return f"{value.__module__}.{value.__qualname__}"
     return repr(value)

@@ -8,9 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.elastic import HalfSpace, Mechanics
-from skinfield.errors import Floats, InputError, check_choice
+from skinfield.errors import InputError, check_choice
 from skinfield.estimate import Contact
 from skinfield.lab.cases import QUANTITIES, Case
+from skinfield.lab.runner import canonical
 from skinfield.lab.score import GATE, Judge, Row
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
@@ -68,7 +69,7 @@ class Entrant:
     nodes: int = 40
     gate: float = GATE
     name: str = ""
-    _prepared: dict[tuple[object, ...], Reconstructor] = field(
+    _prepared: dict[str, Reconstructor] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
 
@@ -109,22 +110,14 @@ class Entrant:
     def reconstructor(self, case: Case) -> Reconstructor:
         """Reconstruction of the case's skin, told its noise; kept for the next such case."""
         mechanics = case.mechanics if self.mechanics is None else self.mechanics
-        patch = case.patch
-        arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
-        key = (
-            *(array.tobytes() for array in arrays),
-            patch.pad_diameter,
-            case.layer,
-            case.quantity,
-            mechanics,
-        )
+        key = canonical((case.patch, case.layer, case.quantity, mechanics, case.noise_std))
         if key not in self._prepared:
             if len(self._prepared) >= CACHED:
                 self._prepared.pop(next(iter(self._prepared)))
             self._prepared[key] = Reconstructor(
-                patch,
+                case.patch,
                 case.layer,
-                Grid.square(patch, nodes=self.nodes),
+                Grid.square(case.patch, nodes=self.nodes),
                 mechanics=mechanics,
                 quantity=QUANTITIES[case.quantity],
                 solver=self.solver,
