@@ -124,7 +124,7 @@ def measure(settings: JitterSettings, granted: RealTimeStatus, reader: Any, supe
         _sleep_until(second)
         before, watch, usage = _counts(reader), Watch(), _usage(reader.pid)
         _sleep_until(second + settings.duration)
-        after, stolen, used = _counts(reader), watch.company().stolen, _usage(reader.pid)
+        after, stolen, used = _counts(reader), watch.company()["stolen"], _usage(reader.pid)
         paired = None if running is None else running.finish()
     except InputError as error:
         paired, missing = None, str(error)

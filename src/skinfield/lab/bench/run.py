@@ -2,7 +2,7 @@
 
 import gc
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
 from typing import Any
@@ -20,7 +20,7 @@ from skinfield.lab.bench.contenders import (
     paper_prepared,
     run_chain,
 )
-from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed
+from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
 from skinfield.lab.bench.scene import (
     FIT_DEADLINES,
     GAPS,
@@ -274,8 +274,8 @@ def run_bench(size: BenchSize, seed: int = 0, show: Show = quietly) -> dict[str,
         "seed": seed,
         "when": when,
         "machine": machine,
-        "company": asdict(company),
-        "warnings": list(company.warnings(machine["cores"])),
+        "company": company,
+        "warnings": warnings(company, machine["cores"]),
         "nodes": size.nodes,
         "readings": len(scene),
         "grids": grids,
