@@ -12,7 +12,7 @@ from skinfield.errors import InputError, check_choice
 from skinfield.estimate import Contact
 from skinfield.lab.cases import QUANTITIES, Case
 from skinfield.lab.runner import canonical
-from skinfield.lab.score import GATE, Judge, Row
+from skinfield.lab.score import GATE, Judge, Row, matched
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
 from skinfield.solve import ContactFit, GaussianField, PseudoInverse, Solver
@@ -90,14 +90,14 @@ class Entrant:
             times.append(1e3 * (time.perf_counter() - start))
         warm = float(np.median(times[1:])) if len(times) > 1 else float("nan")
         judge = Judge(case, reconstruct.grid, self.gate)
-        head = {"case": case.name, "quantity": case.quantity, "method": self.name}
+        head = {"quantity": case.quantity, "method": self.name}
         rows = []
         for estimate in estimates[:scored]:
-            score = judge(estimate)
-            held = [_held(estimate.contacts[m.estimated], case, m.true) for m in score.matches]
+            matches, *_ = matched(case.patch, case.truth.contacts, estimate.contacts, self.gate)
+            held = [_held(estimate.contacts[m.estimated], case, m.true) for m in matches]
             place, force = np.array(held, dtype=np.int64).reshape(-1, 2).sum(axis=0).tolist()
             about = {"cold_ms": times[0], "warm_ms": warm, "place_held": place, "force_held": force}
-            rows.append(head | score.row() | about)
+            rows.append(head | judge(estimate) | about)
         return rows
 
     def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
