@@ -278,10 +278,9 @@ def truth_of_press(press: Press) -> Truth:
         pressure=press.pressure,
         displacement=press.displacement,
         contacts=tuple(
-            TrueContact((x, y), part.force, part.area, part.indenter.kind)
-            for part in parts_of(press)
-            for x, y in [part.centre.tolist()]
-            if part.force > 0.0
+            TrueContact((one["x_m"], one["y_m"]), one["force_N"], one["area_m2"], one["body"])
+            for one in parts_of(press)
+            if one["force_N"] > 0.0
         ),
         source="skinfield.simulate.pressing.press",
     )

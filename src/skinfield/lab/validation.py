@@ -175,7 +175,8 @@ def rows_of_case(
     All see the same noise, which grows from level to level. Without levels the readings are scored
     as they are. Errors are parts of the truth where no unit is named.
     """
-    for level in levels or [None]:
+    every: Sequence[Level | None] = levels or [None]
+    for level in every:
         drawn = case if level is None else at_level(case, level, seed)
         noise, scored = (None, None) if level is None else (level.noise, 1)
         for entrant in entrants:

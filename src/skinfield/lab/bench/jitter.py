@@ -140,7 +140,7 @@ def measure(settings: JitterSettings, granted: RealTimeStatus, reader: Any, supe
     faults, interruptions = (
         None if usage is None or used is None else used[which] - usage[which] for which in (0, 1)
     )
-    about = {"no_cyclictest": missing or None, "page_faults": faults}
+    about: Row = {"no_cyclictest": missing or None, "page_faults": faults}
     about |= {"interruptions": interruptions, "stolen_cores": stolen}
     return result(settings, granted, timing, paired, about)
 

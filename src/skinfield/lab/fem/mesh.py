@@ -94,7 +94,7 @@ class Trace:
     def _mass(self) -> csc_matrix:
         """Integrals over the plane of products of shape functions, (2n + 1, 2n + 1)."""
         form = scikit_fem().BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v)
-        return form.assemble(self._basis)[self._order][:, self._order].tocsc()
+        return csc_matrix(form.assemble(self._basis)[self._order][:, self._order])
 
     def loads(self, pressure: Callable[[Floats], Floats]) -> Floats:
         """Nodal forces of a pressure, a function of the radii of any shape."""

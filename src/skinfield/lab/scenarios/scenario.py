@@ -160,7 +160,8 @@ def _board(table: Table, usual: Board) -> Board:
     kinds = {made: kind for kind, made in BOARDS.items()}
     kind = table.choice("kind", BOARDS, kinds[type(usual)])
     if kind is not ICubBoard:
-        return table.read(kind(), () if kind is LinearBoard else ("gain",))
+        made: Board = kind()
+        return table.read(made, () if kind is LinearBoard else ("gain",))
     byte, sizes = ("no_load", "shift"), ("rest_capacitance", "farads_per_count")
     table.taken |= {key_of(name) for name in (*byte, *sizes)}
     return table.read(ICubBoard(), sizes, convention=table.read(ICubByte(), byte))

@@ -244,7 +244,8 @@ class HeightMap(Indenter):
             map_coordinates(values, [row, column], order=1, mode="nearest")
             for values in (np.where(there, self.heights, 0.0), there.astype(np.float64))
         )
-        return np.divide(total, share, out=np.full(row.shape, np.nan), where=share > 0.0)
+        mean = np.full(row.shape, np.nan)
+        return np.asarray(np.divide(total, share, out=mean, where=share > 0.0))
 
     @cached_property
     def _sheet(self) -> Mesh:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -303,35 +304,14 @@ def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | N
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One indenter's part of a press.
+def parts_of(press: Press) -> list[dict[str, Any]]:
+    """Part of each indenter of a press, in order: a row with the unit in each key's name.
 
-    Attributes
-    ----------
-    indenter : Indenter
-    force : float, N
-        Into the skin.
-    depth : float, m
-        Of its lowest point below the undeformed surface.
-    centre : (2,) array, m
-        Of its pressure in the plane; NaN where it does not touch.
-    area : float, m²
-        That it touches.
-    peak : float, Pa
-        Largest mean pressure of a cell. Below a sharp edge it grows without bound as cells shrink.
+    ``number`` from 1, ``body`` in words, ``force_N`` into the skin, ``depth_m`` of its lowest point
+    below the undeformed surface, ``x_m`` and ``y_m`` of the centre of its pressure in the plane,
+    NaN where it does not touch, ``area_m2`` that it touches, and ``peak_Pa``, the largest mean
+    pressure of a cell: below a sharp edge it grows without bound as cells shrink.
     """
-
-    indenter: Indenter
-    force: float
-    depth: float
-    centre: Floats
-    area: float
-    peak: float
-
-
-def parts_of(press: Press) -> list[Part]:
-    """Part of each indenter, in order."""
     pressure = pressure_by_body(press)
     parts = []
     for index, indenter in enumerate(press.indenters):
@@ -343,9 +323,18 @@ def parts_of(press: Press) -> list[Part]:
             * (press.grid.pitch / touch.window.split) ** 2
             for touch in press.touches
         )
-        peak = float(pressure[index].max())
-        depth = float(press.approach[index])
-        parts.append(Part(indenter, force, depth, centre, area, peak))
+        parts.append(
+            {
+                "number": index + 1,
+                "body": indenter.kind,
+                "force_N": force,
+                "depth_m": float(press.approach[index]),
+                "x_m": float(centre[0]),
+                "y_m": float(centre[1]),
+                "area_m2": area,
+                "peak_Pa": float(pressure[index].max()),
+            }
+        )
     return parts
 
 
