@@ -85,18 +85,14 @@ class LoadCell:
         check_range("gain_error", self.gain_error, -0.5, 0.5, "relative; 0 is off")
         check_range("delay", self.delay, 0.0, 10.0, "in seconds; 0 is off")
 
-    def measure(
-        self, time: Floats, force: Floats, rng: np.random.Generator, start_ns: int = 0
-    ) -> LoadSeries:
+    def measure(self, time: Floats, force: Floats, rng: np.random.Generator) -> LoadSeries:
         """Sample a force.
 
         Parameters
         ----------
         time, force : (T,) arrays, s and N
-            Of the true force into the skin.
+            Of the true force into the skin; stamp 0 is time 0.
         rng : numpy Generator
-        start_ns : int, ns
-            Stamp of time 0.
         """
         own = np.arange(time[0], time[-1], 1.0 / self.rate)
         level = (1.0 + self.gain_error) * np.interp(own, time, force) + self.offset
@@ -104,7 +100,7 @@ class LoadCell:
         if self.resolution:
             level = self.resolution * np.rint(level / self.resolution)
         shown = np.clip(level, -self.full_scale, self.full_scale)
-        stamps = start_ns + np.rint((own + self.delay) * 1e9).astype(np.int64)
+        stamps = np.rint((own + self.delay) * 1e9).astype(np.int64)
         return LoadSeries(stamps, shown, np.abs(level) >= self.full_scale)
 
 
