@@ -79,11 +79,12 @@ class Window:
         middle, every = self.split // 2, self.split
         return values[..., middle::every, middle::every]
 
-    def grown(self, margin: int, shape: tuple[int, int]) -> "Window":
-        """With so many cells more on every side, as far as the grid of `shape` goes."""
-        row, column = max(self.row - margin, 0), max(self.column - margin, 0)
-        last, right = (min(n + margin, most) for n, most in zip(self.end, shape, strict=True))
-        return Window(row, column, last - row, right - column, self.split)
+    def grown(self, margin: int, shape: tuple[int, int] | None = None) -> "Window":
+        """With so many cells more on every side, as far as a grid of `shape` goes, if any."""
+        low, high = np.array([self.row, self.column]) - margin, np.array(self.end) + margin
+        if shape is not None:
+            low, high = np.maximum(low, 0), np.minimum(high, shape)
+        return Window(*low.tolist(), *(high - low).tolist(), self.split)
 
     def embedded(self, values: Floats, larger: "Window") -> Floats:
         """Values on the squares of a larger window of the same split, 0 beyond."""
