@@ -84,7 +84,8 @@ class Window:
         low, high = np.array([self.row, self.column]) - margin, np.array(self.end) + margin
         if shape is not None:
             low, high = np.maximum(low, 0), np.minimum(high, shape)
-        return Window(*low.tolist(), *(high - low).tolist(), split=self.split)
+        (row, column), (rows, columns) = low.tolist(), (high - low).tolist()
+        return Window(row, column, rows, columns, self.split)
 
     def embedded(self, values: Floats, larger: "Window") -> Floats:
         """Values on the squares of a larger window of the same split, 0 beyond."""
