@@ -14,7 +14,7 @@ import numpy as np
 import skinfield as sf
 from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import Floats
-from skinfield.lab.paper import PAPER, PLACES, paper_patch
+from skinfield.lab.paper import FALSE_ALARMS, LAYER, NOISES, PAPER, PLACES, RATE, paper_patch
 from skinfield.lab.plots import LIMIT, Curve, draw_panels
 from skinfield.lab.report import SIZES, Picture, Settings
 from skinfield.lab.sections.detection import (
@@ -26,13 +26,11 @@ from skinfield.lab.sections.detection import (
     alarm_rates,
     field_peak,
     highest_taxel,
-    noise_of,
 )
 from skinfield.plot.style import plural
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
 
 IMAGES = Path(__file__).parent / "images"
-LAYER = sf.Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
 NOISE, COUNT = 3.8e3, 40_000  # Pa; idle decisions
 
 
@@ -53,10 +51,10 @@ def detector(settings: Settings, quantity: str, method: str) -> Detector:
     """Ours, for the paper's patch."""
     return Detector(
         paper_patch(),
-        settings.layer,
+        LAYER,
         quantity=QUANTITIES[quantity],
-        noise_std=noise_of(settings, quantity),
-        false_alarm_rate=settings.false_alarms,
+        noise_std=NOISES[quantity],
+        false_alarm_rate=FALSE_ALARMS,
         statistic=LargestMatch() if method == MATCH else MarginalLikelihood(),
         spacing=SMOKE_SPACING if settings.size.name == "smoke" else None,
         seed=settings.seed,
@@ -72,7 +70,7 @@ def limit(trial: Trial, settings: Settings, seed: int, alarms: Floats, averaged:
 
     pressed = trial.clean(settings, settings.size.presses, 40, seed)
     clear = np.sqrt(averaged) * np.linalg.norm(pressed, axis=1)
-    clear /= noise_of(settings, trial.quantity)
+    clear /= NOISES[trial.quantity]
     inside = np.minimum(alarms, 1 - 1e-12)
     return np.asarray(ndtr(clear[:, None] + ndtri(inside)).mean(axis=0))
 
@@ -89,7 +87,7 @@ class LightTouch(Campaign):
         methods: dict[str, dict[str, Statistic]] = {q: {TAXEL: highest_taxel} for q in QUANTITIES}
         for (quantity, name), each in made.items():
             methods[quantity][name] = each.statistics
-        prepared = PAPER.prepared(paper_patch(), settings.layer, 20, settings.stress_noise)
+        prepared = PAPER.prepared(20, NOISES["stress"])
         methods["stress"][PAPERS] = field_peak(prepared)
         return cls(settings, methods, 42, {key: each.threshold for key, each in made.items()})
 
@@ -112,7 +110,7 @@ class LightTouch(Campaign):
 
     def bound(self, trial: Trial) -> float:
         """Share that nobody finds more of."""
-        alarms = np.array([self.settings.false_alarms])
+        alarms = np.array([FALSE_ALARMS])
         return float(limit(trial, self.settings, self.trials[trial], alarms, LOOKED)[0])
 
 
@@ -121,7 +119,7 @@ def rates(size: str) -> None:
     settings = Settings(size=SIZES[size])
     made = LightTouch.of(settings)
     (IMAGES / "light-touch-roc.png").write_bytes(_picture_of_rocs(made).png)
-    click.echo(f"share found (%) over {LOOKED} readings at {settings.false_alarms:g}")
+    click.echo(f"share found (%) over {LOOKED} readings at {FALSE_ALARMS:g}")
     for trial, values in made.touches.items():
         shares = {name: each.value for (name, _), each in made.shares(trial, values).items()}
         shares[BOUND] = made.bound(trial)
@@ -150,11 +148,11 @@ def _picture_of_rocs(made: LightTouch) -> Picture:
         rows.append(row)
     caption = (
         "Receiver operating characteristics with a noise of "
-        f"{noise_of(settings, 'stress') / 1e3:g} kPa in each reading: above a "
-        f"single one, below {LOOKED} together, {LOOKED / settings.rate:g} s at {settings.rate:g} "
+        f"{NOISES['stress'] / 1e3:g} kPa in each reading: above a "
+        f"single one, below {LOOKED} together, {LOOKED / RATE:g} s at {RATE:g} "
         f"Hz. {settings.size.presses} presses of a 12 mm ball per panel, {settings.size.quiet} "
         "idle ones. Dashed: a matched filter that is told place and shape; dotted: "
-        f"{settings.false_alarms:g} false alarms."
+        f"{FALSE_ALARMS:g} false alarms."
     )
     return Picture.of("roc", caption, draw_panels(rows, panel_height=2.1))
 

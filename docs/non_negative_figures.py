@@ -21,6 +21,7 @@ import skinfield as sf
 from skinfield.errors import Floats
 from skinfield.lab.case_sets import AROUND, KINDS
 from skinfield.lab.cases import Case
+from skinfield.lab.score import column
 from skinfield.lab.validation import Entrant
 from skinfield.plot.maps import outline_pads
 from skinfield.plot.style import add_colour_bar, add_title, new_figure, save, signed_colours, style
@@ -66,23 +67,23 @@ def tables() -> None:
             truths = list(cases(shape, quantity))
             for name, solver in SOLVERS.items():
                 entrant = Entrant(solver=solver)
-                scores = [score for case in truths for score in entrant.scores(case)]
+                rows = [row for case in truths for row in entrant.rows(case)]
                 columns = [
-                    np.array([getattr(score, key) for score in scores])
+                    column(rows, key)
                     for key in (
                         "field_force_error",
                         "force_error",
-                        "place_error",
+                        "place_error_mm",
                         "blurred_pressure_error",
                         "pressure_error",
                     )
                 ]
                 field, force, place, blurred, sharp = (float(np.nanmedian(c)) for c in columns)
-                more = np.mean([score.false for score in scores])
+                more = np.mean([row["false"] for row in rows])
                 low, high = np.quantile(1 + columns[0], [0.1, 0.9])
                 click.echo(
                     f"  {shape:8s} {name:13s} {1 + field:5.2f} [{low:.2f}, {high:.2f}] | "
-                    f"{1 + force:5.2f} | {place * 1e3:.2f} | {blurred:.2f} | {sharp:.2f} | "
+                    f"{1 + force:5.2f} | {place:.2f} | {blurred:.2f} | {sharp:.2f} | "
                     f"{more:.2f}"
                 )
 

@@ -29,7 +29,7 @@ from skinfield.lab.bench.jitter import JitterSettings, run_jitter
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import machine_line, picture
 from skinfield.lab.bench.run import run_bench
-from skinfield.lab.bench.scene import SIZES, BenchSettings
+from skinfield.lab.bench.scene import SIZES
 from skinfield.loop.realtime import RealTime
 from skinfield.plot import save
 from skinfield.solve import GaussianField
@@ -60,8 +60,10 @@ def draw_bench(size: str = "short", file: str = "") -> None:
     with Progress() as bar, threadpool_limits(limits=1):
         task = bar.add_task("bench")
         found = run_bench(
-            BenchSettings(size=SIZES[size]),
-            lambda what, done, of: bar.update(task, description=what, completed=done, total=of),
+            SIZES[size],
+            show=lambda what, done, of: bar.update(
+                task, description=what, completed=done, total=of
+            ),
         )
     if file:
         Path(file).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
@@ -90,7 +92,7 @@ def measure_jitter(seconds: float = 60.0) -> None:
     for name, settings in LOOPS.items():
         found = run_jitter(replace(settings, duration=seconds), tell(name), virtual_boards)
         parts += [f"**{name}**", markdown(jitter_table(found)), "; ".join(jitter_lines(found))]
-        say_notes([found.no_pair] if found.no_pair else [])
+        say_notes([found["no_cyclictest"]] if found["no_cyclictest"] else [])
     machine = this_machine()
     parts.append(f"{machine['processor']}, {machine['cores']} CPUs, {date.today()}.")
     put(DOCS / "real-time.md", "jitter", "\n\n".join(parts))

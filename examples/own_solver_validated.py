@@ -33,7 +33,7 @@ class EachAlone:
 cases = list(standard_cases(sf.layouts.hexagon72(), count=4, quantity="stress"))
 for solver in (sf.Tikhonov(), EachAlone()):
     entrant = Entrant(solver=solver, nodes=20)
-    found = summarise([score.row() for case in cases for score in entrant.scores(case)])
+    found = summarise([row for case in cases for row in entrant.rows(case)])
     force, low, high = (found[f"force_error_{end}"] for end in ("median", "low", "high"))
     print(
         f"{type(solver).__name__}: {found['missed']:.0%} missed, "

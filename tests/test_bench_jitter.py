@@ -15,12 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_readme import blocks
 
-from skinfield.cli.bench_tables import jitter_as_json, jitter_table
+from skinfield.cli.bench_tables import jitter_table
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
 from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, quantiles_from_json
-from skinfield.lab.bench.jitter import Jitter, JitterSettings
+from skinfield.lab.bench.jitter import JitterSettings, result
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, Timing, TimingTable
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -121,21 +121,24 @@ def test_the_real_one_counts_its_wakes() -> None:
     assert quantiles.p50 <= quantiles.max
 
 
-def measured() -> Jitter:
+GRANTED = RealTimeStatus("SCHED_FIFO", 80, 1, False, "locked", True, "Linux 6")
+
+
+def measured() -> dict:
     """Made-up times: wakes of 12 µs, beside a cyclictest of 10 µs."""
     table = TimingTable(1_000_000)
     for cycle in range(1000):
         due = cycle * 1_000_000
         wake = due + 12_000
         table.add(due, wake, wake + 9_000, wake + 80_000, wake + 82_000, 90_000)
-    granted = RealTimeStatus("SCHED_FIFO", 80, 1, False, "locked", True, "Linux 6")
     paired = Quantiles(10e-6, 10e-6, 10e-6, 11e-6, 10e-6, 1000)
     timing = Timing.of(table.times, table.totals)
-    return Jitter(JitterSettings(), granted, timing, paired, "", 0.0, 0, 0)
+    about = dict.fromkeys(("no_cyclictest", "page_faults", "interruptions", "stolen_cores"))
+    return result(JitterSettings(), GRANTED, timing, paired, about)
 
 
 def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:
-    plain = json.loads(json.dumps(jitter_as_json(measured()), allow_nan=False))
+    plain = json.loads(json.dumps(measured(), allow_nan=False))
     assert plain["loop"]["wake_us"]["p99"] == pytest.approx(12.0, rel=1 / 64)
     assert plain["loop"]["ready_us"]["p50"] == pytest.approx(80.0, rel=1 / 64)
     assert plain["cyclictest_us"]["p999"] == 10.0
@@ -170,7 +173,7 @@ def test_a_loop_that_ended_is_no_measurement(monkeypatch: pytest.MonkeyPatch) ->
     reader = SimpleNamespace(pid=os.getpid(), status=status)
     supervisor = SimpleNamespace(failure="ValueError: a bug")
     with pytest.raises(InputError, match="after 0 cycles, expected it to run on: ValueError: a b"):
-        jitter.measure(JitterSettings(duration=1.0), measured().granted, reader, supervisor)
+        jitter.measure(JitterSettings(duration=1.0), GRANTED, reader, supervisor)
 
 
 def test_the_page_s_snippet_and_command_are_right() -> None:

@@ -169,14 +169,6 @@ def test_no_code_is_read_from_a_file(case: Case, tmp_path: Path) -> None:
         load_case(path)
 
 
-def test_files_that_unpack_to_too_much_are_not_read(
-    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("skinfield.lab.case_files.LARGEST", 1000)
-    with pytest.raises(FileError, match=r"unpacks to \d+ bytes, expected at most 1000"):
-        load_case(save_case(case, tmp_path))
-
-
 def survives(path: Path) -> bool:
     """Whether a file is a case, or its FileError begins with its path."""
     try:

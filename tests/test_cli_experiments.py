@@ -1,6 +1,5 @@
 """`skinfield experiments`: one command, from nothing to a report, and on from where it stopped."""
 
-import json
 import os
 from pathlib import Path
 
@@ -28,8 +27,8 @@ def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     assert first.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
     assert "does not hold" in first
     names = {file.name for file in (tmp_path / "agreement").iterdir()}
-    assert names == {"task.json", "section.json", "agreement.csv", "errors.png", "half-space.png"}
-    page, section = tmp_path / "report.html", tmp_path / "agreement" / "section.json"
+    assert names == {"task.json", "agreement.csv", "errors.png", "half-space.png"}
+    page, section = tmp_path / "report.html", tmp_path / "agreement" / "task.json"
     mains, stamp = [page.read_text()], section.stat().st_mtime_ns
     run(*words)
     assert section.stat().st_mtime_ns == stamp
@@ -57,12 +56,11 @@ def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
     parts = [Experiment(name, (), quick, alone=name == "last") for name in NAMES]
     seen: list[tuple[str, int, int]] = []
     before = os.environ.get("OMP_NUM_THREADS")
-    running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
+    made = running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
     assert os.environ.get("OMP_NUM_THREADS") == before
-    results = json.loads((tmp_path / "results.json").read_text())
-    assert [section["name"] for section in results["sections"]] == NAMES
-    assert results["sections"][0]["sentences"] == ["threads 1"]
-    assert results["missing"] == []
+    assert [section.name for section in made.sections] == NAMES
+    assert made.sections[0].sentences == ("threads 1",)
+    assert made.failures == {}
     assert seen[0] == ("", 0, 3)
     assert [done for _, done, _ in seen] == [0, 1, 2, 3]
     assert seen[-1][0] == "last"  # what measures time waits for all others

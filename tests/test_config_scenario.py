@@ -14,15 +14,15 @@ from skinfield.elastic import Layer
 from skinfield.errors import FileError
 from skinfield.files.layouts.load import save_layout
 from skinfield.lab.scenarios import load_scenario, scenario_from_toml, template
-from skinfield.lab.scenarios.scenario import PARTS, SIMPLE
-from skinfield.lab.scenarios.table import si_from_value
+from skinfield.lab.scenarios.scenario import PARTS
+from skinfield.lab.scenarios.table import key_of, si_from_value
 from skinfield.simulate.electronics import (
     Electronics,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
 )
-from skinfield.simulate.rig import At, Scenario
+from skinfield.simulate.rig import At, Profile, Scenario
 
 HEAD = "skinfield_rig = 1\n"
 
@@ -60,11 +60,13 @@ def test_the_template_has_all_that_it_says_and_its_values_are_the_defaults() -> 
     assert [tool.name for tool in scenario.tools] == ["sphere6", "cylinder3"]
     usual = Scenario()
     for name in ("layer", "elastomer", "loads", "profile", "load_cell", "temperature", "solving",
-                 "electronics", "seed", "repeats", "name", "layout", "cover"):  # fmt: skip
+                 "electronics", "seed", "repeats", "name", "cover"):  # fmt: skip
         assert getattr(scenario, name) == getattr(usual, name), name
     assert scenario.tools[:1] == usual.tools
     assert scenario.places[:1] == usual.places
-    assert set(tomllib.loads(template())["profile"]) == set(SIMPLE["profile"])
+    assert set(tomllib.loads(template())["profile"]) == set(
+        map(key_of, Profile.__dataclass_fields__)
+    )
     assert set(PARTS) < {name.name for name in Electronics.__dataclass_fields__.values()}
 
 
@@ -81,7 +83,7 @@ MISTAKES = [
     ("[[places]]\nkind = 'between_two'\npairs = [1, 2]", "pairs is .1, 2., expected a list"),
     ("[[places]]\nkind = 'at'", "positions_mm is missing, expected rows of x and y"),
     ("[places]\nkind = 'at'", r"expected tables: \[\[places\]\]"),
-    ("[[indenter]]\nshape = 'sphere'\nradius = 3", "press.toml:2: .*did you mean radius_mm"),
+    ("[[indenter]]\nshape = 'sphere'\nradius = 3", "press.toml:4: .*did you mean radius_mm"),
     ("[[indenter]]\nshape = 'sphere'\nradius_mm = 3\nforce_n = 1", r"those of all .* in \[loads\]"),
     ("[elecronics]\n", "'elecronics' is not known.*did you mean electronics"),
     ("[electronics.noise]\nwhite = 3", r"\[electronics.noise\]: 'white' .*white_counts"),
@@ -165,7 +167,6 @@ def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HEAD + "[patch]\nlayout = 'mine.toml'\n")
     scenario = load_scenario(tmp_path / "s.toml")
     assert scenario.patch.positions == pytest.approx(patch.positions)
-    assert scenario.layout == str(tmp_path / "mine.toml")
 
 
 def test_shapes_from_files_are_found_beside_a_scenario(tmp_path: Path) -> None:

@@ -21,7 +21,6 @@ from skinfield.simulate.electronics import (
     LinearBoard,
     Noise,
     ThermalDrift,
-    ThermalPads,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
@@ -30,7 +29,6 @@ from skinfield.simulate.electronics.delivery import wiring
 from skinfield.skin import Patch, generators
 
 HEXAGON = generators.icub_hexagon()
-TEN_PADS = generators.triangle_lattice(6, template=generators.TEN_PAD_TRIANGLE)
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))
 BOARDS = [
     ICubBoard(),
@@ -289,7 +287,7 @@ def test_a_walk_goes_with_the_square_root_of_time():
     assert np.mean(allan_deviation(away, 100)) == pytest.approx(expected, rel=0.03)
 
 
-# ---- warmth: drift with a lag, and thermal pads down to the firmware's bits ----------------------
+# ---- warmth: drift with a lag, and the firmware's correction ------------------------------
 
 
 def test_warmth_drifts_each_taxel_at_its_own_rate():
@@ -325,36 +323,3 @@ def test_the_firmware_s_correction_is_bit_exact():
     other = firmware_drift(np.full(12, -200.0), negated_first=True)
     assert (taken - other).tolist() == [1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]
     assert (firmware_drift(200.0) == -firmware_drift(-200.0)).all()
-
-
-def test_thermal_pads_leave_a_small_remainder_of_the_drift():
-    made = Electronics(quantised=False, thermal_pads=ThermalPads(noise=0.0))
-    array = made.manufacture(TEN_PADS, rng())
-    temperature = 298.15 + np.linspace(-20, 20, 401)
-    counts = array.counts(np.zeros((401, 60)), temperature, rng(1)) - array.baseline
-    whole = 10.0 * 20 * 164 / 128 / 4  # of the strongest taxel without correction
-    assert np.abs(counts).max() < 0.03 * whole
-    raw = replace(made, thermal_pads=None, drift=ThermalDrift(per_kelvin=1.0))
-    counts = raw.manufacture(TEN_PADS, rng()).counts(np.zeros((401, 60)), temperature, rng(1))
-    assert np.abs(counts - 240.375).max() == pytest.approx(20.0)
-
-
-def test_a_failed_pad_fakes_contact_on_its_triangle_alone():
-    pads = ThermalPads(failed=0.3, noise=0.0)
-    made = Electronics(thermal_pads=pads, noise=Noise(white=1.0))
-    array = made.manufacture(TEN_PADS, rng(3))
-    counts = array.counts(np.zeros((200, 60)), None, rng(1)).mean(axis=0)
-    failed = array.pad_error[array.wiring.converter] < 0
-    assert 0 < failed.sum() < 60
-    assert (240.5 - counts[failed] > 7).all()
-    assert (240.5 - counts[failed]).max() == pytest.approx(64.0, abs=1.0)  # the gain of 164
-    assert np.abs(240.375 - counts[~failed]).max() < 0.5
-
-
-def test_thermal_pads_need_their_board_and_their_triangles():
-    with pytest.raises(InputError, match="expected an ICubBoard"):
-        Electronics(board=CySkinBoard(), thermal_pads=ThermalPads())
-    with pytest.raises(InputError, match="taxel 6 is at channel 6 of its triangle"):
-        Electronics(board=ICubBoard(), thermal_pads=ThermalPads()).manufacture(HEXAGON, rng())
-    with pytest.raises(InputError, match="gains has 3 entries"):
-        ThermalPads(gains=(1, 2, 3))

@@ -9,7 +9,7 @@ from scipy.special import ndtr, ndtri
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.lab.experiments import EXPERIMENTS, chosen
-from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, paper_patch, readings, sites
+from skinfield.lab.paper import BALL, FIELD, LAYER, PAPER, PLACES, paper_patch, readings, sites
 from skinfield.lab.report import SMOKE, Settings
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import Trial, field_peak, noisy, roc, threshold
@@ -26,7 +26,6 @@ from skinfield.lab.sections.timing import exponents
 from skinfield.simulate import press
 
 SETTINGS = Settings(size=SMOKE)
-LAYER_OF_PAPER = SETTINGS.layer
 
 
 def test_wilson_interval_of_the_textbook() -> None:
@@ -45,7 +44,7 @@ def test_threshold_and_roc_of_normal_distributions() -> None:
 
 def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None:
     for method in (PAPER, FIELD):
-        reconstruct = method.prepared(paper_patch(), LAYER_OF_PAPER, 12, 1e3)
+        reconstruct = method.prepared(12, 1e3)
         values = np.random.default_rng(4).normal(scale=1e3, size=(5, 72))
         estimate = reconstruct(values)
         inside = reconstruct.plan.noise.std > 0
@@ -58,9 +57,9 @@ def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None
 def test_readings_of_a_moved_press_are_those_of_a_press_in_place() -> None:
     place = np.array([[3e-3, -4e-3]])
     patch = paper_patch()
-    moved = readings(BALL, patch, LAYER_OF_PAPER, 0.5, 0.3e-3, place, "stress")
+    moved = readings(BALL, 0.5, 0.3e-3, place, "stress")
     body = replace(BALL.body, force=0.5, position=(3e-3, -4e-3))
-    in_place = press(LAYER_OF_PAPER, [body], 24e-3, 0.3e-3)
+    in_place = press(LAYER, [body], 24e-3, 0.3e-3)
     direct = in_place.base_stress(patch.plane, patch.pad_diameter)
     assert np.abs(moved[0] - direct).max() < 0.01 * direct.max()
 
@@ -70,7 +69,7 @@ def test_readings_of_a_moved_press_are_those_of_a_press_in_place() -> None:
     [(PLACES[0], 1, 0.0), (PLACES[1], 2, 2.75e-3), (PLACES[2], 3, 3.175e-3)],
 )
 def test_sites_are_where_they_say(place: str, neighbours: int, distance: float) -> None:
-    found = sites(paper_patch())[place]
+    found = sites()[place]
     assert len(found) > 10
     apart = np.sort(np.linalg.norm(found[:, None] - paper_patch().plane[None], axis=2), axis=1)
     assert apart[:, :neighbours] == pytest.approx(distance, abs=0.02e-3)
@@ -111,7 +110,7 @@ def test_discs_are_neighbours_or_far_apart() -> None:
 
 
 def test_imposed_depth_is_there_and_in_equilibrium_with_the_base() -> None:
-    truth = truth_of(SEPARATE, SETTINGS)
+    truth = truth_of(SEPARATE)
     away = np.linalg.norm(truth.grid.plane[:, None] - truth.places[None], axis=2).min(axis=1)
     under = away < 1.5e-3
     assert truth.indentation[under] == pytest.approx(DEPTH, rel=1e-3)

@@ -29,6 +29,10 @@ THICK = sf.Layer(300 * MM, 100e3, 0.5)
 MODULUS = 100e3 / 0.75  # E / (1 - nu^2)
 
 
+def centre_of(part: dict) -> list[float]:
+    return [part["x_m"], part["y_m"]]
+
+
 @cache
 def ball_press() -> Press:
     return press(LAYER, [BALL], extent=16 * MM, cell=0.4 * MM)
@@ -60,14 +64,14 @@ def test_a_leaning_cylinder_touches_at_its_rim_and_turns_the_skin_with_it() -> N
     """About +y its +x side goes down: the pressure is there, and so is its moment."""
     lean = Cylinder(radius=5 * MM, tilt=(0.0, np.radians(4.0)), force=0.5)
     found = press(LAYER, [lean], extent=16 * MM, cell=0.4 * MM)
-    centre = parts_of(found)[0].centre
+    centre = centre_of(parts_of(found)[0])
     assert 2.5 * MM < centre[0] < 5 * MM
     assert centre[1] == pytest.approx(0.0, abs=1e-6)
     assert found.moment[1] == pytest.approx(0.5 * centre[0], rel=1e-6)
     assert found.moment[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert not found.contact[found.grid.plane[:, 0] < 0].any()
     other = press(LAYER, [replace(lean, tilt=(np.radians(4.0), 0.0))], 16 * MM, 0.4 * MM)
-    assert parts_of(other)[0].centre == pytest.approx([0.0, -centre[0]], abs=2e-6)
+    assert centre_of(parts_of(other)[0]) == pytest.approx([0.0, -centre[0]], abs=2e-6)
     upright = press(LAYER, [replace(lean, tilt=(0.0, 0.0))], 16 * MM, 0.4 * MM)
     assert found.approach[0] > 4 * upright.approach[0]
 
@@ -112,13 +116,13 @@ def test_parts_of_a_press_add_up_to_it() -> None:
     ]
     found = press(LAYER, bodies, extent=40 * MM, cell=0.5 * MM)
     ball, ring = parts_of(found)
-    assert ball.force == pytest.approx(1.0, rel=1e-5)
-    assert ring.depth == pytest.approx(0.1 * MM)
-    assert ball.force + ring.force == pytest.approx(found.force, rel=1e-9)
-    assert ball.area + ring.area == pytest.approx(found.contact_area, rel=1e-9)
-    assert ring.area == pytest.approx(np.pi * (25 - 9) * 1e-6, rel=0.02)
-    assert ball.centre == pytest.approx([-8 * MM, 1 * MM], abs=0.05 * MM)
-    assert max(ball.peak, ring.peak) == found.pressure.max()
+    assert ball["force_N"] == pytest.approx(1.0, rel=1e-5)
+    assert ring["depth_m"] == pytest.approx(0.1 * MM)
+    assert ball["force_N"] + ring["force_N"] == pytest.approx(found.force, rel=1e-9)
+    assert ball["area_m2"] + ring["area_m2"] == pytest.approx(found.contact_area, rel=1e-9)
+    assert ring["area_m2"] == pytest.approx(np.pi * (25 - 9) * 1e-6, rel=0.02)
+    assert centre_of(ball) == pytest.approx([-8 * MM, 1 * MM], abs=0.05 * MM)
+    assert max(ball["peak_Pa"], ring["peak_Pa"]) == found.pressure.max()
     left = found.grid.plane[:, 0] < 0
     each = pressure_by_body(found)
     assert each.sum(axis=0) == pytest.approx(found.pressure, rel=1e-12)

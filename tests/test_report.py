@@ -1,7 +1,6 @@
 """The report: one page that needs nothing else, and files that say the same."""
 
 import csv
-import json
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -23,12 +22,11 @@ from skinfield.lab.report import (
     kind_of_verdict,
     listed,
     page_of,
-    read_section,
     spread_in_words,
     tied,
     time_in_words,
+    write_files,
     write_report,
-    write_section,
 )
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
@@ -44,7 +42,7 @@ SECTION = Section(
     verdicts=(Verdict("4", "claim", "measured", "does not hold"),),
     seconds=12.0,
 )
-RUN = Run(Settings(size=SMOKE), (SECTION,), ("recorded data: no folder",), 75.0)
+RUN = Run(Settings(size=SMOKE), (SECTION,), {"data": "no folder"}, 75.0)
 
 
 class Page(HTMLParser):
@@ -99,35 +97,18 @@ def test_text_is_text_whatever_its_signs() -> None:
 def test_page_tells_verdict_missing_parts_time_and_settings() -> None:
     words = " ".join(Page(page_of(RUN)).words.split())
     for part in (
-        "does not hold", "Not in this report: recorded data: no folder", "1 min 15 s",
+        "does not hold", "Not in this report: data failed: no folder", "1 min 15 s",
         "2 mm, 100 kPa, Poisson's ratio 0.5", "numpy", "0.123",
     ):  # fmt: skip
         assert part in words
     assert "Not shown" not in words
 
 
-def test_files_are_read_back_equal(tmp_path: Path) -> None:
-    write_section(SECTION, tmp_path)
-    assert read_section(tmp_path) == SECTION
+def test_files_hold_pictures_and_tables(tmp_path: Path) -> None:
+    write_files(SECTION, tmp_path)
+    assert (tmp_path / "first.png").read_bytes() == PNG
     with (tmp_path / "numbers.csv").open(newline="") as file:
         assert list(csv.reader(file)) == [[*COLUMNS], ["a, b", "0.12345", "3"], ["c", "", "4"]]
-
-
-@pytest.mark.parametrize("content", [b"", b"\x00{", b"[]", b'{"name": 3}', b"[" * 9999])
-def test_garbage_in_a_section_is_no_section(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "section.json").write_bytes(content)
-    with pytest.raises(FileError, match="is no section of a report"):
-        read_section(tmp_path)
-
-
-def test_results_are_json_without_nan(tmp_path: Path) -> None:
-    odd = Section("odd", "t", "", (), (), (Table("n", "c", ("x",), ((float("nan"),),)),))
-    page = write_report(Run(Settings(size=SMOKE), (SECTION, odd), (), 1.0), tmp_path)
-    assert page.name == "report.html"
-    results = json.loads((tmp_path / "results.json").read_text())
-    assert results["sections"][1]["tables"][0]["rows"] == [[None]]
-    assert results["settings"]["layer"]["thickness"] == 2e-3
-    assert results["sections"][0]["verdicts"][0]["verdict"] == "does not hold"
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:

@@ -35,7 +35,6 @@ COARSE = Solving(extent=16e-3, cell=0.6e-3, rungs=4)  # where the elastic soluti
 ELASTIC = StandardLinearSolid(relaxed_fraction=1.0)
 SMALL = Scenario(
     patch=icub_triangle(),
-    layout="icub_triangle",
     loads=Loads(forces=(1.0,)),
     electronics=IDEAL,
     elastomer=ELASTIC,

@@ -83,12 +83,13 @@ def bench(
     from skinfield.cli.bench_tables import tables
     from skinfield.lab.bench.picture import machine_line, picture
     from skinfield.lab.bench.run import run_bench
-    from skinfield.lab.bench.scene import SIZES, BenchSettings
+    from skinfield.lab.bench.scene import SIZES
     from skinfield.plot import save
 
     with report.progress("bench", 1) as step:
         measured = run_bench(
-            BenchSettings(size=SIZES[size], seed=seed),
+            SIZES[size],
+            seed,
             lambda what, done, total: step(done, total, what),
         )
     if output is not None:
@@ -114,7 +115,7 @@ def virtual_boards(
 
 def _measure_jitter(chosen: dict[str, Any], as_json: bool) -> None:
     """Measure the live loop, with the settings that are not as usual, and print."""
-    from skinfield.cli.bench_tables import jitter_as_json, jitter_lines, jitter_notes, jitter_table
+    from skinfield.cli.bench_tables import jitter_lines, jitter_notes, jitter_table
     from skinfield.lab.bench.jitter import JitterSettings, run_jitter
     from skinfield.loop.realtime import RealTime
 
@@ -125,4 +126,4 @@ def _measure_jitter(chosen: dict[str, Any], as_json: bool) -> None:
     jitter = run_jitter(JitterSettings(**chosen), report.note, virtual_boards)
     report.say_notes(jitter_notes(jitter))
     lines: list[report.Shown] = [jitter_table(jitter), *jitter_lines(jitter)]
-    report.finish(as_json, jitter_as_json(jitter), lines=lines)
+    report.finish(as_json, jitter, lines=lines)

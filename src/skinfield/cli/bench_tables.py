@@ -6,18 +6,17 @@ from typing import TYPE_CHECKING, Any
 from rich.box import SIMPLE_HEAD
 
 from skinfield.cli.report import NONE, table
+from skinfield.lab.bench.jitter import QUANTILES
 from skinfield.lab.bench.run import INVERSION, PAPER, PAPER_REST_MS, Row, prepared_gain
+from skinfield.loop.realtime import RealTimeStatus
 from skinfield.plot.style import number
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from skinfield.lab.bench.jitter import Jitter
-    from skinfield.loop.realtime import Quantiles
 
 TINY = 1e-5
 LOOK = {"box": SIMPLE_HEAD, "padding": (0, 1)}
-QUANTILES = ("p50", "p99", "p999", "max")
 NAMES = {"p50": "p50", "p99": "p99", "p999": "p99.9", "max": "max"}
 MEANING = {
     "wake": "from due to awake",
@@ -129,83 +128,64 @@ def _share(value: float | None) -> str:
 # ---- jitter
 
 
-def jitter_table(jitter: "Jitter") -> "Table":
-    """Times of the live loop beside those of cyclictest."""
-    settings = jitter.settings
-    solver = f"{type(settings.solver).__name__}, virtual skin over UDP"
+def jitter_table(found: Mapping[str, Any]) -> "Table":
+    """Times of the live loop beside those of cyclictest, as `run_jitter` has them."""
     made = table(
-        f"{solver}, {settings.rate_hz:g} cycles per second for "
-        f"{settings.duration:g} s beside {settings.busy} busy processes",
+        f"{found['solver']}, virtual skin over UDP, {found['rate_hz']:g} cycles per second for "
+        f"{found['seconds']:g} s beside {found['busy']} busy processes",
         ("time",),
         [NAMES[name] for name in QUANTILES],
     )
-    made.add_row("cyclictest on the same CPU, wake", *_row(jitter.paired))
+    made.add_row("cyclictest on the same CPU, wake", *_row(found["cyclictest_us"]))
     for name, meaning in MEANING.items():
-        if getattr(jitter.timing, name) is not None:
-            made.add_row(f"{name}: {meaning}", *_row(getattr(jitter.timing, name)))
-    ratios = [jitter.ratio(name) for name in QUANTILES]
-    words = [NONE if each is None else f"{each:.2f}" for each in ratios]
+        if found["loop"][f"{name}_us"] is not None:
+            made.add_row(f"{name}: {meaning}", *_row(found["loop"][f"{name}_us"]))
+    words = [NONE if each is None else f"{each:.2f}" for each in found["ratio"].values()]
     made.add_row("wake over cyclictest", *words)
     return made
 
 
-def _row(times: "Quantiles | None") -> list[str]:
-    if times is None:
-        return [NONE] * len(QUANTILES)
-    return [in_words(getattr(times, name)) for name in QUANTILES]
+def _row(times: Mapping[str, float] | None) -> list[str]:
+    return [_of(times, name) for name in QUANTILES]
 
 
-def jitter_lines(jitter: "Jitter") -> Iterator[str]:
+def jitter_lines(found: Mapping[str, Any]) -> Iterator[str]:
     """What was counted, in sentences."""
-    timing = jitter.timing
+    loop = found["loop"]
     yield (
-        f"{timing.cycles} cycles, {timing.late} late, {timing.overrun} ended after the next was "
-        f"due, {timing.skipped} skipped"
+        f"{loop['cycles']} cycles, {loop['late']} late, {loop['overrun']} ended after the next was "
+        f"due, {loop['skipped']} skipped"
     )
-    if jitter.faults is not None:
-        whom = "others, cyclictest among them" if jitter.paired else "others"
-        yield f"{jitter.faults} page faults, {jitter.interruptions} times interrupted by {whom}"
-    yield f"granted: {jitter.granted.sentences()[0]}"
-
-
-def jitter_notes(jitter: "Jitter") -> Iterator[str]:
-    """What makes the numbers doubtful."""
-    if jitter.no_pair:
-        yield f"{jitter.no_pair}; without it nobody can tell the system's lateness from the loop's"
-    yield from jitter.granted.refused
-    yield from jitter.granted.disturbances
-    cycle = jitter.timing.cycle
-    if jitter.paired and cycle and cycle.p99 > 0.5 / jitter.settings.rate_hz:
+    if found["page_faults"] is not None:
+        whom = "others, cyclictest among them" if found["cyclictest_us"] else "others"
         yield (
-            f"a cycle takes up to {in_words(cycle.p99)} (p99), more than half a period: cyclictest "
+            f"{found['page_faults']} page faults, {found['interruptions']} times interrupted by "
+            f"{whom}"
+        )
+    yield f"granted: {RealTimeStatus.from_dict(found['granted']).sentences()[0]}"
+
+
+def jitter_notes(found: Mapping[str, Any]) -> Iterator[str]:
+    """What makes the numbers doubtful."""
+    missing, cycle, cycles = (
+        found["no_cyclictest"],
+        found["loop"]["cycle_us"],
+        found["loop"]["cycles"],
+    )
+    if missing:
+        yield f"{missing}; without it nobody can tell the system's lateness from the loop's"
+    yield from found["granted"]["refused"]
+    yield from found["granted"]["disturbances"]
+    if not missing and cycle and cycle["p99"] > 0.5e6 / found["rate_hz"]:
+        yield (
+            f"a cycle takes up to {_of(cycle, 'p99')} (p99), more than half a period: cyclictest "
             "wakes while the loop computes, which makes it later: try a lower --rate-hz too"
         )
-    stolen = jitter.stolen
+    stolen = found["stolen_cores"]
     if stolen is not None and stolen > 0.001:
         yield f"the host of this virtual machine kept {100 * stolen:.1f} % of a core away meanwhile"
-    beyond = jitter.timing.cycles / 1000
-    if beyond < 30:
+    if cycles < 30_000:
         yield (
-            f"p99.9 of {jitter.timing.cycles} cycles rests on the {max(round(beyond), 1)} latest: "
+            f"p99.9 of {cycles} cycles rests on the {max(round(cycles / 1000), 1)} latest: "
             "measure for a minute before you trust its ratio"
         )
-
-
-def jitter_as_json(jitter: "Jitter") -> dict[str, Any]:
-    """Plain numbers, times in µs."""
-    settings = jitter.settings
-    paired = None if jitter.paired is None else jitter.paired.as_micros()
-    return {
-        "seconds": settings.duration,
-        "rate_hz": settings.rate_hz,
-        "busy": settings.busy,
-        "solver": type(settings.solver).__name__,
-        "granted": jitter.granted.as_dict(),
-        "loop": jitter.timing.as_dict(),
-        "cyclictest_us": paired,
-        "no_cyclictest": jitter.no_pair or None,
-        "ratio": {name: jitter.ratio(name) for name in QUANTILES},
-        "page_faults": jitter.faults,
-        "interruptions": jitter.interruptions,
-        "stolen_cores": jitter.stolen,
-    }

@@ -39,25 +39,24 @@ def experiments(
         Such as fig3,fig6: these parts alone.
     """
     from skinfield.lab.experiments import chosen, run
-    from skinfield.lab.report import SIZES, Settings
+    from skinfield.lab.report import PAGE, SIZES, Settings
 
-    wanted = chosen(only.split(","))
-    settings = Settings(size=SIZES[size], seed=seed)
+    wanted, folder = chosen(only.split(",")), Path(output)
     with progress("experiments", len(wanted)) as step:
-        finished = run(
+        made = run(
             wanted,
-            settings,
-            Path(output),
+            Settings(size=SIZES[size], seed=seed),
+            folder,
             processes(workers),
             lambda name, done, total: step(done, total, name or "experiments"),
         )
-    page, verdicts = str(finished.page), finished.verdicts
+    page = str(folder / PAGE)
+    verdicts = [asdict(verdict) for section in made.sections for verdict in section.verdicts]
     columns = ("figure", "the paper says", "measured here", "verdict")
     shown = table(None, columns, (), show_lines=True)
     for verdict in verdicts:
-        shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
-    plain = {"page": page, "verdicts": [asdict(each) for each in verdicts]}
-    finish(as_json, plain, [page], [shown] if verdicts else [])
-    if finished.failures:
-        named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
+        shown.add_row(*verdict.values())
+    finish(as_json, {"page": page, "verdicts": verdicts}, [page], [shown] if verdicts else [])
+    if made.failures:
+        named = ", ".join(f"{name} (see {folder / name}.failed.txt)" for name in made.failures)
         raise SkinfieldError(f"the report lacks what failed: {named}")

@@ -131,19 +131,7 @@ def _plain(result: "Press", readings: Floats | None) -> dict[str, Any]:
     from skinfield.simulate.pressing.press import parts_of
 
     return {
-        "bodies": [
-            {
-                "number": number,
-                "body": body.indenter.kind,
-                "force_N": body.force,
-                "depth_m": body.depth,
-                "x_m": float(body.centre[0]),
-                "y_m": float(body.centre[1]),
-                "area_m2": body.area,
-                "peak_Pa": body.peak,
-            }
-            for number, body in enumerate(parts_of(result), start=1)
-        ],
+        "bodies": parts_of(result),
         "force_N": result.force,
         "moment_Nm": [float(each) for each in result.moment],
         "area_m2": result.contact_area,

@@ -20,39 +20,31 @@ from skinfield.cli.report import Column
 from skinfield.errors import FileError, InputError
 from skinfield.settings.tree import Positive, Range
 
-WIDE = 160  # columns of the terminal that a table of several noises takes
+WIDE = 180  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
-SHOWN = {  # measure, and how the table calls it
-    "force_error": "force of all contacts",
-    "field_force_error": "force of the field",
-    "contact_force_error": "force of a contact found",
-    "place_error_mm": "place of a contact found, mm",
-    "peak_error": "peak pressure",
-    "pressure_error": "pressure, relative L2",
-    "blurred_pressure_error": "pressure blurred by 2 mm, relative L2",
-    "deformation_error": "deformation, relative L2",
-    "area_error": "contact area",
-}
-AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and decimals
-    ("force_error", 100.0, "force\n%", 0),
-    ("place_error_mm", 1.0, "place\nmm", 2),
-    ("contact_force_error", 100.0, "contact\nforce %", 0),
-    ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
-    ("deformation_error", 100.0, "deform.\n%", 0),
-    ("force_held", 100.0, "force in\ninterval %", 0),
-    ("missed", 100.0, "missed\n%", 0),
-    ("false_per_reading", 1.0, "false per\nreading", 2),
-    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
-    ("cold_ms", 1.0, "cold\nms", 1),
-    ("warm_ms", 1.0, "warm\nms", 2),
+COLUMNS = (  # of the summary's rows
+    Column("force\n%", "force_error", 100.0, 0),
+    Column("place\nmm", "place_error_mm", 1.0, 2),
+    Column("contact\nforce %", "contact_force_error", 100.0, 0),
+    Column("field\nforce %", "field_force_error", 100.0, 0),
+    Column("peak\n%", "peak_error", 100.0, 0),
+    Column("blurred\npress. %", "blurred_pressure_error", 100.0, 0),
+    Column("deform.\n%", "deformation_error", 100.0, 0),
+    Column("area\n%", "area_error", 100.0, 0),
+    Column("force in\ninterval %", "force_held", 100.0, 0),
+    Column("missed\n%", "missed", 100.0, 0),
+    Column("false per\nreading", "false_per_reading", 1.0, 2),
+    Column("in noise\nalone", "idle_false_per_reading", 1.0, 4),
+    Column("cold\nms", "cold_ms", 1.0, 1),
+    Column("warm\nms", "warm_ms", 1.0, 2),
 )
-RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
-PER_CASE = (
-    Column("case", "case"), Column("true N", "true_force_N", decimals=2),
-    Column("force", "force_error", decimals=2), Column("place mm", "place_error_mm", decimals=2),
+EACH = (
+    Column("case", "case"), Column("solver", "method"), Column("noise", "noise", decimals=0),
+    Column("true N", "true_force_N", decimals=2), Column("force", "force_error", decimals=2),
+    Column("place mm", "place_error_mm", decimals=2),
     Column("pressure, blurred", "blurred_pressure_error", decimals=2),
     Column("deformation", "deformation_error", decimals=2),
-    Column("missed", "missed", decimals=2), Column("false", "false", decimals=2),
+    Column("missed", "missed", decimals=0), Column("false", "false", decimals=0),
 )  # fmt: skip
 
 
@@ -84,12 +76,11 @@ def validate(
     from a simulation, a rig or elsewhere; 'skinfield cases' writes some. The solver is told the
     layout, the elastomer and the noise that a case states.
 
-    Errors are parts of the truth where no unit stands; the intervals are 95 %, over these cases.
-
-    With --noise, or with --unseen in place of CASES, several solvers are set beside each other at
-    several noises, with the share of forces within their 90 % intervals and the time per reading
-    cold and warm; with --unseen also what is found in noise alone and, of presses by balls, the
-    Cramér-Rao bound.
+    Printed are medians and 90th percentiles of the errors, the share of forces within their 90 %
+    intervals, and the time per reading cold and warm, of each solver. With --noise, which is added
+    to exact readings, or with --unseen in place of CASES, several noises are set beside each other;
+    with --unseen also what is found in noise alone and, of presses by balls, the Cramér-Rao bound.
+    In files errors are parts of the truth, with intervals of 95 % over these cases.
 
       skinfield cases cases && skinfield validate cases --solver gaussian
       skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}'
@@ -125,9 +116,9 @@ def validate(
     idle : int
         Readings of noise alone, with --unseen.
     per_case : bool
-        A line per case, too.
+        A line per reading, too.
     output : tuple of str
-        Summary and cases (.json), or a row per case (.csv); again for both.
+        Summary (.csv), or summary and a row per reading (.json); again for both.
     require : tuple of str
         MEASURE=MOST: exit with 1 where the median, or the share 'missed', is higher; again for
         more.
@@ -141,9 +132,8 @@ def validate(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
     _check_together(values)
-    if unseen is not None:
-        return int(_score_unseen(values))
-    return int(_score_at_noises(values) if noise else _score_as_it_is(values))
+    findings, where = _of_unseen(values) if unseen is not None else _of_cases(values)
+    return int(_report(findings, where, values))
 
 
 def _check_together(values: dict[str, Any]) -> None:
@@ -157,7 +147,7 @@ def _check_together(values: dict[str, Any]) -> None:
         **dict.fromkeys(("settings", "mechanics", "grid"), named),
         **dict.fromkeys(("quantity", "layout", "idle", "workers"), (unseen, "--unseen")),
         "seed": (unseen or noisy, "--unseen or --noise"),
-        "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
+        "per_case": (not unseen, "CASES: -o FILE.json has every press"),
     }
     for name, flag in options.flags_set(validate, values):
         fits, owner = needs.get(name, (True, ""))
@@ -165,69 +155,8 @@ def _check_together(values: dict[str, Any]) -> None:
             raise InputError(f"{flag} has no effect here: it belongs to {owner}")
 
 
-def _score_as_it_is(values: dict[str, Any]) -> bool:
-    """Score solvers one after another on the readings that the cases hold."""
-    from skinfield.lab.case_files import case_paths
-
-    paths, rows, summaries = case_paths(values["cases"]), [], {}
-    lines: list[report.Shown] = []
-    for solver in values["solver"] or ("gaussian",):
-        mine, summary = _scored(paths, solver, entrant_from_options(solver, values))
-        if values["per_case"]:
-            lines.append(report.table_of("Medians over each case's readings", mine, PER_CASE))
-        readings = report.plural(summary["readings"], "reading")
-        title = f"{solver} on {report.plural(len(paths), 'case')}, {readings}"
-        lines.append(table_of_summary(summary, title))
-        rows += mine
-        summaries[solver] = summary
-    one = len(summaries) == 1
-    result = next(iter(summaries.values())) if one else summaries
-    about = {key: values[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
-    about["solver"] = next(iter(summaries)) if one else list(summaries)
-    files = {"options": about, "summary": result}
-    report.finish(values["as_json"], result, lines=lines)
-    return _finish(values, rows, rows, files, list(summaries.values()))
-
-
-def _finish(
-    values: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], judged: Rows
-) -> bool:
-    """Write what was scored; whether a limit is exceeded."""
-    from skinfield.files import write_summary
-    from skinfield.lab.score import write_csv
-
-    for name in values["output"]:
-        if name.lower().endswith(".csv"):
-            write_csv(csv, name)
-        else:
-            write_summary(name, about | {"rows": rows})
-        if not values["as_json"]:
-            report.say(f"wrote {name}")
-    limits = limits_from_texts(values["require"])
-    exceeded = [exceeds(limits, columns) for columns in judged]  # each is named
-    return any(exceeded)
-
-
-def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str, Any]], Any]:
-    """A row per case, and the summary of all their readings."""
-    from skinfield.lab.case_files import load_case
-    from skinfield.lab.score import summarise
-    from skinfield.lab.validation import row_of_case
-
-    rows, scores = [], []
-    with report.progress(f"scoring {solver}", len(paths)) as step:
-        for path in paths:
-            case = load_case(path)
-            with named(path, solver):
-                each = entrant.scores(case)
-            rows.append({"file": path.name, "solver": solver, **row_of_case(case, each)})
-            scores += each
-            step()
-    return rows, summarise([score.row() for score in scores])
-
-
-def _score_unseen(values: dict[str, Any]) -> bool:
-    """Press at random, score every solver at every noise, and report beside the bound."""
+def _of_unseen(values: dict[str, Any]) -> tuple[Any, str]:
+    """Press at random, and score every solver at every noise, beside the bound."""
     from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
     from skinfield.lab.validation import Level, known_entrants
 
@@ -248,12 +177,11 @@ def _score_unseen(values: dict[str, Any]) -> bool:
     number = options.processes(values["workers"])
     patch = plan.patch.name  # an unknown one is said before anything is computed
     with report.progress("unseen presses") as step:
-        findings = computed(plan, number, step)
-    return _report_noises(findings, patch, values)
+        return computed(plan, number, step), patch
 
 
-def _score_at_noises(values: dict[str, Any]) -> bool:
-    """Add noises to cases that hold exact readings, score every solver, and report."""
+def _of_cases(values: dict[str, Any]) -> tuple[Any, str]:
+    """Score every solver on the readings that cases hold, or at noises added to exact ones."""
     from skinfield.lab.accuracy import Findings
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import Level, noise_seed, rows_of_case
@@ -267,15 +195,17 @@ def _score_at_noises(values: dict[str, Any]) -> bool:
             levels = [Level(case.quantity, noise) for noise in values["noise"]]
             for method in tried:
                 with named(path, method.name):
-                    scored = rows_of_case(case, levels, [method], seed)
-                rows += [{"case": case.name, "file": path.name} | row for row in scored]
+                    scored = list(rows_of_case(case, levels, [method], seed))
+                rows += [{"file": path.name} | row for row in scored]
             step()
-    return _report_noises(Findings(rows), values["cases"], values)
+    return Findings(rows), values["cases"]
 
 
-def _report_noises(findings: Any, where: str, values: dict[str, Any]) -> bool:
+def _report(findings: Any, where: str, values: dict[str, Any]) -> bool:
     """Print a table for each quantity, and write; whether a limit is exceeded."""
+    from skinfield.files import write_summary
     from skinfield.lab.accuracy import accuracy_rows
+    from skinfield.lab.score import write_csv
 
     summary = accuracy_rows(findings, seed=values["seed"])
     count = report.plural(len({row["case"] for row in findings.rows}), "case")
@@ -283,12 +213,24 @@ def _report_noises(findings: Any, where: str, values: dict[str, Any]) -> bool:
         report.print_json(summary)
     else:  # wider than other tables
         out = Console(width=max(report.console().width, WIDE))
+        if values["per_case"]:
+            out.print(report.table_of("Errors of each reading", findings.rows, EACH))
         for quantity in dict.fromkeys(row["quantity"] for row in summary):
             mine = [row for row in summary if row["quantity"] == quantity]
-            out.print(table_of_noises(mine, f"{quantity}: {count} on {where}"))
-    about = {"options": {"on": where}, "summary": summary}
+            out.print(table_of_summary(mine, f"{quantity}: {count} on {where}"))
+    used = {key: values[key] for key in ("solver", "settings", "mechanics", "grid", "gate_mm")}
+    for name in values["output"]:
+        if name.lower().endswith(".csv"):
+            write_csv(summary, name)
+        else:
+            about = {"options": {"on": where} | used, "summary": summary}
+            write_summary(name, about | {"rows": findings.rows})
+        if not values["as_json"]:
+            report.say(f"wrote {name}")
+    limits = limits_from_texts(values["require"])
     judged = [row for row in summary if "missed" in row]  # not the bound
-    return _finish(values, findings.rows, summary, about, judged)
+    exceeded = [exceeds(limits, row) for row in judged]  # each is named
+    return any(exceeded)
 
 
 # ---- solvers
@@ -423,34 +365,18 @@ def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
     return failed
 
 
-def table_of_summary(summary: dict[str, Any], title: str) -> Any:
-    """Medians with their intervals, 90th percentiles and rates."""
-    made = report.table(title, ("error of",), ("median", "95 % interval", "90th percentile"))
-    for key, label in SHOWN.items():
-        median, low, high, p90 = (
-            report.fixed(summary[f"{key}_{end}"], 3) for end in ("median", "low", "high", "p90")
-        )
-        made.add_row(label, median, f"{low} to {high}", p90)
-    for key, label in RATES.items():
-        rate, low, high = (
-            report.fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high")
-        )
-        made.add_row(label, rate, f"{low} to {high}", "")
-    return made
-
-
-def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
+def table_of_summary(rows: Sequence[dict[str, Any]], title: str) -> Any:
     """Medians and 90th percentiles, noise by noise and solver by solver."""
     known = set().union(*rows)
-    shown = [each for each in AT_NOISES if {each[0], f"{each[0]}_median"} & known]
-    labels = [label for _, _, label, _ in shown]
+    shown = [each for each in COLUMNS if {each.key, f"{each.key}_median"} & known]
     title += "; median/90th percentile"
-    made = report.table(title, ("noise", "solver"), labels, box=SIMPLE_HEAD)
+    made = report.table(title, ("noise", "solver"), [each.head for each in shown], box=SIMPLE_HEAD)
     for index, row in enumerate(rows):
         new = index == 0 or row["noise"] != rows[index - 1]["noise"]
         last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
-        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
-        for key, factor, _, digits in shown:
+        noise = "as it is" if row["noise"] is None else f"{row['noise']:g}"
+        cells = [noise if new else "", row["method"].rpartition(":")[2]]
+        for key, factor, digits in ((each.key, each.factor, each.decimals or 0) for each in shown):
             ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
             cells.append("/".join(_cut(row.get(end, math.nan) * factor, digits) for end in ends))
         made.add_row(*cells, end_section=last)

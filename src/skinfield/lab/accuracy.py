@@ -16,7 +16,7 @@ from skinfield.design.design import respond
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.lab.case_sets import CELL, SILICONE, random_press
-from skinfield.lab.cases import Case, TrueContact, Truth, quantity_by_name
+from skinfield.lab.cases import QUANTITIES, Case, TrueContact, Truth
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
@@ -105,7 +105,7 @@ def rows_of_presses(
     bound: list[Row] = []
     for index in range(first, last):
         pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell)
-        about = {"case": pressed.name, "group": pressed.group}
+        about = {"group": pressed.group}
         for quantity in plan.quantities:
             levels = [level for level in plan.levels if level.quantity == quantity]
             case = pressed.case(patch, quantity)
@@ -114,6 +114,7 @@ def rows_of_presses(
         balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
         if len(balls) == len(pressed.press.indenters):
             rng = np.random.default_rng([plan.seed, index, 1])
+            about |= {"case": pressed.name}
             bound += [about | row for row in bound_rows(plan, balls, pressed.truth, rng)]
     return {"rows": rows, "bound": bound}
 
@@ -136,7 +137,7 @@ def bound_rows(
     forces = np.array([contact.force for contact in truth.contacts])
     white = rng.standard_normal((draws, len(forces), 3))
     for level in (level for level in plan.levels if level.noise > 0):
-        quantity = quantity_by_name(level.quantity)
+        quantity = QUANTITIES[level.quantity]
         design = SkinDesign(
             patch=plan.patch, layer=SILICONE, quantity=quantity, noise_std=level.noise
         )
@@ -244,11 +245,9 @@ def computed(
                 raise SkinfieldError(f"{outcome.name} fails: {reason}")
             results[outcome.name] = outcome.result
             progress(done, len(tasks))
-    found: dict[str, list[Row]] = {"rows": [], "bound": [], "idle": []}
-    for task in tasks:
-        for name, rows in results[task.name].items():
-            found[name] += rows
-    return Findings(**found)
+    parts = [results[task.name] for task in tasks]
+    kinds = ("rows", "bound", "idle")
+    return Findings(*([row for part in parts for row in part.get(kind, ())] for kind in kinds))
 
 
 def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:

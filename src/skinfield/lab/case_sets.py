@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import Floats, InputError
-from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
+from skinfield.lab.cases import Case, Truth, posed, truth_of_press
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
+from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch
 
 SILICONE = Layer(2e-3, 100e3, 0.5)

@@ -16,6 +16,8 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.simulate import Press
+from skinfield.simulate.pressing.press import parts_of
+from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch
 
 # As files of cases spell them.
@@ -114,58 +116,20 @@ class Truth:
         return float(sum(contact.area for contact in self.contacts))
 
 
-@dataclass(frozen=True)
-class Pose:
-    """A turn about the plane's origin, then a shift: x and y in m, the angle in rad."""
-
-    x: float
-    y: float
-    angle: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_finite("pose", as_floats("pose", [self.x, self.y, self.angle]), "m, m and rad")
-
-    @property
-    def turn(self) -> Floats:
-        """Rotation matrix (2, 2)."""
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        return np.array([[cos, -sin], [sin, cos]])
-
-    def there(self, plane: Floats) -> Floats:
-        """Points (N, 2) m carried with the press."""
-        return np.asarray(plane @ self.turn.T + [self.x, self.y])
-
-    def back(self, plane: Floats) -> Floats:
-        """Points (N, 2) m as the press at the origin sees them."""
-        return np.asarray((plane - [self.x, self.y]) @ self.turn)
-
-
 def posed(truth: Truth, pose: Pose) -> Truth:
     """Truth of the press carried by a pose."""
     displacement = truth.displacement.copy()
     displacement[:, :2] = displacement[:, :2] @ pose.turn.T
-    places = pose.there(np.array([c.position for c in truth.contacts]).reshape(-1, 2))
+    places = pose.carried(np.array([c.position for c in truth.contacts]).reshape(-1, 2))
     return replace(
         truth,
-        plane=pose.there(truth.plane),
+        plane=pose.carried(truth.plane),
         displacement=displacement,
         contacts=tuple(
             replace(contact, position=(float(x), float(y)))
             for contact, (x, y) in zip(truth.contacts, places, strict=True)
         ),
     )
-
-
-def quantity_by_name(name: str) -> Quantity:
-    """What taxels read, by the word in a case.
-
-    Raises
-    ------
-    InputError
-        For another word.
-    """
-    check_choice("quantity", name, QUANTITIES, "what taxels read")
-    return QUANTITIES[name]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -262,14 +226,15 @@ class Case:
         if not isinstance(press.mechanics, BondedLayer):
             raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
         where = Pose(*pose)
-        typical = quantity_by_name(quantity).typical_noise
-        taxels = where.back(patch.plane)
+        taxels = where.taxels(patch.plane)
+        readings = press.readings(taxels, patch.pad_diameter, quantity)
+        typical = QUANTITIES[quantity].typical_noise
         return cls(
             name=name,
             patch=patch,
             layer=press.layer,
             quantity=quantity,
-            readings=press.readings(taxels, patch.pad_diameter, quantity),
+            readings=readings,
             noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
             truth=posed(truth_of_press(press), where),
             mechanics=press.mechanics,
@@ -307,24 +272,15 @@ class Case:
 
 def truth_of_press(press: Press) -> Truth:
     """All that is known of a simulated press: one contact per indenter that touches."""
-    contacts = []
-    for index, body in enumerate(press.indenters):
-        force = float(press.forces[index])
-        if force <= 0.0:
-            continue
-        about_x, about_y, _ = press.moments[index]  # of a push: (-y, x) times the force
-        area = sum(
-            float(touch.share[touch.body == index].sum())
-            * (press.grid.pitch / touch.window.split) ** 2
-            for touch in press.touches
-        )
-        place = (float(about_y / force), float(-about_x / force))
-        contacts.append(TrueContact(place, force, area, body.kind))
     return Truth(
         cell=press.grid.pitch,
         plane=press.grid.plane,
         pressure=press.pressure,
         displacement=press.displacement,
-        contacts=tuple(contacts),
+        contacts=tuple(
+            TrueContact((one["x_m"], one["y_m"]), one["force_N"], one["area_m2"], one["body"])
+            for one in parts_of(press)
+            if one["force_N"] > 0.0
+        ),
         source="skinfield.simulate.pressing.press",
     )

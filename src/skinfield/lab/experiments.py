@@ -5,7 +5,7 @@ One experiment more is one file in `sections`, and one line in `EXPERIMENTS`.
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from skinfield.errors import InputError
@@ -14,11 +14,9 @@ from skinfield.lab.report import (
     Run,
     Section,
     Settings,
-    Verdict,
     program,
-    read_section,
+    write_files,
     write_report,
-    write_section,
 )
 from skinfield.lab.runner import Outcome, Task
 from skinfield.lab.runner import run as run_tasks
@@ -36,15 +34,6 @@ EXPERIMENTS = (
     Experiment("agreement", ("fem", "model"), agreement),
 )
 Progress = Callable[[str, int, int], None]  # name of what has ended, how many have, of how many
-
-
-@dataclass(frozen=True)
-class Finished:
-    """Where the report is, which parts failed, with the files of the reasons, and what came out."""
-
-    page: Path
-    failures: tuple[tuple[str, Path], ...]
-    verdicts: tuple[Verdict, ...]
 
 
 def chosen(names: Sequence[str]) -> tuple[Experiment, ...]:
@@ -74,7 +63,7 @@ def run(
     folder: Path,
     workers: int = 1,
     progress: Progress = lambda name, done, of: None,
-) -> Finished:
+) -> Run:
     """Compute what `folder` does not hold yet, and write the report.
 
     Parameters
@@ -93,6 +82,8 @@ def run(
     FileError
         If the folder cannot be written.
     """
+    import msgspec
+
     start = time.perf_counter()
     made: dict[str, Outcome] = {}
     progress("", 0, len(experiments))
@@ -101,22 +92,16 @@ def run(
         for outcome in run_tasks(tasks, folder, workers=1 if alone else workers):
             made[outcome.name] = outcome
             progress(outcome.name, len(made), len(experiments))
-    result = _gathered([made[each.name] for each in experiments], settings)
-    page = write_report(replace(result, seconds=time.perf_counter() - start), folder)
-    failures = [(n, folder / f"{n}.failed.txt") for n, one in made.items() if one.failure]
-    verdicts = tuple(verdict for section in result.sections for verdict in section.verdicts)
-    return Finished(page, tuple(failures), verdicts)
-
-
-def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
-    sections: list[Section] = []
-    missing: list[str] = []
-    for outcome in outcomes:
+    sections, failures = [], {}
+    for outcome in (made[each.name] for each in experiments):
         if outcome.failure:
-            missing.append(f"{outcome.name} failed: {outcome.failure.strip().splitlines()[-1]}")
+            failures[outcome.name] = outcome.failure.strip().splitlines()[-1]
         else:
-            sections.append(replace(read_section(outcome.folder), seconds=outcome.seconds))
-    return Run(settings, tuple(sections), tuple(missing), 0.0)
+            section = msgspec.convert(outcome.result, Section)
+            sections.append(replace(section, seconds=outcome.seconds))
+    result = Run(settings, tuple(sections), failures, time.perf_counter() - start)
+    write_report(result, folder)
+    return result
 
 
 def task_of(experiment: Experiment, settings: Settings) -> Task:
@@ -124,6 +109,8 @@ def task_of(experiment: Experiment, settings: Settings) -> Task:
     return Task(experiment.name, make_section, (experiment, settings), version=program())
 
 
-def make_section(folder: Path, experiment: Experiment, settings: Settings) -> None:
-    """Run one experiment and write its section into `folder`."""
-    write_section(replace(experiment.make(settings), name=experiment.name), folder)
+def make_section(folder: Path, experiment: Experiment, settings: Settings) -> Section:
+    """Run one experiment; its pictures and tables become files in `folder`, too."""
+    section = replace(experiment.make(settings), name=experiment.name)
+    write_files(section, folder)
+    return section

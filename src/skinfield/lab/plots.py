@@ -20,12 +20,8 @@ COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
 LINE, LIMIT, STEPS = "line", "limit", "steps"
 LIMIT_DASHES = ((0, (6, 2)), ":")
-WIDTH, PANEL, HEAD = 9.6, 2.4, 0.72  # inches
-LEFT, ROOM, FOOT = 0.7, 0.45, 0.55  # inches: of the first axis' numbers, of the others', below
-LABELS = 0.75  # inches: of the others' numbers and labels
-LEGEND_LINE = 0.24  # inches
+WIDTH, PANEL, HEAD, LEGEND_LINE = 9.6, 2.4, 0.72, 0.24  # inches
 FEW = 300.0  # ratio of the ends of an axis of few decades
-FIELD_GAP, FIELD_BAR, FIELD_LEFT, FIELD_HEAD, FIELD_FOOT = 0.16, 0.7, 0.62, 0.42, 0.5  # inches
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,25 +102,23 @@ def draw_panels(
         As many in each row.
     panel_height : float, inches
     foot : str
-        A line at the bottom.
+        A line above the legend.
     """
     columns = len(rows[0])
     curves = [curve for row in rows for panel in row for curve in panel.curves]
     names = list(dict.fromkeys(curve.name for curve in curves))
     per_line = min(2 if max(map(len, names)) > 30 else 3, len(names))
     lines = -(-len(names) // per_line) + bool(foot)
-    height = len(rows) * (panel_height + HEAD) + FOOT + LEGEND_LINE * lines
-    width = (WIDTH - LEFT - 0.15) / columns
-    room = ROOM if all(len({panel.scale.y for panel in row}) == 1 for row in rows) else LABELS
+    height = len(rows) * (panel_height + HEAD) + LEGEND_LINE * (lines + 2)
     looks = _looks(curves)
     with style():
         figure = new_figure(WIDTH, height)
+        figure.set_layout_engine("constrained")
+        every = figure.subplots(len(rows), columns, squeeze=False)
         handles: dict[str, Any] = {}
         for index, panel in enumerate(panel for row in rows for panel in row):
             row, column = divmod(index, columns)
-            low = height - row * (panel_height + HEAD) - HEAD + 0.2 - panel_height
-            size = ((width - room) / WIDTH, (panel_height - 0.2) / height)
-            axes = figure.add_axes(((LEFT + column * width) / WIDTH, low / height, *size))
+            axes = every[row, column]
             _draw_panel(axes, panel, looks, handles)
             if row < len(rows) - 1 and rows[row + 1][column].scale.x == panel.scale.x:
                 axes.set_xlabel("")
@@ -135,14 +129,14 @@ def draw_panels(
         figure.legend(
             handles.values(),
             handles.keys(),
-            loc="lower center",
+            title=foot or None,
+            title_fontsize=6.5,
+            loc="outside lower center",
             ncols=per_line,
             frameon=False,
             fontsize=8.5,
             handlelength=2.6,
-            bbox_to_anchor=(0.5, 0.2 / height if foot else 0.0),
         )
-        figure.text(0.985, 0.06 / height, foot, ha="right", fontsize=6.5, color=QUIET)
     return figure
 
 
@@ -224,22 +218,18 @@ def draw_fields(
         Low and high corner of what is shown. Default all pads and cells.
     """
     columns = len(panels[0])
-    room = (WIDTH - FIELD_LEFT) / columns
-    side = room - FIELD_BAR - FIELD_GAP
     each = np.array([extent_of(panel.grid) for line in panels for panel in line])
     whole = np.array([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
     span = whole if window is None else window
     width, height = np.ptp(span, axis=0)
-    high = side * float(height / width)
-    page = len(panels) * (high + FIELD_HEAD) + FIELD_FOOT + 0.1
+    high = (WIDTH / columns - 1.0) * float(height / width)
     with style():
-        figure = new_figure(WIDTH, page)
+        figure = new_figure(WIDTH, len(panels) * (high + HEAD))
+        figure.set_layout_engine("constrained")
+        every = figure.subplots(len(panels), columns, squeeze=False)
         for row, line in enumerate(panels):
-            bottom = page - 0.1 - (row + 1) * (high + FIELD_HEAD)
             for column, panel in enumerate(line):
-                left = FIELD_LEFT + column * room
-                box = (left / WIDTH, bottom / page, side / WIDTH, high / page)
-                axes = figure.add_axes(box)
+                axes = every[row, column]
                 _draw_field(axes, panel, span, label if column == columns - 1 else "")
                 if row < len(panels) - 1:
                     axes.set(xlabel="", xticklabels=[])

@@ -6,21 +6,19 @@ import hashlib
 import platform
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from skinfield.elastic import Layer
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.lab.bench.machine import versions
+from skinfield.lab.paper import FALSE_ALARMS, LAYER, NOISES
 from skinfield.plot.style import METADATA, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-PAPER_LAYER = Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,33 +56,10 @@ SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # under a minute, mi
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """The skin, its noise, and how much is computed.
+    """How much is computed, and the seed of all random numbers."""
 
-    Parameters
-    ----------
-    size : Size
-    seed : int
-        Of all random numbers.
-    layer : Layer
-        The paper's 2 mm of incompressible silicone; it states no modulus, 100 kPa is assumed.
-    stress_noise : float, Pa
-        Standard deviation of one reading where a taxel reads stress. 3.8 kPa is the noise at which
-        the paper's own method misses 0.2 N and finds 0.5 N over a taxel, as the paper reports.
-    change_noise : float
-        The same where it reads ΔC/C₀.
-    false_alarms : float
-        Share of idle readings in which a contact may be seen.
-    rate : float, 1/s
-        Readings per second, where averages are told as times.
-    """
-
-    size: Size = field(default=SHORT)
+    size: Size = SHORT
     seed: int = 0
-    layer: Layer = PAPER_LAYER
-    stress_noise: float = 3.8e3
-    change_noise: float = 0.02
-    false_alarms: float = 1e-3
-    rate: float = 50.0
 
 
 Cell = str | float | int | None
@@ -226,7 +201,7 @@ def listed(words: Sequence[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-PAGE, RESULTS, SECTION = "report.html", "results.json", "section.json"
+PAGE = "report.html"
 PACKAGES = ("skinfield", "numpy", "scipy", "numba", "matplotlib", "scikit-fem")
 
 
@@ -239,7 +214,7 @@ class Run:
     settings : Settings
     sections : tuple of Section
         In the order of the page.
-    missing : tuple of str
+    failures : mapping of str to str
         Parts that could not be made, each with its reason.
     seconds : float
         Wall time of this run.
@@ -247,61 +222,32 @@ class Run:
 
     settings: Settings
     sections: tuple[Section, ...]
-    missing: tuple[str, ...]
+    failures: Mapping[str, str]
     seconds: float
 
 
-def write_section(section: Section, own: Path) -> None:
-    """Write a section's PNG, CSV and JSON files into its own folder, which is there."""
+def write_files(section: Section, own: Path) -> None:
+    """Write a section's PNG and CSV files into its own folder, which is there."""
     for picture in section.pictures:
         (own / f"{picture.name}.png").write_bytes(picture.png)
     for table in section.tables:
         with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerows([table.columns, *table.rows])
-    (own / SECTION).write_bytes(_json_of(section))
+            csv.writer(file, lineterminator="\n").writerows([table.columns, *table.rows])
 
 
-def read_section(own: Path) -> Section:
-    """Section as `write_section` wrote it.
+def write_report(run: Run, folder: Path) -> None:
+    """Write the page of the whole run.
 
     Raises
     ------
     FileError
-        If its file is missing or is something else.
-    """
-    import msgspec
-
-    try:
-        return msgspec.json.decode((own / SECTION).read_bytes(), type=Section)
-    except (OSError, msgspec.MsgspecError, RecursionError) as error:
-        raise FileError(
-            f"{own / SECTION} is no section of a report ({error}), expected one that this program "
-            "wrote: remove its folder, and it is made again"
-        ) from error
-
-
-def write_report(run: Run, folder: Path) -> Path:
-    """Write the page and the JSON file of the whole run; the page's path comes back.
-
-    Raises
-    ------
-    FileError
-        If a file cannot be written.
+        If it cannot be written.
     """
     page = folder / PAGE
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         page.write_text(page_of(run), encoding="utf-8")
-        sections = [
-            replace(each, pictures=tuple(replace(p, png=b"") for p in each.pictures))
-            for each in run.sections
-        ]
-        results = {"versions": versions(*PACKAGES)} | vars(run) | {"sections": sections}
-        (folder / RESULTS).write_bytes(_json_of(results))
     except OSError as error:
         raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
-    return page
 
 
 def page_of(run: Run) -> str:
@@ -368,20 +314,13 @@ def time_in_words(seconds: float) -> str:
 
 def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
     """Names and values for the foot of the page."""
-    layer, size = settings.layer, settings.size
+    size = settings.size
     return [
         ("size", f"{size.name}: {size.quiet} idle readings, {size.presses} presses per case, cells "
          f"of {size.cell * 1e3:g} mm, {size.laps} laps"),
         ("seed", str(settings.seed)),
-        ("layer", f"{layer.thickness * 1e3:g} mm, {layer.young_modulus / 1e3:g} kPa, Poisson's "
-         f"ratio {layer.poisson_ratio:g}"),
-        ("noise of a reading", f"{settings.stress_noise / 1e3:g} kPa; {settings.change_noise:g}"),
-        ("false alarms", f"{settings.false_alarms:g} per idle reading"),
+        ("layer", f"{LAYER.thickness * 1e3:g} mm, {LAYER.young_modulus / 1e3:g} kPa, Poisson's "
+         f"ratio {LAYER.poisson_ratio:g}"),
+        ("noise of a reading", f"{NOISES['stress'] / 1e3:g} kPa"),
+        ("false alarms", f"{FALSE_ALARMS:g} per idle reading"),
     ]  # fmt: skip
-
-
-def _json_of(value: Any) -> bytes:
-    """Dataclasses, lists, texts and numbers as JSON; NaN is null."""
-    import msgspec
-
-    return msgspec.json.format(msgspec.json.encode(value, enc_hook=float), indent=1) + b"\n"

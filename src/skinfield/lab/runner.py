@@ -21,27 +21,23 @@ time may write to a folder.
 import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import time
 import traceback
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass, replace
-from enum import Enum
+from dataclasses import dataclass, fields, is_dataclass
 from multiprocessing import get_context
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError, check_count
+from skinfield.errors import FileError, InputError
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,119}", re.ASCII)
 RECORD = "task.json"
 THREADS = (
     "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS",
@@ -57,12 +53,12 @@ class Task:
     Parameters
     ----------
     name : str
-        Of its folder: letters, digits and ``._+=,-``.
+        Of its folder: letters, digits and ``._+=,-``; another one for each task of a run.
     function : callable
         ``function(folder, *arguments)`` of the module level; returns what JSON can hold, or None;
         NaN becomes None.
     arguments : tuple
-        Of what `fingerprint` knows.
+        Of numbers, texts, arrays, functions, dataclasses of those, and tuples of all.
     version : str
         Another one makes earlier results void.
     """
@@ -72,77 +68,27 @@ class Task:
     arguments: tuple[Any, ...] = ()
     version: str = ""
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not NAME.fullmatch(self.name):
-            raise InputError(
-                f"name is {self.name!r}, expected up to 120 letters, digits and ._+=,- that begin "
-                "with a letter or digit: it becomes the name of a folder"
-            )
-        if "<" in _qualified(self.function):
-            raise InputError(
-                f"function of {self.name} is {_qualified(self.function)}, expected one of the "
-                "module level: other processes must be able to import it"
-            )
-
     @property
     def fingerprint(self) -> str:
-        """Of function, arguments and version; the name is not in it."""
-        return fingerprint((_qualified(self.function), self.arguments, self.version))
+        """Of function, arguments and version, 32 hexadecimal digits; the name is not in it."""
+        text = canonical((self.function, self.arguments, self.version))
+        return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def fingerprint(value: Any) -> str:
-    """Hash of a value that is the same in every process, 32 hexadecimal digits.
-
-    Parameters
-    ----------
-    value : object
-        Of None, bool, int, float, complex, str, bytes, paths, enums, NumPy arrays and numbers,
-        functions and classes (by name), dataclasses and other objects (by their attributes), and
-        tuples, lists, sets and mappings of those.
-
-    Raises
-    ------
-    InputError
-        For anything else: what it holds cannot be seen.
-    """
-    text = _canonical(value).encode("utf-8", "surrogatepass")
-    return hashlib.blake2b(text, digest_size=16).hexdigest()
-
-
-def _qualified(function: Callable[..., Any]) -> str:
-    return f"{function.__module__}.{function.__qualname__}"
-
-
-def _canonical(value: Any) -> str:
-    """The value's types and contents, such that two values differ where their texts do."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    kind = type(value).__qualname__
-    if isinstance(value, np.ndarray) and value.dtype != object:
+def canonical(value: Any) -> str:
+    """Text of a value, the same in every process, and another one of another value."""
+    if isinstance(value, np.ndarray):
         content = hashlib.blake2b(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return f"{kind}({value.dtype.str}{value.shape}{content})"
-    parts: list[str]
-    if value is None or isinstance(value, int | float | complex | str | bytes | Enum | PurePath):
-        parts = [repr(value)]
-    elif is_dataclass(value) and not isinstance(value, type):  # other fields are no part of it
-        named = [each.name for each in fields(value) if each.compare]
-        parts = [f"{name}={_canonical(getattr(value, name))}" for name in named]
-    elif isinstance(value, tuple | list):
-        parts = [_canonical(item) for item in value]
-    elif isinstance(value, Mapping):
-        parts = sorted(f"{_canonical(key)}:{_canonical(item)}" for key, item in value.items())
-    elif isinstance(value, set | frozenset):
-        parts = sorted(_canonical(item) for item in value)
-    elif callable(value) and hasattr(value, "__qualname__"):
-        parts = [_qualified(value)]
-    elif hasattr(value, "__dict__"):
-        parts = [_canonical(vars(value))]
-    else:
-        raise InputError(
-            f"an argument is {value!r} of {kind}, expected numbers, texts, arrays, dataclasses, or "
-            "collections of them: what else it holds cannot be hashed"
-        )
-    return f"{kind}({', '.join(parts)})"
+        return f"{value.dtype.str}{value.shape}{content}"
+    if is_dataclass(value) and not isinstance(value, type):
+        names = [each.name for each in fields(value) if each.init]
+        parts = [f"{name}={canonical(getattr(value, name))}" for name in names]
+        return f"{type(value).__qualname__}({', '.join(parts)})"
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(canonical, value))})"
+    if hasattr(value, "__qualname__"):
+        return f"{value.__module__}.{value.__qualname__}"
+    return repr(value)
 
 
 @dataclass(frozen=True)
@@ -152,8 +98,6 @@ class Outcome:
     Attributes
     ----------
     name : str
-    folder : Path
-        Of its files; not there where it failed.
     seconds : float
         That it took when it was run.
     result : object
@@ -165,7 +109,6 @@ class Outcome:
     """
 
     name: str
-    folder: Path
     seconds: float
     result: Any = None
     reused: bool = False
@@ -174,15 +117,13 @@ class Outcome:
 
 def stored(task: Task, folder: str | Path) -> Outcome | None:
     """What an earlier run left of this very task; None if nothing, or of another fingerprint."""
-    place = Path(folder) / task.name
     try:
-        record = json.loads((place / RECORD).read_text(encoding="utf-8"))
+        record = json.loads((Path(folder) / task.name / RECORD).read_text(encoding="utf-8"))
         if record["fingerprint"] != task.fingerprint:
             return None
-        seconds, result = float(record["seconds"]), record["result"]
+        return Outcome(task.name, float(record["seconds"]), record["result"], reused=True)
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return None  # as good as not there: it is run again
-    return Outcome(task.name, place, seconds, result, reused=True)
 
 
 def _part_of(task: Task, folder: Path) -> Path:
@@ -193,14 +134,6 @@ def _part_of(task: Task, folder: Path) -> Path:
 def _failure_file(task: Task, folder: Path) -> Path:
     """Where the traceback of a failed task is."""
     return folder / f"{task.name}.failed.txt"
-
-
-def _clear(path: Path) -> None:
-    """Remove a folder or file, if it is there."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
 
 
 def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Iterator[Outcome]:
@@ -219,30 +152,16 @@ def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Itera
 
     Raises
     ------
-    InputError
-        If two tasks have one name, or `workers` is below 1.
     FileError
         If the folder cannot be made.
     """
-    folder = Path(folder)
-    twice = [name for name, count in Counter(task.name for task in tasks).items() if count > 1]
-    if twice:
-        raise InputError(
-            f"{len(twice)} names of tasks come twice, the first is {twice[0]!r}, expected "
-            "different ones: each is a folder"
-        )
-    check_count("workers", workers, 1, 4096, "processes at once")
+    folder, todo = Path(folder), []
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(
             f"{folder} cannot be made: {error.strerror or error}; expected a name for a folder"
         ) from error
-    return _outcomes(list(tasks), folder, workers)
-
-
-def _outcomes(tasks: list[Task], folder: Path, workers: int) -> Iterator[Outcome]:
-    todo = []
     for task in tasks:
         before = stored(task, folder)
         if before is None:
@@ -253,7 +172,7 @@ def _outcomes(tasks: list[Task], folder: Path, workers: int) -> Iterator[Outcome
     if workers == 1 or len(todo) == 1:
         for task in todo:
             yield _execute(task, folder)
-    elif todo:
+    else:
         yield from _in_processes(todo, folder, min(workers, len(todo)))
 
 
@@ -264,9 +183,8 @@ def _in_processes(todo: list[Task], folder: Path, workers: int) -> Iterator[Outc
     try:
         while left:
             with _pool(1 if alone else workers) as pool:
-                with _one_thread_each():
-                    batch = list(left.values())[: 1 if alone else None]
-                    futures = {pool.submit(_execute, task, folder): task for task in batch}
+                batch = list(left.values())[: 1 if alone else None]
+                futures = {pool.submit(_execute, task, folder): task for task in batch}
                 for future in as_completed(futures):
                     task = futures[future]
                     try:
@@ -274,67 +192,59 @@ def _in_processes(todo: list[Task], folder: Path, workers: int) -> Iterator[Outc
                     except BrokenProcessPool:
                         if not alone:
                             continue
-                        _failure_file(task, folder).write_text(DIED, encoding="utf-8")
-                        outcome = Outcome(task.name, folder / task.name, 0.0, failure=DIED)
+                        outcome = _failed(task, folder, 0.0, DIED)
                     del left[task.name]
                     yield outcome
             alone = True
     finally:
         for task in left.values():
-            _clear(_part_of(task, folder))
+            shutil.rmtree(_part_of(task, folder), ignore_errors=True)
 
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that start afresh: threads and locks of this one cannot hang them."""
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin)
+    """Processes that start afresh: threads and locks of this one cannot hang them.
+
+    They have one thread for each of the numerical libraries, and Ctrl-C ends them at once.
+    """
+    before = dict(os.environ)
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    ended_by = (signal.SIGINT, signal.SIG_DFL)
+    pool = ProcessPoolExecutor(
+        workers, get_context("spawn"), initializer=signal.signal, initargs=ended_by
+    )
     try:
         yield pool
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _begin() -> None:
-    """Let Ctrl-C end a process at once; the parent clears up."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Processes that are started meanwhile have one thread for each of the numerical libraries."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in THREADS:
+            del os.environ[name]
+        os.environ.update(before)
 
 
 def _execute(task: Task, folder: Path) -> Outcome:
     """Run a task; its folder gets its name when it is whole, and a failure becomes a text."""
     part, place, begun = _part_of(task, folder), folder / task.name, time.perf_counter()
-    _clear(part)  # of a run that was killed
+    shutil.rmtree(part, ignore_errors=True)  # of a run that was killed
     try:
         part.mkdir()
         result = task.function(part, *task.arguments)
-        seconds = time.perf_counter() - begun
-        (part / RECORD).write_bytes(_record(task, seconds, result))
-        _clear(place)
+        (part / RECORD).write_bytes(_record(task, time.perf_counter() - begun, result))
+        shutil.rmtree(place, ignore_errors=True)
         part.replace(place)
         _failure_file(task, folder).unlink(missing_ok=True)
     except Exception:
-        text = traceback.format_exc()
-        _failure_file(task, folder).write_text(text, encoding="utf-8")
-        return Outcome(task.name, place, time.perf_counter() - begun, failure=text)
+        return _failed(task, folder, time.perf_counter() - begun, traceback.format_exc())
     finally:
-        _clear(part)
+        shutil.rmtree(part, ignore_errors=True)
     found = stored(task, folder)
     assert found is not None, f"{place} vanished while it was written"
-    return replace(found, reused=False)
+    return Outcome(found.name, found.seconds, found.result)
+
+
+def _failed(task: Task, folder: Path, seconds: float, text: str) -> Outcome:
+    _failure_file(task, folder).write_text(text, encoding="utf-8")
+    return Outcome(task.name, seconds, failure=text)
 
 
 def _record(task: Task, seconds: float, result: Any) -> bytes:

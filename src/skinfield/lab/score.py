@@ -164,7 +164,7 @@ def median_interval(
 
 
 def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) -> Row:
-    """Summarise rows of single readings, such as `Score.row` makes.
+    """Summarise rows of single readings, such as `score` makes.
 
     Intervals speak for cases like these, not for the model that made them.
 
@@ -221,7 +221,6 @@ def _csv_cell(value: Any) -> Any:
     return "" if value is None else value
 
 
-NAN = float("nan")
 GATE = 8e-3  # m: farther apart, two contacts do not belong together
 
 
@@ -283,79 +282,6 @@ def matched(
     return matches, len(true) - len(matches), len(found) - len(matches)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Score:
-    """Errors of one estimate. What cannot be said is NaN, as the place of a missed contact.
-
-    Attributes
-    ----------
-    case : str
-    true_force : float, N
-        Of all true contacts.
-    contacts_force, field_force : float, N
-        Of all contacts that were found, and of the whole pressure field.
-    matches : tuple of Match
-        True contacts with the found ones that belong to them.
-    true_contacts, missed, false : int
-        Contacts there are; without a found one within the gate; found without a true one.
-    peak_error : float
-        Of the highest pressure on the lattice, signed, part of the true.
-    pressure_error, blurred_pressure_error : float
-        Norm of the difference over the norm of the truth; as it is on the lattice, and after a
-        Gaussian of 2 mm standard deviation.
-    deformation_error : float
-        The same for the displacement into the skin, at the truth's nodes on the grid.
-    area_error : float
-        Of the area of all contacts, signed, part of the true.
-    """
-
-    case: str
-    true_force: float
-    contacts_force: float
-    field_force: float
-    matches: tuple[Match, ...]
-    true_contacts: int
-    missed: int
-    false: int
-    peak_error: float
-    pressure_error: float
-    blurred_pressure_error: float
-    deformation_error: float
-    area_error: float
-
-    @property
-    def force_error(self) -> float:
-        """Of the force of all contacts, signed, part of the true; -1 where all are missed."""
-        return _relative(self.contacts_force, self.true_force)
-
-    @property
-    def field_force_error(self) -> float:
-        """Of the force of the whole field, signed, part of the true."""
-        return _relative(self.field_force, self.true_force)
-
-    @property
-    def place_error(self) -> float:
-        """Mean distance of matched contacts, m; NaN where none is matched."""
-        return float(np.mean([m.distance for m in self.matches])) if self.matches else NAN
-
-    @property
-    def contact_force_error(self) -> float:
-        """Mean of the absolute relative errors of matched contacts; NaN where none is matched."""
-        return float(np.mean([abs(m.force_error) for m in self.matches])) if self.matches else NAN
-
-    def row(self) -> Row:
-        """The numbers by their names; lengths in mm."""
-        head = {
-            "true_force_N": self.true_force,
-            "contacts": self.true_contacts,
-            "matched": len(self.matches),
-            "missed": self.missed,
-            "false": self.false,
-            "place_error_mm": 1e3 * self.place_error,
-        }
-        return head | {n: getattr(self, n) for n in MEASURES if n.endswith("_error")}
-
-
 @dataclass(frozen=True, eq=False)
 class Judge:
     """The truth of a case, prepared for estimates on one grid: many solvers, many readings.
@@ -401,8 +327,8 @@ class Judge:
         raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
         return raw, blurred(raw)
 
-    def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Score:
-        """Score one estimate; `contacts` stand in for those of the estimate."""
+    def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Row:
+        """Score one estimate, see `score`; `contacts` stand in for those of the estimate."""
         if estimate.is_batch:
             raise InputError("the estimate is of several readings, expected one: index it")
         found = estimate.contacts if contacts is None else contacts
@@ -410,22 +336,25 @@ class Judge:
         matches, missed, false = matched(self.case.patch, truth.contacts, found, self.gate)
         sharp = self.lattice.of_grid(self.grid, estimate.pressure)
         exact, exact_blurred = self.pressure
-        known = len(truth.plane) > 0
-        return Score(
-            case=self.case.name,
-            true_force=truth.force,
-            contacts_force=float(sum(contact.normal_force for contact in found)),
-            field_force=float(estimate.normal_force),
-            matches=matches,
-            true_contacts=len(truth.contacts),
-            missed=missed,
-            false=false,
-            peak_error=_relative(float(sharp.max()), float(exact.max())) if known else NAN,
-            pressure_error=_distance(sharp, exact),
-            blurred_pressure_error=_distance(blurred(sharp), exact_blurred),
-            deformation_error=self._deformation_error(estimate.indentation),
-            area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
-        )
+        contacts_force = float(sum(contact.normal_force for contact in found))
+        highest = float(exact.max()) if len(truth.plane) else 0.0
+        return {
+            "case": self.case.name,
+            "true_force_N": truth.force,
+            "contacts": len(truth.contacts),
+            "matched": len(matches),
+            "missed": missed,
+            "false": false,
+            "force_error": _relative(contacts_force, truth.force),
+            "field_force_error": _relative(float(estimate.normal_force), truth.force),
+            "place_error_mm": _mean([1e3 * match.distance for match in matches]),
+            "contact_force_error": _mean([abs(match.force_error) for match in matches]),
+            "peak_error": _relative(float(sharp.max()), highest),
+            "pressure_error": _distance(sharp, exact),
+            "blurred_pressure_error": _distance(blurred(sharp), exact_blurred),
+            "deformation_error": self._deformation_error(estimate.indentation),
+            "area_error": _relative(float(sum(c.area for c in found)), truth.contact_area),
+        }
 
     @cached_property
     def _sunk(self) -> tuple[Floats, Floats]:
@@ -450,7 +379,7 @@ def score(
     estimate: Estimate,
     contacts: Sequence[Contact] | None = None,
     gate: float = GATE,
-) -> Score:
+) -> Row:
     """Score one estimate against the truth of its case.
 
     Truth and estimate are brought onto one lattice of 0.5 mm: each cell's force is shared among
@@ -468,6 +397,17 @@ def score(
         True and found contacts belong together by the assignment of the smallest sum of distances,
         each below this.
 
+    Returns
+    -------
+    dict
+        Errors by their names: parts of the truth, with a sign where there can be one, but for
+        ``place_error_mm``. What cannot be said is NaN, as the place of a missed contact.
+        ``contacts`` are those there are, ``matched`` those with a found one within the gate,
+        ``missed`` those without, ``false`` the found ones without a true one. Forces and areas are
+        of all contacts, ``field_force_error`` is of the whole pressure field; pressures are
+        compared by norms of differences over that of the truth, as they are on the lattice and
+        after a Gaussian of 2 mm standard deviation.
+
     See Also
     --------
     Judge : the same for many estimates on one grid.
@@ -476,9 +416,13 @@ def score(
 
 
 def _relative(found: float, true: float) -> float:
-    return found / true - 1 if true > 0 else NAN
+    return found / true - 1 if true > 0 else math.nan
+
+
+def _mean(values: list[float]) -> float:
+    return float(np.mean(values)) if values else math.nan
 
 
 def _distance(found: Floats, true: Floats) -> float:
     norm = float(np.linalg.norm(true))
-    return float(np.linalg.norm(found - true)) / norm if norm > 0 else NAN
+    return float(np.linalg.norm(found - true)) / norm if norm > 0 else math.nan

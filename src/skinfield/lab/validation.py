@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.elastic import HalfSpace, Mechanics
-from skinfield.errors import Floats, InputError, check_choice
+from skinfield.errors import InputError, check_choice
 from skinfield.estimate import Contact
-from skinfield.lab.cases import Case, quantity_by_name
-from skinfield.lab.score import GATE, Judge, Row, Score, column
+from skinfield.lab.cases import QUANTITIES, Case
+from skinfield.lab.runner import canonical
+from skinfield.lab.score import GATE, Judge, Row, matched
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
 from skinfield.solve import ContactFit, GaussianField, PseudoInverse, Solver
@@ -68,42 +69,36 @@ class Entrant:
     nodes: int = 40
     gate: float = GATE
     name: str = ""
-    _prepared: dict[tuple[object, ...], Reconstructor] = field(
+    _prepared: dict[str, Reconstructor] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
 
-    def scores(self, case: Case) -> list[Score]:
-        """Scores of all readings of a case.
+    def rows(self, case: Case, scored: int | None = None) -> list[Row]:
+        """Take up the readings of a case one by one; a row for each of the first `scored`, or all.
 
-        The entrant is told the layer, the quantity and the noise that the case states.
-        """
-        reconstruct = self.reconstructor(case)
-        judge = Judge(case, reconstruct.grid, self.gate)
-        return [judge(estimate) for estimate in reconstruct(case.draws)]
-
-    def attempt(self, case: Case) -> Row:
-        """Take up the first two readings of a case, one by one; the first is scored.
-
-        Beside the score's row there are ``cold_ms`` and ``warm_ms``, of a reading after nothing
-        and of another one right after it, and ``place_held`` and ``force_held``: the matched
-        contacts whose stated 90 % region holds the true place, and force.
+        The entrant is told the layer, the quantity and the noise that the case states. Beside the
+        score's row there are ``cold_ms`` and ``warm_ms``, of the first reading, after nothing, and
+        of those right after it, and ``place_held`` and ``force_held``: the matched contacts whose
+        stated 90 % region holds the true place, and force.
         """
         reconstruct = self.reconstructor(case)
         reconstruct.reset()
-        start = time.perf_counter()
-        estimate = reconstruct(case.draws[0])
-        between = time.perf_counter()
-        reconstruct(case.draws[1])
-        end = time.perf_counter()
-        score = Judge(case, reconstruct.grid, self.gate)(estimate)
-        held = [_held(estimate.contacts[m.estimated], case, m.true) for m in score.matches]
-        place, force = np.array(held, dtype=np.int64).reshape(-1, 2).sum(axis=0).tolist()
-        return score.row() | {
-            "cold_ms": 1e3 * (between - start),
-            "warm_ms": 1e3 * (end - between),
-            "place_held": place,
-            "force_held": force,
-        }
+        estimates, times = [], []
+        for reading in case.draws:
+            start = time.perf_counter()
+            estimates.append(reconstruct(reading))
+            times.append(1e3 * (time.perf_counter() - start))
+        warm = float(np.median(times[1:])) if len(times) > 1 else float("nan")
+        judge = Judge(case, reconstruct.grid, self.gate)
+        head = {"quantity": case.quantity, "method": self.name}
+        rows = []
+        for estimate in estimates[:scored]:
+            matches, *_ = matched(case.patch, case.truth.contacts, estimate.contacts, self.gate)
+            held = [_held(estimate.contacts[m.estimated], case, m.true) for m in matches]
+            place, force = np.array(held, dtype=np.int64).reshape(-1, 2).sum(axis=0).tolist()
+            about = {"cold_ms": times[0], "warm_ms": warm, "place_held": place, "force_held": force}
+            rows.append(head | judge(estimate) | about)
+        return rows
 
     def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
         """Contacts found in each of some readings of the case's skin at rest, with its noise."""
@@ -115,24 +110,16 @@ class Entrant:
     def reconstructor(self, case: Case) -> Reconstructor:
         """Reconstruction of the case's skin, told its noise; kept for the next such case."""
         mechanics = case.mechanics if self.mechanics is None else self.mechanics
-        patch = case.patch
-        arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
-        key = (
-            *(array.tobytes() for array in arrays),
-            patch.pad_diameter,
-            case.layer,
-            case.quantity,
-            mechanics,
-        )
+        key = canonical((case.patch, case.layer, case.quantity, mechanics, case.noise_std))
         if key not in self._prepared:
             if len(self._prepared) >= CACHED:
                 self._prepared.pop(next(iter(self._prepared)))
             self._prepared[key] = Reconstructor(
-                patch,
+                case.patch,
                 case.layer,
-                Grid.square(patch, nodes=self.nodes),
+                Grid.square(case.patch, nodes=self.nodes),
                 mechanics=mechanics,
-                quantity=quantity_by_name(case.quantity),
+                quantity=QUANTITIES[case.quantity],
                 solver=self.solver,
                 noise_std=case.noise_std,
             )
@@ -185,25 +172,12 @@ def rows_of_case(
 ) -> Iterator[Row]:
     """Rows of one case of exact readings, level by level and entrant by entrant.
 
-    All see the same noise, which grows from level to level. Errors are parts of the truth where no
-    unit is named.
+    All see the same noise, which grows from level to level. Without levels the readings are scored
+    as they are. Errors are parts of the truth where no unit is named.
     """
-    for level in levels:
-        drawn = at_level(case, level, seed)
+    every: Sequence[Level | None] = levels or [None]
+    for level in every:
+        drawn = case if level is None else at_level(case, level, seed)
+        noise, scored = (None, None) if level is None else (level.noise, 1)
         for entrant in entrants:
-            head = {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
-            yield head | once(entrant).attempt(drawn)
-
-
-def row_of_case(case: Case, scores: Sequence[Score]) -> Row:
-    """One case as a row: medians over its readings, means of the counts."""
-    rows = [score.row() for score in scores]
-    row: Row = {"case": case.name, "quantity": case.quantity, "readings": len(rows)}
-    for key in rows[0]:
-        known = column(rows, key)
-        known = known[np.isfinite(known)]
-        if key in ("missed", "false"):
-            row[key] = float(known.mean())
-        elif key != "matched":
-            row[key] = float(np.median(known)) if len(known) else float("nan")
-    return row
+            yield from ({"noise": noise} | row for row in once(entrant).rows(drawn, scored))

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Mechanics, ObservationModel
+from skinfield.elastic import BaseStress, BondedLayer, ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact, ContactFinder
-from skinfield.lab.bench.scene import LEAD, BenchSettings
+from skinfield.lab.bench.scene import LEAD, NOISE
+from skinfield.lab.paper import FIELD, LAYER, PAPER, paper_patch
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import ContactFit, GaussianField, Inverse, NonNegative, Solver
+from skinfield.solve import ContactFit, NonNegative
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,44 +106,20 @@ def contact_fit(model: ObservationModel) -> Contender:
     return Contender("ContactFit", answer, last, made.reset)
 
 
-def model_of(settings: BenchSettings, nodes: int) -> ObservationModel:
-    """What taxels read of pressure on `nodes` x `nodes`, on the bonded layer."""
-    grid = Grid.square(settings.patch, nodes=nodes)
-    return ObservationModel.of(
-        settings.patch, settings.layer, grid, BondedLayer(), settings.quantity, settings.noise
-    )
+def model_of(nodes: int) -> ObservationModel:
+    """What the paper's patch reads of pressure on `nodes` x `nodes`, on the bonded layer."""
+    grid = Grid.square(paper_patch(), nodes=nodes)
+    return ObservationModel.of(paper_patch(), LAYER, grid, BondedLayer(), BaseStress(), NOISE)
 
 
-def gaussian(name: str, settings: BenchSettings, nodes: int) -> Contender:
+def gaussian(name: str, nodes: int) -> Contender:
     """The linear field, prepared once."""
-    return linear(name, reconstructor(settings, nodes, GaussianField(), precision=np.float32))
+    return linear(name, FIELD.prepared(nodes, NOISE, np.float32))
 
 
-def paper_prepared(name: str, settings: BenchSettings, nodes: int) -> Contender:
+def paper_prepared(name: str, nodes: int) -> Contender:
     """The paper's inverse, half-space and points, prepared once."""
-    point, half_space = BaseStress(pad_averaged=False), HalfSpace(psi=0.25)
-    return linear(name, reconstructor(settings, nodes, Inverse(), half_space, point, np.float32))
-
-
-def reconstructor(
-    settings: BenchSettings,
-    nodes: int,
-    solver: Solver,
-    mechanics: Mechanics | None = None,
-    quantity: BaseStress | None = None,
-    precision: Any = np.float64,
-) -> Reconstructor:
-    """On `nodes` x `nodes`; by default of the bonded layer and the quantity of the settings."""
-    return Reconstructor(
-        settings.patch,
-        settings.layer,
-        Grid.square(settings.patch, nodes=nodes),
-        mechanics=mechanics or BondedLayer(),
-        quantity=quantity or settings.quantity,
-        solver=solver,
-        noise_std=settings.noise,
-        precision=precision,
-    )
+    return linear(name, PAPER.prepared(nodes, NOISE, np.float32))
 
 
 @dataclass(frozen=True, eq=False)

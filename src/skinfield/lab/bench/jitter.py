@@ -18,6 +18,8 @@ from skinfield.skin import Skin
 from skinfield.solve import NonNegative, Solver
 
 Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
+Row = dict[str, Any]
+QUANTILES = ("p50", "p99", "p999", "max")
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
 SETTLE = 1.0  # s of company before times count
@@ -47,54 +49,23 @@ class JitterSettings:
     real_time: RealTime = field(default_factory=RealTime)
 
 
-@dataclass(frozen=True)
-class Jitter:
-    """What was measured.
-
-    Attributes
-    ----------
-    settings : JitterSettings
-    granted : RealTimeStatus
-    timing : Timing
-        Of the loop.
-    paired : Quantiles or None
-        Of the cyclictest on the same processor in the same seconds.
-    no_pair : str
-        Why there is none.
-    stolen : float or None
-        Cores that the host of a virtual machine kept to itself, on average.
-    faults, interruptions : int or None
-        Page faults of the loop's process, and times that it had to give its CPU away; None where
-        the system does not tell.
-    """
-
-    settings: JitterSettings
-    granted: RealTimeStatus
-    timing: Timing
-    paired: Quantiles | None
-    no_pair: str
-    stolen: float | None
-    faults: int | None
-    interruptions: int | None
-
-    def ratio(self, name: str) -> float | None:
-        """Of the wakes' quantile to that of the cyclictest."""
-        if self.paired is None or self.timing.wake is None:
-            return None
-        return float(getattr(self.timing.wake, name) / max(getattr(self.paired, name), 1e-9))
-
-
-def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Boards) -> Jitter:
-    """Measure.
+def run_jitter(settings: JitterSettings, say: Callable[[str], None], boards: Boards) -> Row:
+    """Measure how late the live loop wakes.
 
     Parameters
     ----------
-    tell : function of str
+    settings : JitterSettings
+    say : function of str
         Called with what happens.
     boards : function of skin, rate and priority
         Starts a virtual skin of iCub's boards on UDP in a process of its own, which sends so many
         readings per second, as a context; it gives the live source that reads them, and a function
         that plays a scene. The engine of the paper's hexagon reads them on 40 x 40 nodes.
+
+    Returns
+    -------
+    dict
+        See `result`.
 
     Raises
     ------
@@ -106,7 +77,7 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Bo
     from skinfield.signal import ICubByte
     from skinfield.skin.generators import hexagon72
 
-    tell("starting the loop")
+    say("starting the loop")
     skin, real_time = Skin((hexagon72(),)), settings.real_time
     with ExitStack() as stack:
         priority = max(real_time.priority - 10, 0)
@@ -129,13 +100,11 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Bo
         granted = _granted(reader)
         stack.enter_context(_busy(settings))
         time.sleep(SETTLE)
-        tell(f"measuring for {settings.duration:g} s")
+        say(f"measuring for {settings.duration:g} s")
         return measure(settings, granted, reader, supervisor)
 
 
-def measure(
-    settings: JitterSettings, granted: RealTimeStatus, reader: Any, supervisor: Any
-) -> Jitter:
+def measure(settings: JitterSettings, granted: RealTimeStatus, reader: Any, supervisor: Any) -> Row:
     """Both in the same seconds: cyclictest begins at a whole second of the clock.
 
     Parameters
@@ -155,7 +124,7 @@ def measure(
         _sleep_until(second)
         before, watch, usage = _counts(reader), Watch(), _usage(reader.pid)
         _sleep_until(second + settings.duration)
-        after, stolen, used = _counts(reader), watch.company().stolen, _usage(reader.pid)
+        after, stolen, used = _counts(reader), watch.company()["stolen"], _usage(reader.pid)
         paired = None if running is None else running.finish()
     except InputError as error:
         paired, missing = None, str(error)
@@ -171,7 +140,41 @@ def measure(
     faults, interruptions = (
         None if usage is None or used is None else used[which] - usage[which] for which in (0, 1)
     )
-    return Jitter(settings, granted, timing, paired, missing, stolen, faults, interruptions)
+    about: Row = {"no_cyclictest": missing or None, "page_faults": faults}
+    about |= {"interruptions": interruptions, "stolen_cores": stolen}
+    return result(settings, granted, timing, paired, about)
+
+
+def result(
+    settings: JitterSettings,
+    granted: RealTimeStatus,
+    timing: Timing,
+    paired: Quantiles | None,
+    about: Row,
+) -> Row:
+    """Plain numbers, times in µs: of the loop, of a cyclictest beside it, and their ratio.
+
+    `about` says why there is no cyclictest, how many cores the host of a virtual machine kept to
+    itself on average, and how many page faults the loop's process had and how often it had to give
+    its CPU away; None where the system does not tell.
+    """
+    loop = timing.as_dict()
+    other = None if paired is None else paired.as_micros()
+    ratio: dict[str, float | None] = dict.fromkeys(QUANTILES)
+    if other is not None and timing.wake is not None:
+        wake = timing.wake.as_micros()
+        ratio = {name: wake[name] / max(other[name], 1e-3) for name in QUANTILES}
+    return {
+        "seconds": settings.duration,
+        "rate_hz": settings.rate_hz,
+        "busy": settings.busy,
+        "solver": type(settings.solver).__name__,
+        "granted": granted.as_dict(),
+        "loop": loop,
+        "cyclictest_us": other,
+        "ratio": ratio,
+        **about,
+    }
 
 
 def _counts(reader: Any) -> tuple[Any, Any]:

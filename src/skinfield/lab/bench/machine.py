@@ -5,9 +5,8 @@ import os
 import platform
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -46,50 +45,23 @@ def versions(*packages: str) -> dict[str, str]:
     return found
 
 
-@dataclass(frozen=True)
-class Company:
-    """What else the processor did while times were measured.
-
-    Attributes
-    ----------
-    others : float or None
-        Cores that other processes used, on average; None where it is not known.
-    stolen : float or None
-        Cores that the host of a virtual machine kept to itself, on average.
-    own : float
-        Cores that this process used: near 1 where nothing held it up.
-    """
-
-    others: float | None
-    stolen: float | None
-    own: float
-
-    def warnings(self, cores: int) -> tuple[str, ...]:
-        """What makes the times doubtful, in words."""
-        found = []
-        if (self.others or 0.0) > TOO_MUCH:
-            found.append(
-                f"other processes used {self.others:.1f} of {cores} cores meanwhile: times are "
-                "longer than on a quiet machine, the highest percentiles most of all"
-            )
-        if (self.stolen or 0.0) > TOO_MUCH:
-            found.append(f"the host of this virtual machine kept {self.stolen:.1f} cores away")
-        return tuple(found)
-
-
 class Watch:
     """Sees who uses the processor, from when it is made until `company` is asked for."""
 
     def __init__(self) -> None:
         self._start = self._usage()
 
-    def company(self) -> Company:
-        """Averages since the start."""
+    def company(self) -> dict[str, float | None]:
+        """Cores used on average since the start; None where the system does not tell.
+
+        By other processes (`others`), by this one (`own`, near 1 where nothing held it up), and by
+        the host of a virtual machine for itself (`stolen`).
+        """
         span, own, busy, stolen = (np.array(self._usage()) - self._start).tolist()
         span = max(span, 1e-9)
         known = np.isfinite(busy)
         others = max((busy - own) / span, 0.0) if known else None
-        return Company(others, stolen / span if known else None, own / span)
+        return {"others": others, "stolen": stolen / span if known else None, "own": own / span}
 
     @staticmethod
     def _usage() -> tuple[float, float, float, float]:
@@ -105,6 +77,20 @@ class Watch:
             return clock, own, np.nan, np.nan
         tick = os.sysconf("SC_CLK_TCK")
         return clock, own, (user + nice + system + irq + soft) / tick, steal / tick
+
+
+def warnings(company: Mapping[str, float | None], cores: int) -> list[str]:
+    """What makes times doubtful that were measured in such company, in words."""
+    found = []
+    others, stolen = (company[name] or 0.0 for name in ("others", "stolen"))
+    if others > TOO_MUCH:
+        found.append(
+            f"other processes used {others:.1f} of {cores} cores meanwhile: times are "
+            "longer than on a quiet machine, the highest percentiles most of all"
+        )
+    if stolen > TOO_MUCH:
+        found.append(f"the host of this virtual machine kept {stolen:.1f} cores away")
+    return found
 
 
 def _processor() -> str:

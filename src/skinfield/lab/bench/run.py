@@ -2,7 +2,7 @@
 
 import gc
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
 from typing import Any
@@ -20,20 +20,19 @@ from skinfield.lab.bench.contenders import (
     paper_prepared,
     run_chain,
 )
-from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed
+from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
 from skinfield.lab.bench.scene import (
     FIT_DEADLINES,
     GAPS,
     LEAD,
-    BenchSettings,
     BenchSize,
     Scene,
     make_scene,
 )
 from skinfield.lab.cases import TrueContact
-from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
+from skinfield.lab.paper import LAYER, paper_patch, reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
-from skinfield.skin import Grid, Patch
+from skinfield.skin import Grid
 from skinfield.solve import NonNegative
 
 CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with
@@ -82,12 +81,11 @@ def grid_rows(
     return rows
 
 
-def _methods(settings: BenchSettings, scene: Scene, nodes: int) -> Iterator[Method]:
-    size = settings.size
-    yield from methods_of_paper(settings, scene.readings, nodes)
-    made = gaussian(FIELD, settings, nodes)
+def _methods(size: BenchSize, scene: Scene, nodes: int) -> Iterator[Method]:
+    yield from methods_of_paper(size, scene.readings, nodes)
+    made = gaussian(FIELD, nodes)
     yield FIELD, _counted(lambda: made.answer(scene.readings[LEAD], None), size.laps), None
-    model = model_of(settings, nodes)
+    model = model_of(nodes)
     for gap in GAPS:
         name = f"NonNegative to {gap:.0e}".replace("e-0", "e-")
         found = non_negative(name, model, NonNegative(tolerance=gap))
@@ -99,17 +97,17 @@ def _methods(settings: BenchSettings, scene: Scene, nodes: int) -> Iterator[Meth
         yield fit.name + within, _chained(fit, scene, size.steps, deadline, "warm"), None
 
 
-def methods_of_paper(settings: BenchSettings, readings: Floats, nodes: int) -> Iterator[Method]:
+def methods_of_paper(size: BenchSize, readings: Floats, nodes: int) -> Iterator[Method]:
     """The paper's algorithm for every reading (T, L), its inversion alone, and prepared once."""
-    patch, layer, size = settings.patch, settings.layer, settings.size
+    patch = paper_patch()
     grid = Grid.square(patch, nodes=nodes)
     plane, area = grid.plane, grid.cell_area
-    matrix = stress_matrix(plane[:, None] - plane[None], layer.thickness)
+    matrix = stress_matrix(plane[:, None] - plane[None], LAYER.thickness)
     count = -(-size.paper_laps // size.rounds)
-    turns, made = cycle(readings), paper_prepared(PREPARED, settings, nodes)
+    turns, made = cycle(readings), paper_prepared(PREPARED, nodes)
 
     def whole() -> object:
-        return reconstruct_as_paper(next(turns), patch.plane, plane, layer, area)
+        return reconstruct_as_paper(next(turns), patch.plane, plane, LAYER, area)
 
     yield PAPER, _counted(whole, count), None
     yield INVERSION, _counted(lambda: np.linalg.inv(matrix), count), None
@@ -158,18 +156,14 @@ class Track:
             chain = run_chain(self.contender, readings, self.deadline, cold=cold)
         self.chains.append(chain)
 
-    def point(self, scene: Scene, patch: Patch) -> Row:
-        """Times, and errors to the converged pressure and to the truth, of the first chain.
-
-        `late` is by how much calls ended after the deadline, 0 where before.
-        """
+    def point(self, scene: Scene) -> Row:
+        """Times, and errors to the converged pressure and to the truth, of the first chain."""
         seconds = np.array([chain.seconds for chain in self.chains])  # (rounds, T)
-        late = None if self.deadline is None else np.maximum(seconds - self.deadline, 0.0)
         found = np.array([[a.pressure for a in chain.answers] for chain in self.chains])
         off = np.linalg.norm(found - self.reference, axis=2)  # (rounds, T)
         norm = np.linalg.norm(self.reference, axis=1)
         misses = [
-            miss(patch, scene.places[index], scene.forces[index], answer.contacts())
+            miss(scene.places[index], scene.forces[index], answer.contacts())
             for index, answer in enumerate(self.chains[0].answers, start=LEAD)
         ]
         force, places, missed = zip(*misses, strict=True)
@@ -180,10 +174,7 @@ class Track:
             "deadline_us": None if self.deadline is None else float(f"{self.deadline * US:.6g}"),
             "seconds_us": spread(seconds, US),
             "usual_seconds_us": spread(np.median(seconds, axis=0), US),
-            "late_us": None if late is None else spread(late, US),
-            "met": None if late is None else float(np.mean(late == 0.0)),
             "gap": spread([answer.gap for chain in self.chains for answer in chain.answers]),
-            "error": float(np.sqrt(np.square(off).sum() / (len(off) * np.square(norm).sum()))),
             "errors": spread(off / norm),
             "usual_errors": spread(np.median(off / norm, axis=0)),
             "force": spread(force),
@@ -193,9 +184,9 @@ class Track:
 
 
 def miss(
-    patch: Patch, places: Floats, forces: Floats, contacts: Sequence[Any]
+    places: Floats, forces: Floats, contacts: Sequence[Any]
 ) -> tuple[float, tuple[float, ...], int]:
-    """Errors of contacts of fingers at places (F, 2) m with forces (F,) N.
+    """Errors of contacts on the paper's patch, of fingers at places (F, 2) m with forces (F,) N.
 
     Returns
     -------
@@ -210,7 +201,7 @@ def miss(
         TrueContact((float(x), float(y)), float(force))
         for (x, y), force in zip(places, forces, strict=True)
     ]
-    matches, missed, _ = matched(patch, true, contacts)
+    matches, missed, _ = matched(paper_patch(), true, contacts)
     total, found = float(forces.sum()), sum(contact.normal_force for contact in contacts)
     return abs(found / total - 1), tuple(m.distance for m in matches), missed
 
@@ -221,17 +212,17 @@ def median_of_all(found: Sequence[float], missed: int, scale: float = 1.0) -> fl
     return scale * middle if np.isfinite(middle) else None
 
 
-def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
-    """Every solver at every deadline, beside what it converges to."""
-    nodes, ladder = settings.size.nodes, (*settings.size.deadlines, None)
-    model = model_of(settings, nodes)
+def anytime(size: BenchSize, seed: int, scene: Scene, show: Show) -> list[Row]:
+    """Every solver at every deadline, in turns of a random order, beside what it converges to."""
+    nodes, ladder = size.nodes, (*size.deadlines, None)
+    model = model_of(nodes)
 
     def converged(contender: Contender, start: str) -> Floats:
         chain = run_chain(contender, scene.readings, None, cold=start == "cold")
         return np.array([answer.pressure for answer in chain.answers])
 
     show("preparing", 0, 3)
-    linear = gaussian("GaussianField", settings, nodes), paper_prepared(PAPER, settings, nodes)
+    linear = gaussian("GaussianField", nodes), paper_prepared(PAPER, nodes)
     tracks = [Track(each, "warm", None, converged(each, "cold")) for each in linear]
     show("preparing", 1, 3)
     exact = converged(non_negative("converged", model, CONVERGED), "cold")
@@ -241,20 +232,22 @@ def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
     fit = contact_fit(model)
     own = {start: converged(fit, start) for start in STARTS}
     tracks += [Track(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
-    rng, rounds = np.random.default_rng(settings.seed), settings.size.rounds
-    for turn in range(rounds):  # in another order each
+    rng, rounds = np.random.default_rng(seed), size.rounds
+    for turn in range(rounds):
         for ended, which in enumerate(rng.permutation(len(tracks))):
             show(f"any-time, round {turn + 1} of {rounds}", ended, len(tracks))
             tracks[which].run(scene.readings)
-    return [track.point(scene, settings.patch) for track in tracks]
+    return [track.point(scene) for track in tracks]
 
 
-def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
+def run_bench(size: BenchSize, seed: int = 0, show: Show = quietly) -> dict[str, Any]:
     """Press, prepare and time everything; nothing else should run meanwhile.
 
     Parameters
     ----------
-    settings : BenchSettings
+    size : BenchSize
+    seed : int
+        Of the noise and of the order in which contenders take turns.
     show : function of (what, ended, of)
         Called as it goes on.
 
@@ -265,28 +258,28 @@ def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
     """
     when = datetime.now(UTC).isoformat(timespec="seconds")
     machine = this_machine()
-    scene = make_scene(settings, lambda ended, of: show("pressing two fingers", ended, of))
+    scene = make_scene(size, seed, lambda ended, of: show("pressing two fingers", ended, of))
     gc.collect()
     gc.freeze()  # each `undisturbed` collects, which takes long with all that is there by now
     try:
         watch = Watch()
-        grids = grid_rows(settings.size, lambda nodes: _methods(settings, scene, nodes), show)
-        points = anytime(settings, scene, show)
+        grids = grid_rows(size, lambda nodes: _methods(size, scene, nodes), show)
+        points = anytime(size, seed, scene, show)
         company = watch.company()
     finally:
         gc.unfreeze()
     return {
         "format": FORMAT,
-        "size": settings.size.name,
-        "seed": settings.seed,
+        "size": size.name,
+        "seed": seed,
         "when": when,
         "machine": machine,
-        "company": asdict(company),
-        "warnings": list(company.warnings(machine["cores"])),
-        "nodes": settings.size.nodes,
+        "company": company,
+        "warnings": warnings(company, machine["cores"]),
+        "nodes": size.nodes,
         "readings": len(scene),
         "grids": grids,
-        "points": as_printed(points, grids, settings.size.nodes),
+        "points": as_printed(points, grids, size.nodes),
     }
 
 

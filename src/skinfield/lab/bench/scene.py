@@ -1,16 +1,14 @@
 """Benchmark scene: how much is measured, on which skin, and two fingers that move over it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.elastic import BaseStress, Layer
+from skinfield.elastic import BaseStress
 from skinfield.errors import Floats
-from skinfield.lab.report import PAPER_LAYER
+from skinfield.lab.paper import LAYER, paper_patch
 from skinfield.simulate import Sphere, press
-from skinfield.skin import Patch
-from skinfield.skin.generators import hexagon72
 
 MICROSECONDS = (10, 20, 30, 50, 70, 100, 200, 500)
 MILLISECONDS = (1, 2, 5, 10, 20, 50)
@@ -67,34 +65,7 @@ FULL = BenchSize(name="full", readings=300, rounds=15, paper_laps=60, laps=1000,
 SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # seconds, minutes, half an hour
 
 
-@dataclass(frozen=True, kw_only=True)
-class BenchSettings:
-    """The skin that is timed, and how much of it.
-
-    Parameters
-    ----------
-    size : BenchSize
-    seed : int
-        Of the noise and of the order in which contenders take turns.
-    patch : Patch
-        The paper's hexagon of 72 taxels.
-    layer : Layer
-    quantity : BaseStress
-        What the taxels read: that is what the paper inverts.
-    """
-
-    size: BenchSize = SHORT
-    seed: int = 0
-    patch: Patch = field(default_factory=hexagon72)
-    layer: Layer = PAPER_LAYER
-    quantity: BaseStress = field(default_factory=BaseStress)
-
-    @property
-    def noise(self) -> float:
-        """Standard deviation of one reading, in the quantity's unit."""
-        return self.quantity.typical_noise
-
-
+NOISE = BaseStress().typical_noise  # Pa: taxels read what the paper inverts
 LEAD = 8  # readings before those that count, so that a warm chain is warm
 RATE = 50.0  # readings per second, as of the iCub's skin
 RADIUS = 6e-3  # m, of the fingers' tips
@@ -146,17 +117,19 @@ def paths(count: int) -> tuple[Floats, Floats]:
 
 
 def make_scene(
-    settings: BenchSettings, show: Callable[[int, int], None] = lambda done, of: None
+    size: BenchSize, seed: int = 0, show: Callable[[int, int], None] = lambda done, of: None
 ) -> Scene:
-    """Press a ball for each finger and reading, on a grid of its own, and read the taxels.
+    """Press a ball for each finger and reading, on a grid of its own, and read the paper's patch.
 
     Parameters
     ----------
-    settings : BenchSettings
+    size : BenchSize
+    seed : int
+        Of the noise.
     show : function of (done, of)
         Called before each press.
     """
-    patch, total = settings.patch, LEAD + settings.size.readings
+    patch, total = paper_patch(), LEAD + size.readings
     places, forces = paths(total)
     exact = np.empty((total, len(patch)))
     for index in range(total):
@@ -165,8 +138,7 @@ def make_scene(
             Sphere(radius=RADIUS, force=float(force), position=(float(x), float(y)))
             for force, (x, y) in zip(forces[index], places[index], strict=True)
         ]
-        solved = press(settings.layer, balls, EXTENT, settings.size.cell)
+        solved = press(LAYER, balls, EXTENT, size.cell)
         exact[index] = solved.readings(patch.plane, patch.pad_diameter, "stress")
-    rng = np.random.default_rng(settings.seed)
-    noisy = exact + rng.normal(scale=settings.noise, size=exact.shape)
+    noisy = exact + np.random.default_rng(seed).normal(scale=NOISE, size=exact.shape)
     return Scene(noisy, exact, places, forces)

@@ -5,12 +5,13 @@ quadratic function of the radius on the surface or the base.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import spsolve
 
 from skinfield.errors import Floats, InputError
 
@@ -74,68 +75,44 @@ def towards(
     return size
 
 
-GAUSS, GAUSS_WEIGHT = (a / 2 for a in np.polynomial.legendre.leggauss(4))
-GAUSS = GAUSS + 0.5
-
-
-def shapes(place: Floats) -> Floats:
-    """Quadratic shape functions (..., 3) of start, middle and end at places 0 to 1."""
-    start, end = (1 - place) * (1 - 2 * place), place * (2 * place - 1)
-    return np.stack([start, 4 * place * (1 - place), end], axis=-1)
-
-
-@dataclass(frozen=True, eq=False)
 class Trace:
-    """Nodes of a line of quadratic elements: ends at even indices, middles between them.
+    """Quadratic functions of the radius on a line of elements.
 
-    Attributes
+    Parameters
     ----------
     nodes : (2n + 1,) array
-        Radii, increasing from the axis.
+        Radii, increasing from the axis: ends of elements at even indices, middles between them.
     """
 
-    nodes: Floats
+    def __init__(self, nodes: Floats) -> None:
+        fem = scikit_fem()
+        self.nodes = nodes
+        self._basis = fem.Basis(fem.MeshLine(nodes[::2]), fem.ElementLineP2(), intorder=7)
+        self._order = np.argsort(self._basis.doflocs[0])
 
     @cached_property
-    def mass(self) -> Floats:
+    def _mass(self) -> csc_matrix:
         """Integrals over the plane of products of shape functions, (2n + 1, 2n + 1)."""
-        local = np.einsum("eg,gi,gj->eij", self._areas, shapes(GAUSS), shapes(GAUSS))
-        total = np.zeros((len(self.nodes), len(self.nodes)))
-        for element, block in enumerate(local):
-            part = slice(2 * element, 2 * element + 3)
-            total[part, part] += block
-        return total
+        form = scikit_fem().BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v)
+        return csc_matrix(form.assemble(self._basis)[self._order][:, self._order])
 
-    @property
-    def _areas(self) -> Floats:
-        return 2 * np.pi * self.gauss_radii * np.diff(self.nodes[::2])[:, None] * GAUSS_WEIGHT
-
-    def loads(self, pressure: Floats) -> Floats:
-        """Nodal forces of a pressure (elements, 4) at the Gauss points of each element."""
-        local = np.einsum("eg,eg,gi->ei", self._areas, pressure, shapes(GAUSS))
-        total = np.zeros(len(self.nodes))
-        np.add.at(total, np.arange(len(local))[:, None] * 2 + np.arange(3), local)
-        return total
-
-    @property
-    def gauss_radii(self) -> Floats:
-        """Radii (elements, 4) at which `loads` wants the pressure."""
-        corners = self.nodes[::2]
-        return corners[:-1, None] + np.diff(corners)[:, None] * GAUSS
+    def loads(self, pressure: Callable[[Floats], Floats]) -> Floats:
+        """Nodal forces of a pressure, a function of the radii of any shape."""
+        form = scikit_fem().LinearForm(lambda v, w: 2 * np.pi * w.x[0] * pressure(w.x[0]) * v)
+        return np.asarray(form.assemble(self._basis)[self._order])
 
     def density(self, forces: Floats) -> Floats:
-        """Nodal values of the traction whose consistent nodal forces are given."""
-        return np.asarray(np.linalg.solve(self.mass, forces))
+        """Nodal values of the traction whose consistent nodal forces are these."""
+        return np.asarray(spsolve(self._mass, forces))
 
     def at(self, values: Floats, radius: Floats) -> Floats:
-        """The quadratic function with the given nodal values; zero beyond the rim."""
-        corners = self.nodes[::2]
-        element = np.clip(np.searchsorted(corners, radius, "right") - 1, 0, len(corners) - 2)
-        start, length = corners[element], np.diff(corners)[element]
-        place = np.clip((radius - start) / length, 0.0, 1.0)
-        inside = np.sum(shapes(place) * values[2 * element[..., None] + np.arange(3)], axis=-1)
-        return np.where(radius <= corners[-1], inside, 0.0)
+        """The quadratic function of these nodal values; zero beyond the rim."""
+        unordered = np.empty_like(values)
+        unordered[self._order] = values
+        inside = np.clip(radius, self.nodes[0], self.nodes[-1])
+        found = self._basis.interpolator(unordered)(inside.reshape(1, -1)).reshape(radius.shape)
+        return np.where(radius <= self.nodes[-1], found, 0.0)
 
     def integral(self, values: Floats) -> float:
         """Of a quadratic function over the plane."""
-        return float(np.sum(self.mass @ values))
+        return float(np.sum(self._mass @ values))

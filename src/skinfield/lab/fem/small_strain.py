@@ -4,7 +4,7 @@ Forces only push: a small dense problem of what the surface yields to each of th
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -148,24 +148,19 @@ def push_to_depth(flexibility: Floats, heights: Floats, depth: float) -> Floats:
     return np.asarray(forces)
 
 
-def push_with_force(flexibility: Floats, heights: Floats, force: float) -> tuple[float, Floats]:
-    """Depth of the body, and the forces (n,) whose sum is given.
+def depth_under(force: float, flexibility: Floats, heights: Floats) -> float:
+    """Depth at which the forces of `push_to_depth` sum to a force, which a thickness bears."""
+    from scipy.optimize import brentq
 
-    The sum grows with the depth, at a rate that the nodes in touch fix: Newton's method.
-    """
-    depth = float(heights.min()) + force * float(flexibility.diagonal().mean())
-    for _ in range(60):
-        forces = push_to_depth(flexibility, heights, depth)
-        touching = forces > 0
-        if touching.any():
-            inverse = np.linalg.inv(flexibility[np.ix_(touching, touching)])
-            step = (force - forces.sum()) / inverse.sum()
-        else:
-            step = depth - heights.min()
-        depth += float(step)
-        if abs(step) <= 1e-12 * max(abs(depth), 1e-12):
-            return depth, forces
-    raise InputError(f"force is {force!r} in units of E h², expected one that a contact can carry")
+    def more(depth: float) -> float:
+        return float(push_to_depth(flexibility, heights, depth).sum()) - force
+
+    if more(1.0) < 0.0:
+        raise InputError(
+            f"force is {force:.3g} times E h², which sinks the body through the layer, expected "
+            "less: lower it, or raise the modulus"
+        )
+    return float(brentq(more, float(heights.min()), 1.0, xtol=1e-14))
 
 
 MARGIN = 12.0  # thicknesses of layer around the contact; what is felt falls as exp(-0.8 r/h)
@@ -229,35 +224,6 @@ def indent(
     return _solve(layer, shape, reach, section, force, depth)
 
 
-def apply_pressure(
-    layer: Layer, pressure: Profile, radius: float, *, finest: float = FINEST
-) -> AxisymmetricSolution:
-    """Load the layer with a given pressure inside a circle.
-
-    Parameters
-    ----------
-    layer : Layer
-    pressure : callable
-        Pressures (N,) Pa at radii (N,) m.
-    radius : float, m
-        Of the circle.
-    finest : float
-        Length of the elements at its edge, in thicknesses.
-
-    Returns
-    -------
-    AxisymmetricSolution
-        Its depth is that of the surface at the axis.
-    """
-    check_positive("radius", radius, "of the loaded circle, in metres")
-    h = layer.thickness
-    section = section_around(layer, [radius / h], radius / h, finest, COARSEST)
-    places = section.trace.gauss_radii
-    loaded = np.where(places < radius / h, pressure(places.ravel() * h).reshape(places.shape), 0.0)
-    found = _solution(layer, section, section.trace.loads(loaded / layer.young_modulus), 0.0)
-    return replace(found, depth=float(found.indentation(np.zeros(1))[0]))
-
-
 def section_around(
     layer: Layer, edges: Sequence[float], reach: float, finest: float, coarsest: float
 ) -> Section:
@@ -294,17 +260,9 @@ def _solve(
     near = np.flatnonzero(np.isfinite(heights) & (nodes <= reach))
     near = near[near > 0]  # the axis has no area: a pressure near it gives its node no force
     flexibility = section.flexibility(near)
-    if depth is None:
-        sunk, pushes = push_with_force(flexibility, heights[near], (force or 0.0) / newton)
-    else:
-        sunk, pushes = depth / h, push_to_depth(flexibility, heights[near], depth / h)
-    if sunk >= 1.0:
-        raise InputError(
-            f"force is {force!r} N, which sinks the body by {sunk:.2f} of the layer's thickness, "
-            "expected less than 1: lower it, or raise the modulus"
-        )
+    sunk = depth / h if depth else depth_under((force or 0.0) / newton, flexibility, heights[near])
     forces = np.zeros(len(nodes))
-    forces[near] = pushes
+    forces[near] = push_to_depth(flexibility, heights[near], sunk)
     return _solution(layer, section, forces, sunk)
 
 

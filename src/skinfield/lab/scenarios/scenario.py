@@ -2,19 +2,20 @@
 
 import tomllib
 from collections.abc import Mapping
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import PronySeries, StandardLinearSolid, Viscoelastic
-from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.load import load_layout
+from skinfield.elastic import StandardLinearSolid
+from skinfield.errors import FileError
+from skinfield.files.layouts.load import skin_from_text
 from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
-from skinfield.lab.scenarios.indenters import indenter_from_mapping
-from skinfield.lab.scenarios.table import Table, ending_of
+from skinfield.lab.scenarios.indenters import indenter_from_table
+from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -43,9 +44,9 @@ from skinfield.simulate.rig import (
     run_rig,
 )
 from skinfield.skin import Patch
-from skinfield.skin.generators import GENERATORS, by_name
 
 VERSION = 1
+LAYOUT = "icub_hexagon"
 PRESETS = {"icub": icub_electronics, "cyskin": cyskin_electronics, "ideal": ideal_electronics}
 BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
 NO_LOAD = "no load here: those of all indenters are in [loads]"
@@ -56,50 +57,14 @@ NOT_HERE = {
 PICTURE = "run.png"
 TASK_VERSION = "2"  # raise it when the same scenario makes other files
 
-Keys = Mapping[str, str]  # of the file, to the field
-
-
-def _keys(words: str, **others: str) -> Keys:
-    """Keys whose fields are called so without the unit, and others."""
-    return {key: key.removesuffix(ending_of(key)) for key in words.split()} | others
-
-
-LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
-SOLID = _keys("relaxed_fraction time_constant_s")
-LOADS = _keys("forces_n depths_mm")
-SIMPLE = {
-    "profile": _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm"),
-    "load_cell": _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms"),
-    "temperature": _keys("start_c end_c"),
-    "solving": _keys("extent_mm cell_mm rungs"),
-}
-ELECTRONICS = _keys("quantised gain_spread converter_gain_spread baseline_spread_counts")
-PARTS: Mapping[str, Keys] = {  # of the electronics
-    "cross_talk": _keys("neighbours"),
-    "drift": _keys(
-        "converter_spread_counts_per_k taxel_spread_counts_per_k time_constant_s reference_c",
-        mean_counts_per_k="per_kelvin",
-    ),
-    "noise": _keys("white_counts spread common_counts flicker_counts walk_counts_per_sqrt_s"),
-    "defects": _keys(
-        "absent dead stuck flickering saturated stuck_within_s open_time_s closed_time_s"
-    ),
-    "delivery": _keys(
-        "rate_hz conversion_time_ms free_running delay_ms jitter_ms lost_readings lost_messages "
-        "holds logged_at_hz"
-    ),
-}
-ICUB = _keys("rest_capacitance_pf", step_ff="farads_per_count")
-BYTE = _keys("no_load shift")
-PLACES: Mapping[str, tuple[Places, Keys]] = {
-    "over_taxel": (OverTaxels(), _keys("taxels angle_deg")),
-    "between_two": (BetweenTwo(), _keys("pairs angle_deg")),
-    "between_three": (BetweenThree(), _keys("triples angle_deg")),
-    "at": (At(positions=((0.0, 0.0),)), _keys("positions_mm angle_deg")),
-    "random": (Random(), _keys("count within_mm turned")),
-    "raster": (Raster(), _keys("rows columns step_mm angle_deg")),
-}
-HEAD = {key: key for key in ("name", "seed", "repeats", "first_repeat")}
+PLACES: Mapping[str, Places] = {
+    "over_taxel": OverTaxels(), "between_two": BetweenTwo(), "between_three": BetweenThree(),
+    "at": At(positions=((0.0, 0.0),)), "random": Random(), "raster": Raster(),
+}  # fmt: skip
+SIMPLE = ("profile", "load_cell", "temperature", "solving")
+SPREADS = ("quantised", "gain_spread", "converter_gain_spread", "baseline_spread")
+PARTS = ("cross_talk", "drift", "noise", "defects", "delivery")  # of the electronics
+HEAD = ("name", "seed", "repeats", "first_repeat")
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -142,96 +107,64 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     return table.read(
         usual,
         HEAD,
-        **_patch(table.table("patch"), folder),
+        patch=_patch(table.table("patch"), folder),
         cover=layer.value("inextensible_cover", bool, False),
-        layer=layer.read(usual.layer, LAYER),
-        elastomer=_elastomer(table.table("elastomer")),
+        layer=layer.read(usual.layer),
+        elastomer=table.table("elastomer").read(StandardLinearSolid()),
         tools=tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools,
         places=tuple(map(_places, table.tables("places"))) or usual.places,
         loads=_loads(table.table("loads"), usual.loads),
         electronics=_electronics(table.table("electronics")),
-        **{
-            name: table.table(name).read(getattr(usual, name), keys)
-            for name, keys in SIMPLE.items()
-        },
+        **{name: table.table(name).read(getattr(usual, name)) for name in SIMPLE},
     )
 
 
-def _patch(table: Table, folder: Path) -> dict[str, Any]:
-    layout, name = table.value("layout", str, Scenario().layout), table.value("name", str, "")
-    table.read(Scenario(), {})  # nothing else is known
-    try:
-        patch, found = _patch_from(layout, name, folder)
-    except InputError as error:
-        raise FileError(f"{table.place('layout')}: {error}") from error
-    return {"patch": patch, "layout": found, "patch_name": name}
-
-
-def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
-    """Patch of a layout's file or a generator, and the layout's text without the folder."""
+def _patch(table: Table, folder: Path) -> Patch:
+    layout, name = table.value("layout", str, LAYOUT), table.value("name", str, "")
+    table.values({})  # nothing else is known
     file = folder / layout
-    if layout.partition(":")[0].strip() in GENERATORS and not file.is_file():
-        return by_name(layout), layout
-    skin = load_layout(file)
+    skin = table.make(partial(skin_from_text, str(file) if file.is_file() else layout), "layout")
     if not name and len(skin) > 1:
-        names = ", ".join(patch.name for patch in skin)
-        raise InputError(f"it has {len(skin)} patches, expected a name of one: {names}")
-    return skin[name or 0], str(file.resolve())
-
-
-def _elastomer(table: Table) -> Viscoelastic:
-    if table.content.get("prony_terms"):
-        return table.read(PronySeries(terms=((0.5, 1.0),)), {"prony_terms": "terms"})
-    table.taken.add("prony_terms")
-    return table.read(StandardLinearSolid(), SOLID)
+        raise table.wrong("name", f"one of {', '.join(patch.name for patch in skin)}")
+    return table.make(partial(skin.__getitem__, name or 0), "name")
 
 
 def _tool(table: Table, row: int, folder: Path) -> Tool:
-    settings = dict(table.content)
-    name = settings.pop("name", None) or f"{settings.get('shape', 'indenter')}-{row + 1}"
     for key, expected in NOT_HERE.items():
-        if key in settings:
+        if key in table.content:
             raise table.wrong(key, expected)
-    try:
-        return Tool(name=name, indenter=indenter_from_mapping(settings, table.where, folder))
-    except FileError:
-        raise
-    except (InputError, ArithmeticError, OSError, ValueError) as error:
-        raise FileError(f"{table.place(None)}: {error}") from error
+    name = table.value("name", str, "") or f"{table.content.get('shape', 'indenter')}-{row + 1}"
+    return table.make(Tool, name=name, indenter=indenter_from_table(table, folder))
 
 
 def _places(table: Table) -> Places:
-    usual, keys = table.choice("kind", PLACES)
+    usual = table.choice("kind", PLACES)
     if isinstance(usual, At) and "positions_mm" not in table.content:
         raise table.wrong("positions_mm", "rows of x and y, such as [[0, 2.5]]")
-    return table.read(usual, keys)
+    return table.read(usual)
 
 
 def _loads(table: Table, usual: Loads) -> Loads:
-    if "forces_n" not in table.content and "depths_mm" in table.content:
-        return table.read(Loads(depths=(1e-4,)), LOADS)
-    return table.read(usual, LOADS)
+    depths = "forces_n" not in table.content and "depths_mm" in table.content
+    return table.read(Loads(depths=(1e-4,)) if depths else usual)
 
 
 def _electronics(table: Table) -> Electronics:
     usual = table.choice("preset", PRESETS, "icub")()
-    parts = {
-        name: table.table(name).read(getattr(usual, name), keys) for name, keys in PARTS.items()
-    }
+    parts = {name: table.table(name).read(getattr(usual, name)) for name in PARTS}
     board = _board(table.table("board"), usual.board)
-    return table.read(usual, ELECTRONICS, board=board, **parts)
+    return table.read(usual, SPREADS, board=board, **parts)
 
 
 def _board(table: Table, usual: Board) -> Board:
     kinds = {made: kind for kind, made in BOARDS.items()}
     kind = table.choice("kind", BOARDS, kinds[type(usual)])
-    if kind is LinearBoard:
-        return table.read(LinearBoard(), {})
-    if kind is CySkinBoard:
-        return table.read(CySkinBoard(), {"gain_counts": "gain"})
-    table.taken |= {*ICUB, *BYTE}
-    byte = table.read(ICubByte(), BYTE)
-    return table.read(ICubBoard(), ICUB, convention=byte)
+    if kind is not ICubBoard:
+        made: Board = kind()
+        return table.read(made, () if kind is LinearBoard else ("gain",))
+    byte, sizes = ("no_load", "shift"), ("rest_capacitance", "farads_per_count")
+    table.taken |= {key_of(name) for name in (*byte, *sizes)}
+    return table.read(ICubBoard(), sizes, convention=table.read(ICubByte(), byte))
 
 
 def template() -> str:

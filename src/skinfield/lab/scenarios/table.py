@@ -1,14 +1,15 @@
 """Tables of a settings file: keys with units, read into dataclasses, every key accounted for."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from decimal import Decimal
+from functools import partial
 from typing import Any, TypeVar, get_origin, get_type_hints
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.settings.text import line_of, nearest
 
 T = TypeVar("T")
@@ -19,9 +20,42 @@ UNITS = {  # endings of keys, with the power of ten to SI
 }  # fmt: skip
 
 
+UNIT = {  # of fields, where their keys end in one
+    name: unit
+    for unit, names in {
+        "_mm": "thickness clearance extent cell depths positions within step",
+        "_s": "rest approach ramp hold release pause time_constant stuck_within open_time "
+              "closed_time",
+        "_ms": "delay jitter conversion_time",
+        "_hz": "rate logged_at",
+        "_n": "forces full_scale",
+        "_mn": "noise offset resolution",
+        "_kpa": "young_modulus",
+        "_deg": "angle",
+        "_c": "start end reference",
+        "_counts": "baseline_spread white common flicker gain",
+        "_counts_per_k": "converter_spread taxel_spread",
+        "_counts_per_sqrt_s": "walk",
+        "_pf": "rest_capacitance",
+    }.items()
+    for name in names.split()
+}  # fmt: skip
+OTHERWISE = {"per_kelvin": "mean_counts_per_k", "farads_per_count": "step_ff"}
+
+
+def key_of(name: str) -> str:
+    """Key of a field: its name with its unit."""
+    return OTHERWISE.get(name, name + UNIT.get(name, ""))
+
+
 def ending_of(key: str) -> str:
     """Unit at the end of a key, the longest that fits; "" for a plain number."""
     return max((ending for ending in UNITS if key.endswith(ending)), key=len)
+
+
+def field_of(key: str) -> str:
+    """A key without its unit, as fields are called."""
+    return key.removesuffix(ending_of(key))
 
 
 def si_from_value(key: str, value: Any) -> Any:
@@ -61,32 +95,40 @@ class Table:
     text: str = ""
     taken: set[str] = field(default_factory=set)
 
-    def read(self, usual: T, keys: Mapping[str, str], **others: Any) -> T:
-        """Object like `usual` with what the table says under `keys`, to each its field.
+    def read(self, usual: T, names: Iterable[str] | None = None, **others: Any) -> T:
+        """Object like `usual` with what the table says.
 
         Parameters
         ----------
         usual : dataclass object
-        keys : mapping of str to str
+        names : iterable of str, optional
+            Of the fields that it may hold, each under `key_of` its name. Default all.
         **others
             Fields that are made of what the table was asked for before.
         """
-        kinds, values = get_type_hints(type(usual)), dict(others)
+        kinds = get_type_hints(type(usual))
+        chosen = [each.name for each in fields(usual)] if names is None else names  # type: ignore
+        values = self.values({key_of(name): (name, kinds[name]) for name in chosen})
+        return self.make(partial(replace, usual), **others, **values)  # type: ignore[type-var]
+
+    def values(self, keys: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:
+        """What the table says under `keys`, by the field of each, of its kind; no other may be."""
         self.taken |= set(keys)
         for key in set(self.content) - self.taken:
             raise FileError(
                 f"{self.place(key)}: {key!r} is not known, expected one of "
                 f"{', '.join(sorted(self.taken))}{nearest(key, self.taken)}"
             )
-        for key, name in keys.items():
-            if key in self.content:
-                values[name] = self.value(key, kinds[name])
+        return {
+            name: self.value(key, kind) for key, (name, kind) in keys.items() if key in self.content
+        }
+
+    def make(self, kind: Callable[..., T], key: str | None = None, /, **values: Any) -> T:
+        """Object of some values; an error about them gets the place of the table or of a key."""
         try:
-            return replace(usual, **values)  # type: ignore[type-var]
-        except FileError:
-            raise
-        except InputError as error:
-            raise FileError(f"{self.place(None)}: {error}") from error
+            return kind(**values)
+        except (ValueError, ArithmeticError, OSError) as error:
+            raise FileError(f"{self.place(key)}: {error}") from error
 
     def value(self, key: str, kind: Any, default: Any = None) -> Any:
         """Value of a key in SI units, if it is of a kind."""

@@ -16,7 +16,7 @@ from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import Floats, InputError
 from skinfield.lab.fem.electrostatics import pad_capacitance
 from skinfield.lab.fem.small_strain import indent
-from skinfield.lab.paper import LOADS, TIPS
+from skinfield.lab.paper import LAYER, LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     Picture,
@@ -152,7 +152,7 @@ def agreements(settings: Settings) -> list[Row]:
         for force in SMOKE_LOADS if smoke else LOADS:
             try:
                 finest = SMOKE_FINEST if smoke else FINEST
-                rows.append(agree(settings.layer, tip.name, tip.body, force, finest=finest))
+                rows.append(agree(LAYER, tip.name, tip.body, force, finest=finest))
             except InputError as error:
                 if "sinks" not in str(error):
                     raise
@@ -162,7 +162,7 @@ def agreements(settings: Settings) -> list[Row]:
 def agreement(settings: Settings) -> Section:
     """How far the truth of all other sections is from finite elements, per indenter and load."""
     rows = agreements(settings)
-    linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * settings.layer.thickness]
+    linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * LAYER.thickness]
     stress, moved = (_percent(column(linear, name)) for name in ("stress", "displacement"))
     base, surface = (_percent(column(rows, f"lattice_{name}")) for name in ("base", "surface"))
     return Section(

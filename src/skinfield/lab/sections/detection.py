@@ -7,7 +7,18 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, paper_patch, readings, sites
+from skinfield.lab.paper import (
+    BALL,
+    FALSE_ALARMS,
+    FIELD,
+    NOISES,
+    PAPER,
+    PLACES,
+    RATE,
+    paper_patch,
+    readings,
+    sites,
+)
 from skinfield.lab.plots import (
     Curve,
     FieldPanel,
@@ -108,12 +119,11 @@ class Trial:
         *stream : int
             Of the random numbers, after the settings' seed.
         """
-        patch = paper_patch()
-        places = _inside(ANYWHERE_PITCH) if self.place == ANYWHERE else sites(patch)[self.place]
+        places = _inside(ANYWHERE_PITCH) if self.place == ANYWHERE else sites()[self.place]
         rng = np.random.default_rng([settings.seed, *stream])
         at = places[rng.integers(len(places), size=count)]
         cell = settings.size.cell
-        return readings(BALL, patch, settings.layer, self.force, cell, at, self.quantity)
+        return readings(BALL, self.force, cell, at, self.quantity)
 
 
 @lru_cache(maxsize=2)
@@ -127,19 +137,14 @@ def _inside(pitch: float) -> Floats:
 def known_shape(settings: Settings) -> Floats:
     """Readings (P, L) of the 1.2 cm half-sphere at 0.5 N, everywhere inside the taxels' hull."""
     places, cell = _inside(TEMPLATE_PITCH), settings.size.cell
-    return readings(BALL, paper_patch(), settings.layer, 0.5, cell, places, "stress")
-
-
-def noise_of(settings: Settings, quantity: str) -> float:
-    """Standard deviation of one reading, in the quantity's unit."""
-    return settings.change_noise if quantity == "capacitance" else settings.stress_noise
+    return readings(BALL, 0.5, cell, places, "stress")
 
 
 def idle_readings(settings: Settings, quantity: str, *stream: int) -> Floats:
     """Readings (T, L) of an idle patch."""
     rng = np.random.default_rng([settings.seed, *stream])
     shape = (settings.size.quiet, len(paper_patch()))
-    return rng.normal(scale=noise_of(settings, quantity), size=shape)
+    return rng.normal(scale=NOISES[quantity], size=shape)
 
 
 def noisy(
@@ -154,7 +159,7 @@ def noisy(
     """
     clean = trial.clean(settings, settings.size.presses, *places)
     rng = np.random.default_rng([settings.seed, *noise])
-    spread = noise_of(settings, trial.quantity) / np.sqrt(averaged)
+    spread = NOISES[trial.quantity] / np.sqrt(averaged)
     return clean + rng.normal(scale=spread, size=clean.shape)
 
 
@@ -215,7 +220,7 @@ class Campaign:
         """Threshold at the settings' rate of false alarms."""
         if (quantity, method) in self.levels:
             return self.levels[quantity, method]
-        return threshold(self.quiet[quantity][method], self.settings.false_alarms)
+        return threshold(self.quiet[quantity][method], FALSE_ALARMS)
 
     def shares(self, trial: Trial, values: Values) -> dict[tuple[str, Trial], Share]:
         """Of every method, by method and trial."""
@@ -239,7 +244,7 @@ class Campaign:
         )  # fmt: skip
         curves += [] if limit is None else [limit]
         title = f"{trial.force:g} N {trial.place}"
-        return Panel(title, note, tuple(curves), scale, self.settings.false_alarms)
+        return Panel(title, note, tuple(curves), scale, FALSE_ALARMS)
 
 
 RAW, KNOWN = "highest taxel", "matched filter (shape known)"
@@ -263,10 +268,9 @@ class Detection(Campaign):
     @classmethod
     def of(cls, settings: Settings) -> "Detection":
         """With all of its methods."""
-        patch = paper_patch()
         statistics: dict[str, Statistic] = {
             f"{method.name}, {nodes} × {nodes}": field_peak(
-                method.prepared(patch, settings.layer, nodes, settings.stress_noise),
+                method.prepared(nodes, NOISES["stress"]),
                 in_deviations=method is FIELD,
             )
             for method in (PAPER, FIELD)
@@ -314,7 +318,7 @@ def detection(settings: Settings) -> Section:
     ]
     caption = (
         "Share of presses found with the 1.2 cm half-sphere, one reading each, at "
-        f"{settings.false_alarms:g} false alarms per idle reading, with 95 % intervals "
+        f"{FALSE_ALARMS:g} false alarms per idle reading, with 95 % intervals "
         "(Wilson). Pads read their mean stress."
     )
     every = [
@@ -334,12 +338,12 @@ def detection(settings: Settings) -> Section:
         sentences=(
             f"{settings.size.presses} noisy presses per place and load; thresholds are set "
             f"on {settings.size.quiet} idle readings so that one in "
-            f"{1 / settings.false_alarms:.0f} gives a false alarm. The noise of a reading is "
-            f"{settings.stress_noise / 1e3:g} kPa: chosen because there the paper's own method "
+            f"{1 / FALSE_ALARMS:.0f} gives a false alarm. The noise of a reading is "
+            f"{NOISES['stress'] / 1e3:g} kPa: chosen because there the paper's own method "
             "misses 0.2 N and finds 0.5 N over a taxel, so that agreement in these two is no "
             "evidence; all other rates are.",
             "Averaging works as long as the noise is independent from reading to reading: for "
-            f"{100 * RELIABLE:.0f} % at 0.2 N it takes so many readings ({settings.rate:g} per "
+            f"{100 * RELIABLE:.0f} % at 0.2 N it takes so many readings ({RATE:g} per "
             "second) with the paper's method, ours, and a matched filter that knows the shape: "
             f"{'; '.join(needed)}.",
         ),
@@ -400,17 +404,17 @@ def _verdicts(made: Detection) -> list[Verdict]:
 
 def _picture_of_examples(settings: Settings) -> Picture:
     """The paper's Figures 6 and 7: one noisy reading each, seen by three methods."""
-    patch, layer, cell = paper_patch(), settings.layer, settings.size.cell
+    patch, cell = paper_patch(), settings.size.cell
     columns = [(PAPER, 20), (PAPER, 40), (FIELD, 40)]
-    prepared = [method.prepared(patch, layer, n, settings.stress_noise) for method, n in columns]
+    prepared = [method.prepared(n, NOISES["stress"]) for method, n in columns]
     panels = []
     for force, place in ((0.2, PLACES[0]), (0.5, PLACES[0]), (0.5, PLACES[2])):
-        sited = sites(patch)[place]
+        sited = sites()[place]
         where = sited[np.linalg.norm(sited - [6e-3, 8e-3], axis=1).argmin()]
-        clean = readings(BALL, patch, layer, force, cell, where[None], "stress")
+        clean = readings(BALL, force, cell, where[None], "stress")
         rng = np.random.default_rng([settings.seed, 6])
-        reading = clean[0] + rng.normal(scale=settings.stress_noise, size=len(patch))
-        circle = (*where, BALL.contact_radius(layer, force, cell))
+        reading = clean[0] + rng.normal(scale=NOISES["stress"], size=len(patch))
+        circle = (*where, BALL.contact_radius(force, cell))
         row = []
         for (method, nodes), reconstruct in zip(columns, prepared, strict=True):
             who = "paper" if method is PAPER else "ours"
@@ -457,6 +461,6 @@ def _picture_of_averages(made: Detection) -> Picture:
         panels.append(Panel("0.2 N", place, curves, scale))
     caption = (
         "Presses of 0.2 N found when readings with independent noise are averaged, at "
-        f"{made.settings.false_alarms:g} false alarms; bands are 95 % intervals."
+        f"{FALSE_ALARMS:g} false alarms; bands are 95 % intervals."
     )
     return Picture.of("averaging", caption, draw_panels([panels]))

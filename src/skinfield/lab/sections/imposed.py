@@ -8,7 +8,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.lab.paper import FIELD, PAIR, PAPER, Method, paper_patch
+from skinfield.lab.paper import FIELD, LAYER, PAIR, PAPER, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
     Picture,
@@ -95,32 +95,25 @@ class Truth:
 def discs_of(patch: Patch) -> dict[str, Floats]:
     """Centres (3, 2) m of the taxels that are pressed."""
     plane = patch.plane
-    distance = np.linalg.norm(plane[:, None] - plane[None], axis=2)
-    near = (distance < PAIR) & (distance > 0)
-    trios = [
-        (a, b, c)
-        for a in range(len(plane))
-        for b in np.flatnonzero(near[a]).tolist()
-        for c in np.flatnonzero(near[a] & near[b]).tolist()
-        if a < b < c
-    ]
-    spots = np.array([plane[list(trio)].mean(axis=0) for trio in trios])
-    first = trios[int(np.linalg.norm(spots - INNER_TRIO, axis=1).argmin())]
+    trios = plane[patch.triangles]
+    sides = np.linalg.norm(trios - np.roll(trios, 1, axis=1), axis=2)
+    trios = trios[(sides < PAIR).all(axis=1)]
+    middle = np.linalg.norm(trios.mean(axis=1) - INNER_TRIO, axis=1).argmin()
     bearings = np.radians([90.0, 210.0, 330.0])
     ideal = APART * np.column_stack([np.cos(bearings), np.sin(bearings)])
     chosen = np.linalg.norm(plane[None] - ideal[:, None], axis=2).argmin(axis=1)
-    return {ADJACENT: plane[list(first)], SEPARATE: plane[chosen]}
+    return {ADJACENT: trios[middle], SEPARATE: plane[chosen]}
 
 
-def truth_of(case: str, settings: Settings) -> Truth:
+def truth_of(case: str) -> Truth:
     """Press flat discs as wide as pads 0.2 mm into the layer, all at once, and read the patch."""
-    patch, layer = paper_patch(), settings.layer
+    patch = paper_patch()
     places = discs_of(patch)[case]
     discs = [
         Cylinder(radius=patch.pad_diameter / 2, position=(x, y), depth=DEPTH)
         for x, y in places.tolist()
     ]
-    solved = press(layer, discs, EXTENT, CELL)
+    solved = press(LAYER, discs, EXTENT, CELL)
     grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
     inwards = -solved.displacement[:, 2]
     readings = solved.base_stress(patch.plane, patch.pad_diameter)
@@ -141,13 +134,13 @@ class Finding(NamedTuple):
         return [self.peaks.max()] if self.truth.case == ADJACENT else self.peaks.tolist()
 
 
-def all_findings(settings: Settings) -> list[Finding]:
+def all_findings() -> list[Finding]:
     """Both methods on every grid, for both cases."""
-    truths = [truth_of(case, settings) for case in (ADJACENT, SEPARATE)]
+    truths = [truth_of(case) for case in (ADJACENT, SEPARATE)]
     findings = []
     for method in (PAPER, FIELD):
         for nodes in GRIDS:
-            reconstruct = method.prepared(paper_patch(), settings.layer, nodes, NOISE)
+            reconstruct = method.prepared(nodes, NOISE)
             findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in truths]
     return findings
 
@@ -210,7 +203,7 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
 
 def imposed(settings: Settings) -> Section:
     """Peaks, widths and number of contacts."""
-    findings = all_findings(settings)
+    findings = all_findings()
 
     def of(case: str, method: Method = PAPER) -> list[Finding]:
         wanted = {"imposed on": case, "method": method.name}

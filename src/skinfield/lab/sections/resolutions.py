@@ -7,7 +7,16 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
+from skinfield.lab.paper import (
+    BALL,
+    FIELD,
+    NOISES,
+    PAPER,
+    PLACES,
+    Method,
+    readings,
+    sites,
+)
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
 from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.skin import Grid
@@ -54,7 +63,7 @@ def resolutions(settings: Settings) -> Section:
         claim=CLAIM,
         sentences=(
             f"{len(places)} presses of {FORCE:g} N with the 1.2 cm half-sphere, each between three "
-            f"taxels, one reading each with {settings.stress_noise / 1e3:g} kPa of noise. "
+            f"taxels, one reading each with {NOISES['stress'] / 1e3:g} kPa of noise. "
             "Roughness is the root mean square of the second differences from cell to cell "
             f"within {AROUND * 1e3:g} mm of the press, over the highest pressure there. Smoother "
             "need not be truer: force and place say how true.",
@@ -75,18 +84,18 @@ def resolutions(settings: Settings) -> Section:
 
 def _pressed(settings: Settings) -> tuple[Floats, Floats]:
     """Places (T, 2) m, the first in the picture, and noisy readings (T, L)."""
-    patch, count = paper_patch(), min(settings.size.presses, 1000)
+    count = min(settings.size.presses, 1000)
     rng = np.random.default_rng([settings.seed, 8])
-    sited = sites(patch)[PLACE]
+    sited = sites()[PLACE]
     first = np.linalg.norm(sited - [6e-3, 8e-3], axis=1).argmin()
     places = sited[np.append(first, rng.integers(len(sited), size=count - 1))]
     cell = settings.size.cell
-    clean = readings(BALL, patch, settings.layer, FORCE, cell, places, "stress")
-    return places, clean + rng.normal(scale=settings.stress_noise, size=clean.shape)
+    clean = readings(BALL, FORCE, cell, places, "stress")
+    return places, clean + rng.normal(scale=NOISES["stress"], size=clean.shape)
 
 
 def _scored(method: Method, nodes: int, settings: Settings, places: Floats, noisy: Floats) -> Score:
-    reconstruct = method.prepared(paper_patch(), settings.layer, nodes, settings.stress_noise)
+    reconstruct = method.prepared(nodes, NOISES["stress"])
     estimate = reconstruct(noisy)
     each = [_of_one(estimate, row, place) for row, place in enumerate(places)]
     return Score(method, nodes, np.array(each))
@@ -112,13 +121,12 @@ def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
 
 
 def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
-    patch, layer = paper_patch(), settings.layer
-    truth = [(*places[0], BALL.contact_radius(layer, FORCE, settings.size.cell))]
+    truth = [(*places[0], BALL.contact_radius(FORCE, settings.size.cell))]
     rows = []
     for method, who in ((PAPER, "paper"), (FIELD, "ours")):
         row = []
         for nodes in settings.size.grids:
-            estimate = method.prepared(patch, layer, nodes, settings.stress_noise)(noisy[0])
+            estimate = method.prepared(nodes, NOISES["stress"])(noisy[0])
             title = f"{who}, {nodes} × {nodes}"
             row.append(FieldPanel(title, estimate.grid, estimate.pressure * 1e-3, truth))
         rows.append(row)

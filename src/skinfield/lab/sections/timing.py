@@ -4,7 +4,8 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.lab.bench.run import INVERSION, PAPER, PREPARED, grid_rows, methods_of_paper
-from skinfield.lab.bench.scene import BenchSettings, BenchSize
+from skinfield.lab.bench.scene import BenchSize
+from skinfield.lab.paper import paper_patch
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     Picture,
@@ -39,9 +40,9 @@ def timing(settings: Settings) -> Section:
         name=settings.size.name, grids=grids, readings=1, rounds=1, paper_laps=count,
         laps=PREPARED_LAPS * count, steps=1,
     )  # fmt: skip
-    bench = BenchSettings(size=size, seed=settings.seed, layer=settings.layer)
-    readings = np.random.default_rng(settings.seed).normal(scale=1e3, size=(1, len(bench.patch)))
-    rows = grid_rows(size, lambda nodes: methods_of_paper(bench, readings, nodes))
+    shape = (1, len(paper_patch()))
+    readings = np.random.default_rng(settings.seed).normal(scale=1e3, size=shape)
+    rows = grid_rows(size, lambda nodes: methods_of_paper(size, readings, nodes))
     times = {name: [r["seconds_us"] for r in rows if r["name"] == name] for name in NAMES}
     paper, inversion, ours = times.values()
     fastest = np.array([[one["min"] for one in each] for each in (paper, inversion)])

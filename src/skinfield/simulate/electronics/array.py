@@ -21,7 +21,7 @@ from skinfield.signal import Calibration
 from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
 from skinfield.simulate.electronics.noise import Noise
-from skinfield.simulate.electronics.thermal import ThermalDrift, ThermalPads
+from skinfield.simulate.electronics.thermal import ThermalDrift
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 
@@ -105,7 +105,6 @@ class Defects:
         return state
 
 
-PER_TAXEL = ("gain", "baseline", "drift", "white_noise", "defect", "stops_after")
 OVERLOAD = 1e9  # counts: beyond the clamp of any board
 NOISELESS = 1e-6  # of ΔC/C₀: stands for no noise, which a calibration cannot hold
 
@@ -123,8 +122,6 @@ class TaxelArray:
     baseline : (L,) array, counts
         Level of the unloaded taxel at the reference temperature.
     drift : (L,) array, counts/K
-    pad_error : (converters,) array, converter counts
-        Of the thermal pads.
     white_noise : (L,) array, counts
         Standard deviation.
     defect : (L,) int8 array
@@ -138,19 +135,9 @@ class TaxelArray:
     gain: Floats
     baseline: Floats
     drift: Floats
-    pad_error: Floats
     white_noise: Floats
     defect: Kinds
     stops_after: Floats
-
-    def __post_init__(self) -> None:
-        for name in PER_TAXEL:
-            column = np.array(getattr(self, name))
-            check_shape(name, column, (len(self.patch),), "one per taxel of the patch")
-            column.setflags(write=False)
-            object.__setattr__(self, name, column)
-        pads = (self.wiring.converters,)
-        check_shape("pad_error", self.pad_error, pads, "one per converter of the patch")
 
     def __len__(self) -> int:
         return len(self.patch)
@@ -219,34 +206,26 @@ class TaxelArray:
         if not len(change):
             raise InputError(f"change has shape {change.shape}, expected at least one reading")
         check_finite("change", change, "what a taxel feels is known, even if it does not answer")
-        noise, joints, losses, pads = rng.spawn(4)
+        noise, joints, losses = rng.spawn(3)
         rate = self.electronics.delivery.rate
         felt = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
         level = self.baseline + self.gain * felt
-        level = level + self._warmed(len(change), temperature, pads)
+        level = level + self._warmth(len(change), temperature) * self.drift
         level += self.electronics.noise.sample(
             self.white_noise, self.wiring, len(level), rate, noise
         )
         counts = self._spoiled(level, joints)
         return self.electronics.delivery.lose(counts, self.wiring, losses)
 
-    def _warmed(
-        self, readings: int, temperature: ArrayLike | None, rng: np.random.Generator
-    ) -> Floats:
-        """What the temperature adds to that, (T, L) counts, less what the board takes off."""
-        settings = self.electronics
+    def _warmth(self, readings: int, temperature: ArrayLike | None) -> Floats:
+        """How much warmer than at the reference the skin is, (T, 1) K."""
         if temperature is None:
-            warmth = np.zeros(readings)
-        else:
-            temperature = as_floats("temperature", temperature)
-            check_shape("temperature", temperature, (readings,), "one per reading, in kelvin")
-            check_finite("temperature", temperature, "the surroundings have one at any time")
-            warmth = settings.drift.warmth(temperature, settings.delivery.rate)
-        added = warmth[:, None] * self.drift
-        if settings.thermal_pads is not None and isinstance(settings.board, ICubBoard):
-            remainder = settings.thermal_pads.remainder(warmth, self.pad_error, self.wiring, rng)
-            added = added - remainder / settings.board.size
-        return np.asarray(added)
+            return np.zeros((readings, 1))
+        temperature = as_floats("temperature", temperature)
+        check_shape("temperature", temperature, (readings,), "one per reading, in kelvin")
+        check_finite("temperature", temperature, "the surroundings have one at any time")
+        drift, rate = self.electronics.drift, self.electronics.delivery.rate
+        return drift.warmth(temperature, rate)[:, None]
 
     def _spoiled(self, level: Floats, rng: np.random.Generator) -> Floats:
         """Counts as sent, (T, L), the defects included."""
@@ -336,8 +315,6 @@ class Electronics:
         Standard deviation of the baselines around the board's rest.
     cross_talk : CrossTalk
     drift : ThermalDrift
-    thermal_pads : ThermalPads, optional
-        Of an `ICubBoard`, for patches of ten-pad triangles.
     noise : Noise
     defects : Defects
     delivery : Delivery
@@ -350,7 +327,6 @@ class Electronics:
     baseline_spread: float = 0.0
     cross_talk: CrossTalk = field(default_factory=CrossTalk)
     drift: ThermalDrift = field(default_factory=ThermalDrift)
-    thermal_pads: ThermalPads | None = None
     noise: Noise = field(default_factory=Noise)
     defects: Defects = field(default_factory=Defects)
     delivery: Delivery = field(default_factory=Delivery)
@@ -359,28 +335,15 @@ class Electronics:
         for name in ("gain_spread", "converter_gain_spread"):
             check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
         check_range("baseline_spread", self.baseline_spread, 0.0, 1e9, "in counts; 0 is off")
-        if self.thermal_pads is not None and not isinstance(self.board, ICubBoard):
-            raise InputError(
-                f"thermal_pads is given with {self.board!r}, expected an ICubBoard: the correction "
-                "is that of its firmware"
-            )
 
     def manufacture(self, patch: Patch, rng: np.random.Generator) -> TaxelArray:
         """Draw the taxels of a patch.
 
         Each property has its own stream of random numbers, so that one that is switched off, or
         set otherwise, leaves the others as they were.
-
-        Raises
-        ------
-        InputError
-            If the patch has not the taxels that the thermal pads ask for.
         """
         wired, taxels = wiring(patch), len(patch)
-        pads = self.thermal_pads
-        if pads is not None:
-            pads.check_wiring(wired)
-        gains, bases, drifts, noises, defects, stops, warmth = rng.spawn(7)
+        gains, bases, drifts, noises, defects, stops = rng.spawn(6)
         shared = gains.standard_normal(wired.converters)[wired.converter]
         own = gains.standard_normal(taxels)
         spread = self.converter_gain_spread * shared + self.gain_spread * own
@@ -390,7 +353,6 @@ class Electronics:
             gain=self.board.gain * np.exp(spread),
             baseline=self.board.rest + self.baseline_spread * bases.standard_normal(taxels),
             drift=self.drift.draw(wired, drifts),
-            pad_error=np.zeros(wired.converters) if pads is None else pads.draw(wired, warmth),
             white_noise=self.noise.draw(taxels, noises),
             defect=self.defects.draw(taxels, defects),
             stops_after=self.defects.stuck_within * stops.random(taxels),

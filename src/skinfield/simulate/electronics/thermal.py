@@ -1,13 +1,13 @@
-"""Temperature: its effect on readings, the iCub's thermal pads, and the boards' correction."""
+"""Temperature: its effect on readings, and the iCub's thermal pads."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, InputError, as_floats, check_positive, check_range
-from skinfield.signal.boards import GAINS, PAD, UNUSED, firmware_drift
-from skinfield.simulate.electronics.delivery import INPUTS, Wiring
+from skinfield.errors import Floats, as_floats, check_positive, check_range
+from skinfield.signal.boards import GAINS
+from skinfield.simulate.electronics.delivery import Wiring
 
 ROOM = 298.15
 """K, 25 °C."""
@@ -69,10 +69,7 @@ class ThermalDrift:
 
 @dataclass(frozen=True, kw_only=True)
 class ThermalPads:
-    """Thermal drift by the pattern of the firmware's gains, and the firmware's correction of it.
-
-    What remains is rounding, the noise of the pad, and the faults of a pad, which shift every
-    taxel of a triangle. A mismatch of taxel and gain is `ThermalDrift`, added to this.
+    """Thermal pads of an iCub's triangle, and how taxels drift with what its firmware takes off.
 
     Parameters
     ----------
@@ -81,62 +78,10 @@ class ThermalPads:
     noise : float, converter counts
         Standard deviation of a reading of the pad. The pads of a real foot had 0.5 to 0.7 counts
         at a shift of 2, steps included.
-    failed : float
-        Probability that a pad has a fault. 0: none.
-    failed_by : float, converter counts
-        What a pad with a fault reads too little.
     gains : tuple of 12 int
-    negated_first : bool
-        See `firmware_drift`.
+        Of the firmware, per channel, see `firmware_drift`.
     """
 
     per_kelvin: float = 10.0
     noise: float = 2.0
-    failed: float = 0.0
-    failed_by: float = 200.0
     gains: tuple[int, ...] = GAINS
-    negated_first: bool = False
-
-    def __post_init__(self) -> None:
-        check_range("per_kelvin", self.per_kelvin, -1e4, 1e4, "converter counts per kelvin")
-        check_range("noise", self.noise, 0.0, 1e4, "converter counts; 0 is off")
-        check_range("failed", self.failed, 0.0, 1.0, "a probability; 0 is off")
-        check_range("failed_by", self.failed_by, -1e5, 1e5, "converter counts")
-        if len(self.gains) != INPUTS:
-            raise InputError(
-                f"gains has {len(self.gains)} entries, expected {INPUTS}: one per channel"
-            )
-
-    def check_wiring(self, wiring: Wiring) -> None:
-        """Raise InputError if a taxel is where a thermal pad has to be."""
-        taken = np.flatnonzero((wiring.stage == PAD) | (wiring.stage == UNUSED))
-        if len(taken):
-            raise InputError(
-                f"taxel {taken[0]} is at channel {wiring.stage[taken[0]]} of its triangle, "
-                f"expected thermal pads at {PAD} and {UNUSED}: use a patch of ten-pad triangles, "
-                "or no thermal pads"
-            )
-
-    def draw(self, wiring: Wiring, rng: np.random.Generator) -> Floats:
-        """Error of the pad of each converter, (converters,) converter counts."""
-        bad = rng.random(wiring.converters) < self.failed
-        return np.where(bad, -float(self.failed_by), 0.0)
-
-    def remainder(
-        self, warmth: Floats, error: Floats, wiring: Wiring, rng: np.random.Generator
-    ) -> Floats:
-        """Drift less correction, (T, L) converter counts.
-
-        Parameters
-        ----------
-        warmth : (T,) array, K
-            Above the reference.
-        error : (converters,) array, converter counts
-            Of the pads, from `draw`.
-        """
-        gains = np.array(self.gains, dtype=np.float64)[wiring.stage]
-        drift = self.per_kelvin * warmth[:, None]
-        noise = self.noise * rng.standard_normal((len(warmth), wiring.converters))
-        pads: NDArray[np.float64] = np.rint(drift + error + noise)[:, wiring.converter]
-        taken = firmware_drift(pads, gains, negated_first=self.negated_first)
-        return np.asarray(drift * gains / 128.0 - taken)

@@ -229,32 +229,23 @@ class HeightMap(Indenter):
 
     def between(self, row: Floats, column: Floats) -> Floats:
         """Heights, m, at places counted in samples: 0 is the first one's middle."""
-        rows, columns = self.heights.shape
-        nearest_row = np.floor(row + 0.5).astype(np.int64)
-        nearest_column = np.floor(column + 0.5).astype(np.int64)
-        on_map = (nearest_row >= 0) & (nearest_row < rows)
-        on_map &= (nearest_column >= 0) & (nearest_column < columns)
-        low_row = np.floor(np.clip(row, 0, rows - 1)).astype(np.int64)
-        low_column = np.floor(np.clip(column, 0, columns - 1)).astype(np.int64)
-        up, right = (
-            np.clip(row, 0, rows - 1) - low_row,
-            np.clip(column, 0, columns - 1) - low_column,
+        place = np.floor(np.stack([row, column]) + 0.5).astype(np.int64)
+        last = np.array(self.heights.shape).reshape(2, *[1] * row.ndim) - 1
+        inside = np.clip(place, 0, last)
+        there = (place == inside).all(axis=0) & np.isfinite(self.heights[tuple(inside)])
+        return np.where(there, self._mean(row, column), np.inf)
+
+    def _mean(self, row: Floats, column: Floats) -> Floats:
+        """Of the samples around such places that are there, bilinear; NaN where none is."""
+        from scipy.ndimage import map_coordinates
+
+        there = np.isfinite(self.heights)
+        total, share = (
+            map_coordinates(values, [row, column], order=1, mode="nearest")
+            for values in (np.where(there, self.heights, 0.0), there.astype(np.float64))
         )
-        total, weight = np.zeros(row.shape), np.zeros(row.shape)
-        for r, across in ((low_row, 1.0 - up), (np.minimum(low_row + 1, rows - 1), up)):
-            for c, along in (
-                (low_column, 1.0 - right),
-                (np.minimum(low_column + 1, columns - 1), right),
-            ):
-                corner = self.heights[r, c]
-                share = np.where(np.isfinite(corner), across * along, 0.0)
-                total += share * np.where(np.isfinite(corner), corner, 0.0)
-                weight += share
-        own = self.heights[
-            np.clip(nearest_row, 0, rows - 1), np.clip(nearest_column, 0, columns - 1)
-        ]
-        there = on_map & np.isfinite(own) & (weight > 0.0)
-        return np.where(there, total / np.where(there, weight, 1.0), np.inf)
+        mean = np.full(row.shape, np.nan)
+        return np.asarray(np.divide(total, share, out=mean, where=share > 0.0))
 
     @cached_property
     def _sheet(self) -> Mesh:
@@ -262,7 +253,7 @@ class HeightMap(Indenter):
         rows, columns = self.heights.shape
         there = np.isfinite(self.heights)
         row, column = np.mgrid[0 : 2 * rows + 1, 0 : 2 * columns + 1] / 2 - 0.5
-        z = self._corners(row, column)
+        z = self._mean(row, column)  # the same from each pixel that meets there
         x = (column - (columns - 1) / 2) * self.pixel
         y = (row - (rows - 1) / 2) * self.pixel
         index = np.arange(row.size).reshape(row.shape)
@@ -273,15 +264,3 @@ class HeightMap(Indenter):
         vertices = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
         pose: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(Indenter)}
         return Mesh(vertices=vertices, faces=faces, **pose)
-
-    def _corners(self, row: Floats, column: Floats) -> Floats:
-        """Heights at middles, sides and corners of pixels, the same from each pixel that meets."""
-        total, count = np.zeros(row.shape), np.zeros(row.shape)
-        padded = np.pad(self.heights, 1, constant_values=np.inf)
-        for low_row in (np.floor(row), np.ceil(row)):
-            for low_column in (np.floor(column), np.ceil(column)):
-                corner = padded[low_row.astype(np.int64) + 1, low_column.astype(np.int64) + 1]
-                finite = np.isfinite(corner)
-                total += np.where(finite, corner, 0.0)
-                count += finite
-        return total / np.maximum(count, 1.0)

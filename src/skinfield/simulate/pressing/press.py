@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,38 +26,6 @@ from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
 from skinfield.simulate.pressing.windows import Skin
 from skinfield.skin import Grid, Patch
-
-
-def outlines(share: Floats, y: Floats, x: Floats) -> list[Floats]:
-    """Polygons along which a picture passes through one half.
-
-    Parameters
-    ----------
-    share : (rows, columns) array
-        Between nodes it is taken as linear, and 0 around the picture.
-    y, x : (rows,) and (columns,) arrays, m
-        Places of the nodes, evenly spaced.
-
-    Returns
-    -------
-    list of (N, 2) arrays, m
-        Closed, the first point repeated as the last; what is above one half lies to the left, so
-        holes run the other way round. The largest first.
-    """
-    from contourpy import contour_generator
-
-    step = float(x[1] - x[0]) if len(x) > 1 else float(y[1] - y[0]) if len(y) > 1 else 1.0
-    lines = contour_generator(z=np.pad(share, 1)).lines(0.5)
-    corner = np.array([x[0] - step, y[0] - step])
-    polygons = [corner + step * np.asarray(line) for line in lines]
-    return sorted(polygons, key=lambda polygon: -abs(enclosed(polygon)))
-
-
-def enclosed(polygon: Floats) -> float:
-    """Area within a closed polygon (N, 2), positive where it runs counter-clockwise."""
-    x, y = polygon.T
-    return float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) / 2)
-
 
 MOST_CELLS = 4_000_000
 
@@ -160,11 +129,14 @@ class Press:
     @property
     def outline(self) -> list[Floats]:
         """Closed polygons (N, 2) m around what touches, anticlockwise; holes run clockwise."""
-        return [
-            polygon
-            for touch in self.touches
-            for polygon in outlines(touch.share, *self._skin.axes(touch.window))
-        ]
+        from contourpy import contour_generator
+
+        found = []
+        for touch in self.touches:
+            (y, x), side = self._skin.axes(touch.window), self._skin.side(touch.window)
+            lines = contour_generator(z=np.pad(touch.share, 1)).lines(0.5)
+            found += [[x[0], y[0]] + side * (np.asarray(line) - 1.0) for line in lines]
+        return found
 
     @cached_property
     def _above(self) -> Floats:
@@ -332,35 +304,14 @@ def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | N
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One indenter's part of a press.
+def parts_of(press: Press) -> list[dict[str, Any]]:
+    """Part of each indenter of a press, in order: a row with the unit in each key's name.
 
-    Attributes
-    ----------
-    indenter : Indenter
-    force : float, N
-        Into the skin.
-    depth : float, m
-        Of its lowest point below the undeformed surface.
-    centre : (2,) array, m
-        Of its pressure in the plane; NaN where it does not touch.
-    area : float, m²
-        That it touches.
-    peak : float, Pa
-        Largest mean pressure of a cell. Below a sharp edge it grows without bound as cells shrink.
+    ``number`` from 1, ``body`` in words, ``force_N`` into the skin, ``depth_m`` of its lowest point
+    below the undeformed surface, ``x_m`` and ``y_m`` of the centre of its pressure in the plane,
+    NaN where it does not touch, ``area_m2`` that it touches, and ``peak_Pa``, the largest mean
+    pressure of a cell: below a sharp edge it grows without bound as cells shrink.
     """
-
-    indenter: Indenter
-    force: float
-    depth: float
-    centre: Floats
-    area: float
-    peak: float
-
-
-def parts_of(press: Press) -> list[Part]:
-    """Part of each indenter, in order."""
     pressure = pressure_by_body(press)
     parts = []
     for index, indenter in enumerate(press.indenters):
@@ -372,9 +323,18 @@ def parts_of(press: Press) -> list[Part]:
             * (press.grid.pitch / touch.window.split) ** 2
             for touch in press.touches
         )
-        peak = float(pressure[index].max())
-        depth = float(press.approach[index])
-        parts.append(Part(indenter, force, depth, centre, area, peak))
+        parts.append(
+            {
+                "number": index + 1,
+                "body": indenter.kind,
+                "force_N": force,
+                "depth_m": float(press.approach[index]),
+                "x_m": float(centre[0]),
+                "y_m": float(centre[1]),
+                "area_m2": area,
+                "peak_Pa": float(pressure[index].max()),
+            }
+        )
     return parts
 
 
@@ -443,10 +403,6 @@ def press_ladder(
     """
     loads = as_floats("forces", forces)
     check_shape("forces", loads, (None,), "one press per force, in newtons")
-    if not len(loads):
-        raise InputError("forces is empty, expected at least one force in newtons")
-    for index, load in enumerate(loads):
-        check_positive(f"forces[{index}]", float(load), "into the skin, in newtons")
     skin = skin_of(layer, extent, cell, mechanics)
     found: dict[int, Press] = {}
     before: Settled | None = None

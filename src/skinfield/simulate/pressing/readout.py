@@ -73,11 +73,11 @@ def gap_strain(
         load[:, *_on_mesh(window, split, low)] = resplit(touch.traction, window.split, split)
         sunk = convolve(-load[2])
         if window.split > split:  # near its squares the mesh sees each of them
-            wide = _around(window, NEAR + 1)
+            wide = window.grown(NEAR + 1)
             near = skin.near(wide)(window.embedded(-touch.traction[2], wide))
             inside = slice(split, -split)
             sampled = _sampled(near, window.split // split)[inside, inside]
-            sunk[_on_mesh(_around(window, NEAR), split, low)] = sampled
+            sunk[_on_mesh(window.grown(NEAR), split, low)] = sampled
         total += sunk
         if load[:2].any():
             surface = cached_surface_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
@@ -96,13 +96,6 @@ def _sampled(values: Floats, ratio: int) -> Floats:
 
     means = coarsened(values, ratio)
     return np.asarray(means - laplace(means, mode="nearest") * (1 - ratio**-2) / 24)
-
-
-def _around(window: Window, cells: int) -> Window:
-    """With so many cells more on every side, beyond the grid, too."""
-    row, column = window.row - cells, window.column - cells
-    rows, columns = window.rows + 2 * cells, window.columns + 2 * cells
-    return Window(row, column, rows, columns, window.split)
 
 
 def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice, slice]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -79,11 +79,13 @@ class Window:
         middle, every = self.split // 2, self.split
         return values[..., middle::every, middle::every]
 
-    def grown(self, margin: int, shape: tuple[int, int]) -> "Window":
-        """With so many cells more on every side, as far as the grid of `shape` goes."""
-        row, column = max(self.row - margin, 0), max(self.column - margin, 0)
-        last, right = (min(n + margin, most) for n, most in zip(self.end, shape, strict=True))
-        return Window(row, column, last - row, right - column, self.split)
+    def grown(self, margin: int, shape: tuple[int, int] | None = None) -> "Window":
+        """With so many cells more on every side, as far as a grid of `shape` goes, if any."""
+        low, high = np.array([self.row, self.column]) - margin, np.array(self.end) + margin
+        if shape is not None:
+            low, high = np.maximum(low, 0), np.minimum(high, shape)
+        (row, column), (rows, columns) = low.tolist(), (high - low).tolist()
+        return Window(row, column, rows, columns, self.split)
 
     def embedded(self, values: Floats, larger: "Window") -> Floats:
         """Values on the squares of a larger window of the same split, 0 beyond."""
@@ -132,22 +134,17 @@ def width(mask: NDArray[np.bool_], coverage: Floats) -> float:
 
 def merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
     """Join windows that are less than `APART` cells from each other; the smaller width counts."""
-    found = list(found)
-    index = 0
-    while index < len(found):
-        one, width = found[index]
-        for other_index in range(index + 1, len(found)):
-            other, narrower = found[other_index]
-            first = np.minimum([one.row, one.column], [other.row, other.column])
-            last = np.maximum(one.end, other.end)
-            size = np.array([one.rows + other.rows, one.columns + other.columns])
-            if (last - first - size).max() < APART:
-                joined = Window(*first.tolist(), *(last - first).tolist())
-                found[index] = (joined, min(width, narrower))
-                del found[other_index]
-                index = -1
-                break
-        index += 1
+    for (index, (one, width)), (other_index, (other, narrower)) in combinations(
+        enumerate(found), 2
+    ):
+        first = np.minimum([one.row, one.column], [other.row, other.column])
+        last = np.maximum(one.end, other.end)
+        size = np.array([one.rows + other.rows, one.columns + other.columns])
+        if (last - first - size).max() < APART:
+            joined = Window(*first.tolist(), *(last - first).tolist())
+            rest = [*found[:index], (joined, min(width, narrower)), *found[index + 1 :]]
+            del rest[other_index]
+            return merged(rest)
     return found
 
 

@@ -85,18 +85,14 @@ class LoadCell:
         check_range("gain_error", self.gain_error, -0.5, 0.5, "relative; 0 is off")
         check_range("delay", self.delay, 0.0, 10.0, "in seconds; 0 is off")
 
-    def measure(
-        self, time: Floats, force: Floats, rng: np.random.Generator, start_ns: int = 0
-    ) -> LoadSeries:
+    def measure(self, time: Floats, force: Floats, rng: np.random.Generator) -> LoadSeries:
         """Sample a force.
 
         Parameters
         ----------
         time, force : (T,) arrays, s and N
-            Of the true force into the skin.
+            Of the true force into the skin; stamp 0 is time 0.
         rng : numpy Generator
-        start_ns : int, ns
-            Stamp of time 0.
         """
         own = np.arange(time[0], time[-1], 1.0 / self.rate)
         level = (1.0 + self.gain_error) * np.interp(own, time, force) + self.offset
@@ -104,7 +100,7 @@ class LoadCell:
         if self.resolution:
             level = self.resolution * np.rint(level / self.resolution)
         shown = np.clip(level, -self.full_scale, self.full_scale)
-        stamps = start_ns + np.rint((own + self.delay) * 1e9).astype(np.int64)
+        stamps = np.rint((own + self.delay) * 1e9).astype(np.int64)
         return LoadSeries(stamps, shown, np.abs(level) >= self.full_scale)
 
 
@@ -198,11 +194,19 @@ class Pose:
     y: float
     angle: float = 0.0
 
+    @property
+    def turn(self) -> Floats:
+        """Rotation matrix (2, 2)."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[cos, -sin], [sin, cos]])
+
+    def carried(self, plane: Floats) -> Floats:
+        """Points (N, 2) m of a press at the origin, carried with it."""
+        return np.asarray(plane @ self.turn.T + [self.x, self.y])
+
     def taxels(self, plane: ArrayLike) -> Floats:
         """Taxels at (L, 2) m of the patch's plane as the indenter sees them, (L, 2) m."""
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        turn = np.array([[cos, -sin], [sin, cos]])
-        return np.asarray((as_floats("plane", plane) - [self.x, self.y]) @ turn)
+        return np.asarray((as_floats("plane", plane) - [self.x, self.y]) @ self.turn)
 
 
 class Places(Protocol):
@@ -465,10 +469,6 @@ class Scenario:
     repeats, first_repeat : int
         Recordings per tool, and the number of the first.
     patch : Patch
-    layout : str
-        Where the patch is from, for a file: a layout file, or a generator by name.
-    patch_name : str
-        Which patch of that layout; "" where it has one.
     layer : Layer
     cover : bool
         The layer's surface cannot stretch (a fabric on it).
@@ -489,8 +489,6 @@ class Scenario:
     repeats: int = 1
     first_repeat: int = 0
     patch: Patch = field(default_factory=icub_hexagon, compare=False)
-    layout: str = "icub_hexagon"
-    patch_name: str = ""
     layer: Layer = field(default_factory=Layer)
     cover: bool = False
     elastomer: Viscoelastic = field(default_factory=StandardLinearSolid)
