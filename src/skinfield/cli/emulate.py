@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from skinfield.emulator import VirtualSettings, VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
-USUAL_BUS = "udp"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +70,7 @@ def emulate(
     *,
     hardware: Literal["icub", "cyskin", "packet"] = "icub",
     layout: options.LayoutText = "hexagon72",
-    bus: str | None = None,
+    bus: str = "udp",
     channel: tuple[str, ...] = (),
     rate_hz: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None,
     at_once: bool = False,
@@ -137,8 +136,8 @@ def emulate(
     ----------
     hardware : str
         Whose boards.
-    bus : str, optional
-        See above; default udp.
+    bus : str
+        See above.
     channel : tuple of str
         Address on the bus, see above; once for each bus.
     rate_hz : float, 1/s, optional
@@ -170,7 +169,7 @@ def emulate(
     settings = VirtualSettings(
         hardware=hardware,
         skin=layout,
-        bus=bus or USUAL_BUS,
+        bus=bus,
         channels=channel,
         port=PORT,
         rate=rate_hz,

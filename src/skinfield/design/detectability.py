@@ -63,8 +63,6 @@ class BlindSpots:
     Attributes
     ----------
     places : Places
-    touch : Touch
-        Whose radius counts; its force does not.
     snr : (P,) array, 1/N
         Best signal-to-noise ratio of one reading of all taxels, per newton: the matched filter's.
     threshold : float
@@ -72,7 +70,6 @@ class BlindSpots:
     """
 
     places: Places
-    touch: Touch
     snr: Floats
     threshold: float
 
@@ -115,6 +112,7 @@ def blind_spots(
     ----------
     design : SkinDesign
     touch : Touch
+        Whose radius counts; its force does not.
     places : Places, optional
         Default `Places.over` the patch.
     threshold : float
@@ -122,7 +120,7 @@ def blind_spots(
     """
     check_range("threshold", threshold, 0.0, 1.0, "part of the best place's response")
     places = Places.over(design.patch) if places is None else places
-    return BlindSpots(places, touch, snr_per_newton(design, touch.radius, places.plane), threshold)
+    return BlindSpots(places, snr_per_newton(design, touch.radius, places.plane), threshold)
 
 
 STEPS = 12  # of the search for a force where readings are not proportional to it
@@ -200,11 +198,6 @@ class DetectableForce:
     def missed(self) -> NDArray[np.bool_]:
         """Where a touch of the stated force is not found at the stated rates, (P,)."""
         return np.asarray(self.unknown_place > self.touch.force)
-
-    @property
-    def independent(self) -> float:
-        """How many places that do not know of each other have the same false alarms together."""
-        return self.searched.independent(self.false_alarm_rate)
 
 
 def detectable_force(

@@ -30,7 +30,6 @@ from skinfield.design.design import (
     near_taxels,
     respond,
     sight_of,
-    tables_of_design,
 )
 from skinfield.errors import Floats, InputError, check_positive, check_range
 
@@ -202,12 +201,7 @@ def two_point_distance(
 
 def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:
     """Places over a patch, a third of a taxel's pitch apart; farther where there were too many."""
-    pitch = design.patch.pitch / PER_PITCH
-    places = Places.over(design.patch, pitch)
-    while len(places) > most:
-        pitch *= max(1.05, np.sqrt(len(places) / most))
-        places = Places.over(design.patch, pitch)
-    return places
+    return Places.over(design.patch, per_pitch=PER_PITCH, most=most)
 
 
 def _search(
@@ -221,6 +215,7 @@ def _search(
     out: Floats,
 ) -> None:
     from skinfield.design.kernels import Ground, Pair, smallest_distances
+    from skinfield.solve.atoms.table import atom_tables
 
     h, points, grid = design.layer.thickness, places.plane[part], places.grid
     sight = sight_of(design, touch.radius)
@@ -231,7 +226,7 @@ def _search(
     ground = Ground(places.inside, float(left), float(low), grid.pitch / h)
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
     plane, white = design.patch.plane / h, 1.0 / design.noise
-    tables = tables_of_design(design)
+    tables = atom_tables(design.physics)
     smallest_distances(
         points / h, ways, steps / h, pair, ground, plane, white, sight / h, start, rows, tables, out
     )

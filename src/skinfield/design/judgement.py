@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,16 +24,10 @@ from skinfield.errors import Floats
 SHARES = (0.5, 0.9, 0.95, 1.0)  # of the places, in a row
 
 
-@dataclass(frozen=True)
-class Row:
-    """One map in numbers: at half of the places it is better than `median`.
+class Row(NamedTuple):
+    """One map in numbers, in mm and N: at half of the places it is better than `median`.
 
-    Attributes
-    ----------
-    name, unit : str
-        `unit` is that of the numbers below: mm and N, for people.
-    median, p90, p95, worst : float
-        Infinite where so many places have no finite value.
+    They are infinite where so many places have no finite value.
     """
 
     name: str

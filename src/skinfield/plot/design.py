@@ -8,7 +8,15 @@ from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
-from skinfield.plot.style import ABOVE, INK, TITLE, add_title, new_figure, style
+from skinfield.plot.style import (
+    ABOVE,
+    INK,
+    TITLE,
+    add_colour_bar,
+    add_title,
+    new_figure,
+    style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,16 +141,10 @@ def _add_log_bar(axes: "Axes", image: Any, label: str, values: Floats) -> None:
     finite = values[np.isfinite(values)]
     extend = ("neither", "min", "max", "both")
     beyond = (finite < low * 0.999).any() + 2 * (finite > high * 1.001).any()
-    figure: Any = axes.figure
-    bar = figure.colorbar(
-        image, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)),
-        extend=extend[beyond], extendfrac=0.03,
-    )  # fmt: skip
+    bar = add_colour_bar(axes, image, label, extend=extend[beyond], extendfrac=0.03)
     ticks = np.geomspace(low, high, 5)
     bar.set_ticks(list(ticks), labels=[f"{tick:.2g}" for tick in ticks])
     bar.ax.minorticks_off()
-    bar.set_label(label)
-    bar.outline.set_linewidth(0.5)
 
 
 def _outline_blind(axes: "Axes", judgement: Judgement) -> None:

@@ -28,6 +28,7 @@ from skinfield.plot.style import (
     TITLE,
     add_colour_bar,
     add_title,
+    duration,
     new_figure,
     number,
     plural,
@@ -270,15 +271,6 @@ def facts(estimate: Estimate) -> list[str]:
         f"{int(estimate.valid.sum())} of {plural(len(estimate.valid), 'taxel')} used",
         "; ".join(last),
     ]
-
-
-def duration(seconds: float) -> str:
-    """Write a time in s, ms or µs."""
-    scale, unit = next(
-        ((scale, unit) for scale, unit in ((1.0, "s"), (1e3, "ms")) if seconds * scale >= 1.0),
-        (1e6, "µs"),
-    )
-    return f"{number(seconds * scale, 2)} {unit}"
 
 
 FACTOR = {"%": 100.0, "kPa": 1e-3}  # from the unit of the readings to the one shown

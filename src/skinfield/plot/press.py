@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, check_shape
-from skinfield.plot.maps import MM, draw_cells, draw_pads, frame_axes, outline_pads
+from skinfield.plot.maps import (
+    MM,
+    draw_cells,
+    draw_pads,
+    extent_of_pads,
+    frame_axes,
+    outline_pads,
+)
 from skinfield.plot.style import (
     BLUE,
     FAINT,
@@ -184,9 +191,6 @@ def _readings(
     check_shape("readings", readings, (len(patch),), "one per taxel of the patch")
     pads = draw_pads(axes, patch, readings)
     _outline(axes, press)
-    rim = patch.pad_diameter
-    frame_axes(
-        axes, patch, np.stack([patch.plane.min(axis=0) - rim, patch.plane.max(axis=0) + rim])
-    )
+    frame_axes(axes, patch, extent_of_pads(patch))
     add_colour_bar(axes, pads, label)
     add_title(axes, "D", "What the taxels read", f"{plural(len(patch), 'taxel')}, without noise")

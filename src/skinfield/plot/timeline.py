@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, as_floats, check_finite, check_shape
-from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, new_figure, number, style
+from skinfield.plot.style import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,9 +68,7 @@ def draw_timeline(
         words = _in_words(f"{label} − reference", force - other)
         difference.set_title(words, loc="left", fontsize=8.5, color=QUIET, pad=4)
         for axes in (forces, difference):
-            axes.grid(color=FAINT, lw=0.5, alpha=0.6)
-            axes.spines[["top", "right"]].set_visible(False)
-            axes.margins(x=0.0)
+            open_axes(axes)
     return figure
 
 
