@@ -65,8 +65,13 @@ _places = iter(range(1, 1000))
 
 
 def part(title: str) -> Parameter:
-    """A section of settings as flags under this heading; headings stand in the program's order."""
-    return Parameter(name="*", group=Group(title, sort_key=next(_places)))
+    """A section of settings as flags under this heading."""
+    return heading(title, name="*")
+
+
+def heading(title: str, name: str | None = None) -> Parameter:
+    """Heading in the help for a flag; headings stand in the program's order."""
+    return Parameter(name=name, group=Group(title, sort_key=next(_places)))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -261,7 +261,7 @@ def signals_end() -> Iterator[None]:
     """
     before = {number: signal.getsignal(number) for number in ENDINGS}
     for number in ENDINGS[1:]:
-        signal.signal(number, _interrupt)
+        signal.signal(number, signal.default_int_handler)
     try:
         yield
     finally:
@@ -273,10 +273,6 @@ def end_undisturbed() -> None:
     """From now on an impatient second Ctrl-C must not keep anything from ending."""
     for number in ENDINGS:
         signal.signal(number, signal.SIG_IGN)
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
 
 
 def show_address(address: str, where: Console, *, browser: bool, as_json: bool = False) -> None:

@@ -1,6 +1,5 @@
 """Design of a skin before it is made: the touch it is judged by, places, and the response."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -93,11 +92,6 @@ class Touch:
     def __post_init__(self) -> None:
         check_positive("force", self.force, "of the touch, in newtons")
         check_positive("radius", self.radius, "of the contact, in metres")
-
-    @classmethod
-    def small(cls, layer: Layer, force: float = 0.5) -> "Touch":
-        """Touch as wide as the layer is thick: a radius of half the thickness."""
-        return cls(force, layer.thickness / 2)
 
     def check_on(self, layer: Layer) -> None:
         """Raise InputError where the layer is too thin or thick for the radius."""
@@ -204,21 +198,6 @@ class Places:
         out = np.full(len(self.grid), np.nan)
         out[self.nodes] = values
         return out.reshape(self.grid.shape)
-
-    def parts(self, mask: NDArray[np.bool_]) -> Iterator[Ints]:
-        """Connected parts of the places where `mask` (P,), largest first: rows of places each.
-
-        Places that share a side or a corner belong together.
-        """
-        from scipy.ndimage import label
-
-        whole = np.zeros(len(self.grid), dtype=np.bool_)
-        whole[self.nodes[mask]] = True
-        names, count = label(whole.reshape(self.grid.shape), structure=np.ones((3, 3)))
-        of_place = names.ravel()[self.nodes]
-        sizes = np.bincount(of_place, minlength=count + 1)[1:]
-        for part in np.argsort(-sizes, kind="stable") + 1:
-            yield np.flatnonzero(of_place == part)
 
 
 BLOCK = 4096  # places whose neighbouring taxels are listed at once

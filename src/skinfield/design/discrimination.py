@@ -127,18 +127,17 @@ class TwoPointDistance:
     @property
     def typical(self) -> Floats:
         """Median over the directions that stay on the patch, (P,) m; infinite if none does."""
-        ordered, count = self._ordered()
-        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0) // 2])
+        return np.asarray(np.nanquantile(self._known, 0.5, axis=1, method="lower"))
 
     @property
     def worst(self) -> Floats:
         """Largest over the directions that stay on the patch, (P,) m; infinite if none does."""
-        ordered, count = self._ordered()
-        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0)])
+        return np.asarray(np.nanmax(self._known, axis=1))
 
-    def _ordered(self) -> tuple[Floats, Floats]:
-        known = ~np.isnan(self.distance)
-        return np.sort(np.where(known, self.distance, np.inf), axis=1), known.sum(axis=1)
+    @property
+    def _known(self) -> Floats:
+        none = np.isnan(self.distance).all(axis=1, keepdims=True)
+        return np.where(none, np.inf, self.distance)
 
 
 def needed_noncentrality(error_rate: float) -> float:
@@ -183,6 +182,9 @@ def two_point_distance(
     InputError
         When there is no direction, or a rate or length is out of range.
     """
+    from skinfield.design.kernels import Ground, Pair, smallest_distances
+    from skinfield.solve.atoms.table import atom_tables
+
     if ways < 1:
         raise InputError(f"ways is {ways!r}, expected one direction or more")
     touch.check_on(design.layer)
@@ -191,43 +193,24 @@ def two_point_distance(
     check_positive("farthest", farthest, "distance of two touches, in metres")
     places = few_places(design) if places is None else places
     angles = np.arange(ways) * 2 * np.pi / ways
-    distance = np.empty((len(places), ways))
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    h, sight, grid = design.layer.thickness, sight_of(design, touch.radius), places.grid
+    steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
     needed = needed_noncentrality(error_rate)
+    pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
+    ground = Ground(places.inside, *map(float, grid.origin / h), grid.pitch / h)
+    taxels, white = design.patch.plane / h, 1.0 / design.noise
+    tables, distance = atom_tables(design.physics), np.empty((len(places), ways))
     for first in range(0, len(places), BLOCK):
-        part = slice(first, first + BLOCK)
-        _search(design, touch, places, part, angles, needed, farthest, distance[part])
-    return TwoPointDistance(places, angles, distance, error_rate)
+        points, out = places.plane[first : first + BLOCK], distance[first : first + BLOCK]
+        start, rows = near_taxels(design, points, sight + farthest)
+        smallest_distances(
+            points / h, around, steps / h, pair, ground, taxels, white, sight / h, start, rows,
+            tables, out,
+        )  # fmt: skip
+    return TwoPointDistance(places, angles, distance * h, error_rate)
 
 
 def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:
     """Places over a patch, a third of a taxel's pitch apart; farther where there were too many."""
     return Places.over(design.patch, per_pitch=PER_PITCH, most=most)
-
-
-def _search(
-    design: SkinDesign,
-    touch: Touch,
-    places: Places,
-    part: slice,
-    angles: Floats,
-    needed: float,
-    farthest: float,
-    out: Floats,
-) -> None:
-    from skinfield.design.kernels import Ground, Pair, smallest_distances
-    from skinfield.solve.atoms.table import atom_tables
-
-    h, points, grid = design.layer.thickness, places.plane[part], places.grid
-    sight = sight_of(design, touch.radius)
-    start, rows = near_taxels(design, points, sight + farthest)
-    steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
-    pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
-    left, low = grid.origin / h
-    ground = Ground(places.inside, float(left), float(low), grid.pitch / h)
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    plane, white = design.patch.plane / h, 1.0 / design.noise
-    tables = atom_tables(design.physics)
-    smallest_distances(
-        points / h, ways, steps / h, pair, ground, plane, white, sight / h, start, rows, tables, out
-    )
-    out *= h

@@ -82,7 +82,7 @@ class Judgement:
     @property
     def missed_share(self) -> float:
         """Part of the patch where a touch of the stated force is not found."""
-        return float(self.detectable.missed.mean())
+        return float((self.detectable.unknown_place > self.touch.force).mean())
 
     def verdict(self) -> str:
         """What this skin is good for, in a sentence or two."""

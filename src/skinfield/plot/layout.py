@@ -89,31 +89,21 @@ def _fill(patch: Patch) -> Floats:
 
 def _draw_flat(axes: "Axes", patch: Patch) -> None:
     from matplotlib.collections import LineCollection
+    from matplotlib.patheffects import withStroke
 
-    plane = patch.plane * MM
+    plane, modules = patch.plane * MM, np.unique(patch.module)
     axes.add_collection(
         LineCollection(list(plane[patch.neighbours]), colors=FAINT, linewidths=0.6, zorder=0.7)
     )
-    if len(np.unique(patch.module)) > 1:
+    if len(modules) > 1:
         draw_modules(axes, patch)
     draw_circles(axes, patch, facecolors=_fill(patch), edgecolors=QUIET, linewidths=0.4)
-    _number_modules(axes, patch)
+    look = {"path_effects": [withStroke(linewidth=2.2, foreground="white")], "fontsize": 7}
+    for module in modules if 1 < len(modules) <= MOST_NUMBERED else ():
+        x, y = plane[patch.module == module].mean(axis=0)
+        axes.text(x, y, str(module), ha="center", va="center", color=INK, **look)
     frame_axes(axes, patch, extent_of_pads(patch))
     add_title(axes, "", patch.name, f"{_note(patch)}, flat, seen from outside")
-
-
-def _number_modules(axes: "Axes", patch: Patch) -> None:
-    modules = np.unique(patch.module)
-    if not 1 < len(modules) <= MOST_NUMBERED:
-        return
-    from matplotlib.patheffects import withStroke
-
-    halo = [withStroke(linewidth=2.2, foreground="white")]
-    for module in modules:
-        x, y = patch.plane[patch.module == module].mean(axis=0) * MM
-        axes.text(
-            x, y, str(module), ha="center", va="center", fontsize=7, color=INK, path_effects=halo
-        )
 
 
 def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -> None:

@@ -15,7 +15,6 @@ from skinfield.plot.style import (
     new_figure,
     number,
     open_axes,
-    plural,
     style,
 )
 from skinfield.simulate.rig import RigRun
@@ -50,7 +49,8 @@ def draw_rig_run(run: RigRun) -> "Figure":
         for axes in rows[:2]:
             axes.sharex(rows[2])
             axes.tick_params(labelbottom=False)
-        near = _liveliest(run)
+        most = np.abs(run.truth.reading_change).max(axis=0)
+        near = np.argsort(-most, kind="stable")[:TAXELS].astype(np.int64)  # the liveliest first
         _draw_force(rows[0], run)
         _draw_height(rows[1], run)
         _draw_counts(rows[2], run, near)
@@ -59,26 +59,16 @@ def draw_rig_run(run: RigRun) -> "Figure":
         rows[2].set_xlabel("time (s)")
         _draw_places(figure.add_axes((0.70, 0.30, 0.285, 0.47)), run, near)
         tool = run.scenario.tools[0]
-        presses = plural(len(run.truth.press_load), "press").replace("presss", "presses")
+        truth, presses = run.truth, len(run.truth.press_load)
+        words = (
+            f"{presses} press{'' if presses == 1 else 'es'}, {number(float(truth.time_s[-1]))} s, "
+            f"{len(run.recording)} readings\nup to {number(float(truth.force_N.max()))} N, "
+            f"{number(float(truth.depth_m.max() * MM), 2)} mm deep in "
+            f"{number(run.scenario.layer.thickness * MM)} mm"
+        )
         figure.text(0.70, 0.945, f"{run.scenario.name}: {tool.name}", weight="bold", fontsize=12)
-        figure.text(0.70, 0.92, _sentence(run, presses), color=QUIET, fontsize=8, va="top")
+        figure.text(0.70, 0.92, words, color=QUIET, fontsize=8, va="top")
     return figure
-
-
-def _sentence(run: RigRun, presses: str) -> str:
-    truth = run.truth
-    return (
-        f"{presses}, {number(float(truth.time_s[-1]))} s, {len(run.recording)} readings\n"
-        f"up to {number(float(truth.force_N.max()))} N, "
-        f"{number(float(truth.depth_m.max() * 1e3), 2)} mm deep in "
-        f"{number(run.scenario.layer.thickness * 1e3)} mm"
-    )
-
-
-def _liveliest(run: RigRun) -> Ints:
-    """Rows of the taxels whose capacitance changes most, (4,), the most first."""
-    most = np.abs(run.truth.reading_change).max(axis=0)
-    return np.argsort(-most, kind="stable")[:TAXELS].astype(np.int64)
 
 
 def _draw_force(axes: "Axes", run: RigRun) -> None:
