@@ -120,6 +120,6 @@ def test_two_touches_are_judged_in_proportion_also_where_readings_bend() -> None
 
 def test_few_places_are_few_and_bad_input_is_named() -> None:
     assert 60 < len(few_places(SKIN, 100)) <= 100
-    for wrong in ({"ways": 0}, {"error_rate": 0.7}, {"farthest": -1.0}):
+    for wrong in ({"ways": 0}, {"error_rate": 0.7}):
         with pytest.raises(InputError, match=next(iter(wrong))):
             two_point_distance(SKIN, Touch(1.0, RADIUS), **wrong)

@@ -38,7 +38,7 @@ def counted(**changes: int) -> dict[str, int]:
     return {each.name.lower(): 0 for each in Count} | changes
 
 
-def idle(names: list[str]) -> Status:
+def idle(names: list[str] = NAMES) -> Status:
     return Status(
         name="skin",
         state="running",
@@ -110,10 +110,6 @@ def failed() -> Status:
 SCENES = (idle, one_contact, many_contacts, dead_source, calibrating, restarted, failed)
 
 
-def scene(made: Any) -> Status:
-    return made(NAMES) if made is idle else made()
-
-
 def text_of(status: Status, width: int, height: int | None = None, styles: bool = False) -> str:
     console = Console(record=True, width=width, force_terminal=True, file=io.StringIO())
     console.print(status_table(status, width, height))
@@ -122,7 +118,7 @@ def text_of(status: Status, width: int, height: int | None = None, styles: bool 
 
 @pytest.mark.parametrize("made", SCENES)
 def test_it_fits_and_nothing_is_left_out(made: Any) -> None:
-    status = scene(made)
+    status = made()
     texts = [text_of(status, width) for width in (80, 120)]
     for width, text in zip((80, 120), texts, strict=True):
         assert "…" not in text
@@ -135,7 +131,7 @@ def test_it_fits_and_nothing_is_left_out(made: Any) -> None:
 
 @pytest.mark.parametrize("made", SCENES)
 def test_it_keeps_to_a_low_screen(made: Any) -> None:
-    text = text_of(scene(made), 80, 24)
+    text = text_of(made(), 80, 24)
     assert len(text.splitlines()) <= 24
     assert " cycles, " in text
 

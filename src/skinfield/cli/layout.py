@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -74,10 +75,9 @@ def lint(text: LayoutWord, /, *, as_json: Json = False) -> int:
       skinfield layout lint right_foot.txt --json
     """
     from skinfield.files.layouts import lint as lint_file
-    from skinfield.files.layouts.load import layout_format
 
     skin_from_text(text)  # refuses what is no layout
-    findings = [] if layout_format(text) == "generator" else lint_file(text)
+    findings = lint_file(text) if Path(text).exists() else []  # of no generator
     finish(as_json, [asdict(each) for each in findings], lines=_finding_lines(text, findings))
     return int(any(finding.severity == "error" for finding in findings))
 

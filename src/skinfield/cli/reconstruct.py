@@ -16,12 +16,9 @@ if TYPE_CHECKING:
     from skinfield.files.results import Results
 
 ENDING = ".skinfield"
-OF_RESULTS = (  # options for results as well
-    "output", "fields", "summary", "plot", "reading", "slice_", "workers", "scheduler",
-    "store_fields", "force", "as_json",
-)  # fmt: skip
 OF_ONE = ("fields", "summary", "plot", "reading", "slice_")
 OF_MANY = ("workers", "scheduler", "store_fields")
+OF_RESULTS = (*OF_ONE, "output", "force", "as_json")  # options for results as well
 
 
 def reconstruct(

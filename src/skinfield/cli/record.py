@@ -71,10 +71,12 @@ def record(
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
+    before = [RecorderState()]
 
     def on_state(state: RecorderState) -> None:
         if out.is_terminal:
-            out.print(_line(state), end="\r", highlight=False)
+            out.print(_line(state, before[-1]), end="\r", highlight=False)
+        before[:] = [state]
 
     recorder = Recorder(
         settings, lambda text: report.note(f"{text:<100}", "yellow", out), first=True
@@ -97,10 +99,11 @@ def record(
     _report(state, lost_cycles)
 
 
-def _line(state: Any) -> str:
-    """One line on how it is going, in the mean."""
-    seconds = max(state.seconds, 1e-3)
-    cycles, rate = state.cycles / seconds, state.bytes_written / seconds
+def _line(state: Any, before: Any) -> str:
+    """One line on how it is going."""
+    seconds = max(state.seconds - before.seconds, 1e-3)
+    cycles = (state.cycles - before.cycles) / seconds
+    rate = (state.bytes_written - before.bytes_written) / seconds
     lost = f"{state.lost:,} bytes lost" if state.lost else "nothing lost"
     return (
         f"{state.seconds:7.0f} s  {state.bytes_written / 1e6:9.1f} MB  {rate / 1e6:6.2f} MB/s  "

@@ -31,7 +31,7 @@ from skinfield.design.design import (
     respond,
     sight_of,
 )
-from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.errors import Floats, InputError, check_range
 
 SIZE_PRIOR = 0.6  # standard deviation of ln radius of everyday contacts
 SINGULAR = 1e-12  # smallest eigenvalue of a correlation matrix that can be told from 0
@@ -59,8 +59,6 @@ def place_accuracy(
     design: SkinDesign,
     touch: Touch,
     places: Places | None = None,
-    *,
-    size_prior: float = SIZE_PRIOR,
 ) -> PlaceAccuracy:
     """Bound of place and force of a touch everywhere on a layout.
 
@@ -70,13 +68,10 @@ def place_accuracy(
     touch : Touch
     places : Places, optional
         Default `Places.over` the patch.
-    size_prior : float
-        Standard deviation of ln radius before any reading; next to 0 where the size is known.
     """
-    check_positive("size_prior", size_prior, "standard deviation of ln radius")
     places = Places.over(design.patch) if places is None else places
     information = respond(design, touch, places.plane).gram[:, 1:, 1:].copy()
-    information[:, 3, 3] += size_prior**-2
+    information[:, 3, 3] += SIZE_PRIOR**-2
     place, log_force = bounds(information)
     return PlaceAccuracy(places, place, touch.force * log_force)
 
@@ -157,7 +152,6 @@ def two_point_distance(
     *,
     error_rate: float = 0.05,
     ways: int = 12,
-    farthest: float | None = None,
 ) -> TwoPointDistance:
     """Distance at which two touches are told from one, everywhere on a layout.
 
@@ -174,13 +168,11 @@ def two_point_distance(
     error_rate : float
     ways : int
         Directions, around the whole circle.
-    farthest : float, m, optional
-        Distance up to which is sought. Default six times that of two taxels.
 
     Raises
     ------
     InputError
-        When there is no direction, or a rate or length is out of range.
+        When there is no direction, or the rate is out of range.
     """
     from skinfield.design.kernels import Ground, Pair, smallest_distances
     from skinfield.solve.atoms.table import atom_tables
@@ -189,8 +181,7 @@ def two_point_distance(
         raise InputError(f"ways is {ways!r}, expected one direction or more")
     touch.check_on(design.layer)
     design = design.linear
-    farthest = PITCHES * design.patch.pitch if farthest is None else farthest
-    check_positive("farthest", farthest, "distance of two touches, in metres")
+    farthest = PITCHES * design.patch.pitch
     places = few_places(design) if places is None else places
     angles = np.arange(ways) * 2 * np.pi / ways
     around = np.column_stack([np.cos(angles), np.sin(angles)])

@@ -101,7 +101,8 @@ class Judgement:
             )
         pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
         placed = f"to {place * 1e3:.2g} mm"
-        if not place < self._guess:
+        guess = np.sqrt(accuracy.places.plane.var(axis=0).sum())  # anywhere: off its middle by this
+        if not place < guess:
             placed = "no better than a guess would"
         return (
             f"A touch of {force:g} N is found {where}; half of the patch places it {placed} and "
@@ -124,11 +125,6 @@ class Judgement:
         rows = zip(*columns.values(), strict=True)
         lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
         return "\n".join([",".join(columns), *lines]) + "\n"
-
-    @property
-    def _guess(self) -> float:
-        """Deviation m of a place that is anywhere on the patch, from its middle."""
-        return float(np.sqrt(self.accuracy.places.plane.var(axis=0).sum()))
 
 
 def _percent(share: float) -> str:
