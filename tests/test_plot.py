@@ -21,9 +21,10 @@ import skinfield as sf
 from skinfield import plot
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import Contact, Estimate
-from skinfield.plot.estimate import presses_from_truth
 from skinfield.plot.maps import plane_from_position
+from skinfield.plot.press import draw_press, heading
 from skinfield.plot.style import number, plus_minus, signed_colours
+from skinfield.simulate import Cylinder, Press, Ring, Sphere, press
 
 
 def hexagon_patch() -> sf.Patch:
@@ -150,15 +151,6 @@ def clashes(figure: Figure) -> list[tuple[str, str]]:
         for other, there in drawn[row + 1 :]
         if box.intersects_path(there, filled=True)
     ]
-
-
-def test_clashes_are_seen():
-    figure = plot.draw_timeline(np.arange(9.0), np.arange(9.0), np.ones(9))
-    assert clashes(figure) == []
-    figure.text(0.5, 0.5, "one word", rotation=30)
-    figure.text(0.52, 0.52, "another", rotation=-60)
-    figure.text(0.99, 0.5, "beyond")
-    assert clashes(figure) == [("beyond", "page"), ("one word", "another")]
 
 
 @pytest.fixture(scope="module")
@@ -405,15 +397,6 @@ def test_wrong_readings_and_truths_are_refused(truth, words):
         plot.draw_estimate(estimate, readings[:-1])
 
 
-def test_a_press_may_be_given_in_the_plane():
-    grid = curved()[0].grid
-    plane = np.array([0.008, 0.003])
-    (press,) = presses_from_truth([(plane, 2.0, 1e-3)], grid)
-    assert press.force == 2.0
-    expected = grid.patch.surface.position_from_plane(plane[None])[0]
-    np.testing.assert_allclose(press.position, expected)
-
-
 @given(st.integers(0, 2**32 - 1))
 def test_the_plane_is_found_again_from_space(seed):
     random = np.random.default_rng(seed)
@@ -514,3 +497,59 @@ def test_drawing_leaves_the_callers_settings_and_loads_no_display():
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+# ---- presses
+
+LAYER = sf.Layer(2e-3, 100e3)
+
+
+@pytest.fixture(scope="module")
+def two() -> Press:
+    bodies = [
+        Sphere(radius=6e-3, position=(-6e-3, 2e-3), force=1.0),
+        Ring(inner_radius=3e-3, outer_radius=5e-3, position=(7e-3, 0.0), force=0.5),
+    ]
+    return press(LAYER, bodies, extent=40e-3, cell=0.5e-3)
+
+
+def test_panels_and_section_of_a_press_have_the_true_numbers(two: Press) -> None:
+    figure = draw_press(two)
+    words = " ".join(words_of(figure))
+    assert "ball 1.00 N, ring 0.500 N on 2.00 mm of 100 kPa" in words
+    assert f"contact {two.contact_area * 1e6:.1f} mm²" in words
+    for label in ("pressure (kPa)", "base stress (kPa)", "indentation (mm)", "x (mm)", "y (mm)"):
+        assert label in words
+    image = figure.axes[0].images[0]
+    assert image.get_array().max() == pytest.approx(two.pressure.max() / 1e3)
+    low, high = figure.axes[0].get_xlim()
+    touched = two.grid.plane[two.contact, 0] * 1e3
+    assert low < touched.min() < touched.max() < high
+    assert "at y = 1.75 mm" in words or "at y = 2.25 mm" in words  # of the strongest body
+    section = next(axes for axes in figure.axes if "height over" in axes.get_ylabel())
+    surface = section.lines[0].get_ydata()
+    row = np.abs(two.grid.plane[:, 1] - 2e-3) < 0.3e-3
+    assert -surface.min() == pytest.approx(-two.displacement[row, 2].min() * 1e3, rel=0.02)
+
+
+def test_taxels_are_shown_with_their_readings(two: Press) -> None:
+    patch = sf.layouts.hexagon72()
+    figure = draw_press(two, patch)
+    assert any("72 taxels" in words for words in words_of(figure))
+    assert "ΔC/C₀ (%)" in words_of(figure)
+    stress = two.base_stress(patch.plane, patch.pad_diameter) / 1e3
+    other = draw_press(two, patch, stress, label="base stress (kPa)")
+    assert "base stress (kPa)" in words_of(other)
+    with pytest.raises(InputError, match=r"readings has shape \(3,\)"):
+        draw_press(two, patch, np.zeros(3))
+
+
+def test_many_bodies_have_a_heading_that_fits(tmp_path) -> None:
+    places = np.stack(np.meshgrid(np.arange(3), np.arange(3)), -1).reshape(-1, 2) * 9e-3 - 9e-3
+    bodies = [Cylinder(radius=2e-3, position=(x, y), force=0.1) for x, y in places.tolist()]
+    found = press(LAYER, bodies, extent=36e-3, cell=0.6e-3)
+    assert heading(found) == "9 indenters, 0.900 N on 2.00 mm of 100 kPa"
+    figure = draw_press(found)
+    plot.save(figure, tmp_path / "many.png")
+    title = figure.texts[0].get_window_extent()
+    assert title.x1 < figure.bbox.x1

@@ -189,7 +189,8 @@ def two_point_distance(
     steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
     needed = needed_noncentrality(error_rate)
     pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
-    ground = Ground(places.inside, *map(float, grid.origin / h), grid.pitch / h)
+    left, low = (grid.origin / h).tolist()
+    ground = Ground(places.inside, left, low, grid.pitch / h)
     taxels, white = design.patch.plane / h, 1.0 / design.noise
     tables, distance = atom_tables(design.physics), np.empty((len(places), ways))
     for first in range(0, len(places), BLOCK):

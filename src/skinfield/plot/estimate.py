@@ -115,14 +115,15 @@ def _number_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> N
     taken = list(bodies)
     for index, body in enumerate(bodies):
         text = axes.text(0.0, 0.0, f"{index + 1}", fontsize=8, ha="center", va="center", zorder=6)
-        reach = body.size / 2 + (9.0, 15.0)
+        low, high = body.get_points()
+        middle, reach = (low + high) / 2, (high - low) / 2 + (9.0, 15.0)
         for far, way in product((1.0, 1.25, 1.6), np.array(DIRECTIONS)):
-            middle = (body.min + body.max) / 2
             x, y = axes.transData.inverted().transform(middle + far * reach * way)
             text.set_position((float(x), float(y)))
             box = text.get_window_extent(renderer).padded(3.0)
-            within = (box.min > inside.min).all() and (box.max < inside.max).all()
-            if within and not any(box.overlaps(other) for other in taken):
+            first, last = box.get_points() - inside.get_points()
+            free = not any(box.overlaps(other) for other in taken)
+            if free and (first > 0).all() and (last < 0).all():
                 taken.append(box)
                 break
         else:

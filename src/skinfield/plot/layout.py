@@ -98,10 +98,11 @@ def _draw_flat(axes: "Axes", patch: Patch) -> None:
     if len(modules) > 1:
         draw_modules(axes, patch)
     draw_circles(axes, patch, facecolors=_fill(patch), edgecolors=QUIET, linewidths=0.4)
-    look = {"path_effects": [withStroke(linewidth=2.2, foreground="white")], "fontsize": 7}
+    halo = [withStroke(linewidth=2.2, foreground="white")]
+    look: dict[str, Any] = {"path_effects": halo, "fontsize": 7, "ha": "center", "va": "center"}
     for module in modules if 1 < len(modules) <= MOST_NUMBERED else ():
         x, y = plane[patch.module == module].mean(axis=0)
-        axes.text(x, y, str(module), ha="center", va="center", color=INK, **look)
+        axes.text(x, y, str(module), color=INK, **look)
     frame_axes(axes, patch, extent_of_pads(patch))
     add_title(axes, "", patch.name, f"{_note(patch)}, flat, seen from outside")
 
