@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = str(BIN / ("python.exe" if os.name == "nt" else "python"))
-STAMP = VENV / "skinfield-setup.txt"  # root, hash of pyproject.toml, what was installed, contents
+STAMP = VENV / "skinfield-setup.txt"  # root, hash of pyproject.toml, what was installed
 COMMANDS = {  # what to install, which programs to run
     "demo": (".", ["skinfield demo"]),
     "test": (".[test]", ["pytest -n auto --dist worksteal --durations=5"]),
@@ -64,10 +64,10 @@ def main(name: str = "--help", *rest: str) -> int:
 def set_up(what: str) -> None:
     """Make .venv unless it works, and install what is missing or out of date."""
     project = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest()
-    blank = f"{ROOT}\n\n\n"  # a .venv that somebody else made is used as it is
+    blank = f"{ROOT}\n\n"  # a .venv that somebody else made is used as it is
     stamp = STAMP.read_text() if STAMP.exists() else blank
-    root, made_for, done, *kept = stamp.split("\n")
-    if root != str(ROOT) or not contents() >= {PYTHON, *filter(None, kept)}:
+    root, made_for, done, *_ = stamp.split("\n")
+    if root != str(ROOT) or not works():
         print("dev.py: making .venv", flush=True)
         shutil.rmtree(VENV, ignore_errors=True)
         venv = [sys.executable, "-m", "venv", str(VENV)]
@@ -77,22 +77,20 @@ def set_up(what: str) -> None:
     done = done if made_for == project else ""
     if what not in done.split():
         pip = find_pip()
-        STAMP.write_text("unfinished\n\n\n")  # stays if this is killed
+        STAMP.write_text("unfinished\n\n")  # stays if this is killed
         if status := install(pip, what):
             STAMP.write_text(stamp)
             raise SystemExit(f"dev.py: pip failed with status {status}; its reason stands above")
-        STAMP.write_text("\n".join([str(ROOT), project, f"{done} . {what}", *sorted(contents())]))
+        STAMP.write_text(f"{ROOT}\n{project}\n{done} . {what}")
 
 
-def contents() -> set[str]:
-    """Find the programs and packages in .venv; none if its Python does not start or is too old."""
-    ask = f"import sys,sysconfig as s;print(sys.version_info >= {OLDEST} and s.get_path('purelib'))"
+def works() -> bool:
+    """Whether the Python in .venv starts and is new enough."""
+    code = f"import sys; sys.exit(sys.version_info < {OLDEST})"
     try:
-        answer = subprocess.check_output([PYTHON, "-c", ask], stderr=subprocess.DEVNULL, text=True)
-        found = [path for folder in (BIN, Path(answer.strip())) for path in folder.iterdir()]
-    except (OSError, subprocess.SubprocessError):
-        return set()
-    return {str(path) for path in found if not path.name.endswith((".dist-info", "__pycache__"))}
+        return not subprocess.call([PYTHON, "-c", code], stderr=subprocess.DEVNULL)
+    except OSError:
+        return False
 
 
 def find_pip() -> list[str]:

@@ -37,9 +37,8 @@ def test_demo_writes_a_picture_and_compares_with_the_truth(tmp_path: Path, solve
     words = ("--skin", layout, "--press", "0,0,1,4", "--grid", 16, "--solver", solver)
     said = run("demo", *words, "-o", tmp_path / "demo.png")
     assert (tmp_path / "demo.png").read_bytes().startswith(b"\x89PNG")
-    for word in ("force error", "place error", "latency", "wrote"):
+    for word in ("force error", "place error", "latency", "the next time", "wrote"):
         assert word in said
-    assert ("the next time" in said) == (solver != "gaussian")
     assert ("sphere" in said or "flat" in said) == (solver == "contact")
 
 
@@ -98,8 +97,11 @@ def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path
     assert sum(int(row["contact"]) >= 0 for row in rows if int(row["reading"]) < 100) <= 1
 
 
-@pytest.mark.parametrize("solver", sorted({*SOLVERS} - {"contact"}))
-@pytest.mark.parametrize("mechanics", ["layer", "covered-layer", "half-space"])
+@pytest.mark.parametrize(
+    ("solver", "mechanics"),
+    [(solver, "layer") for solver in sorted({*SOLVERS} - {"contact"})]
+    + [("tikhonov", "covered-layer"), ("inverse", "half-space")],
+)
 def test_every_solver_and_mechanics_can_be_chosen(
     press_csv: Path, solver: str, mechanics: str
 ) -> None:

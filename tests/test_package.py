@@ -63,7 +63,6 @@ def dev(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
         if isinstance(outcome, BaseException):
             raise outcome
         module.installed += [] if outcome else [what]
-        (module.BIN / "tool").touch()
         return outcome
 
     monkeypatch.setattr(module, "install", install)
@@ -80,7 +79,7 @@ def test_set_up_installs_once_and_only_what_is_missing(dev: types.ModuleType) ->
     assert dev.installed == [".[lint]", ".[test]", "."]
 
 
-@pytest.mark.parametrize("lost", ["tool", "python", ""])
+@pytest.mark.parametrize("lost", ["python", ""])
 def test_set_up_makes_a_broken_or_interrupted_environment_anew(
     dev: types.ModuleType, lost: str
 ) -> None:
@@ -94,7 +93,6 @@ def test_set_up_makes_a_broken_or_interrupted_environment_anew(
     (dev.VENV / "old").touch()
     dev.set_up(".")
     assert dev.installed == [".", "."][not lost :]
-    assert (dev.BIN / "tool").exists()
     assert (dev.BIN / "python").exists()
     assert not (dev.VENV / "old").exists()
 

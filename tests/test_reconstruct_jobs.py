@@ -16,7 +16,7 @@ import pytest
 from command_line import invoke, refused, run
 
 import skinfield as sf
-from skinfield.cli import reconstruct_jobs, reconstruct_runs
+from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
 from skinfield.files import fields, save_recording, tables
@@ -233,13 +233,13 @@ def test_a_damaged_file_is_named_in_one_paragraph(stored: Path, tmp_path: Path) 
 def test_ctrl_c_leaves_nothing(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = reconstruct_runs.Sinks.write
+    original = reconstruct_jobs.parts
 
-    def write(self, part, grid) -> None:
-        original(self, part, grid)
+    def parts(*words) -> Iterator[reconstruct_jobs.Part]:
+        yield next(original(*words))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reconstruct_runs.Sinks, "write", write)
+    monkeypatch.setattr(reconstruct_jobs, "parts", parts)
     names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.npz")
     done = invoke(["reconstruct", recording, *LAYOUT, "-o", *names])
     assert (done.exit_code, list(tmp_path.iterdir())) == (130, []), done.output

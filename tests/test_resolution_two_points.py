@@ -8,13 +8,12 @@ from scipy.optimize import least_squares
 from scipy.stats import chi2
 
 from skinfield.design import Places, SkinDesign, Touch, few_places, two_point_distance
-from skinfield.design.design import tables_of_design
 from skinfield.design.discrimination import needed_noncentrality
 from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import Floats, InputError
 from skinfield.skin.generators import hexagon72
 from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, predict
-from skinfield.solve.atoms.table import Tables
+from skinfield.solve.atoms.table import Tables, atom_tables
 
 THICKNESS = 4e-3
 LAYER = Layer(THICKNESS, 150e3, 0.5)
@@ -40,7 +39,7 @@ class Fits:
     """Least squares of one contact, or of two equal ones, by SciPy."""
 
     def __init__(self, skin: SkinDesign) -> None:
-        self.tables: Tables = tables_of_design(skin)
+        self.tables: Tables = atom_tables(skin.physics)
         self.taxels = skin.patch.plane / THICKNESS
         self.white = 1 / skin.noise
 
@@ -121,6 +120,6 @@ def test_two_touches_are_judged_in_proportion_also_where_readings_bend() -> None
 
 def test_few_places_are_few_and_bad_input_is_named() -> None:
     assert 60 < len(few_places(SKIN, 100)) <= 100
-    for wrong in ({"ways": 0}, {"error_rate": 0.7}, {"farthest": -1.0}):
+    for wrong in ({"ways": 0}, {"error_rate": 0.7}):
         with pytest.raises(InputError, match=next(iter(wrong))):
             two_point_distance(SKIN, Touch(1.0, RADIUS), **wrong)

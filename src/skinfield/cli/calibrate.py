@@ -1,7 +1,5 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -118,12 +116,10 @@ def _loads_of(
     recording: str, plan: "Plan"
 ) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
     """What reconstructs a recording, its stamps (T,) ns, and the force of all contacts (T,) N."""
-    from skinfield.cli.reconstruct_jobs import parts, take_in
-    from skinfield.files.pending import Pending
+    from skinfield.cli.reconstruct_jobs import parts, place_of, take_in
     from skinfield.files.results import read_results
 
-    with TemporaryDirectory(prefix="skinfield-") as folder:
-        place = Pending(Path(folder) / "readings", Path(folder) / "readings")
+    with place_of(None) as place:
         take_in(recording, plan, place)
         results = read_results(place.part)
         report.say_notes(results.notes)

@@ -2,18 +2,18 @@
 
 import time
 import timeit
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
-from skinfield.errors import Floats, InputError, as_floats
+from skinfield.errors import InputError, as_floats
 from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
-    from skinfield import Estimate, Reconstructor
+    from skinfield import Estimate
     from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
@@ -56,6 +56,7 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
+    from skinfield.plot.style import duration
     from skinfield.simulate import press as pressed
 
     picture = report.free_name(PICTURE) if output is None else output
@@ -90,8 +91,11 @@ def demo(
     def lines() -> Iterator[report.Shown]:
         yield report.table_of_contacts(estimate.contacts, "Contacts reconstructed")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
-        latency = _latency(reconstructor, estimate, readings)
-        yield f"latency: {latency}; prepared once in {prepared:.1f} s"
+        later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
+        yield (
+            f"latency: {duration(estimate.latency)}, {duration(float(later))} the next time, at "
+            f"{' x '.join(map(str, estimate.grid.shape))} nodes; prepared once in {prepared:.1f} s"
+        )
 
     report.finish(as_json, result, [picture], lines())
 
@@ -116,21 +120,3 @@ def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]
     force = contact.normal_force
     error = force / ball.force - 1
     return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
-
-
-def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Floats) -> str:
-    nodes = f"{estimate.grid.shape[0]} x {estimate.grid.shape[1]} nodes"
-    whole = f"{estimate.latency * 1e3:.1f} ms"
-    try:
-        plan = reconstructor.plan
-    except InputError:  # not linear: nothing comes before the contacts
-        again = _median_time(lambda: reconstructor(readings), 20)
-        return f"{whole} for contacts and fields at {nodes}, {again * 1e3:.1f} ms the next time"
-    buffer = np.empty(len(plan.operator))
-    alone = _median_time(lambda: reconstructor.apply(readings, buffer), 200)
-    return f"{alone * 1e6:.0f} µs for pressure and displacement at {nodes}, {whole} with contacts"
-
-
-def _median_time(call: Callable[[], object], laps: int) -> float:
-    """In seconds."""
-    return float(np.median(timeit.repeat(call, number=1, repeat=laps)))

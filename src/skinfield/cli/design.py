@@ -1,7 +1,6 @@
 """`skinfield design`: judge a layout before it is made."""
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Annotated, Literal
 
 import numpy as np
@@ -114,7 +113,7 @@ def _plain(judgement: Judgement) -> dict[str, object]:
         "thickness_mm": judgement.design.layer.thickness * 1e3,
         "blind_share": judgement.blind.blind_share,
         "missed_share": judgement.missed_share,
-        "rows": [asdict(row) for row in judgement.rows()],
+        "rows": [row._asdict() for row in judgement.rows()],
         "verdict": judgement.verdict(),
     }
 
@@ -130,9 +129,10 @@ def _lines(judgement: Judgement) -> Iterator[report.Shown]:
     for row in judgement.rows():
         shown.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
     yield shown
-    blind, independent = judgement.blind, judgement.detectable.independent
+    blind, force = judgement.blind, judgement.detectable
+    independent = force.searched.independent(force.false_alarm_rate)
     yield (
-        f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
+        f"{blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
         f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
         f"{touch.force:g} N; noise is searched as at {independent:.0f} independent places"
     )

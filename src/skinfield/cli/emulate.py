@@ -1,77 +1,29 @@
 """`skinfield emulate`: boards that do not exist, on a real bus."""
 
 import signal
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rich.console import Console
 
 from skinfield.cli import options, report
 from skinfield.settings import Elastomer
-from skinfield.settings.tree import Range, Section
+from skinfield.settings.tree import Range
 
 if TYPE_CHECKING:
     from skinfield.emulator import VirtualSettings, VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
-USUAL_BUS = "udp"
 
 
-@dataclass(frozen=True, kw_only=True)
-class WireSettings(Section):
-    """What happens to messages on their way.
-
-    Parameters
-    ----------
-    lose : float
-        Share of messages that is lost, 0 to 1.
-    duplicate : float
-        Share that is sent twice.
-    swap : float
-        Share that follows the next one.
-    delay_ms : float, ms
-        From conversion to sending, ms.
-    jitter_us : float, µs
-        Mean random delay, µs.
-    """
-
-    lose: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
-    duplicate: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
-    swap: Annotated[float, Range(0.0, 1.0, "a share of messages")] = 0.0
-    delay_ms: Annotated[float, Range(0.0, 6e4, "ms; 0: none")] = 0.0
-    jitter_us: Annotated[float, Range(0.0, 6e7, "µs; 0: none")] = 20.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ElectronicsSettings(Section):
-    """Noise, spread and warmth.
-
-    Parameters
-    ----------
-    noise_scale : float
-        Times the noise of a real skin; 0: none.
-    common_noise : float
-        Noise shared by a converter's taxels, counts.
-    gain_spread : float
-        Of the logarithm of gains, 0.1: 10 %.
-    temperature : str
-        °C: 25, 25..35@600s (rises in 600 s), 25~3@300s (± 3 K, period 300 s).
-    mtb3 : bool
-        iCub's older boards: drift rounds otherwise.
-    """
-
-    noise_scale: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0: none")] = 0.3
-    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none")] = 0.0
-    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %")] = 0.0
-    temperature: str = "25"
-    mtb3: bool = False
+WIRES, ELECTRONICS = options.heading("Wires"), options.heading("Electronics")
+Share = Annotated[float, Range(0.0, 1.0, "a share of messages"), WIRES]
 
 
 def emulate(
     *,
     hardware: Literal["icub", "cyskin", "packet"] = "icub",
     layout: options.LayoutText = "hexagon72",
-    bus: str | None = None,
+    bus: str = "udp",
     channel: tuple[str, ...] = (),
     rate_hz: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None,
     at_once: bool = False,
@@ -86,10 +38,18 @@ def emulate(
     truth: str = "",
     force: options.Force = False,
     as_json: options.Json = False,
-    wires: Annotated[WireSettings, options.part("Wires")] = WireSettings(),
-    electronics: Annotated[
-        ElectronicsSettings, options.part("Electronics")
-    ] = ElectronicsSettings(),
+    lose: Share = 0.0,
+    duplicate: Share = 0.0,
+    swap: Share = 0.0,
+    delay_ms: Annotated[float, Range(0.0, 6e4, "ms; 0: none"), WIRES] = 0.0,
+    jitter_us: Annotated[float, Range(0.0, 6e7, "µs; 0: none"), WIRES] = 20.0,
+    noise_scale: Annotated[
+        float, Range(0.0, 1e3, "times that of real boards; 0: none"), ELECTRONICS
+    ] = 0.3,
+    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none"), ELECTRONICS] = 0.0,
+    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %"), ELECTRONICS] = 0.0,
+    temperature: Annotated[str, ELECTRONICS] = "25",
+    mtb3: Annotated[bool, ELECTRONICS] = False,
     elastomer: options.OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
@@ -137,8 +97,8 @@ def emulate(
     ----------
     hardware : str
         Whose boards.
-    bus : str, optional
-        See above; default udp.
+    bus : str
+        See above.
     channel : tuple of str
         Address on the bus, see above; once for each bus.
     rate_hz : float, 1/s, optional
@@ -159,18 +119,38 @@ def emulate(
         What fails, see above; again for more.
     truth : str
         File for what pressed, JSON lines.
+    lose : float
+        Share of messages that is lost, 0 to 1.
+    duplicate : float
+        Share that is sent twice.
+    swap : float
+        Share that follows the next one.
+    delay_ms : float, ms
+        From conversion to sending, ms.
+    jitter_us : float, µs
+        Mean random delay, µs.
+    noise_scale : float
+        Times the noise of a real skin; 0: none.
+    common_noise : float
+        Noise shared by a converter's taxels, counts.
+    gain_spread : float
+        Of the logarithm of gains, 0.1: 10 %.
+    temperature : str
+        °C: 25, 25..35@600s (rises in 600 s), 25~3@300s (± 3 K, period 300 s).
+    mtb3 : bool
+        iCub's older boards: drift rounds otherwise.
     """
     from skinfield.emulator import VirtualSettings, Wires, fault_from_text, temperature_from_text
     from skinfield.wire.can import PORT
 
     report.check_output("--truth", truth or None, force)
     faults = tuple(options.parsed("--fault", text, fault_from_text) for text in fault)
-    warmth = options.parsed("--temperature", electronics.temperature, temperature_from_text)
+    warmth = options.parsed("--temperature", temperature, temperature_from_text)
     profile = options.profile_in_use(elastomer, hardware, layout)
     settings = VirtualSettings(
         hardware=hardware,
         skin=layout,
-        bus=bus or USUAL_BUS,
+        bus=bus,
         channels=channel,
         port=PORT,
         rate=rate_hz,
@@ -179,17 +159,17 @@ def emulate(
         scene=scene,
         lead_in=lead_in_s,
         layer=options.layer_of(elastomer, profile),
-        noise=electronics.noise_scale,
-        common_noise=electronics.common_noise,
-        gain_spread=electronics.gain_spread,
+        noise=noise_scale,
+        common_noise=common_noise,
+        gain_spread=gain_spread,
         temperature=warmth,
-        mtb3=electronics.mtb3,
+        mtb3=mtb3,
         wires=Wires(
-            lose=wires.lose,
-            duplicate=wires.duplicate,
-            swap=wires.swap,
-            delay=wires.delay_ms * 1e-3,
-            jitter=wires.jitter_us * 1e-6,
+            lose=lose,
+            duplicate=duplicate,
+            swap=swap,
+            delay=delay_ms * 1e-3,
+            jitter=jitter_us * 1e-6,
         ),
         faults=faults,
         seed=seed,

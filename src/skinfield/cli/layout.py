@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -75,7 +76,8 @@ def lint(text: LayoutWord, /, *, as_json: Json = False) -> int:
     """
     from skinfield.files.layouts import lint as lint_file
 
-    findings = lint_file(text)
+    skin_from_text(text)  # refuses what is no layout
+    findings = lint_file(text) if Path(text).exists() else []  # of no generator
     finish(as_json, [asdict(each) for each in findings], lines=_finding_lines(text, findings))
     return int(any(finding.severity == "error" for finding in findings))
 
@@ -173,19 +175,17 @@ def _finding_lines(title: str, findings: "list[Finding]") -> Iterator[Shown]:
 
 def _plain(patch: Patch) -> dict[str, Any]:
     """What is to be known of a patch, lengths in mm."""
-    import numpy as np
+    from skinfield.skin.geometry import facing_from_positions
 
-    from skinfield.skin.geometry import facing_from_positions, nearest_distance
-
-    pitch = float(np.median(nearest_distance(patch.positions))) * 1e3
+    size = patch.positions.max(axis=0) - patch.positions.min(axis=0)
     return {
         "name": patch.name,
         "taxels": len(patch),
-        "modules": len(np.unique(patch.module)),
+        "modules": len(set(patch.module.tolist())),
         "channels": patch.n_channels,
-        "pitch_mm": pitch if np.isfinite(pitch) else None,
+        "pitch_mm": patch.pitch * 1e3 if len(patch) > 1 else None,
         "pad_mm": patch.pad_diameter * 1e3,
-        "size_mm": (np.ptp(patch.positions, axis=0) * 1e3).tolist(),
+        "size_mm": (size * 1e3).tolist(),
         "flat": bool(facing_from_positions(patch.positions).is_flat),
         "link": patch.link or None,
     }

@@ -15,6 +15,7 @@ from rich.box import Box
 from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
+from skinfield.settings.tree import SettingError
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
 PLAIN = Box("    \n" * 8)  # no lines around help
@@ -193,7 +194,9 @@ def main(words: Sequence[str] | None = None) -> None:
     except KeyboardInterrupt:
         code = INTERRUPTED
     except (CycloptsError, SkinfieldError) as error:
-        text = _usage_error(error) if isinstance(error, CycloptsError) else _with_flag(error)
+        text = _usage_error(error) if isinstance(error, CycloptsError) else str(error)
+        if isinstance(error, SettingError):  # with the flag in place of the field's name
+            text = f"--{flag_of(error.name)} {error.text}"
         print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words
         code = FAILED
     sys.exit(code if isinstance(code, int) else 0)
@@ -218,9 +221,3 @@ def _usage_error(error: CycloptsError) -> str:
     else:
         text = str(error)
     return f"{text}\nTry '{called} --help'."
-
-
-def _with_flag(error: SkinfieldError) -> str:
-    """What is wrong, with the flag in place of the field's name."""
-    name = getattr(error, "name", None)
-    return f"--{flag_of(name)} {error.text}" if name and hasattr(error, "text") else str(error)

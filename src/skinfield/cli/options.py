@@ -4,7 +4,7 @@ import inspect
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
 
@@ -65,8 +65,13 @@ _places = iter(range(1, 1000))
 
 
 def part(title: str) -> Parameter:
-    """A section of settings as flags under this heading; headings stand in the program's order."""
-    return Parameter(name="*", group=Group(title, sort_key=next(_places)))
+    """A section of settings as flags under this heading."""
+    return heading(title, name="*")
+
+
+def heading(title: str, name: str | None = None) -> Parameter:
+    """Heading in the help for a flag; headings stand in the program's order."""
+    return Parameter(name=name, group=Group(title, sort_key=next(_places)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,15 +212,8 @@ def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "sf.Layer"
 
 def nodes_for(patch: "sf.Patch", most: int = FINEST) -> int:
     """Nodes on a side of the grid: four to a taxel's pitch, over the patch's longer side."""
-    import numpy as np
-
-    from skinfield.skin.geometry import nearest_distance
-
-    pitch = float(np.median(nearest_distance(patch.positions)))
-    extent = float(np.ptp(patch.plane, axis=0).max())
-    if not 0.0 < pitch < np.inf:
-        return COARSEST
-    return int(np.clip(np.ceil(PER_PITCH * extent / pitch), COARSEST, most))
+    extent = float((patch.plane.max(axis=0) - patch.plane.min(axis=0)).max())
+    return min(max(ceil(PER_PITCH * extent / patch.pitch), COARSEST), most)
 
 
 def config_of(

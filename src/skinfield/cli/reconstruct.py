@@ -1,19 +1,24 @@
 """`skinfield reconstruct`: recordings become contacts and fields."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from skinfield.cli import options, report
 from skinfield.errors import FileError, InputError
 from skinfield.settings import Elastomer, ModelSettings
 
+if TYPE_CHECKING:
+    from skinfield import Estimate, Reconstructor
+    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.files.manifest import Totals
+    from skinfield.files.results import Results
+
 ENDING = ".skinfield"
-OF_RESULTS = (  # options for results as well
-    "output", "fields", "summary", "plot", "reading", "slice_", "workers", "scheduler",
-    "store_fields", "force", "as_json",
-)  # fmt: skip
 OF_ONE = ("fields", "summary", "plot", "reading", "slice_")
 OF_MANY = ("workers", "scheduler", "store_fields")
+OF_RESULTS = (*OF_ONE, "output", "force", "as_json")  # options for results as well
 
 
 def reconstruct(
@@ -87,8 +92,7 @@ def reconstruct(
         Into a DIR, store the fields of every reading, too, as Zarr.
     """
     flags = options.flags_set(reconstruct, dict(locals()))
-    from skinfield.cli.reconstruct_jobs import Plan
-    from skinfield.cli.reconstruct_runs import Wanted, reconstruct_many, reconstruct_one
+    from skinfield.cli.reconstruct_jobs import Plan, reconstruct_many
 
     folder = _folder_of(recording, output)
     if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
@@ -125,8 +129,10 @@ def reconstruct(
         odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
         if odd:
             _refuse(odd, "results were made with theirs; expected none, or the recording itself")
-    wanted = Wanted(output, fields, summary, plot, reading, slice_)
-    reconstruct_one(recording[0], plan, wanted, as_json)
+    _reconstruct_one(
+        recording[0], plan, output, fields=fields, summary=summary, plot=plot, reading=reading,
+        slice_=slice_, as_json=as_json,
+    )  # fmt: skip
 
 
 def _refuse(flags: list[str], why: str) -> NoReturn:
@@ -160,3 +166,147 @@ def _is_results(recording: str) -> bool:
             f"of a yarpdatadumper log, or results (NAME{ENDING})"
         )
     return True
+
+
+def _reconstruct_one(
+    recording: str,
+    plan: "Plan | None",
+    output: Sequence[str],
+    *,
+    fields: str | None,
+    summary: str | None,
+    plot: str | None,
+    reading: int | None,
+    slice_: str | None,
+    as_json: bool,
+) -> None:
+    """Reconstruct a recording, or the results that it is where there is no plan."""
+    from skinfield.cli.reconstruct_jobs import parts, place_of, seconds_of, take_in
+    from skinfield.files import open_contacts, open_fields, write_summary
+    from skinfield.files.manifest import Totals
+    from skinfield.files.results import read_results
+    from skinfield.reconstruct.serialisation import CONTACTS
+
+    names = [name for name in (*output, fields, summary, plot) if name]
+    stores = [name for name in output if name.lower().endswith(ENDING)]
+    if len(stores) > 1:
+        raise InputError(f"--output names two {ENDING} folders, expected one at most")
+    parent = Path(names[0]).absolute().parent if names else None  # has room
+    totals = Totals()
+    with ExitStack() as files:
+        place = files.enter_context(place_of(stores[0] if stores else None, parent))
+        tables = [files.enter_context(open_contacts(name)) for name in output if name not in stores]
+        series = files.enter_context(open_fields(fields)) if fields else None
+        skipped = 0 if plan is None else take_in(recording, plan, place)
+        results = read_results(recording if plan is None else place.part)
+        if stores and slice_ is None:
+            folder = place.part / CONTACTS
+            folder.mkdir()
+            tables.append(files.enter_context(open_contacts(folder / f"{0:012d}.parquet")))
+        report.say_notes(results.notes)
+        readings = _readings_of(slice_, len(results))
+        if reading is not None and reading not in readings:
+            raise InputError(
+                f"--reading is {reading}, expected {readings.start} to {readings.stop - 1}"
+            )
+        if reading is not None and not (tables or fields or summary):
+            readings = range(reading, reading + 1)
+        with report.progress("reconstructing", len(readings)) as step:
+            for part in parts(results, readings, bool(fields)):
+                for each in tables:
+                    each.write_rows(part.rows, part.totals.readings)
+                if series is not None and part.series is not None:
+                    series.write_series(results.config.grid, part.series)
+                totals.add(part.totals)
+                step(totals.readings)
+        totals.peak = totals.peak if reading is None else reading
+        best, values = results.estimate(totals.peak), results.values(totals.peak, totals.peak + 1)
+        plain = _summary(results, totals, skipped, plan, seconds_of(results, readings))
+        when = seconds_of(results, range(totals.peak + 1))
+    if summary:
+        write_summary(summary, plain)
+    report.say_notes(doubts(results.reconstructor, best))
+    if plot:
+        report.save_picture(plot, best, values[0], results.config.quantity)
+    report.finish(as_json, plain, names, _lines(plain, best, when))
+
+
+def _readings_of(text: str | None, count: int) -> range:
+    """Readings that `--slice` names."""
+    if text is None:
+        return range(count)
+    try:
+        low, high = (int(word) if word.strip() else None for word in text.split(":"))
+    except ValueError:
+        raise InputError(f"--slice is {text!r}, expected two numbers such as 100:200") from None
+    found = range(count)[slice(low, high)]
+    if not found:
+        raise InputError(f"--slice is {text!r}, expected readings of 0:{count}")
+    return found
+
+
+def _lines(plain: dict[str, Any], best: "Estimate", when: float) -> Iterator[report.Shown]:
+    """A line on all readings, and the contacts of one."""
+    yield (
+        f"{plain['recording']}: {report.plural(plain['readings'], 'reading')} in "
+        f"{plain['duration_s']:.2f} s, {plain['taxels']} taxels of {plain['patch']} "
+        f"({plain['taxels_left_out']} left out), {plain['skipped_lines']} lines skipped; "
+        f"{plain['latency_ms_per_reading']:.3g} ms per reading"
+    )
+    load = sum(contact.normal_force for contact in best.contacts)
+    contacts = report.plural(len(best.contacts), "contact")
+    title = f"reading {plain['highest_load_reading']} at {when:.2f} s: {load:.2f} N in {contacts}"
+    yield report.table_of_contacts(best.contacts, title)
+
+
+def doubts(reconstructor: "Reconstructor", shown: "Estimate") -> list[str]:
+    """What about an estimate cannot be, and what to try."""
+    found, grid, layer = [], shown.grid, reconstructor.layer
+    if grid.pitch > reconstructor.patch.pitch:
+        found.append(
+            f"cells of {grid.pitch * 1e3:.1f} mm are wider than the taxels' distance of "
+            f"{reconstructor.patch.pitch * 1e3:.1f} mm: a finer --grid gives other forces"
+        )
+    deepest = float(shown.indentation.max()) / layer.thickness
+    if deepest > 0.8:
+        found.append(
+            f"an indentation of {deepest:.1f} times the thickness is beyond a linear model: the "
+            "gain, the modulus or Poisson's ratio does not fit this skin"
+        )
+    if shown.pressure.min() < -0.5 * shown.pressure.max():
+        foam = ": if the elastomer is a foam or a fabric, try --poisson 0.3"
+        found.append(
+            f"pressure falls to {shown.pressure.min() / 1e3:.0f} kPa beside "
+            f"{shown.pressure.max() / 1e3:.0f} kPa, and nothing pulls"
+            f"{foam if layer.poisson_ratio > 0.45 else '; linear solvers do not know that'}"
+        )
+    return found
+
+
+def _summary(
+    results: "Results", totals: "Totals", skipped: int, plan: "Plan | None", seconds: float
+) -> dict[str, Any]:
+    """What `--json` prints and `--summary` writes."""
+    count, config = totals.readings, results.config
+    kind = type(config.quantity).__name__
+    values = {} if plan is None else plan.as_dict()
+    return {
+        "recording": results.source,
+        "readings": count,
+        "duration_s": seconds,
+        "skipped_lines": skipped,
+        "patch": config.patch.name,
+        "taxels": len(config.patch),
+        "taxels_left_out": len(totals.silent or ()),
+        "quantity": next(name for name, each in options.QUANTITIES.items() if each == kind),
+        "solver": repr(config.solver),
+        "layer": repr(config.layer),
+        "grid": list(config.grid.shape),
+        "options": {name: value for name, value in values.items() if value is not None},
+        "contact_force_N": {"mean": totals.load / count, "highest": totals.highest_load},
+        "field_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
+        "contacts_per_reading": totals.contacts / count,
+        "highest_load_reading": totals.peak,
+        "latency_ms_per_reading": totals.seconds / count * 1e3,
+        "notes": list(results.notes),
+    }

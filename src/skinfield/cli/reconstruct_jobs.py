@@ -13,16 +13,18 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from skinfield.cli import options, report
+from skinfield.cli.report import Column
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
-from skinfield.files.pending import Pending, explained
+from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import Results, read_results
 from skinfield.files.results_writer import (
@@ -38,6 +40,13 @@ from skinfield.settings import Elastomer, ModelSettings
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
 
+RECORDING = (
+    Column("recording", "recording"), Column("readings", "readings", decimals=0),
+    Column("s", "duration_s", decimals=2), Column("skipped", "skipped_lines", decimals=0),
+    Column("left out", "taxels_left_out", decimals=0), Column("contacts", "contacts", decimals=0),
+    Column("highest N", "highest_force_N", decimals=2),
+    Column("at reading", "highest_load_reading", decimals=0),
+)  # fmt: skip
 STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
 
 
@@ -49,7 +58,7 @@ class Plan:
     """
 
     layout: str
-    patch: str | None
+    patch: Patch
     counts: options.CountSettings
     elastomer: Elastomer
     model: ModelSettings
@@ -80,10 +89,12 @@ class Plan:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
+        if counts.calibration:  # workers run in other folders
+            counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
         return cls(
             layout=layout,
-            patch=patch,
+            patch=options.patch_of(options.skin_from_text(layout), patch),
             counts=options.filled(counts, profile),
             elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
             model=options.filled(model, profile),
@@ -95,30 +106,33 @@ class Plan:
         values = {name: value for each in sections for name, value in asdict(each).items()}
         return values | {"layout": self.layout}
 
-    def taxels(self) -> Patch:
-        """The patch."""
-        return options.patch_of(options.skin_from_text(self.layout), self.patch)
-
-    def everywhere(self) -> "Plan":
-        """The same for workers that run in other folders."""
-        calibration = self.counts.calibration
-        counts = replace(self.counts, calibration=calibration and str(Path(calibration).resolve()))
-        there = Path(self.layout).exists()  # else it is a generator's name
-        layout = str(Path(self.layout).resolve()) if there else self.layout
-        return replace(self, layout=layout, counts=counts)
-
     def settings(self, store_fields: bool) -> dict[str, Any]:
         """What a manifest keeps: values, with sums of what the files hold that they name."""
-        patch = self.taxels()
-        calibration = options.conditioning_of(patch, self.counts).calibration
+        calibration = options.conditioning_of(self.patch, self.counts).calibration
         values = self.as_dict()
-        del values["profile"]
+        del values["profile"], values["layout"]
         return values | {
             "store_fields": store_fields,
-            "patch": patch.name,
-            "layout_checksum": checksum(plain_from_value("patch", patch)),
+            "patch": self.patch.name,
+            "layout_checksum": checksum(plain_from_value("patch", self.patch)),
             "calibration_checksum": checksum(plain_from_value("calibration", calibration)),
         }
+
+
+@contextmanager
+def place_of(store: str | None, parent: Path | None = None) -> Iterator[Pending]:
+    """Where a recording is taken in: results of this name, or a folder that goes away."""
+    if store is None:
+        with TemporaryDirectory(prefix=".skinfield-", dir=parent) as folder:
+            yield Pending(Path(folder) / "readings", Path(folder) / "readings")
+        return
+    place = pending(store)
+    try:
+        yield place
+        place.commit()
+    except BaseException:
+        place.discard()
+        raise
 
 
 def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
@@ -127,7 +141,7 @@ def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) 
     Beside the place's part there is room for the recording's numbers. Returns the number of lines
     that were skipped.
     """
-    patch, layer = plan.taxels(), options.layer_of(plan.elastomer)
+    patch, layer = plan.patch, options.layer_of(plan.elastomer)
     counts, folder = plan.counts, place.part.parent
     if all((name or "").lower().endswith(options.LIVE) for name in (counts.calibration, recording)):
         counts = replace(counts, calibration=recording)  # each has its own
@@ -211,6 +225,12 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
         )
         yield Part(totals, load, rows, series)
         first = last
+
+
+def seconds_of(results: Results, readings: range) -> float:
+    """From the first to the last of some readings, s."""
+    first, last = (int(results.stamps(at, at + 1)[0]) for at in (readings[0], readings[-1]))
+    return (last - first) * 1e-9
 
 
 # ---- jobs of workers
@@ -357,3 +377,69 @@ def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
                 "address of a Dask scheduler such as tcp://10.0.0.1:8786"
             ) from error
         yield client
+
+
+def reconstruct_many(
+    recordings: tuple[str, ...],
+    folder: Path,
+    plan: Plan,
+    cluster: tuple[int, str | None],
+    store_fields: bool,
+    as_json: bool,
+) -> None:
+    """Reconstruct all that a manifest lacks, on so many workers or on a scheduler's."""
+    failures: dict[str, str] = {}
+    manifest = Manifest.open(folder, recordings, plan.settings(store_fields))
+    if not all(manifest.entries[name].complete for name in manifest.names):
+        with dask_client(*cluster) as client, _watched(len(manifest.names)) as watch:
+            failures = run_jobs(manifest, plan, store_fields, client, watch)
+    rows = _rows_of(manifest)
+    lines = [report.table_of(f"results in {folder}", rows, RECORDING)] if rows else []
+    report.finish(as_json, {"folder": str(folder), "recordings": rows}, lines=lines)
+    if failures:
+        each = "\n\n".join(f"{name}: {why}" for name, why in failures.items())
+        count = report.plural(len(manifest.names), "recording")
+        raise SkinfieldError(
+            f"{len(failures)} of {count} failed, the others are complete; the same command "
+            f"tries again.\n\n{each}"
+        )
+
+
+@contextmanager
+def _watched(recordings: int) -> Iterator[Callable[[str, str, int], None]]:
+    """Progress over all readings that are known of."""
+    with report.progress(f"reading {report.plural(recordings, 'recording')}") as step:
+        known = {"intake": 0, "window": 0, "recordings": 0}
+
+        def watch(kind: str, _: str, readings: int) -> None:
+            known[kind] += readings
+            known["recordings"] += kind == "intake"
+            missing = recordings - known["recordings"]
+            what = f"reading {report.plural(missing, 'recording')}, " if missing else ""
+            step(known["window"], known["intake"], f"{what}reconstructing")
+
+        yield watch
+
+
+def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
+    """A row for each recording that is complete; its notes are said."""
+    rows = []
+    for name in manifest.names:
+        entry = manifest.entries[name]
+        if not entry.complete:
+            continue
+        results, totals = read_results(manifest.target(name)), entry.totals()
+        report.say_notes(f"{name}: {note}" for note in results.notes)
+        rows.append(
+            {
+                "recording": f"{name}.skinfield",
+                "readings": entry.readings,
+                "duration_s": seconds_of(results, range(len(results))),
+                "skipped_lines": entry.skipped,
+                "taxels_left_out": len(totals.silent or ()),
+                "contacts": totals.contacts,
+                "highest_force_N": totals.highest_load,
+                "highest_load_reading": totals.peak,
+            }
+        )
+    return rows

@@ -118,7 +118,7 @@ def show_page(
     """
     from rich.live import Live
 
-    from skinfield.cli.status_table import status_table
+    from skinfield.cli.status_table import draw
     from skinfield.page import serve_page
 
     end = float("inf") if duration is None else time.monotonic() + duration
@@ -135,9 +135,7 @@ def show_page(
             while time.monotonic() < end:
                 served.check()
                 if screen.is_started:
-                    status = with_other(controller.shared.look(), state="running")
-                    rows = status_table(status, console.width, console.height)
-                    screen.update(rows, refresh=True)
+                    draw(screen, with_other(controller.shared.look(), state="running"))
                 time.sleep(max(min(REFRESH, end - time.monotonic()), 0.0))
     except KeyboardInterrupt:
         note("stopping", where=console)

@@ -94,32 +94,43 @@ def plural(count: int, noun: str) -> str:
 class Column(NamedTuple):
     """Column of a table of rows: heading, key of a row's value, factor from SI to its unit.
 
-    Words, which have no decimals, stand at the left.
+    Words, which have no decimals, stand at the left. A column of a fixed width never wraps.
     """
 
     head: str
     key: str
     factor: float = 1.0
     decimals: int | None = None
+    width: int | None = None
 
     def cell(self, row: Mapping[str, Any]) -> str:
         """Text of a row's value; a dash where it has none."""
         value = row.get(self.key)
         if self.decimals is None or value is None:
-            return NONE if value is None else str(value)
+            return NONE if value is None else shortened(str(value), self.width)
         return fixed(value * self.factor, self.decimals)
+
+
+def shortened(text: str, width: int | None) -> str:
+    """Text of at most so many letters: both ends, which tell patches of one robot apart."""
+    if width is None or len(text) <= width:
+        return text
+    end = width // 2
+    return f"{text[: width - end - 1]}~{text[-end:]}"
 
 
 def table_of(
     title: str | None, rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], **look: Any
 ) -> Table:
-    """Table of rows in SI units, as JSON has them, too."""
+    """Table of rows in SI units, as JSON has them, too; a row may have a style."""
     made = table(title, (), (), **look)
     for column in columns:
-        words = column.decimals is None
-        made.add_column(column.head, justify="left" if words else "right", overflow="fold")
+        made.add_column(
+            column.head, justify="left" if column.decimals is None else "right", overflow="fold",
+            width=column.width, no_wrap=column.width is not None,
+        )  # fmt: skip
     for row in rows:
-        made.add_row(*(column.cell(row) for column in columns))
+        made.add_row(*(column.cell(row) for column in columns), style=row.get("style"))
     return made
 
 
@@ -212,7 +223,7 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
 def check_picture(flag: str, name: str | None, force: bool) -> None:
     """Raise InputError unless a figure can be saved under a name, where there is one."""
     if name is not None:
-        from skinfield.plot import check_name
+        from skinfield.plot.style import check_name
 
         check_name(name)
         check_output(flag, name, force)
@@ -237,11 +248,8 @@ def save_picture(
     from skinfield.plot import draw_estimate, save
 
     unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    symbol = quantity.symbol
-    save(
-        draw_estimate(estimate, reading, truth=truth, quantity_name=symbol, quantity_unit=unit),
-        path,
-    )
+    names = {"quantity_name": quantity.symbol, "quantity_unit": unit}
+    save(draw_estimate(estimate, reading, truth=truth, **names), path)
 
 
 @contextmanager
@@ -253,7 +261,7 @@ def signals_end() -> Iterator[None]:
     """
     before = {number: signal.getsignal(number) for number in ENDINGS}
     for number in ENDINGS[1:]:
-        signal.signal(number, _interrupt)
+        signal.signal(number, signal.default_int_handler)
     try:
         yield
     finally:
@@ -265,10 +273,6 @@ def end_undisturbed() -> None:
     """From now on an impatient second Ctrl-C must not keep anything from ending."""
     for number in ENDINGS:
         signal.signal(number, signal.SIG_IGN)
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
 
 
 def show_address(address: str, where: Console, *, browser: bool, as_json: bool = False) -> None:

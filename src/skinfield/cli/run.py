@@ -1,14 +1,13 @@
 """`skinfield run`: a robot's skin, alive; `skinfield warmup`: its code compiled before."""
 
-import errno
 import os
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, NamedTuple
 
 from rich.console import Console
 from rich.live import Live as Screen
@@ -30,7 +29,6 @@ from skinfield.settings import (
     toml_from_settings,
 )
 
-LiveSolver = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
 REFRESH = 0.25  # s
 SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
@@ -41,30 +39,11 @@ SAYS = 5.0  # s from line to line about a start, where there is no table
 RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
 LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
-LIVE_SOLVERS = get_args(LiveSolver)
+LIVE_SOLVERS = ("gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse")
 ON_CAN = (None, "icub", "cyskin")  # hardware whose bus is one of CAN
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
 VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
-
-
-@dataclass(frozen=True, kw_only=True)
-class LiveModel(ModelSettings):
-    """See `ModelSettings`.
-
-    Parameters
-    ----------
-    solver : str, optional
-        How readings become pressure; contacts are fitted beside it (--fit). Default nonnegative.
-    """
-
-    solver: LiveSolver | None = None
-
-    def check(self) -> None:
-        """See `Section`."""
-        if self.solver not in (None, *LIVE_SOLVERS):  # of a file
-            expected = f"one of {', '.join(LIVE_SOLVERS)}: contacts are fitted beside it (fit)"
-            raise self.wrong("solver", expected)
 
 
 def run(
@@ -78,7 +57,7 @@ def run(
     force: options.Force = False,
     skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
     source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
-    model: Annotated[LiveModel, options.part("Model")] = LiveModel(),
+    model: Annotated[ModelSettings, options.part("Model")] = ModelSettings(),
     loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
     page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
     bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
@@ -136,7 +115,7 @@ def run(
             report.show_address(running.page.address, console, browser=browser, as_json=as_json)
             screen = None
             if not headless:
-                screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
+                screen = Screen(console=console, auto_refresh=False, vertical_overflow="crop")
                 screen.start()
             summary = watch(running, duration, screen, console)
         finally:
@@ -159,33 +138,29 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     bus = wanted.source.bus
     if bus and wanted.source.hardware in ON_CAN:
         options.parsed("--bus", bus, check_interface)
-    if wanted.source.hardware is None:
-        scene = wanted.source.scene
-        if scene not in SCENES and not Path(scene).is_file():
-            known = ", ".join(SCENES)
-            raise InputError(
-                f"--scene is {scene!r}, expected one of {known}, or the path of a file"
-            )
+    if wanted.model.solver not in (None, *LIVE_SOLVERS):
+        raise InputError(
+            f"--solver is {wanted.model.solver!r}, expected one of {', '.join(LIVE_SOLVERS)}: "
+            "contacts are fitted beside it (--fit)"
+        )
+    scene = wanted.source.scene
+    if wanted.source.hardware is None and scene not in SCENES and not Path(scene).is_file():
+        raise InputError(
+            f"--scene is {scene!r}, expected one of {', '.join(SCENES)}, or the path of a file"
+        )
 
 
 def check_port(port: int | None, host: str) -> None:
     """Refuse a port or an address that the page cannot be served on; None is any port."""
-    plain = host.strip("[]") or None  # an empty one is all of the machine's
+    place = host.strip("[]") or None, port or 0  # an empty host is all of the machine's
     try:
-        known = socket.getaddrinfo(
-            plain, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )
-        family, address = known[0][0], known[0][4]
-        socket.create_server(address, family=family).close()
+        known = socket.getaddrinfo(*place, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        socket.create_server(known[0][4], family=known[0][0]).close()
     except (OSError, UnicodeError) as error:
         why = getattr(error, "strerror", None) or error
-        if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
-            raise InputError(
-                f"--port {port} of {host} cannot be served: {why}, expected one that is free"
-            ) from error
         raise InputError(
-            f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or "
-            f"0.0.0.0 for all of them: {why}"
+            f"port {port or 'of any number'} of {host} cannot be served: {why}; expected a --port "
+            "that is free, and a --host of this machine, such as 127.0.0.1, or 0.0.0.0 for all"
         ) from error
 
 
@@ -386,6 +361,7 @@ def watch(
     running: Running, duration: float | None, screen: Any, console: Console
 ) -> dict[str, Any]:
     """Show the skin until its time is over, or Ctrl-C, and sum it up."""
+    from skinfield.cli.status_table import draw
     from skinfield.loop.contact_summary import ContactSummaries
     from skinfield.loop.status import Observer
 
@@ -406,7 +382,7 @@ def watch(
                 contacts.take(newest.contacts, now - began)
             if screen is not None and now - drawn > REFRESH:
                 drawn = now
-                _draw(screen, observer)
+                draw(screen, observer.look())
     except KeyboardInterrupt:
         report.note("stopping", where=console)
     finally:
@@ -415,15 +391,9 @@ def watch(
     return summary_of(observer.look(), running.supervisor, contacts.contacts)
 
 
-def _draw(screen: Any, observer: Any) -> None:
-    from skinfield.cli.status_table import status_table
-
-    size = screen.console.size
-    screen.update(status_table(observer.look(), size.width, size.height))
-
-
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
+    from skinfield.cli.status_table import draw
     from skinfield.loop.supervisor import EngineFailed
 
     began = moved = spoke = time.monotonic()
@@ -432,7 +402,10 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
         now = time.monotonic()
         if not silent and now > began + SILENT:
             silent = True
-            _report_silent(observer.look().sources, console)
+            sources = observer.look().sources
+            if names := [name for name, counts in sources.items() if not counts["received"]]:
+                text = f"nothing has come from {', '.join(names)} yet, waiting: is it connected "
+                report.note(text + "and on, and is --channel right?", "yellow", console)
         try:
             supervisor.wait(REFRESH).close()
             return time.monotonic()
@@ -448,22 +421,11 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
                     f"them without progress: {why}"
                 ) from error
         if screen is not None:
-            _draw(screen, observer)
+            draw(screen, observer.look())
         elif doing != before and now > spoke + SAYS:
             spoke = now
             report.note(f"{now - began:.0f} s: {doing}", where=console)
         before = doing
-
-
-def _report_silent(sources: dict[str, dict[str, int]], console: Console) -> None:
-    """Say which sources nothing has come from: they may be plugged in late, or misspelt."""
-    silent = [name for name, counts in sources.items() if not counts["received"]]
-    if silent:
-        text = (
-            f"nothing has come from {', '.join(silent)} yet, waiting: is it connected and on, and "
-            "is --channel right?"
-        )
-        report.note(text, "yellow", console)
 
 
 def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from skinfield.cli.options import Json, LiveName
 from skinfield.cli.report import Shown, finish
-from skinfield.cli.status_table import status_table
+from skinfield.cli.status_table import draw, status_table
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings.tree import Positive
 
@@ -70,10 +70,10 @@ def _watch(console: Console, observer: Any, seconds: float) -> None:
     from rich.live import Live as Screen
 
     try:
-        with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
+        with Screen(console=console, auto_refresh=False, vertical_overflow="crop") as screen:
             while True:
                 time.sleep(max(seconds, 0.1))
-                screen.update(status_table(observer.look(), console.width, console.height))
+                draw(screen, observer.look())
     except KeyboardInterrupt:
         return
     except SkinfieldError as error:

@@ -1,9 +1,8 @@
 """Design of a skin before it is made: the touch it is judged by, places, and the response."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,10 +18,6 @@ from skinfield.elastic import (
 )
 from skinfield.errors import Floats, InputError, Ints, as_floats, check_positive, check_shape
 from skinfield.skin import Grid, Patch
-
-if TYPE_CHECKING:
-    from skinfield.solve.atoms.table import Tables
-
 
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
 PER_PITCH = 10.0  # places in the distance of two taxels
@@ -98,11 +93,6 @@ class Touch:
         check_positive("force", self.force, "of the touch, in newtons")
         check_positive("radius", self.radius, "of the contact, in metres")
 
-    @classmethod
-    def small(cls, layer: Layer, force: float = 0.5) -> "Touch":
-        """Touch as wide as the layer is thick: a radius of half the thickness."""
-        return cls(force, layer.thickness / 2)
-
     def check_on(self, layer: Layer) -> None:
         """Raise InputError where the layer is too thin or thick for the radius."""
         low, high = NARROWEST * layer.thickness, WIDEST * layer.thickness
@@ -129,15 +119,24 @@ class Places:
     nodes: Ints
 
     @classmethod
-    def over(cls, patch: Patch, pitch: float | None = None) -> "Places":
+    def over(
+        cls,
+        patch: Patch,
+        pitch: float | None = None,
+        *,
+        per_pitch: float = PER_PITCH,
+        most: int = MOST,
+    ) -> "Places":
         """Places all over a patch.
 
         Parameters
         ----------
         patch : Patch
         pitch : float, m, optional
-            Distance of neighbouring places. Default a tenth of the distance of two taxels; more on
-            patches so large that there were above 40 000 places.
+            Distance of neighbouring places. Default that of two taxels over `per_pitch`; more on
+            patches so large that there were more than `most` places.
+        per_pitch : float
+        most : int
 
         Raises
         ------
@@ -150,7 +149,7 @@ class Places:
         rim = patch.pad_diameter / 2
         box = float(np.prod(np.ptp(patch.plane, axis=0) + 2 * rim))
         if pitch is None:
-            pitch = max(patch.pitch / PER_PITCH, np.sqrt(box / MOST))
+            pitch = max(patch.pitch / per_pitch, np.sqrt(box / most))
         check_positive("pitch", pitch, "distance of neighbouring places, in metres")
         wanted = box / pitch / pitch
         if wanted > MOST_ASKED:
@@ -200,21 +199,6 @@ class Places:
         out[self.nodes] = values
         return out.reshape(self.grid.shape)
 
-    def parts(self, mask: NDArray[np.bool_]) -> Iterator[Ints]:
-        """Connected parts of the places where `mask` (P,), largest first: rows of places each.
-
-        Places that share a side or a corner belong together.
-        """
-        from scipy.ndimage import label
-
-        whole = np.zeros(len(self.grid), dtype=np.bool_)
-        whole[self.nodes[mask]] = True
-        names, count = label(whole.reshape(self.grid.shape), structure=np.ones((3, 3)))
-        of_place = names.ravel()[self.nodes]
-        sizes = np.bincount(of_place, minlength=count + 1)[1:]
-        for part in np.argsort(-sizes, kind="stable") + 1:
-            yield np.flatnonzero(of_place == part)
-
 
 BLOCK = 4096  # places whose neighbouring taxels are listed at once
 FAINT = 1e-6  # of the strongest reading per newton: what is below is no response
@@ -248,36 +232,18 @@ class Responses:
         return np.asarray(self.gram[:, 1:3, 1:3] / power - across[:, :, None] * across[:, None, :])
 
 
-def tables_of_design(design: SkinDesign) -> "Tables":
-    """Readings of round contacts on this skin, as compiled functions take them."""
-    from skinfield.solve.atoms.table import atom_tables
-
-    return atom_tables(design.physics)
-
-
 def largest_force(design: SkinDesign, radius: float) -> float:
     """Force in N at which a contact of some radius in m has closed the gap to DEEPEST of it.
 
     Infinite where readings are taken as proportional to the force.
     """
-    from skinfield.solve.atoms.table import BALL, unit_indentation
+    from skinfield.solve.atoms.table import BALL, atom_tables, unit_indentation
 
-    if not tables_of_design(design).strain.size:
+    if not atom_tables(design.physics).strain.size:
         return float("inf")
     axis = np.array([1e-6 * radius])
     sunk = unit_indentation(design.layer, design.mechanics, BALL, radius, axis)
     return float(DEEPEST * design.layer.thickness / sunk[0])
-
-
-def check_depth(design: SkinDesign, touch: Touch) -> None:
-    """Raise InputError where the touch would reach the base of the elastomer."""
-    most = largest_force(design, touch.radius)
-    if touch.force > most:
-        raise InputError(
-            f"force is {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
-            f"expected at most {most:.3g} N: it would press the elastomer flat; take less force, a "
-            "wider contact, a harder or thicker elastomer, or only the linear response"
-        )
 
 
 def sight_of(design: SkinDesign, radius: float) -> float:
@@ -303,12 +269,19 @@ def respond(
         Instead of the touch's, place by place.
     """
     from skinfield.design.kernels import grams
+    from skinfield.solve.atoms.table import atom_tables
 
     touch.check_on(design.layer)
     if forces is None:
-        check_depth(design, touch)
+        most = largest_force(design, touch.radius)
+        if touch.force > most:
+            raise InputError(
+                f"force is {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
+                f"expected at most {most:.3g} N: it would press the elastomer flat; take less "
+                "force, a wider contact, a harder or thicker elastomer, or only the linear response"
+            )
         forces = np.full(len(points), touch.force)
-    h, tables, logs = design.layer.thickness, tables_of_design(design), np.log(forces)
+    h, tables, logs = design.layer.thickness, atom_tables(design.physics), np.log(forces)
     taxels, white = design.patch.plane / h, 1.0 / design.noise
     gram = np.empty((len(points), 5, 5))
     for first in range(0, len(points), BLOCK):

@@ -63,8 +63,6 @@ class BlindSpots:
     Attributes
     ----------
     places : Places
-    touch : Touch
-        Whose radius counts; its force does not.
     snr : (P,) array, 1/N
         Best signal-to-noise ratio of one reading of all taxels, per newton: the matched filter's.
     threshold : float
@@ -72,7 +70,6 @@ class BlindSpots:
     """
 
     places: Places
-    touch: Touch
     snr: Floats
     threshold: float
 
@@ -94,11 +91,20 @@ class BlindSpots:
 
     @property
     def holes(self) -> tuple[Hole, ...]:
-        """Connected blind regions, largest first."""
-        cell, plane, response = self.places.grid.cell_area, self.places.plane, self.response
+        """Connected blind regions, largest first; places that share a corner are connected."""
+        from scipy.ndimage import label
+
+        places, blind, response = self.places, self.blind, self.response
+        names = label(places.picture(blind.astype(np.float64)) > 0.0, structure=np.ones((3, 3)))[0]
+        of_place = names.ravel()[places.nodes]
+        parts = [np.flatnonzero(of_place == name) for name in range(1, names.max() + 1)]
         return tuple(
-            Hole(len(rows) * cell, plane[rows].mean(axis=0), float(response[rows].min()))
-            for rows in self.places.parts(self.blind)
+            Hole(
+                len(rows) * places.grid.cell_area,
+                places.plane[rows].mean(axis=0),
+                float(response[rows].min()),
+            )
+            for rows in sorted(parts, key=len, reverse=True)
         )
 
 
@@ -115,6 +121,7 @@ def blind_spots(
     ----------
     design : SkinDesign
     touch : Touch
+        Whose radius counts; its force does not.
     places : Places, optional
         Default `Places.over` the patch.
     threshold : float
@@ -122,7 +129,7 @@ def blind_spots(
     """
     check_range("threshold", threshold, 0.0, 1.0, "part of the best place's response")
     places = Places.over(design.patch) if places is None else places
-    return BlindSpots(places, touch, snr_per_newton(design, touch.radius, places.plane), threshold)
+    return BlindSpots(places, snr_per_newton(design, touch.radius, places.plane), threshold)
 
 
 STEPS = 12  # of the search for a force where readings are not proportional to it
@@ -179,8 +186,6 @@ class DetectableForce:
     Attributes
     ----------
     places : Places
-    touch : Touch
-        Whose radius counts.
     unknown_place : (P,) array, N
         Found at `detection_rate` by one who searches all places. Infinite where no taxel hears
         the touch.
@@ -190,21 +195,10 @@ class DetectableForce:
     """
 
     places: Places
-    touch: Touch
     unknown_place: Floats
     false_alarm_rate: float
     detection_rate: float
     searched: SearchedPlaces
-
-    @property
-    def missed(self) -> NDArray[np.bool_]:
-        """Where a touch of the stated force is not found at the stated rates, (P,)."""
-        return np.asarray(self.unknown_place > self.touch.force)
-
-    @property
-    def independent(self) -> float:
-        """How many places that do not know of each other have the same false alarms together."""
-        return self.searched.independent(self.false_alarm_rate)
 
 
 def detectable_force(
@@ -224,6 +218,7 @@ def detectable_force(
     ----------
     design : SkinDesign
     touch : Touch
+        Whose radius counts; its force does not.
     places : Places, optional
         Default `Places.over` the patch.
     false_alarm_rate, detection_rate : float
@@ -239,7 +234,7 @@ def detectable_force(
     searched = searched_places(places, light)
     needed = searched.level(false_alarm_rate) + float(norm.ppf(detection_rate))
     forces = force_for_snr(design, touch, places.plane, light.snr / TRIAL, needed)
-    return DetectableForce(places, touch, forces, false_alarm_rate, detection_rate, searched)
+    return DetectableForce(places, forces, false_alarm_rate, detection_rate, searched)
 
 
 def searched_places(places: Places, responses: Responses) -> SearchedPlaces:

@@ -30,9 +30,8 @@ from skinfield.design.design import (
     near_taxels,
     respond,
     sight_of,
-    tables_of_design,
 )
-from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.errors import Floats, InputError, check_range
 
 SIZE_PRIOR = 0.6  # standard deviation of ln radius of everyday contacts
 SINGULAR = 1e-12  # smallest eigenvalue of a correlation matrix that can be told from 0
@@ -60,8 +59,6 @@ def place_accuracy(
     design: SkinDesign,
     touch: Touch,
     places: Places | None = None,
-    *,
-    size_prior: float = SIZE_PRIOR,
 ) -> PlaceAccuracy:
     """Bound of place and force of a touch everywhere on a layout.
 
@@ -71,13 +68,10 @@ def place_accuracy(
     touch : Touch
     places : Places, optional
         Default `Places.over` the patch.
-    size_prior : float
-        Standard deviation of ln radius before any reading; next to 0 where the size is known.
     """
-    check_positive("size_prior", size_prior, "standard deviation of ln radius")
     places = Places.over(design.patch) if places is None else places
     information = respond(design, touch, places.plane).gram[:, 1:, 1:].copy()
-    information[:, 3, 3] += size_prior**-2
+    information[:, 3, 3] += SIZE_PRIOR**-2
     place, log_force = bounds(information)
     return PlaceAccuracy(places, place, touch.force * log_force)
 
@@ -128,18 +122,17 @@ class TwoPointDistance:
     @property
     def typical(self) -> Floats:
         """Median over the directions that stay on the patch, (P,) m; infinite if none does."""
-        ordered, count = self._ordered()
-        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0) // 2])
+        return np.asarray(np.nanquantile(self._known, 0.5, axis=1, method="lower"))
 
     @property
     def worst(self) -> Floats:
         """Largest over the directions that stay on the patch, (P,) m; infinite if none does."""
-        ordered, count = self._ordered()
-        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0)])
+        return np.asarray(np.nanmax(self._known, axis=1))
 
-    def _ordered(self) -> tuple[Floats, Floats]:
-        known = ~np.isnan(self.distance)
-        return np.sort(np.where(known, self.distance, np.inf), axis=1), known.sum(axis=1)
+    @property
+    def _known(self) -> Floats:
+        none = np.isnan(self.distance).all(axis=1, keepdims=True)
+        return np.where(none, np.inf, self.distance)
 
 
 def needed_noncentrality(error_rate: float) -> float:
@@ -159,7 +152,6 @@ def two_point_distance(
     *,
     error_rate: float = 0.05,
     ways: int = 12,
-    farthest: float | None = None,
 ) -> TwoPointDistance:
     """Distance at which two touches are told from one, everywhere on a layout.
 
@@ -176,63 +168,41 @@ def two_point_distance(
     error_rate : float
     ways : int
         Directions, around the whole circle.
-    farthest : float, m, optional
-        Distance up to which is sought. Default six times that of two taxels.
 
     Raises
     ------
     InputError
-        When there is no direction, or a rate or length is out of range.
+        When there is no direction, or the rate is out of range.
     """
+    from skinfield.design.kernels import Ground, Pair, smallest_distances
+    from skinfield.solve.atoms.table import atom_tables
+
     if ways < 1:
         raise InputError(f"ways is {ways!r}, expected one direction or more")
     touch.check_on(design.layer)
     design = design.linear
-    farthest = PITCHES * design.patch.pitch if farthest is None else farthest
-    check_positive("farthest", farthest, "distance of two touches, in metres")
+    farthest = PITCHES * design.patch.pitch
     places = few_places(design) if places is None else places
     angles = np.arange(ways) * 2 * np.pi / ways
-    distance = np.empty((len(places), ways))
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    h, sight, grid = design.layer.thickness, sight_of(design, touch.radius), places.grid
+    steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
     needed = needed_noncentrality(error_rate)
+    pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
+    left, low = (grid.origin / h).tolist()
+    ground = Ground(places.inside, left, low, grid.pitch / h)
+    taxels, white = design.patch.plane / h, 1.0 / design.noise
+    tables, distance = atom_tables(design.physics), np.empty((len(places), ways))
     for first in range(0, len(places), BLOCK):
-        part = slice(first, first + BLOCK)
-        _search(design, touch, places, part, angles, needed, farthest, distance[part])
-    return TwoPointDistance(places, angles, distance, error_rate)
+        points, out = places.plane[first : first + BLOCK], distance[first : first + BLOCK]
+        start, rows = near_taxels(design, points, sight + farthest)
+        smallest_distances(
+            points / h, around, steps / h, pair, ground, taxels, white, sight / h, start, rows,
+            tables, out,
+        )  # fmt: skip
+    return TwoPointDistance(places, angles, distance * h, error_rate)
 
 
 def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:
     """Places over a patch, a third of a taxel's pitch apart; farther where there were too many."""
-    pitch = design.patch.pitch / PER_PITCH
-    places = Places.over(design.patch, pitch)
-    while len(places) > most:
-        pitch *= max(1.05, np.sqrt(len(places) / most))
-        places = Places.over(design.patch, pitch)
-    return places
-
-
-def _search(
-    design: SkinDesign,
-    touch: Touch,
-    places: Places,
-    part: slice,
-    angles: Floats,
-    needed: float,
-    farthest: float,
-    out: Floats,
-) -> None:
-    from skinfield.design.kernels import Ground, Pair, smallest_distances
-
-    h, points, grid = design.layer.thickness, places.plane[part], places.grid
-    sight = sight_of(design, touch.radius)
-    start, rows = near_taxels(design, points, sight + farthest)
-    steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
-    pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
-    left, low = grid.origin / h
-    ground = Ground(places.inside, float(left), float(low), grid.pitch / h)
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    plane, white = design.patch.plane / h, 1.0 / design.noise
-    tables = tables_of_design(design)
-    smallest_distances(
-        points / h, ways, steps / h, pair, ground, plane, white, sight / h, start, rows, tables, out
-    )
-    out *= h
+    return Places.over(design.patch, per_pitch=PER_PITCH, most=most)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,16 +24,10 @@ from skinfield.errors import Floats
 SHARES = (0.5, 0.9, 0.95, 1.0)  # of the places, in a row
 
 
-@dataclass(frozen=True)
-class Row:
-    """One map in numbers: at half of the places it is better than `median`.
+class Row(NamedTuple):
+    """One map in numbers, in mm and N: at half of the places it is better than `median`.
 
-    Attributes
-    ----------
-    name, unit : str
-        `unit` is that of the numbers below: mm and N, for people.
-    median, p90, p95, worst : float
-        Infinite where so many places have no finite value.
+    They are infinite where so many places have no finite value.
     """
 
     name: str
@@ -87,7 +82,7 @@ class Judgement:
     @property
     def missed_share(self) -> float:
         """Part of the patch where a touch of the stated force is not found."""
-        return float(self.detectable.missed.mean())
+        return float((self.detectable.unknown_place > self.touch.force).mean())
 
     def verdict(self) -> str:
         """What this skin is good for, in a sentence or two."""
@@ -106,7 +101,8 @@ class Judgement:
             )
         pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
         placed = f"to {place * 1e3:.2g} mm"
-        if not place < self._guess:
+        guess = np.sqrt(accuracy.places.plane.var(axis=0).sum())  # anywhere: off its middle by this
+        if not place < guess:
             placed = "no better than a guess would"
         return (
             f"A touch of {force:g} N is found {where}; half of the patch places it {placed} and "
@@ -129,11 +125,6 @@ class Judgement:
         rows = zip(*columns.values(), strict=True)
         lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
         return "\n".join([",".join(columns), *lines]) + "\n"
-
-    @property
-    def _guess(self) -> float:
-        """Deviation m of a place that is anywhere on the patch, from its middle."""
-        return float(np.sqrt(self.accuracy.places.plane.var(axis=0).sum()))
 
 
 def _percent(share: float) -> str:

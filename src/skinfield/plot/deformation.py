@@ -27,10 +27,9 @@ def draw_deformation(figure: "Figure", axes: Any, estimate: Estimate) -> float:
     a curved one is drawn in space, moved along its normals.
     """
     grid = estimate.grid
-    nodes, rows, columns = _sheet(grid)
+    nodes, plane = _sheet(grid)
     depth = np.nan_to_num(estimate.indentation)[nodes]
     flat = grid.patch.surface.is_flat
-    plane = _plane(grid, rows, columns)
     extent = float(np.ptp(plane.reshape(-1, 2), axis=0).max())
     factor = _exaggeration(0.15 * extent, float(np.abs(depth).max()))
     if flat:
@@ -40,12 +39,12 @@ def draw_deformation(figure: "Figure", axes: Any, estimate: Estimate) -> float:
         moved = position - factor * depth.reshape(-1, 1) * grid.normals[nodes.ravel()]
         place = moved.reshape(*nodes.shape, 3) * MM
     _scale(axes, place, factor if flat else 1.0, grid.patch)
-    _draw_sheet(figure, axes, grid, place, nodes, np.asarray(estimate.indentation) * MM)
+    _draw_sheet(figure, axes, place, nodes, np.asarray(estimate.indentation) * MM)
     return factor
 
 
-def _sheet(grid: Grid) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Nodes to draw (R, C) with their rows and columns; a single row is widened to its cell."""
+def _sheet(grid: Grid) -> tuple[NDArray[np.int64], Floats]:
+    """Nodes to draw (R, C) with their plane (R, C, 2) m; a single row is widened to its cell."""
     low, high = (extent_of(grid, measured=True) - grid.origin) / grid.pitch
 
     def along(axis: int, count: int) -> tuple[NDArray[np.int64], Floats]:
@@ -59,12 +58,9 @@ def _sheet(grid: Grid) -> tuple[NDArray[np.int64], Floats, Floats]:
 
     column, column_place = along(0, grid.shape[1])
     row, row_place = along(1, grid.shape[0])
-    return row[:, None] * grid.shape[1] + column, row_place, column_place
-
-
-def _plane(grid: Grid, rows: Floats, columns: Floats) -> Floats:
-    x, y = np.meshgrid(columns, rows)
-    return np.asarray(grid.origin + np.dstack([x, y]) * grid.pitch)
+    x, y = np.meshgrid(column_place, row_place)
+    plane = np.asarray(grid.origin + np.dstack([x, y]) * grid.pitch)
+    return row[:, None] * grid.shape[1] + column, plane
 
 
 def _exaggeration(wanted: float, depth: float) -> float:
@@ -76,7 +72,7 @@ def _exaggeration(wanted: float, depth: float) -> float:
 
 
 def _draw_sheet(
-    figure: "Figure", axes: Any, grid: Grid, place: Floats, nodes: NDArray[np.int64], depth: Floats
+    figure: "Figure", axes: Any, place: Floats, nodes: NDArray[np.int64], depth: Floats
 ) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LightSource
@@ -84,15 +80,9 @@ def _draw_sheet(
     colours, scale = signed_colours(depth)
     corners = depth[nodes]
     face = (corners[:-1, :-1] + corners[1:, :-1] + corners[:-1, 1:] + corners[1:, 1:]) / 4
-    tint = colours(scale(face))
-    bare = ~grid.covered[nodes]
-    bare = bare[:-1, :-1] & bare[1:, :-1] & bare[:-1, 1:] & bare[1:, 1:]
-    tint[bare, :3] = 0.35 * tint[bare, :3] + 0.65 * 0.93
     axes.plot_surface(
-        place[..., 0],
-        place[..., 1],
-        place[..., 2],
-        facecolors=tint,
+        *np.moveaxis(place, -1, 0),
+        facecolors=colours(scale(face)),
         rstride=1,
         cstride=1,
         edgecolor=(0.25, 0.25, 0.3, 0.25),

@@ -8,7 +8,15 @@ from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
-from skinfield.plot.style import ABOVE, INK, TITLE, add_title, new_figure, style
+from skinfield.plot.style import (
+    ABOVE,
+    INK,
+    TITLE,
+    add_colour_bar,
+    add_title,
+    new_figure,
+    style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,11 +53,18 @@ def draw_judgement(judgement: Judgement) -> "Figure":
         (few, pairs.typical * MM, "distance (mm)", "Two touches: typical direction", error),
         (few, pairs.worst * MM, "distance (mm)", "Two touches: worst direction", error),
     )  # fmt: skip
+    design = judgement.design
+    noise, unit = float(np.median(design.noise)), design.quantity.unit
+    title = (
+        f"{design.patch.name}, {len(design.patch)} taxels: h = {design.layer.thickness * MM:g} mm, "
+        f"{design.quantity.symbol} with noise {noise:.3g}{'' if unit == '1' else f' {unit}'}"
+    )
+    half = places.grid.pitch / 2
+    extent = np.array([places.plane.min(axis=0) - half, places.plane.max(axis=0) + half])
     with style():
-        extent = _extent(places)
         figure, boxes = _page(extent)
         size = figure.get_size_inches()
-        figure.text(0.2 / size[0], 1 - 0.32 / size[1], _title(judgement), **TITLE)
+        figure.text(0.2 / size[0], 1 - 0.32 / size[1], title, **TITLE)
         figure.text(0.2 / size[0], 1 - 0.56 / size[1], judgement.verdict(), fontsize=8.5)
         for index, (box, panel) in enumerate(zip(boxes, panels, strict=True)):
             where, values, label, head, note = panel
@@ -78,21 +93,6 @@ def _page(extent: Floats) -> tuple["Figure", list[tuple[float, float, float, flo
             bottom = FOOT + row * (height + OVER + FOOT)
             boxes.append((left / size[0], bottom / size[1], width / size[0], height / size[1]))
     return new_figure(float(size[0]), float(size[1])), boxes
-
-
-def _extent(places: Places) -> Floats:
-    plane, half = places.plane, places.grid.pitch / 2
-    return np.array([plane.min(axis=0) - half, plane.max(axis=0) + half])
-
-
-def _title(judgement: Judgement) -> str:
-    design = judgement.design
-    noise, unit = float(np.median(design.noise)), design.quantity.unit
-    of = "" if unit == "1" else f" {unit}"
-    return (
-        f"{design.patch.name}, {len(design.patch)} taxels: h = {design.layer.thickness * MM:g} mm, "
-        f"{design.quantity.symbol} with noise {noise:.3g}{of}"
-    )
 
 
 def _draw_places(
@@ -133,16 +133,10 @@ def _add_log_bar(axes: "Axes", image: Any, label: str, values: Floats) -> None:
     finite = values[np.isfinite(values)]
     extend = ("neither", "min", "max", "both")
     beyond = (finite < low * 0.999).any() + 2 * (finite > high * 1.001).any()
-    figure: Any = axes.figure
-    bar = figure.colorbar(
-        image, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)),
-        extend=extend[beyond], extendfrac=0.03,
-    )  # fmt: skip
+    bar = add_colour_bar(axes, image, label, extend=extend[beyond], extendfrac=0.03)
     ticks = np.geomspace(low, high, 5)
     bar.set_ticks(list(ticks), labels=[f"{tick:.2g}" for tick in ticks])
     bar.ax.minorticks_off()
-    bar.set_label(label)
-    bar.outline.set_linewidth(0.5)
 
 
 def _outline_blind(axes: "Axes", judgement: Judgement) -> None:

@@ -1,9 +1,8 @@
 """Figure of an estimate: readings, pressure, contacts beside the true presses, and the surface."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +27,7 @@ from skinfield.plot.style import (
     TITLE,
     add_colour_bar,
     add_title,
+    duration,
     new_figure,
     number,
     plural,
@@ -39,11 +39,9 @@ from skinfield.skin import Grid
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.transforms import Bbox
 
 
-@dataclass(frozen=True, eq=False)
-class Press:
+class Press(NamedTuple):
     """A true press: where (3,) m, how hard N along the skin's normal, and over which radius m."""
 
     position: Floats
@@ -102,52 +100,34 @@ def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None
     _number_contacts(axes, grid, contacts)
 
 
-def draw_presses(axes: "Axes", grid: Grid, presses: Sequence[Press]) -> None:
-    """Draw each true press as a dashed circle of its radius."""
-    from matplotlib.patches import Circle
-
-    for press in presses:
-        centre = plane_from_position(grid, press.position[None])[0] * MM
-        axes.add_patch(
-            Circle(centre, press.radius * MM, fill=False, ec=BLUE, lw=1.4, ls=(0, (3, 2)), zorder=5)
-        )
-
-
 def _number_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
     """Write each contact's number in the table where there is room beside it."""
+    from matplotlib.transforms import Bbox
+
     figure: Any = axes.figure
     renderer = figure.canvas.get_renderer()
     axes.apply_aspect()
-    inside = axes.get_window_extent(renderer)
-    bodies = [_body(axes, grid, contact) for contact in contacts]
+    inside, bodies = axes.get_window_extent(renderer), []
+    for contact in contacts:
+        points = np.vstack([contact.outline, contact.position[None]])
+        pixels = axes.transData.transform(plane_from_position(grid, points) * MM)
+        bodies.append(Bbox(np.array([pixels.min(axis=0), pixels.max(axis=0)])).padded(4.0))
     taken = list(bodies)
-    look: dict[str, Any] = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6}
     for index, body in enumerate(bodies):
-        text = axes.text(0.0, 0.0, f"{index + 1}", **look)
-        middle = np.array([body.x0 + body.x1, body.y0 + body.y1]) / 2
-        reach = np.array([body.width, body.height]) / 2 + (9.0, 15.0)
+        text = axes.text(0.0, 0.0, f"{index + 1}", fontsize=8, ha="center", va="center", zorder=6)
+        low, high = body.get_points()
+        middle, reach = (low + high) / 2, (high - low) / 2 + (9.0, 15.0)
         for far, way in product((1.0, 1.25, 1.6), np.array(DIRECTIONS)):
             x, y = axes.transData.inverted().transform(middle + far * reach * way)
             text.set_position((float(x), float(y)))
             box = text.get_window_extent(renderer).padded(3.0)
-            if _fits(box, inside, taken):
+            first, last = box.get_points() - inside.get_points()
+            free = not any(box.overlaps(other) for other in taken)
+            if free and (first > 0).all() and (last < 0).all():
                 taken.append(box)
                 break
         else:
             text.remove()
-
-
-def _body(axes: "Axes", grid: Grid, contact: Contact) -> "Bbox":
-    from matplotlib.transforms import Bbox
-
-    points = np.vstack([contact.outline, contact.position[None]])
-    pixels = axes.transData.transform(plane_from_position(grid, points) * MM)
-    return Bbox(np.array([pixels.min(axis=0), pixels.max(axis=0)])).padded(4.0)
-
-
-def _fits(box: "Bbox", inside: "Bbox", taken: "list[Bbox]") -> bool:
-    within = box.x0 > inside.x0 and box.x1 < inside.x1 and box.y0 > inside.y0 and box.y1 < inside.y1
-    return within and not any(box.overlaps(other) for other in taken)
 
 
 WIDTH, HEAD = 9.6, 0.83  # inches: of the page, and from its top to the upper maps
@@ -170,18 +150,15 @@ def page_of(grid: Grid) -> tuple[tuple[float, float], dict[str, tuple[float, flo
 
 
 COLUMNS = {"": 0.0, "place (mm)": 0.07, "force (N)": 0.45, "area (mm²)": 0.66, "peak (kPa)": 0.85}
-LINE = 13.5 / 72  # inches
+LINES, STEP = 11, 0.0876  # of the table, and from one to the next in parts of its height
 
 
 def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> None:
     """Write contacts, their sum, the truth where it is known, and how the estimate was made."""
     axes.set(xlim=(0, 1), ylim=(0, 1))
     axes.axis("off")
-    figure: Any = axes.figure
-    width, height = axes.get_position().size * figure.get_size_inches()
-    size, step = float(np.clip(2.1 * width, 6.5, 8.5)), LINE / height
     grid, contacts, notes = estimate.grid, list(estimate.contacts), facts(estimate)
-    room = int(height / LINE) - len(notes) - 3 - bool(presses)
+    room = LINES - len(notes) - 3 - bool(presses)
     truths = len(presses) if len(presses) + min(len(contacts), 2) <= room else 0
     room = max(room - truths, 2)
     listed = contacts if len(contacts) <= room else contacts[: room - 1]
@@ -195,7 +172,10 @@ def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> No
     rows.append(rule)
     bold = {"fontweight": "bold"}
     rows += [(["", "all contacts", *_sums(contacts), ""], bold)] if contacts else []
-    rows += [(row_of_press(press, grid), true) for press in presses[:truths]]
+    for press in presses[:truths]:
+        area = number(np.pi * press.radius**2 * 1e6)
+        words = ["true", place_of(press.position, grid), number(press.force), area, ""]
+        rows.append((words, true))
     rows += [([truth_note(presses, contacts)], true)] if presses else []
     rows += [([note], quiet) for note in notes]
     y = 1.0
@@ -203,10 +183,10 @@ def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> No
         if not words:
             axes.plot([0, 1], [y, y], color=FAINT, lw=0.8, clip_on=False)
             continue
-        font = size if len(words) > 1 else size - 0.5  # running text
+        font = 8.5 if len(words) > 1 else 8.0  # running text
         for x, word in zip(COLUMNS.values(), words, strict=False):
-            axes.text(x, y - step / 2, word, va="center", fontsize=font, **look)
-        y -= step
+            axes.text(x, y - STEP / 2, word, va="center", fontsize=font, **look)
+        y -= STEP
 
 
 def _sums(contacts: list[Contact]) -> tuple[str, str]:
@@ -223,12 +203,6 @@ def row_of(index: int, contact: Contact, grid: Grid) -> list[str]:
         number(contact.area * 1e6),
         number(contact.peak_pressure * 1e-3),
     ]
-
-
-def row_of_press(press: Press, grid: Grid) -> list[str]:
-    """Cells of the table for one true press."""
-    area = number(np.pi * press.radius**2 * 1e6)
-    return ["true", place_of(press.position, grid), number(press.force), area, ""]
 
 
 def place_of(position: Floats, grid: Grid) -> str:
@@ -272,15 +246,6 @@ def facts(estimate: Estimate) -> list[str]:
     ]
 
 
-def duration(seconds: float) -> str:
-    """Write a time in s, ms or µs."""
-    scale, unit = next(
-        ((scale, unit) for scale, unit in ((1.0, "s"), (1e3, "ms")) if seconds * scale >= 1.0),
-        (1e6, "µs"),
-    )
-    return f"{number(seconds * scale, 2)} {unit}"
-
-
 FACTOR = {"%": 100.0, "kPa": 1e-3}  # from the unit of the readings to the one shown
 
 
@@ -322,7 +287,13 @@ def draw_estimate(
         If `estimate` is of many readings, or `readings` is not one number per taxel.
     """
     check_single(estimate)
-    values, name = _readings_of_panel(estimate, readings)
+    name, known, patch = "Residual", estimate.valid, estimate.grid.patch
+    values = estimate.residual
+    if readings is not None:
+        name, values = "Raw reading", as_floats("readings", readings)
+        check_shape("readings", values, (len(patch),), "one number per taxel")
+        known = known & np.isfinite(values)
+    values = np.where(known, values, np.nan)
     presses = presses_from_truth(truth, estimate.grid)
     with style():
         size, boxes = page_of(estimate.grid)
@@ -330,15 +301,15 @@ def draw_estimate(
         words = title or headline(estimate)
         figure.text(0.02, 1 - 0.22 / size[1], words, va="center", **TITLE)
         unit = "" if quantity_unit == "1" else f" ({quantity_unit})"
-        _draw_readings(
-            figure.add_axes(boxes["readings"]),
-            estimate,
-            values * FACTOR.get(quantity_unit, 1.0),
-            f"{quantity_name}{unit}",
-            name,
-        )
+        axes: Any = figure.add_axes(boxes["readings"])
+        pads = draw_pads(axes, patch, values * FACTOR.get(quantity_unit, 1.0))
+        frame_axes(axes, patch, extent_of(estimate.grid, measured=True))
+        if known.any():
+            add_colour_bar(axes, pads, f"{quantity_name}{unit}")
+        crossed = "" if known.all() else f"; crossed: {(~known).sum()} left out"
+        add_title(axes, "a", name, f"pads to scale{crossed}")
         _draw_pressure(figure.add_axes(boxes["pressure"]), estimate, presses)
-        axes: Any = figure.add_axes(boxes["deformation"], projection="3d")
+        axes = figure.add_axes(boxes["deformation"], projection="3d")
         factor = draw_deformation(figure, axes, estimate)
         note = "true to scale" if factor == 1 else f"indentation drawn {factor:g} times larger"
         heading = figure.add_axes(boxes["heading"])
@@ -372,30 +343,17 @@ def headline(estimate: Estimate) -> str:
     return f"{name}: {plural(len(contacts), 'contact')}, {force} N"
 
 
-def _readings_of_panel(estimate: Estimate, readings: ArrayLike | None) -> tuple[Floats, str]:
-    if readings is None:
-        return np.where(estimate.valid, estimate.residual, np.nan), "Residual"
-    values = as_floats("readings", readings)
-    check_shape("readings", values, (len(estimate.grid.patch),), "one number per taxel")
-    return np.where(estimate.valid & np.isfinite(values), values, np.nan), "Raw reading"
-
-
-def _draw_readings(axes: "Axes", estimate: Estimate, values: Floats, label: str, name: str) -> None:
-    pads = draw_pads(axes, estimate.grid.patch, values)
-    frame_axes(axes, estimate.grid.patch, extent_of(estimate.grid, measured=True))
-    if np.isfinite(values).any():
-        add_colour_bar(axes, pads, label)
-    left_out = int((~np.isfinite(values)).sum())
-    note = "pads to scale" + (f"; crossed: {left_out} left out" if left_out else "")
-    add_title(axes, "a", name, note)
-
-
 def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> None:
+    from matplotlib.patches import Circle
+
     grid = estimate.grid
     add_colour_bar(axes, draw_cells(axes, grid, estimate.pressure * 1e-3), "pressure (kPa)")
     hatch_uncovered(axes, grid)
     frame_axes(axes, grid.patch, extent_of(grid, measured=True))
-    draw_presses(axes, grid, presses)
+    for press in presses:
+        centre = plane_from_position(grid, press.position[None])[0] * MM
+        look: dict[str, Any] = {"ec": BLUE, "lw": 1.4, "ls": (0, (3, 2)), "zorder": 5}
+        axes.add_patch(Circle(centre, press.radius * MM, fill=False, **look))
     draw_contacts(axes, grid, estimate.contacts)
     notes = ["line: contact"] if estimate.contacts else []
     notes += ["dashed: truth"] if presses else []

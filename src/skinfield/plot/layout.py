@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, circles, draw_modules, frame_axes
+from skinfield.plot.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
 from skinfield.plot.style import (
     FAINT,
     INK,
@@ -18,7 +18,7 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.skin import Patch, Skin
-from skinfield.skin.geometry import facing_from_positions, nearest_distance
+from skinfield.skin.geometry import facing_from_positions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,8 +72,7 @@ def _height(patch: Patch) -> float:
 
 def _note(patch: Patch) -> str:
     modules = plural(len(np.unique(patch.module)), "module")
-    distance = nearest_distance(patch.positions)
-    pitch = f", pitch {number(np.median(distance) * MM)} mm" if np.isfinite(distance).all() else ""
+    pitch = f", pitch {number(patch.pitch * MM)} mm" if len(patch) > 1 else ""
     pads = f"pads {number(patch.pad_diameter * MM)} mm"
     on = f", on {patch.link}" if patch.link else ""
     return f"{plural(len(patch), 'taxel')}, {modules}{pitch}, {pads}{on}"
@@ -90,35 +89,22 @@ def _fill(patch: Patch) -> Floats:
 
 def _draw_flat(axes: "Axes", patch: Patch) -> None:
     from matplotlib.collections import LineCollection
+    from matplotlib.patheffects import withStroke
 
-    plane = patch.plane * MM
+    plane, modules = patch.plane * MM, np.unique(patch.module)
     axes.add_collection(
         LineCollection(list(plane[patch.neighbours]), colors=FAINT, linewidths=0.6, zorder=0.7)
     )
-    if len(np.unique(patch.module)) > 1:
+    if len(modules) > 1:
         draw_modules(axes, patch)
-    everything = np.ones(len(patch), np.bool_)
-    axes.add_collection(
-        circles(axes, patch, everything, facecolors=_fill(patch), edgecolors=QUIET, linewidths=0.4)
-    )
-    _number_modules(axes, patch)
-    rim = patch.pad_diameter
-    frame_axes(axes, patch, np.array([patch.plane.min(0) - rim, patch.plane.max(0) + rim]))
-    add_title(axes, "", patch.name, f"{_note(patch)}, flat, seen from outside")
-
-
-def _number_modules(axes: "Axes", patch: Patch) -> None:
-    modules = np.unique(patch.module)
-    if not 1 < len(modules) <= MOST_NUMBERED:
-        return
-    from matplotlib.patheffects import withStroke
-
+    draw_circles(axes, patch, facecolors=_fill(patch), edgecolors=QUIET, linewidths=0.4)
     halo = [withStroke(linewidth=2.2, foreground="white")]
-    for module in modules:
-        x, y = patch.plane[patch.module == module].mean(axis=0) * MM
-        axes.text(
-            x, y, str(module), ha="center", va="center", fontsize=7, color=INK, path_effects=halo
-        )
+    look: dict[str, Any] = {"path_effects": halo, "fontsize": 7, "ha": "center", "va": "center"}
+    for module in modules if 1 < len(modules) <= MOST_NUMBERED else ():
+        x, y = plane[patch.module == module].mean(axis=0)
+        axes.text(x, y, str(module), color=INK, **look)
+    frame_axes(axes, patch, extent_of_pads(patch))
+    add_title(axes, "", patch.name, f"{_note(patch)}, flat, seen from outside")
 
 
 def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -> None:
@@ -131,7 +117,7 @@ def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -
         azim=np.degrees(np.arctan2(towards[1], towards[0])) + 25.0,
     )
     places, normals = patch.positions * MM, patch.normals
-    reach = float(np.median(nearest_distance(places)))
+    reach = patch.pitch * MM
     axes.scatter(*places.T, c=_fill(patch), s=24, edgecolors=QUIET, linewidths=0.4)
     axes.quiver(*places.T, *normals.T, length=reach, colors=INK, linewidths=0.6)
     tips = np.concatenate([places, places + reach * normals])

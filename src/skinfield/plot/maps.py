@@ -71,42 +71,43 @@ def draw_pads(axes: "Axes", patch: Patch, values: Floats) -> "EllipseCollection"
     from matplotlib.collections import LineCollection
 
     draw_modules(axes, patch)
-    shown = np.isfinite(values)
+    known = np.isfinite(values)
     colours, scale = signed_colours(values)
-    pads = circles(axes, patch, shown, edgecolors=QUIET, linewidths=0.4)
-    pads.set(array=values[shown], cmap=colours, norm=scale)
-    axes.add_collection(pads)
-    if not shown.all():
-        axes.add_collection(circles(axes, patch, ~shown, facecolors="none", edgecolors=INK, lw=0.7))
+    pads = draw_circles(axes, patch, known, edgecolors=QUIET, linewidths=0.4)
+    pads.set(array=values[known], cmap=colours, norm=scale)
+    if not known.all():
+        draw_circles(axes, patch, ~known, facecolors="none", edgecolors=INK, lw=0.7)
         reach = patch.pad_diameter / 2 * np.sqrt(0.5) * MM
         arms = np.array([[[-1, -1], [1, 1]], [[-1, 1], [1, -1]]]) * reach
-        crosses = (patch.plane[~shown] * MM)[:, None, None, :] + arms
+        crosses = (patch.plane[~known] * MM)[:, None, None, :] + arms
         axes.add_collection(LineCollection(list(crosses.reshape(-1, 2, 2)), colors=INK, lw=0.7))
     return pads
 
 
 def outline_pads(axes: "Axes", patch: Patch) -> None:
     """Draw the rims of the pads alone, over another picture."""
-    rows = np.ones(len(patch), dtype=np.bool_)
-    axes.add_collection(circles(axes, patch, rows, facecolors="none", edgecolors=QUIET, lw=0.5))
+    draw_circles(axes, patch, facecolors="none", edgecolors=QUIET, lw=0.5)
 
 
-def circles(
-    axes: "Axes", patch: Patch, rows: NDArray[np.bool_], **look: Any
+def draw_circles(
+    axes: "Axes", patch: Patch, rows: NDArray[np.bool_] | None = None, **look: Any
 ) -> "EllipseCollection":
-    """Pads of some rows (L,) to scale, to be added to the axes."""
+    """Draw pads to scale, all or those of some rows (L,)."""
     from matplotlib.collections import EllipseCollection
 
-    width = np.full(int(rows.sum()), patch.pad_diameter * MM)
-    return EllipseCollection(
-        width,
-        width,
-        np.zeros_like(width),
-        units="xy",
-        offsets=patch.plane[rows] * MM,
-        offset_transform=axes.transData,
-        **look,
-    )
+    places = (patch.plane if rows is None else patch.plane[rows]) * MM
+    width = np.full(len(places), patch.pad_diameter * MM)
+    angle, to = np.zeros_like(width), axes.transData
+    look |= {"units": "xy", "offsets": places, "offset_transform": to}
+    pads = EllipseCollection(width, width, angle, **look)
+    axes.add_collection(pads)
+    return pads
+
+
+def extent_of_pads(patch: Patch) -> Floats:
+    """Low and high corner (2, 2) m of the pads, with some room around."""
+    rim = patch.pad_diameter
+    return np.array([patch.plane.min(axis=0) - rim, patch.plane.max(axis=0) + rim])
 
 
 def draw_modules(axes: "Axes", patch: Patch) -> None:

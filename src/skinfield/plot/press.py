@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, check_shape
-from skinfield.plot.maps import MM, draw_cells, draw_pads, frame_axes, outline_pads
+from skinfield.plot.maps import (
+    MM,
+    draw_cells,
+    draw_pads,
+    extent_of_pads,
+    frame_axes,
+    outline_pads,
+)
 from skinfield.plot.style import (
     BLUE,
     FAINT,
@@ -30,12 +37,6 @@ if TYPE_CHECKING:
 AROUND = 2.5  # layer thicknesses shown around the contact
 FINE = 800  # points of an indenter's outline in the section
 NAMED = 3  # indenters in the heading
-
-
-def _limits(corners: Floats) -> dict[str, tuple[float, float]]:
-    """Limits in mm of axes that show the plane between two corners (2, 2) m."""
-    low, high = (corners * MM).tolist()
-    return {"xlim": (low[0], high[0]), "ylim": (low[1], high[1])}
 
 
 def draw_press(
@@ -71,7 +72,9 @@ def draw_press(
         boxes = [(0.07, upper, 0.33, 0.35), (0.56, upper, 0.33, 0.35), (0.56, lower, 0.33, 0.35)]
         axes = [figure.add_axes(box) for box in boxes]
         _field(axes[0], press, press.pressure / 1e3, view, "pressure (kPa)")
-        add_title(axes[0], "A", "Pressure on the skin", _contact_note(press))
+        peak, area = number(press.pressure.max() / 1e3), number(press.contact_area * MM**2)
+        note = f"peak {peak} kPa, contact {area} mm²; dotted: section C"
+        add_title(axes[0], "A", "Pressure on the skin", note)
         _field(axes[1], press, base_stress_below_cells(press) / 1e3, view, "base stress (kPa)")
         add_title(axes[1], "B", "Stress at the base", "normal, positive in compression")
         if patch is None:
@@ -98,11 +101,6 @@ def heading(press: Press) -> str:
     )
 
 
-def _contact_note(press: Press) -> str:
-    peak, area = press.pressure.max() / 1e3, press.contact_area * MM**2
-    return f"peak {number(peak)} kPa, contact {number(area)} mm²; dotted: section C"
-
-
 def _view(press: Press) -> Floats:
     """Low and high corner (2, 2) m of what is drawn, the same side along x and y."""
     touched = press.grid.plane[press.contact]
@@ -121,8 +119,7 @@ def _field(axes: "Axes", press: Press, values: Floats, view: Floats, label: str)
     add_colour_bar(axes, draw_cells(axes, press.grid, values), label)
     _outline(axes, press)
     axes.axhline(_section_place(press) * MM, color=QUIET, lw=0.8, ls=(0, (1, 2)))
-    axes.set(xlabel="x (mm)", ylabel="y (mm)", **_limits(view))
-    axes.set_aspect("equal", anchor="NW")
+    frame_axes(axes, press.grid.patch, view)
 
 
 def _outline(axes: "Axes", press: Press) -> None:
@@ -158,7 +155,7 @@ def _section(axes: "Axes", press: Press, depth: Floats, view: Floats) -> None:
         under = np.where(under < 2 * top, under, np.nan)
         axes.fill_between(fine * MM, under, 2 * top, color=BLUE, alpha=0.25, lw=0.0, zorder=2)
         axes.plot(fine * MM, under, color=BLUE, lw=1.0, zorder=2.5)
-    axes.set(xlim=_limits(view)["xlim"], ylim=(-1.15 * thick, top))
+    axes.set(xlim=view[:, 0] * MM, ylim=(-1.15 * thick, top))
     axes.set(xlabel="x (mm)", ylabel="height over the skin at rest (mm)")
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
@@ -184,9 +181,6 @@ def _readings(
     check_shape("readings", readings, (len(patch),), "one per taxel of the patch")
     pads = draw_pads(axes, patch, readings)
     _outline(axes, press)
-    rim = patch.pad_diameter
-    frame_axes(
-        axes, patch, np.stack([patch.plane.min(axis=0) - rim, patch.plane.max(axis=0) + rim])
-    )
+    frame_axes(axes, patch, extent_of_pads(patch))
     add_colour_bar(axes, pads, label)
     add_title(axes, "D", "What the taxels read", f"{plural(len(patch), 'taxel')}, without noise")

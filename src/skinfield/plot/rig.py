@@ -5,17 +5,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, Ints
-from skinfield.plot.maps import circles
+from skinfield.plot.maps import MM, draw_circles, extent_of_pads, frame_axes
 from skinfield.plot.style import (
     BLUE,
-    FAINT,
     INK,
     ORANGE,
     QUIET,
     add_title,
     new_figure,
     number,
-    plural,
+    open_axes,
     style,
 )
 from skinfield.simulate.rig import RigRun
@@ -50,37 +49,26 @@ def draw_rig_run(run: RigRun) -> "Figure":
         for axes in rows[:2]:
             axes.sharex(rows[2])
             axes.tick_params(labelbottom=False)
-        near = _liveliest(run)
+        most = np.abs(run.truth.reading_change).max(axis=0)
+        near = np.argsort(-most, kind="stable")[:TAXELS].astype(np.int64)  # the liveliest first
         _draw_force(rows[0], run)
         _draw_height(rows[1], run)
         _draw_counts(rows[2], run, near)
         for axes in rows:
-            axes.grid(color=FAINT, lw=0.5, alpha=0.6)
-            axes.spines[["top", "right"]].set_visible(False)
-            axes.margins(x=0.0)
+            open_axes(axes)
         rows[2].set_xlabel("time (s)")
         _draw_places(figure.add_axes((0.70, 0.30, 0.285, 0.47)), run, near)
         tool = run.scenario.tools[0]
-        presses = plural(len(run.truth.press_load), "press").replace("presss", "presses")
+        truth, presses = run.truth, len(run.truth.press_load)
+        words = (
+            f"{presses} press{'' if presses == 1 else 'es'}, {number(float(truth.time_s[-1]))} s, "
+            f"{len(run.recording)} readings\nup to {number(float(truth.force_N.max()))} N, "
+            f"{number(float(truth.depth_m.max() * MM), 2)} mm deep in "
+            f"{number(run.scenario.layer.thickness * MM)} mm"
+        )
         figure.text(0.70, 0.945, f"{run.scenario.name}: {tool.name}", weight="bold", fontsize=12)
-        figure.text(0.70, 0.92, _sentence(run, presses), color=QUIET, fontsize=8, va="top")
+        figure.text(0.70, 0.92, words, color=QUIET, fontsize=8, va="top")
     return figure
-
-
-def _sentence(run: RigRun, presses: str) -> str:
-    truth = run.truth
-    return (
-        f"{presses}, {number(float(truth.time_s[-1]))} s, {len(run.recording)} readings\n"
-        f"up to {number(float(truth.force_N.max()))} N, "
-        f"{number(float(truth.depth_m.max() * 1e3), 2)} mm deep in "
-        f"{number(run.scenario.layer.thickness * 1e3)} mm"
-    )
-
-
-def _liveliest(run: RigRun) -> Ints:
-    """Rows of the taxels whose capacitance changes most, (4,), the most first."""
-    most = np.abs(run.truth.reading_change).max(axis=0)
-    return np.argsort(-most, kind="stable")[:TAXELS].astype(np.int64)
 
 
 def _draw_force(axes: "Axes", run: RigRun) -> None:
@@ -152,17 +140,10 @@ def _draw_places(axes: "Axes", run: RigRun, near: Ints) -> None:
     colours = ["none"] * len(patch)
     for row, colour in zip(near, COLOURS, strict=False):
         colours[int(row)] = colour
-    everything = np.ones(len(patch), np.bool_)
-    axes.add_collection(
-        circles(axes, patch, everything, facecolors=colours, edgecolors=QUIET, linewidths=0.6)
-    )
-    x, y = truth.press_x_m * 1e3, truth.press_y_m * 1e3
-    axes.plot(x, y, "+", color=INK, ms=8, mew=1.3)
-    wide = np.concatenate([patch.plane * 1e3, np.column_stack([x, y])])
-    low, high = wide.min(axis=0) - 4.0, wide.max(axis=0) + 4.0
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal")
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
+    draw_circles(axes, patch, facecolors=colours, edgecolors=QUIET, linewidths=0.6)
+    places = np.column_stack([truth.press_x_m, truth.press_y_m])
+    axes.plot(*places.T * MM, "+", color=INK, ms=8, mew=1.3)
+    extent = extent_of_pads(patch)
+    low, high = np.minimum(extent[0], places.min(axis=0)), np.maximum(extent[1], places.max(axis=0))
+    frame_axes(axes, patch, np.array([low, high]))
     add_title(axes, "D", "Places", f"+ pressed; colours as in C; {patch.name}")

@@ -100,13 +100,22 @@ def add_title(axes: "Axes", letter: str, title: str, note: str = "") -> None:
     axes.text(0, 1, note, transform=raised(6.0), fontsize=7.5, color=QUIET, va="bottom")
 
 
-def add_colour_bar(axes: "Axes", mappable: "ScalarMappable", label: str) -> None:
+def open_axes(axes: "Axes") -> None:
+    """Draw a faint grid instead of a frame, for what goes on over time."""
+    axes.grid(color=FAINT, lw=0.5, alpha=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.margins(x=0.0)
+
+
+def add_colour_bar(axes: "Axes", mappable: "ScalarMappable", label: str, **look: Any) -> Any:
     """Put a colour bar beside `axes`, as high as its picture."""
     figure: Any = axes.figure
-    bar = figure.colorbar(mappable, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)))
-    bar.ax.ticklabel_format(scilimits=(-3, 4))
+    bar = figure.colorbar(mappable, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)), **look)
+    if not look:
+        bar.ax.ticklabel_format(scilimits=(-3, 4))
     bar.set_label(label)
     bar.outline.set_linewidth(0.5)
+    return bar
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -114,6 +123,16 @@ def number(value: float, digits: int = 3) -> str:
     if not np.isfinite(value):
         return "–"
     return f"{value:.{_decimals(value, digits)}f}".replace("-", "−")
+
+
+def duration(seconds: float) -> str:
+    """Write a time such as 20.0 µs, 1.50 ms and 2.34 s, with three digits."""
+    if seconds <= 0.0:
+        return "0 µs"
+    size, unit = next(
+        (each for each in ((1.0, "s"), (1e-3, "ms")) if seconds >= 0.9995 * each[0]), (1e-6, "µs")
+    )
+    return f"{number(float(f'{seconds / size:.3g}'))} {unit}"
 
 
 def plus_minus(value: float, std: float) -> str:
@@ -145,23 +164,13 @@ METADATA: dict[str, dict[str, Any] | None] = {
 
 
 def check_name(path: str | Path) -> Path:
-    """Raise InputError unless a figure can be saved under `path`: its extension, and its folder."""
+    """Raise InputError unless a figure can be saved under `path`, by its extension."""
     path = Path(path)
     if path.suffix.lower() not in METADATA:
         raise InputError(
             f"{str(path)!r} ends in {path.suffix!r}, expected one of {', '.join(METADATA)}: "
             "the extension chooses the format of a figure"
         )
-    try:
-        there, taken = path.parent.is_dir(), path.is_dir()
-    except (OSError, ValueError) as error:  # a name that is too long, a zero byte
-        raise FileError(f"{str(path)!r} cannot be written: {error}; expected a path") from error
-    if not there:
-        raise FileError(
-            f"{path} cannot be written: {path.parent} is no folder, expected one that is there"
-        )
-    if taken:
-        raise FileError(f"{path} is a folder, expected the name of a figure")
     return path
 
 
@@ -197,6 +206,6 @@ def save(figure: "Figure", path: str | Path, *, dpi: float = 160.0) -> Path:
     try:
         with matplotlib.rc_context(settings):
             figure.savefig(path, dpi=dpi, format=ending[1:], metadata=METADATA[ending])
-    except OSError as error:
-        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:  # the latter of a zero byte in the name
+        raise FileError(f"{str(path)!r} cannot be written: {error}") from error
     return path

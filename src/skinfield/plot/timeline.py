@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, as_floats, check_finite, check_shape
-from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, new_figure, number, style
+from skinfield.errors import as_floats, check_finite, check_shape
+from skinfield.plot.style import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,18 +65,12 @@ def draw_timeline(
         difference.axhline(0.0, color=QUIET, lw=0.7)
         difference.set_ylabel("difference (N)")
         difference.set_xlabel("time (s)")
-        words = _in_words(f"{label} − reference", force - other)
+        known = (force - other)[np.isfinite(force - other)]
+        words = "nothing in common with the reference"
+        if len(known):
+            mean, rms = float(known.mean()), float(np.sqrt((known**2).mean()))
+            words = f"{label} − reference: mean {number(mean)} N, root mean square {number(rms)} N"
         difference.set_title(words, loc="left", fontsize=8.5, color=QUIET, pad=4)
         for axes in (forces, difference):
-            axes.grid(color=FAINT, lw=0.5, alpha=0.6)
-            axes.spines[["top", "right"]].set_visible(False)
-            axes.margins(x=0.0)
+            open_axes(axes)
     return figure
-
-
-def _in_words(name: str, difference: Floats) -> str:
-    known = difference[np.isfinite(difference)]
-    if not len(known):
-        return "nothing in common with the reference"
-    mean, rms = float(known.mean()), float(np.sqrt((known**2).mean()))
-    return f"{name}: mean {number(mean)} N, root mean square {number(rms)} N"
