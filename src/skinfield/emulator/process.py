@@ -12,8 +12,7 @@ from skinfield.emulator.scenes import FINGER
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.settings import json_from_value
-from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.datagrams import resolved
+from skinfield.wire.links import host_and_port, resolved
 
 ANSWER = 5.0  # s
 TRIES = 3

@@ -16,8 +16,8 @@ from skinfield.emulator.settings import PROBABILITY, VirtualSettings
 from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.settings import from_plain
 from skinfield.settings.tree import Range
-from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.datagrams import resolved, unicast_socket
+from skinfield.wire.datagrams import bound_socket
+from skinfield.wire.links import host_and_port, resolved
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT
 
 LISTEN = "listen"
@@ -117,7 +117,7 @@ class UdpLink(Link):
             self._peer = host_and_port(channel, "127.0.0.1", UDP_PORT)
             if self._peer[0] in ("127.0.0.1", "localhost"):
                 own = ("127.0.0.1", 0)
-        self._socket, _ = unicast_socket(resolved(*own, "channel"))
+        self._socket = bound_socket(resolved(*own, "channel"))
         self.address, self.heard = place_of(self._socket), self._peer is not None
 
     def _take(self, packet: bytes) -> bool:
@@ -359,7 +359,7 @@ class Control:
         self._commands = commands
         try:
             place = resolved(*host_and_port(address, "127.0.0.1", 0), "control")
-            self._socket, _ = unicast_socket(place)
+            self._socket = bound_socket(place)
         except OSError as error:
             raise InputError(
                 f"control is {address!r}, expected an address of this machine that is free: {error}"

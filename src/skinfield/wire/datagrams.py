@@ -122,14 +122,10 @@ class DatagramLink(BreakingLink):
     def _open(self) -> bool:
         self.close()
         assert self._own is not None
-        sock = None
         try:
-            sock = socket.socket(self._own.family, socket.SOCK_DGRAM)
-            sock.bind(self._own.address)
+            return self._use(bound_socket(self._own))
         except OSError as error:
-            let_go(sock)
             return bool(self.broke(error))
-        return self._use(sock)
 
     def _use(self, sock: socket.socket) -> bool:
         """Take over an open socket, which counts what it dropped from 0 on."""
@@ -193,6 +189,18 @@ def address_from_octets(octets: bytes) -> Address:
         (scope,) = struct.unpack_from("=I", octets, 24)
         return socket.inet_ntop(socket.AF_INET6, octets[8:24]), port, flow, scope
     return socket.inet_ntop(socket.AF_INET, octets[4:8]), struct.unpack_from(">H", octets, 2)[0]
+
+
+def bound_socket(own: Place) -> socket.socket:
+    """Socket of UDP that is bound, for both directions, and never waits."""
+    sock = socket.socket(own.family, socket.SOCK_DGRAM)
+    try:
+        sock.bind(own.address)
+    except OSError:
+        sock.close()
+        raise
+    sock.setblocking(False)
+    return sock
 
 
 def set_options(sock: socket.socket, label: str) -> str:
