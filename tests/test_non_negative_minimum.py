@@ -27,6 +27,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative, non_negative
+from skinfield.solve.dual.problem import DROPPED, MOST
 from skinfield.solve.non_negative import NonNegativeOperator
 
 EXACT = 1e-12  # tolerance: until rounding leaves nothing to gain
@@ -211,7 +212,9 @@ def test_more_steps_never_make_it_worse_and_each_is_proved(
     for readings, least, zero in cases:
         before, gaps = np.inf, []
         for most in range(1, 40):
-            operator = whole._with(whole.problem._replace(most=most))
+            numbers = whole.problem.numbers.copy()
+            numbers[MOST] = most
+            operator = whole._with(whole.problem._replace(numbers=numbers))
             solve(operator, readings)
             reached = assert_honest(operator, dense, readings, least, zero)
             assert operator.iterations <= most
@@ -322,9 +325,9 @@ def test_what_stamps_lack_is_in_the_proof(
     monkeypatch.setattr(non_negative, "SPARSE", 2.0)
     monkeypatch.setattr(non_negative, "TILE_CUT", cut)
     operator = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
-    assert len(plain.problem.cells) == 0
-    assert len(operator.problem.cells) > 0
-    assert operator.problem.dropped.max() > 0.0
+    assert len(plain.problem.stamps) == 0
+    assert len(operator.problem.stamps) > 0
+    assert operator.problem.nodes[DROPPED].max() > 0.0
     for readings, least, zero in cases:
         solved(plain, readings)
         solved(operator, readings)

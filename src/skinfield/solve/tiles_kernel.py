@@ -6,9 +6,8 @@ the machine has: one register of AVX-512, two of AVX2, four of SSE or NEON.
 
 A block is one tile of one taxel, a row of `values` (B, 16). Blocks stand tile by tile: those of
 tile t from `firsts[t]` to `firsts[t + 1]`, of the taxels in `taxels` (B,). The tile's first cell is
-`cells[t]`; its four rows are `pitch` cells apart. Taxel by taxel, `order` (B,) lists the blocks of
-taxel l from `begins[l]` to `begins[l + 1]`, and `corners` (B,) their first cells. Nothing here
-checks that tiles lie on the field; `Tiles` makes them so.
+`cells[t]`; its four rows are `pitch` cells apart. Nothing here checks that tiles lie on the field;
+`Tiles` makes them so.
 """
 
 from collections.abc import Sequence
@@ -168,24 +167,7 @@ def apply_tiles(
     factors: Numbers,
     out: Numbers,
 ) -> None:
-    """Sum of all blocks, each times its taxel's factor (L,): `out` (K,)."""
-    out[:] = 0.0
-    for tile in range(len(cells)):
-        begin, end = firsts[tile], firsts[tile + 1]
-        add_tile(values, taxels, factors, out, 0, cells[tile], begin, end, (pitch, 0, 0))
-
-
-@njit
-def apply_tiles_many(
-    values: Numbers,
-    taxels: Ints32,
-    firsts: Ints32,
-    cells: Ints32,
-    pitch: int,
-    factors: Numbers,
-    out: Numbers,
-) -> None:
-    """`apply_tiles` of each row of `factors` (P, L) into the row of `out` (P, K)."""
+    """Sum of all blocks, each times its taxel's factor: (P, L) into `out` (P, K), row by row."""
     out[:] = 0.0
     patches, inputs = factors.shape
     sizes = (pitch, inputs, out.shape[1])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Ints
-from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles_many
+from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
 
@@ -33,7 +33,7 @@ def products(
     """
     for kind in range(len(table)):
         tile, tiles, pitch, size, width, count, taxel, cell, _, _ = table[kind]
-        apply_tiles_many(
+        apply_tiles(
             values,
             taxels,
             firsts[tile : tile + tiles + 1],
@@ -69,7 +69,7 @@ def idle_patches(
         for start in range(0, count, TOGETHER):
             now = min(TOGETHER, count - start)  # scores stay in the first cache
             room = scores[: now * width].reshape((now, width))
-            apply_tiles_many(
+            apply_tiles(
                 values,
                 taxels,
                 firsts[tile : tile + tiles + 1],
