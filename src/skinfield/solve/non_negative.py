@@ -14,15 +14,15 @@ from skinfield.errors import Floats, InputError, check_positive, check_range, ch
 from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
+    ALLOWED,
     COUNTS,
+    DUAL,
     GAP,
     IDLE,
     OBJECTIVE,
     STARTED,
     STEPS,
     UNSOLVED,
-    DUAL,
-    ALLOWED,
     Memory,
     Problem,
 )

@@ -94,7 +94,10 @@ class Tiles:
         values = aligned_blocks(len(tile), kind)
         by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
         values[:] = by_taxel[keep]
-        cells, firsts = members[:, 0].astype(np.int32), np.searchsorted(tile, np.arange(len(own) + 1))
+        cells, firsts = (
+            members[:, 0].astype(np.int32),
+            np.searchsorted(tile, np.arange(len(own) + 1)),
+        )
         by_taxel[keep] -= values  # what the stamps lack is left
         dropped = np.empty(len(matrix))
         dropped[members[own]] = np.linalg.norm(blocks, axis=2)[own]

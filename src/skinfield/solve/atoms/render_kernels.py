@@ -18,7 +18,7 @@ from skinfield.solve.atoms.render_tables import (
     TERMS,
     PressureTable,
 )
-from skinfield.solve.atoms.table import FLAT
+from skinfield.solve.atoms.table import FLAT, cubic
 
 STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
 FEWEST, MOST = 5, 15  # round atoms along a segment
@@ -72,11 +72,8 @@ def blend(radius: float, surface: PressureTable) -> tuple[int, float, float, flo
     """First of four nodes over ln(radius), and the cubic B-splines of each."""
     place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
     at = int(place)
-    t = place - at
-    s = 1.0 - t
-    second = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
-    third = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
-    return at - 1, s * s * s / 6.0, second, third, t * t * t / 6.0
+    b0, b1, b2, b3 = cubic(place - at)
+    return at - 1, b0, b1, b2, b3
 
 
 @inner
@@ -240,9 +237,7 @@ def add_pressure(
 
 
 @inner
-def _pressure_at(
-    atoms: Floats, family: Any, surface: PressureTable, x: float, y: float
-) -> float:
+def _pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
     """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
     total, terms = 0.0, np.empty(TERMS)
     for n in range(len(atoms)):
@@ -266,9 +261,7 @@ def _pressure_at(
 
 
 @njit
-def render(
-    atoms: Floats, family: Any, surface: PressureTable, mesh: Mesh, out: Floats
-) -> float:
+def render(atoms: Floats, family: Any, surface: PressureTable, mesh: Mesh, out: Floats) -> float:
     """Write the mean pressure of atoms on each cell, (K,) Pa; returns the peak of it, Pa.
 
     It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.

@@ -63,7 +63,7 @@ def add_rows(
                 out[taxel] += factor * row[taxel]
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=FAST, inline="always")
 def factor_rows(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
     """Cholesky factor, into `lower`, of 1 + B B' by nodes (B the active rows), or 1 + B' B.
 
@@ -177,7 +177,7 @@ def excess(
     return 0.5 * total
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=FAST, inline="always")
 def spread_bumps(
     listed: Ints, amount: Floats, count: int, bump: Floats, width: int, out: Floats
 ) -> None:

@@ -115,5 +115,8 @@ class Memory(NamedTuple):
         """Room for a problem; pages that are never written are never taken."""
         lists = np.zeros((COUNTS + 1, max(nodes, COUNTED)), dtype=np.int64)
         lists[ALL] = np.arange(lists.shape[1])
-        taxels, by_node = np.zeros((LOWER + width, width), kind), np.zeros((AMOUNT + 1, nodes), kind)
+        taxels, by_node = (
+            np.zeros((LOWER + width, width), kind),
+            np.zeros((AMOUNT + 1, nodes), kind),
+        )
         return cls(taxels, by_node, lists, np.zeros(TYPICAL + 3))

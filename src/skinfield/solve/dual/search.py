@@ -10,6 +10,7 @@ from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.solve.dual import problem as at
 from skinfield.solve.dual.kernel import (
+    FAST,
     add_rows,
     dot,
     excess,
@@ -70,17 +71,19 @@ else:
         return int(room[0] * 1_000_000_000 + room[1])
 
 
-@njit
-def answer(
-    problem: Problem, memory: Memory, readings: Floats, out: Floats, deadline: int
-) -> None:
+@njit(fastmath=FAST)
+def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, deadline: int) -> None:
     """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
 
     What it is worth is left in `measures`. Being late, or without time for a proof, ends the
     search: so time decides in its last turn alone.
     """
     counts, measures, numbers = memory.lists[at.COUNTS], memory.measures, problem.numbers
-    target, dual, ascent = memory.taxels[at.TARGET], memory.taxels[at.DUAL], memory.taxels[at.ASCENT]
+    target, dual, ascent = (
+        memory.taxels[at.TARGET],
+        memory.taxels[at.DUAL],
+        memory.taxels[at.ASCENT],
+    )
     width, rows = len(target), problem.rows.size
     for taxel in range(len(readings)):
         weight = problem.whitening[taxel]
@@ -137,7 +140,7 @@ def answer(
     learn_pace(measures, at.SPREAD_PACE, now_ns(counts) - start, work)
 
 
-@inner
+@inner(inline="always")
 def begin(problem: Problem, memory: Memory, best: float) -> float:
     """Choose where to start; returns a dual value, or -1 if there is nothing to search.
 
@@ -179,7 +182,7 @@ def begin(problem: Problem, memory: Memory, best: float) -> float:
     return lower
 
 
-@inner
+@inner(inline="always")
 def goes_on(problem: Problem, memory: Memory) -> bool:
     """Whether to start from the dual of the reading before.
 
@@ -247,7 +250,7 @@ def see_all(problem: Problem, memory: Memory, values: Floats, least: float) -> N
             every[node] = product(rows[node], values)
 
 
-@inner
+@inner(inline="always")
 def list_near(problem: Problem, memory: Memory) -> None:
     """List the nodes that row `EVERY` says may carry pressure."""
     count, every, listed = 0, memory.nodes[at.EVERY], memory.lists[at.LISTED]
@@ -260,7 +263,7 @@ def list_near(problem: Problem, memory: Memory) -> None:
     memory.lists[at.COUNTS, at.SEARCHED] = count
 
 
-@inner
+@inner(inline="always")
 def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float, int]:
     """Objective of the best amounts so far, of those at the dual, and how many of these are not 0.
 
@@ -331,7 +334,7 @@ def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
     return within - 0.5 * elsewhere, within
 
 
-@inner
+@inner(inline="always")
 def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """One semismooth Newton step from the dual, to where the dual value is highest along it.
 
@@ -340,8 +343,16 @@ def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """
     counts, lists, rows = memory.lists[at.COUNTS], memory.lists, problem.rows
     listed, factored = lists[at.LISTED], lists[at.FACTORED]
-    target, dual, ascent = memory.taxels[at.TARGET], memory.taxels[at.DUAL], memory.taxels[at.ASCENT]
-    step, scratch, lower = memory.taxels[at.STEP], memory.taxels[at.SCRATCH], memory.taxels[at.LOWER :]
+    target, dual, ascent = (
+        memory.taxels[at.TARGET],
+        memory.taxels[at.DUAL],
+        memory.taxels[at.ASCENT],
+    )
+    step, scratch, lower = (
+        memory.taxels[at.STEP],
+        memory.taxels[at.SCRATCH],
+        memory.taxels[at.LOWER :],
+    )
     turn, width, count = memory.nodes[at.TURN], len(dual), counts[at.SEARCHED]
     if anew or counts[at.FACTORS] == 0:
         for place in range(active):
