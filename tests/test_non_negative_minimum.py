@@ -256,25 +256,6 @@ def test_whatever_the_deadline_the_proof_holds(
         assert operator.iterations == 0
 
 
-@pytest.mark.parametrize("quantity", BOTH)
-def test_forces_are_as_near_as_the_gap_says(quantity: Either) -> None:
-    """|w'(p - p*)|^2 <= 2 (P - D) w'Sw, S the posterior without the constraint, densely."""
-    _, dense, cases = large(quantity)
-    model = small_model(24, 7, quantity)
-    rng = np.random.default_rng(4)
-    curvature = np.eye(len(dense.penalty)) + dense.seen.T @ dense.seen
-    cases_of_weights = np.concatenate([rng.normal(size=(30, len(curvature))), model.grid.plane.T])
-    moved = cases_of_weights @ dense.bumps
-    spread = np.sqrt(np.einsum("nk,nk->n", moved, np.linalg.solve(curvature, moved.T).T))
-    readings = cases[1][0]
-    best = dense.bumps @ dense.minimum_by_squares(readings)
-    for most in (2, 4, 6, 8, 12):
-        operator = NonNegative(tolerance=1e-6, most_iterations=most).prepare(model)
-        found = solve(operator, readings)
-        share = (operator.gap + LOOSE) * operator.objective
-        assert (np.abs(cases_of_weights @ (found - best)) <= np.sqrt(2 * share) * spread).all()
-
-
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-8, 1e-12])
 def test_no_tolerance_is_too_strict_for_single_precision(tolerance: float) -> None:
     """It ends where rounding leaves no better proof, with all nodes looked at."""

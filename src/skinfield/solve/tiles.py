@@ -11,7 +11,6 @@ from skinfield.errors import Floats, InputError, as_floats, check_finite, check_
 
 SIDE = 4  # cells of a tile
 LINE = 64  # bytes of a cache line
-DENSE_WINS = 1.0  # share from which on a dense product is quicker: tiles at borders overlap
 
 Ints32 = NDArray[np.int32]
 
@@ -110,11 +109,6 @@ class Tiles:
     def share(self) -> float:
         """Numbers kept, as part of those of the whole matrix."""
         return float(self.values.size / max(len(self.dropped) * self.count, 1))
-
-    @property
-    def pays(self) -> bool:
-        """Whether a product is quicker than that of the whole matrix in the same type."""
-        return self.share < DENSE_WINS
 
     def apply(self, values: NDArray[Any], out: NDArray[Any]) -> None:
         """Write matrix @ values into `out` (K,), or row by row of (P, L) into (P, K).

@@ -78,7 +78,7 @@ class DetectorStream:
         used = [min(length, self._held) for length in self.lengths]
         sums = np.stack([self._whitened[:n].sum(axis=0) for n in used])
         valid = self._valid[: self._held]
-        matches = self.lookback.matches(sums[None], self.lookback.seen(valid, used), used)
+        matches = self.lookback.matches(sums[None], self.lookback.spread_where(valid, used), used)
         return self.detector.detection(self.lookback, matches, self.threshold, valid)
 
     def _take(self, reading: "ArrayLike", stamp_ns: int) -> None:
@@ -221,7 +221,7 @@ class Detector:
             )
         lookback = replace(self.lookback, lengths=(len(table),))
         sums = lookback.bank.whitened(table).sum(axis=0)
-        matches = lookback.matches(sums[None, None], lookback.seen(valid, lookback.lengths))
+        matches = lookback.matches(sums[None, None], lookback.spread_where(valid, lookback.lengths))
         return self.detection(lookback, matches, self.threshold, valid)
 
     def detection(

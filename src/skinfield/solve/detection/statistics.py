@@ -207,7 +207,7 @@ class Lookback:
         one = spread_of(self._one)
         return np.concatenate([one / np.sqrt(worth) for worth in self.worth])
 
-    def seen(self, valid: NDArray[np.bool_], used: Sequence[int]) -> Floats | None:
+    def spread_where(self, valid: NDArray[np.bool_], used: Sequence[int]) -> Floats | None:
         """1/g by length and template, of readings (T, L), newest first, that lack values.
 
         `used` (W,) readings count for each length; None where all are there.
