@@ -88,7 +88,7 @@ def test_any_problem_is_solved(
         precision=precision,
     )
     operator, dense = solver.prepare(model), Dense.of(solver, model)
-    assert operator.threshold == pytest.approx(dense.threshold)
+    assert operator.problem.threshold == pytest.approx(dense.threshold)
     for _ in range(3):  # the second and third start from the one before
         readings = pressed(model, rng, 1) * 10.0 ** rng.uniform(-2, 3)
         found = solve(operator, readings)

@@ -122,7 +122,7 @@ class NonNegativeOperator:
         Newton steps that the last reading took.
     gap : float, dimensionless
         The share of its objective by which the last answer may be above the minimum, at most: 0 to
-        1. It is proved, by a dual value; of an idle patch by its test, with the `penalty` of then.
+        1. It is proved, by a dual value; of an idle patch by its test.
     objective : float, dimensionless
         That of the last answer.
     deadline_met : bool
@@ -137,8 +137,8 @@ class NonNegativeOperator:
     def __post_init__(self) -> None:
         from skinfield.solve.dual.search import answer
 
-        rows = self.problem.rows
-        self._answer, self._memory = answer, Memory.of(*rows.shape, rows.dtype)
+        nodes, width = self.problem.rows.shape
+        self._answer, self._memory = answer, Memory.of(nodes, width, self.problem.rows.dtype)
         self._memory.measures[: OBJECTIVE + 1] = np.nan
         self._readings = np.zeros(self.taxels)
 
@@ -186,20 +186,6 @@ class NonNegativeOperator:
     def dual(self) -> NDArray[Any]:
         """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
         return self._memory.taxels[DUAL, : self.taxels]
-
-    @property
-    def penalty(self) -> NDArray[Any]:
-        """Penalty on the amount of each node in the last answer's problem, (K,).
-
-        That of the full threshold if the patch was idle, for which 0 is the minimum.
-        """
-        problem = self.problem
-        return problem.threshold * problem.norms if self.idle else problem.penalty
-
-    @property
-    def threshold(self) -> float:
-        """Standard deviations that the most significant node must exceed."""
-        return self.problem.threshold
 
     def start_from(self, dual: Floats) -> None:
         """Begin the next reading from another operator's `dual` (L,), such as a coarser grid's."""
@@ -267,7 +253,7 @@ class NonNegativeOperator:
         white = self.problem.whitening
         strongest = int(np.argmax(self.problem.norms))
         clear = self.problem.rows[strongest, : self.taxels].astype(np.float64)
-        clear *= 4.0 * self.threshold / max(float(np.linalg.norm(clear)), 1e-300)
+        clear *= 4.0 * self.problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
         paces = []
         for lap in range(LAPS):
             self._memory.measures[:] = 0.0

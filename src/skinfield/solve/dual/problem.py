@@ -73,8 +73,8 @@ class Problem(NamedTuple):
 
     def copy(self) -> "Problem":
         """With rows, nodes and whitening of its own."""
-        own = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
-        return Problem(*own, *self[len(own) :])
+        rows, nodes, whitening = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
+        return self._replace(rows=rows, nodes=nodes, whitening=whitening)
 
     def leave_out(self, whole: "Problem", valid: NDArray[np.bool_]) -> None:
         """Become `whole` without the taxels that are not `valid` (L,), in place."""
