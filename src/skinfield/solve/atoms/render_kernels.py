@@ -159,6 +159,7 @@ def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Fl
 
     A mean over cells moves the centre of pressure a little; the tilt brings it back to x and y.
     """
+    moments[:] = 0.0
     total, mean_x, mean_y = 0.0, 0.0, 0.0
     for row in range(box[2]):
         for column in range(box[3]):
@@ -217,8 +218,9 @@ def add_pressure(
     radius = held(atom[3], surface)
     if not box_of(atom, radius, mesh, box):
         return False
-    terms, chord = np.empty(TERMS), np.empty(TERMS)
-    cells, moments = np.zeros(box[2] * box[3]), np.zeros(4)
+    terms, chord, moments = np.empty(TERMS), np.empty(TERMS), np.empty(4)
+    cells = np.empty(box[2] * box[3])
+    cells[:] = 0.0
     pressure_terms(radius, family, surface, terms)
     count = points_along(radius, atom[4])
     east, north = atom[4] * np.cos(atom[5]), atom[4] * np.sin(atom[5])
@@ -349,19 +351,23 @@ def pressure_std(
     the atom may be off by more than its size (spherical cubature; Arasaratnam and Haykin 2009).
     """
     out[:] = 0.0
-    plain, changed, boxes = np.zeros(len(out)), np.zeros(len(out)), np.zeros((2, 4), np.int64)
+    plain, changed = np.empty(len(out)), np.empty(len(out))
+    plain[:], changed[:] = 0.0, 0.0
+    box, other = np.empty(4, np.int64), np.empty(4, np.int64)
     factor, step, moved = np.empty((SIZE, SIZE)), np.empty(SIZE), np.empty(SIZE)
     for n in range(len(atoms)):
         count = _root(covariance[n], factor)
-        if not add_pressure(atoms[n], family[n], surface, mesh, plain, boxes[0]):
-            boxes[0, 2:] = 0
+        if not add_pressure(atoms[n], family[n], surface, mesh, plain, box):
+            box[2], box[3] = 0, 0
         for j in range(count):
-            step[:] = factor[:, j]
+            for i in range(SIZE):
+                step[i] = factor[i, j]
             for side in (-1.0, 1.0):
                 _move(atoms[n], step, side * np.sqrt(count), moved)
-                if not add_pressure(moved, family[n], surface, mesh, changed, boxes[1]):
-                    boxes[1] = boxes[0]
-                _gather(mesh, boxes[0], boxes[1], plain, changed, 0.5 / count, out)
-        _clear(mesh, boxes[0], plain)
+                if not add_pressure(moved, family[n], surface, mesh, changed, other):
+                    for i in range(4):
+                        other[i] = box[i]
+                _gather(mesh, box, other, plain, changed, 0.5 / count, out)
+        _clear(mesh, box, plain)
     for k in range(len(out)):
         out[k] = np.sqrt(out[k])
