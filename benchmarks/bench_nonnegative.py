@@ -81,7 +81,7 @@ def algebra(solver: sf.NonNegative, model: ObservationModel) -> tuple[np.ndarray
     bump = bump_of(model.grid, solver._length(model))
     seen = seen_through(bump, model.matrix / model.noise_std[:, None], model.grid)
     seen *= solver.snr * np.sqrt(len(seen) / np.square(seen).sum())
-    return seen, solver.shrinkage * operator.threshold * np.linalg.norm(seen, axis=0)
+    return seen, solver.shrinkage * operator.problem.threshold * np.linalg.norm(seen, axis=0)
 
 
 def by_nnls(seen: np.ndarray, penalty: np.ndarray, white: np.ndarray) -> float:

@@ -13,6 +13,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative
+from skinfield.solve.dual.problem import AMOUNT, COUNTS, PRESSED, PRESSING
 from skinfield.solve.linear import taxel_distance
 from skinfield.solve.non_negative import NonNegativeOperator, bump_of
 from skinfield.testing.solver import square_patch
@@ -138,9 +139,9 @@ def _dense(solver: NonNegative, model: ObservationModel) -> Dense:
 def amounts_of(operator: NonNegativeOperator) -> Floats:
     """z (K,) of the last answer."""
     memory: Any = operator._memory
-    count = memory.counts[3]
-    found = np.zeros(len(memory.every))
-    found[memory.pressed[:count]] = memory.amounts[:count]
+    count = memory.lists[COUNTS, PRESSING]
+    found = np.zeros(len(operator.problem.rows))
+    found[memory.lists[PRESSED, :count]] = memory.nodes[AMOUNT, :count]
     return found
 
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
-from skinfield.solve.atoms.fit_kernel import refine
+from skinfield.solve.atoms.fit_kernel import refined
 from skinfield.solve.atoms.fitter import CURVATURE_STD, ContactFitter
-from skinfield.solve.atoms.posterior import Effort, belief_of, laplace
+from skinfield.solve.atoms.posterior import belief_of, laplace
 from skinfield.solve.atoms.search import LOG_FORCES, AtomSet, Problem, search
 from skinfield.solve.atoms.table import BALL, curvature_force
 
@@ -115,7 +115,7 @@ def test_evidence_and_covariance_are_those_of_samples(
     weight /= weight.sum()
     mean = weight @ samples
     spread = np.sqrt(weight @ np.square(samples - mean))
-    belief = belief_of(problem, found, 0, Effort(100, 0, False, 0.9))
+    belief = belief_of(problem, found, 0, 100, 0, 0.9)
     assert np.sqrt(np.diag(belief.covariance)[:3]) == pytest.approx(spread[:3], rel=0.35)
     assert np.abs(belief.mean(BALL)[:3] - mean[:3]).max() < 0.5 * spread[:3].max()
 
@@ -157,11 +157,9 @@ def test_the_stated_rate_sets_the_threshold(fitters: dict[str, ContactFitter]) -
     assert 1 <= seen <= 85  # 60 and three deviations
 
 
-def test_touches_are_what_a_fit_says_without_what_takes_longest(
-    fitters: dict[str, ContactFitter],
-) -> None:
+def test_contacts_are_the_same_without_the_other_fields(fitters: dict[str, ContactFitter]) -> None:
     fitter, readings = fitters["capacitance"], noisy("capacitance", 4)
-    found = fitter.touches(readings)
+    found = fitter.fit(readings, fields=False)
     assert "_moves" not in vars(fitter._renderer)  # displacements are not tabulated
     fitter.reset()
     fit = fitter.fit(readings)
@@ -170,7 +168,7 @@ def test_touches_are_what_a_fit_says_without_what_takes_longest(
     assert found.explained
     assert_array_equal(found.pressure, fit.pressure)
     assert_array_equal(found.contacts[0].covariance, fit.contacts[0].covariance)
-    idle = fitter.touches(0.0 * readings)
+    idle = fitter.fit(0.0 * readings, fields=False)
     assert idle.explained
     assert not idle.contacts
     assert not idle.pressure.any()
@@ -180,7 +178,8 @@ def test_touches_are_what_a_fit_says_without_what_takes_longest(
 def test_all_that_is_refined_is_compiled_once(fitters: dict[str, ContactFitter]) -> None:
     fitter = fitters["capacitance"]
     for seed in (1, 2):
-        fitter.touches(noisy("capacitance", seed))
-        fitter.touches(noisy("capacitance", seed, (2e-3, -5e-3)) + noisy("capacitance", 3))
+        fitter.fit(noisy("capacitance", seed), fields=False)
+        both = noisy("capacitance", seed, (2e-3, -5e-3)) + noisy("capacitance", 3)
+        fitter.fit(both, fields=False)
     fitter.reset()
-    assert len(refine.signatures) == 1
+    assert len(refined.signatures) == 1

@@ -27,6 +27,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative, non_negative
+from skinfield.solve.dual.problem import DROPPED, MOST
 from skinfield.solve.non_negative import NonNegativeOperator
 
 EXACT = 1e-12  # tolerance: until rounding leaves nothing to gain
@@ -87,7 +88,7 @@ def test_any_problem_is_solved(
         precision=precision,
     )
     operator, dense = solver.prepare(model), Dense.of(solver, model)
-    assert operator.threshold == pytest.approx(dense.threshold)
+    assert operator.problem.threshold == pytest.approx(dense.threshold)
     for _ in range(3):  # the second and third start from the one before
         readings = pressed(model, rng, 1) * 10.0 ** rng.uniform(-2, 3)
         found = solve(operator, readings)
@@ -211,7 +212,9 @@ def test_more_steps_never_make_it_worse_and_each_is_proved(
     for readings, least, zero in cases:
         before, gaps = np.inf, []
         for most in range(1, 40):
-            operator = whole._with(whole.problem._replace(most=most))
+            numbers = whole.problem.numbers.copy()
+            numbers[MOST] = most
+            operator = whole._with(whole.problem._replace(numbers=numbers))
             solve(operator, readings)
             reached = assert_honest(operator, dense, readings, least, zero)
             assert operator.iterations <= most
@@ -251,25 +254,6 @@ def test_whatever_the_deadline_the_proof_holds(
     if allowed <= 0:
         assert not operator.deadline_met
         assert operator.iterations == 0
-
-
-@pytest.mark.parametrize("quantity", BOTH)
-def test_forces_are_as_near_as_the_gap_says(quantity: Either) -> None:
-    """|w'(p - p*)|^2 <= 2 (P - D) w'Sw, S the posterior without the constraint, densely."""
-    _, dense, cases = large(quantity)
-    model = small_model(24, 7, quantity)
-    rng = np.random.default_rng(4)
-    curvature = np.eye(len(dense.penalty)) + dense.seen.T @ dense.seen
-    cases_of_weights = np.concatenate([rng.normal(size=(30, len(curvature))), model.grid.plane.T])
-    moved = cases_of_weights @ dense.bumps
-    spread = np.sqrt(np.einsum("nk,nk->n", moved, np.linalg.solve(curvature, moved.T).T))
-    readings = cases[1][0]
-    best = dense.bumps @ dense.minimum_by_squares(readings)
-    for most in (2, 4, 6, 8, 12):
-        operator = NonNegative(tolerance=1e-6, most_iterations=most).prepare(model)
-        found = solve(operator, readings)
-        share = (operator.gap + LOOSE) * operator.objective
-        assert (np.abs(cases_of_weights @ (found - best)) <= np.sqrt(2 * share) * spread).all()
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-8, 1e-12])
@@ -322,9 +306,9 @@ def test_what_stamps_lack_is_in_the_proof(
     monkeypatch.setattr(non_negative, "SPARSE", 2.0)
     monkeypatch.setattr(non_negative, "TILE_CUT", cut)
     operator = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
-    assert len(plain.problem.cells) == 0
-    assert len(operator.problem.cells) > 0
-    assert operator.problem.dropped.max() > 0.0
+    assert len(plain.problem.stamps) == 0
+    assert len(operator.problem.stamps) > 0
+    assert operator.problem.nodes[DROPPED].max() > 0.0
     for readings, least, zero in cases:
         solved(plain, readings)
         solved(operator, readings)

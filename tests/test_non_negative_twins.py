@@ -181,7 +181,7 @@ def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.Mo
     monkeypatch.setattr(non_negative, "LARGE", 0)  # by stamps, which still hold them
     model = small_model(24, 7)
     operator = NonNegative().prepare(model)
-    assert len(operator.problem.cells) > 0
+    assert len(operator.problem.stamps) > 0
     readings = pressed(model, np.random.default_rng(9))
     valid = np.arange(len(readings)) % 5 != 0
     expected = solve(operator.without(valid), readings)

@@ -16,8 +16,8 @@ from skinfield.loop.fit_ring import FORM, NEAR, SHAPES, Fitted
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.stationary_mean import Mean, StationaryMean
 from skinfield.skin import Grid, Patch
-from skinfield.solve import ContactFit
-from skinfield.solve.atoms.fitter import ContactFitter, Touches
+from skinfield.solve import ContactFit, Fit
+from skinfield.solve.atoms.fitter import ContactFitter
 
 FIRST = 1_000_000  # number of the first contact that only the fit knows
 HABITS = Habits(hold=0.5)
@@ -300,7 +300,7 @@ class PatchFit:
         moved = mean.readings < self._fitted
         return moved or mean.readings >= AGAIN * self._fitted or since >= REST_NS
 
-    def _fit(self, mean: Mean, rate: float) -> Touches:
+    def _fit(self, mean: Mean, rate: float) -> Fit:
         """The fit with the usual model error, else with that of boards without calibration."""
         noise = deviation_of(mean, self._noise, self._rounding)
         assert self._fine is not None  # it is ready
@@ -311,13 +311,14 @@ class PatchFit:
             fitter.take_rate(rate)
             if mean.readings >= ANEW:
                 fitter.reset()
-            fit = fitter.touches(mean.values, time.perf_counter_ns() + LONGEST_NS)
+            until = time.perf_counter_ns() + LONGEST_NS
+            fit = fitter.fit(mean.values, until, fields=False)
             self._was_rough = fitter is self._rough
             if fit.explained:
                 break
         return fit
 
-    def _take(self, fit: Touches, mean: Mean, engine: Rows, touched: bool) -> None:
+    def _take(self, fit: Fit, mean: Mean, engine: Rows, touched: bool) -> None:
         if not fit.explained:
             self.reset()
             self.state = Fitted.UNHELPFUL

@@ -3,8 +3,8 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,22 @@ from skinfield.elastic import LatticeConvolution, ObservationModel
 from skinfield.errors import Floats, InputError, check_positive, check_range, check_shape
 from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
+from skinfield.solve.dual.problem import (
+    ALLOWED,
+    COUNTS,
+    DUAL,
+    GAP,
+    IDLE,
+    OBJECTIVE,
+    STARTED,
+    STEPS,
+    UNSOLVED,
+    Memory,
+    Problem,
+)
 from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, taxel_distance
 from skinfield.solve.operator import InverseOperator
 from skinfield.solve.tiles import SIDE, Tiles
-
-if TYPE_CHECKING:
-    from skinfield.solve.dual.workspace import Problem
-
 
 LANES = 64  # bytes: rows are filled up to whole vector registers
 ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a dual value may be off
@@ -30,7 +39,7 @@ LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read wher
 
 def problem_of(
     solver: "NonNegative", grid: Grid, rows: Floats, bump: Floats, whitening: Floats
-) -> "Problem":
+) -> Problem:
     """Problem of a solver on a grid.
 
     Parameters
@@ -44,93 +53,50 @@ def problem_of(
     """
     from scipy.special import ndtri
 
-    from skinfield.solve.dual.kernel import MARGIN
-    from skinfield.solve.dual.workspace import Problem
-
-    nodes, taxels = rows.shape
     norms = np.linalg.norm(rows, axis=1)
     chances = max(int(np.count_nonzero(norms)), 1)
     threshold = float(-ndtri(solver.false_alarm_rate / chances))
     kind = np.dtype(solver.precision)
     lanes = LANES // kind.itemsize
-    filled = np.zeros((nodes, -(-taxels // lanes) * lanes), dtype=kind)
-    filled[:, :taxels] = rows
+    filled = np.zeros((len(rows), -(-len(whitening) // lanes) * lanes), dtype=kind)
+    filled[:, : len(whitening)] = rows
+    stamps, dropped = np.zeros((0, SIDE**2), kind), np.zeros(len(rows))
+    places = np.zeros(0, np.int32)
+    if min(grid.shape) >= SIDE and rows.size > LARGE:
+        tiles = Tiles.of(rows, grid.shape, cut=TILE_CUT, dtype=kind)
+        if tiles.share < SPARSE:
+            stamps, dropped = tiles.values.copy(), tiles.dropped * (1 + 1e-6)  # else read-only
+            places = np.concatenate([tiles.taxels, tiles.firsts, tiles.cells])
+    penalty, rounding = solver.shrinkage * threshold, ROUNDING[kind.itemsize]
+    settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
     return Problem(
         rows=filled,
-        norms=norms.astype(kind),
-        penalty=(solver.shrinkage * threshold * norms).astype(kind),
-        bump=np.ascontiguousarray(bump, dtype=kind),
+        nodes=np.stack([norms, dropped, np.ones(len(rows))]).astype(kind),
         whitening=np.ascontiguousarray(whitening, dtype=np.float64),
-        **_stamps(rows, grid, kind),
-        allowed=np.ones(nodes, dtype=np.bool_),
-        threshold=threshold,
-        least=solver.shrinkage * threshold - MARGIN,
-        tolerance=solver.tolerance,
-        rounding=ROUNDING[kind.itemsize],
-        most=solver.most_iterations,
-        height=grid.shape[0],
-        width=grid.shape[1],
+        bump=np.ascontiguousarray(bump, dtype=kind),
+        stamps=stamps,
+        places=places,
+        numbers=np.array([*settings, *grid.shape], dtype=np.float64),
     )
 
 
-def _stamps(rows: Floats, grid: Grid, kind: np.dtype[Any]) -> dict[str, Any]:
-    """What a pass over all nodes may use in place of all rows; none where that does not pay."""
-    if min(grid.shape) >= SIDE and rows.size > LARGE:
-        stamps = Tiles.of(rows, grid.shape, cut=TILE_CUT, dtype=kind)
-        if stamps.share < SPARSE:
-            return {
-                "stamps": stamps.values.copy(),  # else read-only: another type to compile for
-                "taxels": stamps.taxels,
-                "firsts": stamps.firsts,
-                "cells": stamps.cells,
-                "dropped": stamps.dropped.astype(kind) * (1 + 1e-6),
-            }
-    none = np.zeros(0, dtype=np.int32)
-    return {
-        "stamps": np.zeros((0, SIDE**2), dtype=kind),
-        "taxels": none,
-        "firsts": none,
-        "cells": none,
-        "dropped": np.zeros(0, dtype=kind),
-    }
-
-
 LAPS = 6  # of the run in, after which the times of steps are known
+Backing = Callable[[], tuple[InverseOperator, PressureNoise]]
 
 
-@dataclass(frozen=True, eq=False)
-class Backing:
-    """The field without the constraint: what contacts and their uncertainty are told by.
+def backing_of(prepare: Callable[[], InverseOperator], noise_std: Floats) -> Backing:
+    """The field without the constraint, and how the readings' noise (L,) moves it.
 
-    Attributes
-    ----------
-    prepare : function that returns InverseOperator
-        Called when it is first asked for: the search itself does not need it.
-    noise_std : (L,) array, unit of the reading
+    Contacts and their uncertainty go by it. It is prepared when it is first asked for, as the
+    search itself does not need it.
     """
 
-    prepare: Callable[[], InverseOperator]
-    noise_std: Floats
+    @cache
+    def linear() -> tuple[InverseOperator, PressureNoise]:
+        operator = prepare()
+        return operator, PressureNoise(operator.matrix * noise_std)
 
-    @cached_property
-    def operator(self) -> InverseOperator:
-        """Linear operator of the same prior."""
-        return self.prepare()
-
-    @cached_property
-    def noise(self) -> PressureNoise:
-        """How the readings' noise moves this field."""
-        return PressureNoise(self.operator.matrix * self.noise_std)
-
-    def without(self, valid: NDArray[np.bool_]) -> "Backing":
-        """Of the valid taxels, by a mask (L,)."""
-
-        def prepare() -> InverseOperator:
-            shorter = self.operator.without(valid)  # a low-rank update, some milliseconds
-            assert shorter is not None  # as the operator is of all taxels, and Bayesian
-            return shorter
-
-        return Backing(prepare, self.noise_std[valid])
+    return linear
 
 
 @dataclass(eq=False)
@@ -145,12 +111,10 @@ class NonNegativeOperator:
     problem : Problem
         Arrays of the compiled search.
     backing : Backing
-        The field without the constraint. The constraint only narrows a posterior, so that one's is
-        too wide rather than too narrow where the model is right.
+        See `backing_of`. The constraint only narrows a posterior, so that one's is too wide rather
+        than too narrow where the model is right.
     model_error : ModelError
         That a contact has without noise.
-    taxels : int
-        L.
 
     Attributes
     ----------
@@ -158,99 +122,81 @@ class NonNegativeOperator:
         Newton steps that the last reading took.
     gap : float, dimensionless
         The share of its objective by which the last answer may be above the minimum, at most: 0 to
-        1. It is proved, by a dual value; of an idle patch by its test, with the `penalty` of then.
+        1. It is proved, by a dual value; of an idle patch by its test.
     objective : float, dimensionless
         That of the last answer.
     deadline_met : bool
         Whether the last answer was there in time.
-    rooms : tuple of uint8 arrays
-        What it works in, to be touched so that a processor has it at hand.
     """
 
-    problem: "Problem"
+    problem: Problem
     backing: Backing
     model_error: ModelError
-    taxels: int
     deadline_met: bool = field(default=True, init=False)
 
     def __post_init__(self) -> None:
         from skinfield.solve.dual.search import answer
-        from skinfield.solve.dual.workspace import memory_in, packed, room_for
 
         nodes, width = self.problem.rows.shape
-        room = room_for(nodes, width, self.problem.rows.dtype)
-        self._memory = memory_in(nodes, width, room)
-        self._packed, self._answer = packed(self.problem, room), answer
-        self.rooms = tuple(each.view(np.uint8) for each in room)
+        self._answer, self._memory = answer, Memory.of(nodes, width, self.problem.rows.dtype)
+        self._memory.measures[: OBJECTIVE + 1] = np.nan
         self._readings = np.zeros(self.taxels)
+
+    @property
+    def taxels(self) -> int:
+        """Number of readings, L."""
+        return len(self.problem.whitening)
 
     @property
     def pressure_std(self) -> Floats:
         """Posterior deviation of the linear field without the constraint, (K,) Pa."""
-        return self.backing.operator.pressure_std
+        return self.backing()[0].pressure_std
 
     @property
     def posterior(self) -> PressurePosterior | None:
         """Posterior of the linear field without the constraint."""
-        return self.backing.operator.posterior
+        return self.backing()[0].posterior
 
     @property
     def noise(self) -> PressureNoise:
-        """How noise moves the linear field: a stand-in by which contacts are told."""
-        return self.backing.noise
+        """How noise moves the linear field: a stand-in, from which contacts must stand out."""
+        return self.backing()[1]
 
     @property
     def gap(self) -> float:
         """Share of the objective by which the last answer may be above the minimum."""
-        return float(self._memory.measures[0])
+        return float(self._memory.measures[GAP])
 
     @property
     def objective(self) -> float:
         """Objective of the last answer."""
-        return float(self._memory.measures[1])
+        return float(self._memory.measures[OBJECTIVE])
 
     @property
     def idle(self) -> bool:
         """Whether the last reading was proved to hold no contact."""
-        return bool(self._memory.counts[0])
+        return bool(self._memory.lists[COUNTS, IDLE])
 
     @property
     def iterations(self) -> int:
         """Newton steps that the last reading took."""
-        return int(self._memory.counts[2])
+        return int(self._memory.lists[COUNTS, STEPS])
 
     @property
     def dual(self) -> NDArray[Any]:
         """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
-        return self._memory.dual[: self.taxels]
-
-    @property
-    def penalty(self) -> NDArray[Any]:
-        """Penalty on the amount of each node in the last answer's problem, (K,).
-
-        That of the full threshold if the patch was idle, for which 0 is the minimum.
-        """
-        if self.idle:
-            return np.asarray(self.threshold * self.problem.norms)
-        return self.problem.penalty
-
-    @property
-    def threshold(self) -> float:
-        """Standard deviations that the most significant node must exceed."""
-        return float(self.problem.threshold)
+        return self._memory.taxels[DUAL, : self.taxels]
 
     def start_from(self, dual: Floats) -> None:
         """Begin the next reading from another operator's `dual` (L,), such as a coarser grid's."""
         check_shape("dual", dual, (self.taxels,), "one per taxel")
-        self._memory.dual[: self.taxels] = dual
-        self._memory.counts[4] = 1
+        self.dual[:] = dual
+        self._memory.lists[COUNTS, STARTED] = 1
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._memory.counts[:] = 0
-        self._memory.dual[:] = 0.0
-        self._memory.measures[:2] = np.nan
-        self._memory.measures[5] = 0.0
+        self._memory.lists[COUNTS], self._memory.taxels[DUAL] = 0, 0.0
+        self._memory.measures[: OBJECTIVE + 1], self._memory.measures[UNSOLVED] = np.nan, 0.0
 
     def twin(self) -> "NonNegativeOperator":
         """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
@@ -259,8 +205,9 @@ class NonNegativeOperator:
     def within(self, nodes: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Search only some nodes, by a mask (K,); the gap is still that of all nodes."""
         check_shape("nodes", nodes, self.problem.norms.shape, "one per node")
-        allowed = np.array(nodes, dtype=np.bool_)
-        return self._with(self.problem._replace(allowed=allowed))
+        part = self.problem.copy()
+        part.nodes[ALLOWED] = nodes
+        return self._with(part)
 
     def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Leave out taxels, by a mask (L,) of those to use.
@@ -269,14 +216,15 @@ class NonNegativeOperator:
         their size, where a fresh `prepare` would have the same power spread over fewer taxels.
         """
         check_shape("valid", valid, (self.taxels,), "one per taxel")
-        old = self.problem
-        rows = old.rows.copy()
-        rows[:, : self.taxels][:, ~valid] = 0.0
-        norms = np.linalg.norm(rows, axis=1).astype(rows.dtype)
-        rate = np.divide(old.penalty, old.norms, out=np.zeros_like(norms), where=old.norms > 0.0)
-        whitening = np.where(valid, old.whitening, 0.0)
-        changed = old._replace(rows=rows, norms=norms, penalty=rate * norms, whitening=whitening)
-        return self._with(changed, self.backing.without(valid))
+        part, whole = self.problem.copy(), self.backing
+        part.leave_out(self.problem, valid)
+
+        def shorter() -> InverseOperator:
+            linear = whole()[0].without(valid)  # a low-rank update, some milliseconds
+            assert linear is not None  # as the operator is of all taxels, and Bayesian
+            return linear
+
+        return self._with(part, backing_of(shorter, 1.0 / self.problem.whitening[valid]))
 
     def leave_out(self, whole: "NonNegativeOperator", valid: NDArray[np.bool_]) -> None:
         """Become `whole.without(valid)` in place, from any other operator of `whole.without`.
@@ -284,13 +232,7 @@ class NonNegativeOperator:
         It takes a few passes over one matrix and no memory: for taxels that fail while readings
         come in. The uncertainty that it states stays what it was.
         """
-        from skinfield.solve.dual.workspace import mask_taxels
-
-        old, now, vectors = whole.problem, self.problem, self._packed.vectors
-        mask_taxels(old.rows, old.norms, old.penalty, valid, now.rows, now.norms, now.penalty)
-        nodes = len(now.norms)
-        vectors[:nodes], vectors[nodes : 2 * nodes] = now.norms, now.penalty
-        np.multiply(old.whitening, valid, out=now.whitening)
+        self.problem.leave_out(whole.problem, valid)
         self.reset()
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
@@ -302,7 +244,7 @@ class NonNegativeOperator:
         """
         self._readings[:] = readings
         limit = 0 if deadline_ns is None else max(deadline_ns, 1)
-        self._answer(self._packed, self._readings, out, limit)
+        self._answer(self.problem, self._memory, self._readings, out, limit)
         self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
 
     def run_in(self) -> None:
@@ -311,7 +253,7 @@ class NonNegativeOperator:
         white = self.problem.whitening
         strongest = int(np.argmax(self.problem.norms))
         clear = self.problem.rows[strongest, : self.taxels].astype(np.float64)
-        clear *= 4.0 * self.threshold / max(float(np.linalg.norm(clear)), 1e-300)
+        clear *= 4.0 * self.problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
         paces = []
         for lap in range(LAPS):
             self._memory.measures[:] = 0.0
@@ -321,11 +263,9 @@ class NonNegativeOperator:
         self._memory.measures[:] = np.median(paces, axis=0)
         self.reset()
 
-    def _with(self, problem: "Problem", backing: Backing | None = None) -> "NonNegativeOperator":
-        backing = self.backing if backing is None else backing
-        other = NonNegativeOperator(problem, backing, self.model_error, self.taxels)
-        other._memory.measures[2:] = self._memory.measures[2:]
-        other._memory.measures[:2] = np.nan
+    def _with(self, problem: Problem, backing: Backing | None = None) -> "NonNegativeOperator":
+        other = NonNegativeOperator(problem, backing or self.backing, self.model_error)
+        other._memory.measures[OBJECTIVE + 1 :] = self._memory.measures[OBJECTIVE + 1 :]
         return other
 
 
@@ -499,8 +439,8 @@ class NonNegative:
             if length == 0.0
             else GaussianField(snr=self.snr, length_scale=length)
         )
-        backing = Backing(partial(linear.prepare, model), model.noise_std)
-        operator = NonNegativeOperator(problem, backing, NON_NEGATIVE.of(model), len(whitening))
+        backing = backing_of(lambda: linear.prepare(model), model.noise_std)
+        operator = NonNegativeOperator(problem, backing, NON_NEGATIVE.of(model))
         operator.run_in()
         return operator
 

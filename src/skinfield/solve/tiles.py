@@ -11,7 +11,6 @@ from skinfield.errors import Floats, InputError, as_floats, check_finite, check_
 
 SIDE = 4  # cells of a tile
 LINE = 64  # bytes of a cache line
-DENSE_WINS = 1.0  # share from which on a dense product is quicker: tiles at borders overlap
 
 Ints32 = NDArray[np.int32]
 
@@ -35,12 +34,10 @@ class Tiles:
         Where the blocks of each tile begin.
     cells : (T,) int32 array
         First cell of each tile.
-    order, corners : (B,) int32 arrays
-        Blocks taxel by taxel, and the first cell of each.
-    begins : (L + 1,) int32 array
-        Where the blocks of each taxel begin in `order`.
     shape : (rows, columns)
         Of the grid.
+    count : int
+        L.
     dropped : (K,) array
         Norm over the taxels, for each cell, of what the stamps lack of the matrix: what was cut
         and what was rounded to the type of `values`. By Cauchy and Schwarz, a product with any
@@ -52,10 +49,8 @@ class Tiles:
     taxels: Ints32
     firsts: Ints32
     cells: Ints32
-    order: Ints32
-    corners: Ints32
-    begins: Ints32
     shape: tuple[int, int]
+    count: int
     dropped: Floats
 
     @classmethod
@@ -98,52 +93,34 @@ class Tiles:
         values = aligned_blocks(len(tile), kind)
         by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
         values[:] = by_taxel[keep]
-        cells = members[:, 0].astype(np.int32)
-        order = np.argsort(taxel, kind="stable").astype(np.int32)
+        cells, firsts = (
+            members[:, 0].astype(np.int32),
+            np.searchsorted(tile, np.arange(len(own) + 1)),
+        )
         by_taxel[keep] -= values  # what the stamps lack is left
         dropped = np.empty(len(matrix))
         dropped[members[own]] = np.linalg.norm(blocks, axis=2)[own]
-        arrays = (
-            values,
-            taxel,
-            np.searchsorted(tile, np.arange(len(cells) + 1)).astype(np.int32),
-            cells,
-            order,
-            cells[tile[order]],
-            np.searchsorted(taxel[order], np.arange(matrix.shape[1] + 1)).astype(np.int32),
-        )
+        arrays = values, taxel, firsts.astype(np.int32), cells
         for array in (*arrays, dropped):
             array.setflags(write=False)
-        return cls(*arrays, shape, dropped)
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes that a product reads of the matrix and its places."""
-        return int(self.values.nbytes + self.taxels.nbytes)
+        return cls(*arrays, shape, matrix.shape[1], dropped)
 
     @property
     def share(self) -> float:
         """Numbers kept, as part of those of the whole matrix."""
-        return float(self.values.size / max(self._cells[0] * self._taxels[0], 1))
-
-    @property
-    def pays(self) -> bool:
-        """Whether a product is quicker than that of the whole matrix in the same type."""
-        return self.share < DENSE_WINS
+        return float(self.values.size / max(len(self.dropped) * self.count, 1))
 
     def apply(self, values: NDArray[Any], out: NDArray[Any]) -> None:
         """Write matrix @ values into `out` (K,), or row by row of (P, L) into (P, K).
 
         Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
         """
-        one, many, *tiles = self._products
-        inner, outer, shape = self._taxels, self._cells, values.shape
-        try:  # what compiled code would read or write beyond; it refuses other types itself
-            if shape == inner and out.shape == outer:
-                one(*tiles, values, out)
-                return
-            if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
-                many(*tiles, values, out)
+        product, *tiles = self._product
+        inner, outer, shape = (self.count,), (len(self.dropped),), values.shape
+        whole = shape[:-1] + inner, shape[:-1] + outer  # what compiled code would go beyond
+        try:  # it refuses other types itself
+            if (shape, out.shape) == whole and len(shape) <= 2:
+                product(*tiles, *((values, out) if len(shape) == 2 else (values[None], out[None])))
                 return
         except Exception as error:
             from numba.core.errors import TypingError
@@ -156,29 +133,12 @@ class Tiles:
             f"(P, {outer[0]})"
         )
 
-    def dense(self) -> NDArray[Any]:
-        """The matrix (K, L) that the products are of."""
-        whole = np.zeros((self._cells[0], self._taxels[0]), self.values.dtype)
-        members, _ = _tiles(self.shape)
-        tile = np.repeat(np.arange(len(self.cells)), np.diff(self.firsts))
-        np.add.at(whole, (members[tile], self.taxels[:, None]), self.values)
-        return whole
-
     @cached_property
-    def _products(self) -> tuple[Any, ...]:
-        """Compiled products, and what they take beside the numbers."""
-        from skinfield.solve.tiles_kernel import apply_tiles, apply_tiles_many
+    def _product(self) -> tuple[Any, ...]:
+        """Compiled product, and what it takes beside the numbers."""
+        from skinfield.solve.tiles_kernel import apply_tiles
 
-        tiles = self.values, self.taxels, self.firsts, self.cells, self.shape[1]
-        return apply_tiles, apply_tiles_many, *tiles
-
-    @cached_property
-    def _cells(self) -> tuple[int]:
-        return (len(self.dropped),)
-
-    @cached_property
-    def _taxels(self) -> tuple[int]:
-        return (len(self.begins) - 1,)
+        return apply_tiles, self.values, self.taxels, self.firsts, self.cells, self.shape[1]
 
 
 def _tiles(shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

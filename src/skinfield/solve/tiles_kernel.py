@@ -6,9 +6,8 @@ the machine has: one register of AVX-512, two of AVX2, four of SSE or NEON.
 
 A block is one tile of one taxel, a row of `values` (B, 16). Blocks stand tile by tile: those of
 tile t from `firsts[t]` to `firsts[t + 1]`, of the taxels in `taxels` (B,). The tile's first cell is
-`cells[t]`; its four rows are `pitch` cells apart. Taxel by taxel, `order` (B,) lists the blocks of
-taxel l from `begins[l]` to `begins[l + 1]`, and `corners` (B,) their first cells. Nothing here
-checks that tiles lie on the field; `Tiles` makes them so.
+`cells[t]`; its four rows are `pitch` cells apart. Nothing here checks that tiles lie on the field;
+`Tiles` makes them so.
 """
 
 from collections.abc import Sequence
@@ -33,12 +32,9 @@ LANES = SIDE * SIDE
 TOGETHER = 6  # patches for which a block is loaded once
 
 
-def _data(context: Any, builder: Any, signature: Any, arguments: Any, count: int) -> list[Any]:
-    """Where the numbers of the first `count` arguments are, which are arrays."""
-    return [
-        context.make_array(kind)(context, builder, array).data
-        for kind, array in zip(signature.args[:count], arguments[:count], strict=True)
-    ]
+def data(context: Any, builder: Any, arrays: Any) -> list[Any]:
+    """Where the numbers are of some arrays, each with its type."""
+    return [context.make_array(kind)(context, builder, array).data for kind, array in arrays]
 
 
 def _index(builder: Any, array: Any, at: Any) -> Any:
@@ -46,17 +42,19 @@ def _index(builder: Any, array: Any, at: Any) -> Any:
     return builder.sext(builder.load(builder.gep(array, [at])), at.type)
 
 
-def _place(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+def place(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+    """Where a vector stands that begins at a number of an array."""
     vector = ir.VectorType(array.type.pointee, lanes)
     return builder.bitcast(builder.gep(array, [at]), vector.as_pointer())
 
 
-def _load(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+def load(builder: Any, array: Any, at: Any, lanes: int) -> Any:
     """Some numbers from `at` on, which need not stand at a whole multiple of anything."""
-    return builder.load(_place(builder, array, at, lanes), align=_bytes(array))
+    return builder.load(place(builder, array, at, lanes), align=size_of(array))
 
 
-def _bytes(array: Any) -> int:
+def size_of(array: Any) -> int:
+    """Bytes of a number of an array."""
     return 4 if isinstance(array.type.pointee, ir.FloatType) else 8
 
 
@@ -65,10 +63,10 @@ def _choose(builder: Any, vector: Any, lanes: Sequence[int], other: Any = None) 
     return builder.shuffle_vector(vector, vector if other is None else other, numbers)
 
 
-def _repeat(builder: Any, number: Any) -> Any:
+def repeat(builder: Any, number: Any, lanes: int = LANES) -> Any:
     """Vector of one number."""
-    empty = ir.Constant(ir.VectorType(number.type, LANES), ir.Undefined)
-    return _choose(builder, builder.insert_element(empty, number, ir.IntType(32)(0)), [0] * LANES)
+    empty = ir.Constant(ir.VectorType(number.type, lanes), ir.Undefined)
+    return _choose(builder, builder.insert_element(empty, number, ir.IntType(32)(0)), [0] * lanes)
 
 
 def _zeros(builder: Any, array: Any) -> Any:
@@ -108,7 +106,8 @@ def _tile_product(patches: int) -> Any:
         _check(values, factors, out)
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            stamp, listed, given, field = _data(context, builder, signature, arguments, 4)
+            first = zip(signature.args[:4], arguments[:4], strict=True)
+            stamp, listed, given, field = data(context, builder, first)
             start, cell, begin, end, sizes = arguments[4:]
             pitch, inputs, outputs = (builder.extract_value(sizes, i) for i in range(3))
             index = begin.type
@@ -116,11 +115,11 @@ def _tile_product(patches: int) -> Any:
             totals = [_zeros(builder, stamp) for _ in range(patches * chains)]
 
             def add_block(block: Any, chain: int) -> None:
-                numbers = _load(builder, stamp, builder.mul(block, index(LANES)), LANES)
+                numbers = load(builder, stamp, builder.mul(block, index(LANES)), LANES)
                 taxel = builder.add(builder.mul(start, inputs), _index(builder, listed, block))
                 for patch in range(patches):
                     at = builder.add(taxel, builder.mul(index(patch), inputs))
-                    factor = _repeat(builder, builder.load(builder.gep(given, [at])))
+                    factor = repeat(builder, builder.load(builder.gep(given, [at])))
                     _add_product(builder, totals[patch + chain], numbers, factor)
 
             count = builder.sub(end, begin)
@@ -150,9 +149,8 @@ def _add_rows(builder: Any, tile: Any, field: Any, corner: Any, pitch: Any) -> N
     for row in range(SIDE):
         at = builder.add(corner, builder.mul(pitch, pitch.type(row)))
         part = _choose(builder, tile, range(SIDE * row, SIDE * (row + 1)))
-        place = _place(builder, field, at, SIDE)
-        align = _bytes(field)
-        builder.store(builder.fadd(builder.load(place, align=align), part), place, align=align)
+        total = builder.fadd(load(builder, field, at, SIDE), part)
+        builder.store(total, place(builder, field, at, SIDE), align=size_of(field))
 
 
 add_tile, add_tiles = _tile_product(1), _tile_product(TOGETHER)
@@ -168,24 +166,7 @@ def apply_tiles(
     factors: Numbers,
     out: Numbers,
 ) -> None:
-    """Sum of all blocks, each times its taxel's factor (L,): `out` (K,)."""
-    out[:] = 0.0
-    for tile in range(len(cells)):
-        begin, end = firsts[tile], firsts[tile + 1]
-        add_tile(values, taxels, factors, out, 0, cells[tile], begin, end, (pitch, 0, 0))
-
-
-@njit
-def apply_tiles_many(
-    values: Numbers,
-    taxels: Ints32,
-    firsts: Ints32,
-    cells: Ints32,
-    pitch: int,
-    factors: Numbers,
-    out: Numbers,
-) -> None:
-    """`apply_tiles` of each row of `factors` (P, L) into the row of `out` (P, K)."""
+    """Sum of all blocks, each times its taxel's factor: (P, L) into `out` (P, K), row by row."""
     out[:] = 0.0
     patches, inputs = factors.shape
     sizes = (pitch, inputs, out.shape[1])

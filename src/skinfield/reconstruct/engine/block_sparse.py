@@ -96,7 +96,7 @@ def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
     table: Ints = np.zeros((len(stamps), 10), dtype=np.int64)
     tile = taxel = cell = bound = row = 0
     for kind, (each, count) in enumerate(zip(stamps, counts, strict=True)):
-        tiles, size, width = len(each.cells), len(each.begins) - 1, len(each.dropped)
+        tiles, size, width = len(each.cells), each.count, len(each.dropped)
         table[kind] = tile, tiles, each.shape[1], size, width, count, taxel, cell, bound, row
         tile, bound, row = tile + tiles + 1, bound + width, row + count
         taxel, cell = taxel + count * size, cell + count * width

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Ints
-from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles_many
+from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
 
@@ -36,7 +36,7 @@ def products(
         row = table[kind]
         tile, tiles, size, width, count = row[TILE], row[TILES], row[SIZE], row[WIDTH], row[COUNT]
         taxel, cell = row[TAXEL], row[CELL]
-        apply_tiles_many(
+        apply_tiles(
             values,
             taxels,
             firsts[tile : tile + tiles + 1],
@@ -73,7 +73,7 @@ def idle_patches(
         for start in range(0, count, TOGETHER):
             now = min(TOGETHER, count - start)  # scores stay in the first cache
             room = scores[: now * width].reshape((now, width))
-            apply_tiles_many(
+            apply_tiles(
                 values,
                 taxels,
                 firsts[tile : tile + tiles + 1],

@@ -12,7 +12,7 @@ from skinfield.compiled import njit
 from skinfield.errors import Floats
 from skinfield.estimate import Contact
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_kernels import SIZE, Mesh, Workspace, mesh_of, render
+from skinfield.solve.atoms.render_kernels import SIZE, Mesh, mesh_of, render
 from skinfield.solve.atoms.render_tables import PressureTable
 from skinfield.solve.atoms.table import FLAT
 
@@ -261,12 +261,10 @@ class ContactBuilder:
     grid : Grid
     surface : PressureTable
         What round contacts look like.
-    workspace : Workspace
     """
 
     grid: Grid
     surface: PressureTable
-    workspace: Workspace
 
     @cached_property
     def _flat(self) -> tuple[Floats, Floats] | None:
@@ -283,14 +281,12 @@ class ContactBuilder:
         share = force / total if total > 0.0 else np.full(len(atoms), 1.0 / len(atoms))
         centre = share @ atoms[:, :2]
         moves = _moves(atoms, share, centre, total)
-        space, surface, mesh = self.workspace, self.surface, mesh_of(self.grid)
-        peak = render(
-            atoms, family, surface, mesh, space.first, space.boxes[0], space.cells, space.room
-        )
+        pressure, mesh = np.empty(len(self.grid)), mesh_of(self.grid)
+        peak = render(atoms, family, self.surface, mesh, pressure)
         cells = _inside(atoms, mesh)
         shape = _shape_of(atoms, int(family[0]))
         places = self._position(np.vstack([centre, shape.outline]))  # at once: it is slow if curved
-        normal, push, moment = self._resultant(places[0], centre, total, space.first)
+        normal, push, moment = self._resultant(places[0], centre, total, pressure)
         return Contact(
             position=places[0],
             force=push,

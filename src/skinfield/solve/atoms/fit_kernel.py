@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
-from skinfield.solve.atoms.table import Tables
+from skinfield.solve.atoms.table import Tables, cubic, cubic_slopes
 
 PARAMETERS = 6
 NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
@@ -28,15 +28,11 @@ WEIGHT = WEIGHT / 2.0
 def along(coefficients: Floats, place: float) -> tuple[float, float]:
     """Value and slope per node of a B-spline (N,) at a place inside."""
     at = int(place)
-    t = place - at
-    s = 1.0 - t
+    b0, b1, b2, b3 = cubic(place - at)
+    d0, d1, d2, d3 = cubic_slopes(place - at)
     c0, c1 = coefficients[at - 1], coefficients[at]
     c2, c3 = coefficients[at + 1], coefficients[at + 2]
-    value = (
-        c0 * s**3 + c1 * (3 * t**3 - 6 * t**2 + 4) + c2 * (3 * s**3 - 6 * s**2 + 4) + c3 * t**3
-    ) / 6.0
-    slope = (-c0 * s**2 + c1 * (3 * t**2 - 4 * t) + c2 * (4 * s - 3 * s**2) + c3 * t**2) / 2.0
-    return value, slope
+    return b0 * c0 + b1 * c1 + b2 * c2 + b3 * c3, d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
 
 
 @inner
@@ -50,14 +46,9 @@ def _radial(
     slopes.
     """
     i = int(place)
-    t = place - i
-    s = 1.0 - t
     weight = np.empty((2, 4))
-    weight[0, 0], weight[0, 3] = s * s * s / 6.0, t * t * t / 6.0
-    weight[0, 1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
-    weight[0, 2] = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
-    weight[1, 0], weight[1, 3] = -0.5 * s * s, 0.5 * t * t
-    weight[1, 1], weight[1, 2] = 1.5 * t * t - 2.0 * t, -1.5 * s * s + 2.0 * s
+    weight[0, 0], weight[0, 1], weight[0, 2], weight[0, 3] = cubic(place - i)
+    weight[1, 0], weight[1, 1], weight[1, 2], weight[1, 3] = cubic_slopes(place - i)
     out[:, :nodes] = 0.0
     for a in range(4):
         for k in range(power.shape[1]):
@@ -75,13 +66,9 @@ def _radial(
 def _look_up(radial: Floats, distance: float, last: int, found: Floats) -> None:
     """Value, slope by distance in nodes, and the other two slopes, at a distance in nodes."""
     j = int(distance)
-    t = distance - j
-    s = 1.0 - t
     first, second, third = abs(j - 1), min(j + 1, last), min(j + 2, last)
-    w0, w3 = s * s * s / 6.0, t * t * t / 6.0
-    w1 = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
-    w2 = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
-    d0, d1, d2, d3 = -0.5 * s * s, 1.5 * t * t - 2.0 * t, -1.5 * s * s + 2.0 * s, 0.5 * t * t
+    w0, w1, w2, w3 = cubic(distance - j)
+    d0, d1, d2, d3 = cubic_slopes(distance - j)
     c0, c1, c2, c3 = radial[0, first], radial[0, j], radial[0, second], radial[0, third]
     found[0] = w0 * c0 + w1 * c1 + w2 * c2 + w3 * c3
     found[1] = d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
@@ -309,38 +296,6 @@ class Refined(NamedTuple):
     hessian: Floats
 
 
-def refined(
-    atoms: Floats,
-    family: NDArray[np.int64],
-    free: NDArray[np.bool_],
-    given: Inputs,
-    iterations: int,
-    tolerance: float,
-) -> Refined:
-    """Move each of S sets of atoms (S, N, 6) in place to a minimum of its cost.
-
-    `family` (S, N); `free` (S, N, 6) says what may move. A set has settled when the last step
-    gains less than `tolerance`.
-    """
-    sets, count, taxels = atoms.shape[0], atoms.shape[1], len(given.taxels)
-    made = Refined(
-        np.empty(sets),
-        np.empty(sets, np.int64),
-        np.empty((sets, taxels)),
-        np.empty((sets, 6 * count, 6 * count)),
-    )
-    now, trial = _room(taxels, count), _room(taxels, count)
-    refine(atoms, family, free, given, iterations, tolerance, made, now, trial)
-    return made
-
-
-def _room(taxels: int, atoms: int) -> Normal:
-    """Arrays for as many taxels and atoms."""
-    flat, size = np.empty((taxels, 6 * atoms)), 6 * atoms
-    jacobian = flat.reshape(taxels, atoms, 6)
-    return Normal(np.empty(taxels), jacobian, flat, np.empty(size), np.empty((size, size)))
-
-
 @inner
 def cholesky_solve(matrix: Floats, right: Floats) -> bool:
     """Solve in place, the lower triangle becoming the factor; False if it is not positive."""
@@ -461,28 +416,34 @@ def _descend(
     return cost, iterations
 
 
-@njit
-def refine(
-    atoms: Floats,
-    family: Any,
-    free: Any,
-    given: Inputs,
-    iterations: int,
-    tolerance: float,
-    made: Refined,
-    normal: Normal,
-    trial: Normal,
-) -> None:
-    """Write into `made` what becomes of S sets of atoms; `normal` and `trial` are room for one.
+@inner
+def _room(taxels: int, atoms: int) -> Normal:
+    """Arrays for as many taxels and atoms."""
+    flat, size = np.empty((taxels, 6 * atoms)), 6 * atoms
+    jacobian = flat.reshape((taxels, atoms, 6))
+    return Normal(np.empty(taxels), jacobian, flat, np.empty(size), np.empty((size, size)))
 
-    One function for all that is refined, as compiling it takes seconds: see `refined`.
+
+@njit
+def refined(
+    atoms: Floats, family: Any, free: Any, given: Inputs, iterations: int, tolerance: float
+) -> Refined:
+    """Move each of S sets of atoms (S, N, 6) in place to a minimum of its cost.
+
+    `family` (S, N); `free` (S, N, 6) says what may move. A set has settled when the last step
+    gains less than `tolerance`. One function for all that is refined: compiling it takes seconds.
     """
-    for index in range(atoms.shape[0]):
-        made.cost[index], made.tried[index] = _descend(
+    sets, count, taxels = atoms.shape[0], atoms.shape[1], given.taxels.shape[0]
+    size, normal, trial = 6 * count, _room(taxels, count), _room(taxels, count)
+    cost, tried = np.empty(sets), np.empty(sets, np.int64)
+    predicted, hessian = np.empty((sets, taxels)), np.empty((sets, size, size))
+    for index in range(sets):
+        cost[index], tried[index] = _descend(
             atoms[index], family[index], free[index], given, iterations, tolerance, normal, trial
         )
-        for taxel in range(len(normal.predicted)):
-            made.predicted[index, taxel] = normal.predicted[taxel]
-        for i in range(len(normal.gradient)):
-            for j in range(len(normal.gradient)):
-                made.hessian[index, i, j] = normal.hessian[i, j]
+        for taxel in range(taxels):
+            predicted[index, taxel] = normal.predicted[taxel]
+        for i in range(size):
+            for j in range(size):
+                hessian[index, i, j] = normal.hessian[i, j]
+    return Refined(cost, tried, predicted, hessian)

@@ -9,7 +9,7 @@ from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact
 from skinfield.solve.atoms.dictionary import MARGIN, Bank, make_bank
 from skinfield.solve.atoms.fit_kernel import PARAMETERS, Priors
-from skinfield.solve.atoms.posterior import Effort, belief_of, stated
+from skinfield.solve.atoms.posterior import belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
 from skinfield.solve.atoms.search import AtomSet, Problem, search
@@ -84,34 +84,6 @@ def significant(false_alarm_rate: float, taxels: int) -> float:
 
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
-
-
-@dataclass(frozen=True, eq=False)
-class Touches:
-    """What a reading says of contacts, without the other fields of a `Fit`.
-
-    Attributes
-    ----------
-    pressure : (K,) array, Pa
-    contacts : tuple of Contact
-        By falling normal force.
-    explained : bool
-        Whether noise accounts for what the contacts leave over.
-    """
-
-    pressure: Floats
-    contacts: tuple[Contact, ...]
-    explained: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """The atoms that explain a reading, at a scale of its noise; `drawn` is None without any."""
-
-    problem: Problem
-    atoms: AtomSet
-    scale: float
-    drawn: Drawable | None
 
 
 def notes_on(problem: Problem, count: int, scale: float, offset: float) -> tuple[str, ...]:
@@ -225,12 +197,12 @@ class ContactFitter:
         Parameters
         ----------
         fields : bool
-            Whether `fit` is to be called; else `touches` alone, which needs half as much.
+            As of `fit`: without them half as much is needed.
         """
         strongest = int(np.argmax(self._bank.norms))
         template = self._bank.templates[strongest].astype(np.float64)
         for strength in FIRST:
-            (self.fit if fields else self.touches)(template * (strength * self.model.noise_std))
+            self.fit(template * (strength * self.model.noise_std), fields=fields)
         self.reset()
 
     def take_noise(self, noise: Floats) -> None:
@@ -249,16 +221,19 @@ class ContactFitter:
         """Forget the reading before."""
         self._before, self._kept, self._compared, self._scale = None, (), 0.0, 1.0
 
-    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
-        """See `ContactOperator.fit`."""
-        answer = self._answer(readings, deadline_ns)
-        problem, found, drawn = answer.problem, answer.atoms, answer.drawn
+    def fit(self, readings: Floats, deadline_ns: int | None = None, *, fields: bool = True) -> Fit:
+        """See `ContactOperator.fit`; without `fields` deviation and displacement stay 0."""
+        problem, found, scale, drawn = self._answer(readings, deadline_ns)
         nodes, offset = len(self.model.grid), problem.offset(found.predicted)
-        std, moved = np.zeros(nodes), np.zeros((nodes, 3))
-        pressure, contacts = self._pressed(drawn)
+        pressure, std, moved = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, 3))
+        contacts: tuple[Contact, ...] = ()
         if drawn is not None:
-            self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
-            self._renderer.displacement(drawn.atoms, drawn.family, moved)
+            atoms, family = drawn.atoms, drawn.family
+            self._renderer.pressure(atoms, family, pressure)
+            contacts = self._renderer.contacts(atoms, family, drawn.covariance, drawn.groups)
+            if fields:
+                self._renderer.pressure_std(atoms, family, drawn.each, std)
+                self._renderer.displacement(atoms, family, moved)
         return Fit(
             pressure=pressure,
             pressure_std=std,
@@ -267,16 +242,13 @@ class ContactFitter:
             predicted=found.predicted + offset,
             offset=offset,
             explained=explains(problem, found),
-            notes=notes_on(problem, len(found), answer.scale, offset),
+            notes=notes_on(problem, len(found), scale, offset),
         )
 
-    def touches(self, readings: Floats, deadline_ns: int | None = None) -> Touches:
-        """Contacts and pressure as of `fit`, without the fields that take the longest to draw."""
-        answer = self._answer(readings, deadline_ns)
-        return Touches(*self._pressed(answer.drawn), explains(answer.problem, answer.atoms))
-
-    def _answer(self, readings: Floats, deadline_ns: int | None) -> Answer:
-        """The atoms that explain a reading, as they are drawn."""
+    def _answer(
+        self, readings: Floats, deadline_ns: int | None
+    ) -> tuple[Problem, AtomSet, float, Drawable | None]:
+        """The atoms that explain a reading, the scale of its noise, and the atoms as drawn."""
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
         shapes = self._shapes_due(problem)
@@ -295,10 +267,9 @@ class ContactFitter:
         self._before = found
         if not len(found):
             self._kept = ()
-            return Answer(problem, found, scale, None)
+            return problem, found, scale, None
         atoms, covariance = self._stated(problem, found, same)
-        drawn = drawable(atoms, found.family, covariance, self._thickness)
-        return Answer(problem, found, scale, drawn)
+        return problem, found, scale, drawable(atoms, found.family, covariance, self._thickness)
 
     def _shapes_due(self, problem: Problem) -> bool:
         """Whether the readings say much more, or less, than when shapes were last compared."""
@@ -330,15 +301,6 @@ class ContactFitter:
         floor = self.settings.model_error * float(np.abs(readings).max())
         return np.asarray(1.0 / np.hypot(scale * self.noise, floor))
 
-    def _pressed(self, drawn: Drawable | None) -> tuple[Floats, tuple[Contact, ...]]:
-        """Pressure (K,) in Pa and contacts of what is drawn."""
-        pressure = np.zeros(len(self.model.grid))
-        if drawn is None:
-            return pressure, ()
-        self._renderer.pressure(drawn.atoms, drawn.family, pressure)
-        known = drawn.covariance, drawn.groups
-        return pressure, self._renderer.contacts(drawn.atoms, drawn.family, *known)
-
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
         """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
         atoms = np.empty((len(found), PARAMETERS))
@@ -347,10 +309,10 @@ class ContactFitter:
         for index, atom in enumerate(found.atoms):
             known = self._kept[index] if same and index < len(self._kept) else None
             if known is None or not holds(known, atom):
-                effort = Effort(PLACES, self.settings.starts, True, STEP)
+                effort = PLACES, self.settings.starts, STEP
                 if known is not None:
-                    effort = Effort(FEW, 0, False, WIDE_STEP)
-                belief = belief_of(problem, found, index, effort)
+                    effort = FEW, 0, WIDE_STEP
+                belief = belief_of(problem, found, index, *effort)
                 offset = belief.mean(int(found.family[index])) - atom
                 if problem.white.max() * self.noise.min() > QUIETER:
                     offset[:] = 0.0  # what is left over is model error, of which no mean is known

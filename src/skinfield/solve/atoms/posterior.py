@@ -125,46 +125,30 @@ def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
     return Belief(found.atoms[one], found.family[one], whole[own, own][None], np.ones(1))
 
 
-@dataclass(frozen=True)
-class Effort:
-    """How much is spent on what a reading leaves open.
+def belief_of(
+    problem: Problem, found: AtomSet, index: int, places: int, starts: int, step: float
+) -> Belief:
+    """What the reading leaves open about one atom, the others being where they are.
 
-    Attributes
-    ----------
-    places : int
-        That are tried at most, for each family.
-    starts : int
-        Places where further minima are sought.
-    both : bool
-        Whether the other family is tried, too.
-    step : float
-        Standard deviations between places.
+    At most so many `places` are tried for each family, `step` standard deviations apart. Further
+    minima are sought from so many `starts`; with 0 of them the other family is not tried, either.
     """
-
-    places: int
-    starts: int
-    both: bool
-    step: float
-
-
-def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
-    """What the reading leaves open about one atom, the others being where they are."""
     own, free, family = found.atoms[index], found.free[index], int(found.family[index])
     first = laplace(problem, found, index)
     variance, direction = np.linalg.eigh(first.inner[0, :2, :2])
     widest = float(np.sqrt(max(variance[1], 0.0)))
     if widest < CERTAIN or problem.late:
         return first
-    step = np.clip(effort.step * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
-    axes = np.ascontiguousarray((direction * step).T)
+    length = np.clip(step * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
+    axes = np.ascontiguousarray((direction * length).T)
     others = np.arange(len(found)) != index
     offset = problem.offset(found.predicted)
     left = problem.readings - problem.alone(found, others) - offset
     seeds = own[None]
-    if not free[4] and family != RING and effort.starts and widest > SURE:
-        seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
-    kinds = (BALL, FLAT) if effort.both and family != RING else (family,)
-    walks = [explore(problem, seeds, kind, free, axes, left, effort.places) for kind in kinds]
+    if not free[4] and family != RING and starts and widest > SURE:
+        seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, starts)])
+    kinds = (BALL, FLAT) if starts and family != RING else (family,)
+    walks = [explore(problem, seeds, kind, free, axes, left, places) for kind in kinds]
     atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
     families = np.repeat(kinds, [len(walk[2]) for walk in walks])
     if not len(atoms):

@@ -15,12 +15,10 @@ from skinfield.estimate.ranking import by_falling_force
 from skinfield.skin import Grid
 from skinfield.solve.atoms.contacts import ContactBuilder, bodies
 from skinfield.solve.atoms.render_kernels import (
-    COUNT,
     NODE,
     WEIGHT,
     Mesh,
-    Workspace,
-    _blend,
+    blend,
     held,
     mesh_of,
     points_along,
@@ -30,7 +28,6 @@ from skinfield.solve.atoms.render_kernels import (
 from skinfield.solve.atoms.render_tables import (
     FOLD,
     INNER,
-    LARGEST,
     OUTER,
     DisplacementTable,
     PressureTable,
@@ -40,6 +37,7 @@ from skinfield.solve.atoms.render_tables import (
 from skinfield.solve.atoms.table import BALL, FLAT
 
 NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
+COUNT = OUTER * 4 + INNER  # coefficients of a displacement
 FAR_POINTS = 4  # along the segment, for nodes farther away
 
 
@@ -62,12 +60,11 @@ def _radial_terms(
     surface: PressureTable,
     moves: DisplacementTable,
     terms: Floats,
-    room: Floats,
 ) -> None:
     """Coefficients (2, COUNT) of one radius and force."""
-    first = _blend(radius, surface, room)
+    first, b0, b1, b2, b3 = blend(radius, surface)
     scale = force / radius
-    b0, b1, b2, b3 = scale * room[0], scale * room[1], scale * room[2], scale * room[3]
+    b0, b1, b2, b3 = scale * b0, scale * b1, scale * b2, scale * b3
     for part in range(2):
         t0 = moves.displacement[family, first, part]
         t1 = moves.displacement[family, first + 1, part]
@@ -154,9 +151,6 @@ def displacement(
     mesh: Mesh,
     frames: Floats,
     out: Floats,
-    box: Any,
-    terms: Floats,
-    room: Floats,
 ) -> None:
     """Write the displacement of the nodes in the patch's frame, (K, 3) m.
 
@@ -164,9 +158,10 @@ def displacement(
     """
     out[:] = 0.0
     thickness, reach = surface.thickness, moves.reach
+    box, terms = np.empty(4, np.int64), np.empty((2, COUNT))
     for n in range(len(atoms)):
         radius = held(atoms[n, 3], surface)
-        _radial_terms(radius, atoms[n, 2], family[n], surface, moves, terms, room)
+        _radial_terms(radius, atoms[n, 2], family[n], surface, moves, terms)
         _near(atoms[n], radius, surface, mesh, box)
         east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
         near = points_along(radius, atoms[n, 4])
@@ -186,7 +181,7 @@ Family = NDArray[np.int64]
 
 
 class AtomRenderer:
-    """Fields and contacts of atoms on one grid, prepared once; for one thread at a time.
+    """Fields and contacts of atoms on one grid, prepared once.
 
     Atoms are (N, 6) arrays of x m, y m (in the patch's plane), force N, radius m, half-length m
     and angle rad; their families are (N,) int arrays of `profiles.BALL` or `profiles.FLAT`. Radii
@@ -203,8 +198,7 @@ class AtomRenderer:
         self.grid, self._layer, self._mechanics = grid, layer, mechanics
         self._surface = pressure_table(layer, cast(Hashable, mechanics))
         self._mesh = mesh_of(grid)
-        self._space = Workspace(len(grid))
-        self._builder = ContactBuilder(grid, self._surface, self._space)
+        self._builder = ContactBuilder(grid, self._surface)
 
     @cached_property
     def _moves(self) -> DisplacementTable:
@@ -224,47 +218,21 @@ class AtomRenderer:
         move the centre of pressure a little; the shares are tilted to bring it back, as far as the
         atom covers several cells.
         """
-        space = self._prepared(atoms, family)
-        render(
-            atoms, family, self._surface, self._mesh, out, space.boxes[0], space.cells, space.room
-        )
+        _check(atoms, family)
+        render(atoms, family, self._surface, self._mesh, out)
 
     def displacement(self, atoms: Floats, family: Family, out: Floats) -> None:
         """Write the displacement of the nodes in the patch's frame into `out` (K, 3), m."""
-        space = self._prepared(atoms, family)
-        displacement(
-            atoms,
-            family,
-            self._surface,
-            self._moves,
-            self._mesh,
-            self._frames,
-            out,
-            space.boxes[0],
-            space.terms,
-            space.room,
-        )
+        _check(atoms, family)
+        displacement(atoms, family, self._surface, self._moves, self._mesh, self._frames, out)
 
     def pressure_std(self, atoms: Floats, family: Family, covariance: Floats, out: Floats) -> None:
         """Write one standard deviation of each cell's pressure into `out` (K,), Pa.
 
         `covariance` (N, 6, 6) is of the parameters of each atom.
         """
-        longer = LARGEST * self._surface.thickness + 3.0 * _largest(np.sqrt(covariance[:, 4, 4]))
-        space = self._prepared(atoms, family, longer)
-        pressure_std(
-            atoms,
-            family,
-            covariance,
-            self._surface,
-            self._mesh,
-            out,
-            space.boxes,
-            space.cells,
-            space.room,
-            space.pictures,
-            space.small,
-        )
+        _check(atoms, family)
+        pressure_std(atoms, family, covariance, self._surface, self._mesh, out)
 
     def contacts(
         self,
@@ -284,27 +252,20 @@ class AtomRenderer:
         groups : sequence of sequences of int, optional
             Atoms of each contact; by default those that overlap belong to one.
         """
-        self._prepared(atoms, family)
+        _check(atoms, family)
         found = []
         for group in bodies(atoms) if groups is None else groups:
             rows = np.asarray(group)
             found.append(self._builder.contact(atoms[rows], family[rows], _joint(covariance, rows)))
         return by_falling_force(found)
 
-    def _prepared(self, atoms: Floats, family: Family, longer: float = 0.0) -> Workspace:
-        """Workspace with room for atoms that reach farther by `longer` m than they say."""
-        if not np.isfinite(atoms.sum()):
-            check_finite("atoms", atoms, "of these nothing can be drawn")
-        if _largest(family) > FLAT:
-            raise InputError(f"family is {family}, expected {BALL} (ball) or {FLAT} (flat end)")
-        widest = min(_largest(atoms[:, 3]), LARGEST * self._surface.thickness)
-        self._space.make_room(self._mesh, widest + _largest(atoms[:, 4]) + longer)
-        return self._space
 
-
-def _largest(values: Floats | Family) -> float:
-    """Largest of some values, 0 at least."""
-    return float(values.max(initial=0))
+def _check(atoms: Floats, family: Family) -> None:
+    """Raise InputError for atoms that cannot be drawn."""
+    if not np.isfinite(atoms.sum()):
+        check_finite("atoms", atoms, "of these nothing can be drawn")
+    if family.max(initial=BALL) > FLAT:
+        raise InputError(f"family is {family}, expected {BALL} (ball) or {FLAT} (flat end)")
 
 
 def _joint(covariance: Floats, rows: NDArray[np.int64]) -> Floats:

@@ -12,21 +12,18 @@ from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve.atoms.render_tables import (
-    INNER,
     LARGEST,
     LOG_STEP,
-    OUTER,
     SMALLEST,
     TERMS,
     PressureTable,
 )
-from skinfield.solve.atoms.table import FLAT
+from skinfield.solve.atoms.table import FLAT, cubic
 
 STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
 FEWEST, MOST = 5, 15  # round atoms along a segment
 FINE, COARSE = 8, 4  # Gauss-Legendre nodes across a row of cells
 NARROW = 0.3  # radii: rows for which the coarse rule will do, if the edge is not sharp
-COUNT = OUTER * 4 + INNER
 
 
 def _along() -> tuple[Floats, Floats]:
@@ -71,32 +68,22 @@ def points_along(radius: float, half: float) -> int:
 
 
 @inner
-def _blend(radius: float, surface: PressureTable, basis: Floats) -> int:
-    """Cubic B-splines (4,) over ln(radius); returns the first of the four nodes."""
+def blend(radius: float, surface: PressureTable) -> tuple[int, float, float, float, float]:
+    """First of four nodes over ln(radius), and the cubic B-splines of each."""
     place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
     at = int(place)
-    t = place - at
-    s = 1.0 - t
-    basis[0] = s * s * s / 6.0
-    basis[1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
-    basis[2] = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
-    basis[3] = t * t * t / 6.0
-    return at - 1
+    b0, b1, b2, b3 = cubic(place - at)
+    return at - 1, b0, b1, b2, b3
 
 
 @inner
-def pressure_terms(radius: float, family: int, surface: PressureTable, room: Floats) -> None:
-    """Coefficients of the pressure of 1 N, times pi a², into `room` (2 TERMS,)."""
-    basis = room[TERMS:]
-    first = _blend(radius, surface, basis)
+def pressure_terms(radius: float, family: int, surface: PressureTable, terms: Floats) -> None:
+    """Coefficients of the pressure of 1 N, times pi a², into `terms` (TERMS,)."""
+    at, b0, b1, b2, b3 = blend(radius, surface)
     table = surface.pressure[family]
     for j in range(TERMS):
-        room[j] = (
-            basis[0] * table[first, j]
-            + basis[1] * table[first + 1, j]
-            + basis[2] * table[first + 2, j]
-            + basis[3] * table[first + 3, j]
-        )
+        terms[j] = b0 * table[at, j] + b1 * table[at + 1, j]
+        terms[j] += b2 * table[at + 2, j] + b3 * table[at + 3, j]
 
 
 @inner
@@ -125,6 +112,7 @@ def _add_round(
     share: float,
     family: int,
     terms: Floats,
+    chord: Floats,
     mesh: Mesh,
     box: Any,
     cells: Floats,
@@ -134,7 +122,6 @@ def _add_round(
     Along x each chord is integrated in closed form, so that its parts add up exactly; across, the
     whole chords are a polynomial, which the rule integrates exactly.
     """
-    chord = terms[TERMS:]
     pitch = mesh.pitch / radius
     low_x = (mesh.x + (box[1] - 0.5) * mesh.pitch - x) / radius
     low_y = (mesh.y + (box[0] - 0.5) * mesh.pitch - y) / radius
@@ -202,12 +189,8 @@ def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Fl
     far_x, far_y = max(mean_x, box[3] - 1 - mean_x), max(mean_y, box[2] - 1 - mean_y)
     steep = abs(tilt_x) * far_x + abs(tilt_y) * far_y
     shrink = min(1.0, STEEPEST / steep) if steep > 0.0 else 0.0
-    moments[0], moments[1], moments[2], moments[3] = (
-        shrink * tilt_x,
-        shrink * tilt_y,
-        mean_x,
-        mean_y,
-    )
+    moments[0], moments[1] = shrink * tilt_x, shrink * tilt_y
+    moments[2], moments[3] = mean_x, mean_y
 
 
 @inner
@@ -226,32 +209,25 @@ def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
 
 @inner
 def add_pressure(
-    atom: Floats,
-    family: int,
-    surface: PressureTable,
-    mesh: Mesh,
-    out: Floats,
-    box: Any,
-    cells: Floats,
-    room: Floats,
+    atom: Floats, family: int, surface: PressureTable, mesh: Mesh, out: Floats, box: Any
 ) -> bool:
     """Add an atom's mean pressure on each cell, (K,) Pa. False if it lies off the grid.
 
-    `box` (4,) int becomes the cells it covers, also those off the grid, which `cells` has room for.
+    `box` (4,) int becomes the cells it covers, also those off the grid.
     """
     radius = held(atom[3], surface)
     if not box_of(atom, radius, mesh, box):
         return False
-    size = box[2] * box[3]
-    cells[:size] = 0.0
-    pressure_terms(radius, family, surface, room)
+    terms, chord, moments = np.empty(TERMS), np.empty(TERMS), np.empty(4)
+    cells = np.empty(box[2] * box[3])
+    cells[:] = 0.0
+    pressure_terms(radius, family, surface, terms)
     count = points_along(radius, atom[4])
     east, north = atom[4] * np.cos(atom[5]), atom[4] * np.sin(atom[5])
     for q in range(count):
         node = NODE[count, q]
         x, y = atom[0] + node * east, atom[1] + node * north
-        _add_round(x, y, radius, WEIGHT[count, q], family, room, mesh, box, cells)
-    moments = room[TERMS:]
+        _add_round(x, y, radius, WEIGHT[count, q], family, terms, chord, mesh, box, cells)
     _centre(atom[0], atom[1], mesh, box, cells, moments)
     scale = atom[2] / (mesh.pitch * mesh.pitch)
     for row in range(max(0, -box[0]), min(box[2], mesh.rows - box[0])):
@@ -263,14 +239,12 @@ def add_pressure(
 
 
 @inner
-def _pressure_at(
-    atoms: Floats, family: Any, surface: PressureTable, x: float, y: float, room: Floats
-) -> float:
+def _pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
     """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
-    total = 0.0
+    total, terms = 0.0, np.empty(TERMS)
     for n in range(len(atoms)):
         radius = held(atoms[n, 3], surface)
-        pressure_terms(radius, family[n], surface, room)
+        pressure_terms(radius, family[n], surface, terms)
         count = points_along(radius, atoms[n, 4])
         east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
         for q in range(count):
@@ -281,7 +255,7 @@ def _pressure_at(
                 continue
             value = 0.0
             for j in range(TERMS - 1, -1, -1):
-                value = value * square + room[j]
+                value = value * square + terms[j]
             root = np.sqrt(square)
             value = value / max(root, 0.5) if family[n] == FLAT else value * root
             total += WEIGHT[count, q] * atoms[n, 2] * value / (np.pi * radius * radius)
@@ -289,28 +263,20 @@ def _pressure_at(
 
 
 @njit
-def render(
-    atoms: Floats,
-    family: Any,
-    surface: PressureTable,
-    mesh: Mesh,
-    out: Floats,
-    box: Any,
-    cells: Floats,
-    room: Floats,
-) -> float:
+def render(atoms: Floats, family: Any, surface: PressureTable, mesh: Mesh, out: Floats) -> float:
     """Write the mean pressure of atoms on each cell, (K,) Pa; returns the peak of it, Pa.
 
     It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
     """
     out[:] = 0.0
+    box = np.empty(4, np.int64)
     for n in range(len(atoms)):
-        add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)
+        add_pressure(atoms[n], family[n], surface, mesh, out, box)
     peak = 0.0
     for k in range(len(out)):
         peak = max(peak, out[k])
     for n in range(len(atoms)):
-        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1], room))
+        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
     return peak
 
 
@@ -377,11 +343,6 @@ def pressure_std(
     surface: PressureTable,
     mesh: Mesh,
     out: Floats,
-    boxes: Any,
-    cells: Floats,
-    room: Floats,
-    pictures: Floats,
-    small: Floats,
 ) -> None:
     """Write one standard deviation of each cell's pressure, (K,) Pa; atoms are independent.
 
@@ -390,45 +351,23 @@ def pressure_std(
     the atom may be off by more than its size (spherical cubature; Arasaratnam and Haykin 2009).
     """
     out[:] = 0.0
-    plain, changed = pictures[0], pictures[1]
-    factor, step, moved = small[:SIZE], small[SIZE], small[SIZE + 1]
+    plain, changed = np.empty(len(out)), np.empty(len(out))
+    plain[:], changed[:] = 0.0, 0.0
+    box, other = np.empty(4, np.int64), np.empty(4, np.int64)
+    factor, step, moved = np.empty((SIZE, SIZE)), np.empty(SIZE), np.empty(SIZE)
     for n in range(len(atoms)):
         count = _root(covariance[n], factor)
-        if not add_pressure(atoms[n], family[n], surface, mesh, plain, boxes[0], cells, room):
-            boxes[0, 2:] = 0
+        if not add_pressure(atoms[n], family[n], surface, mesh, plain, box):
+            box[2], box[3] = 0, 0
         for j in range(count):
-            step[:] = factor[:, j]
+            for i in range(SIZE):
+                step[i] = factor[i, j]
             for side in (-1.0, 1.0):
                 _move(atoms[n], step, side * np.sqrt(count), moved)
-                on = add_pressure(moved, family[n], surface, mesh, changed, boxes[1], cells, room)
-                if not on:
-                    boxes[1] = boxes[0]
-                _gather(mesh, boxes[0], boxes[1], plain, changed, 0.5 / count, out)
-        _clear(mesh, boxes[0], plain)
+                if not add_pressure(moved, family[n], surface, mesh, changed, other):
+                    for i in range(4):
+                        other[i] = box[i]
+                _gather(mesh, box, other, plain, changed, 0.5 / count, out)
+        _clear(mesh, box, plain)
     for k in range(len(out)):
         out[k] = np.sqrt(out[k])
-
-
-class Workspace:
-    """Scratch of one renderer; it grows with the largest atom, and is for one thread.
-
-    Parameters
-    ----------
-    nodes : int
-        K of the grid.
-    """
-
-    def __init__(self, nodes: int) -> None:
-        self.pictures = np.zeros((2, nodes))
-        self.first = np.zeros(nodes)
-        self.boxes = np.zeros((2, 4), dtype=np.int64)
-        self.cells = np.empty(1024)
-        self.room = np.empty(2 * TERMS)
-        self.terms = np.empty((2, COUNT))
-        self.small = np.empty((SIZE + 2, SIZE))
-
-    def make_room(self, mesh: Mesh, extent: float) -> None:
-        """See that the cells of an atom fit that reaches `extent` m from its middle."""
-        side = int(2.0 * extent / mesh.pitch) + 3
-        if side * side > len(self.cells):
-            self.cells = np.empty(2 * side * side)

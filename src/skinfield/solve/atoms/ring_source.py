@@ -50,47 +50,33 @@ def drawable(
     """Atoms (N, 6) in SI with their covariances (N, 6, 6), rings as rows of small balls."""
     if not (family == RING).any():
         return Drawable(atoms, family, covariance, None)
-    whole: list[int] = np.flatnonzero(family != RING).tolist()
+    from scipy.linalg import block_diag
+
+    whole = np.flatnonzero(family != RING)
     groups = [list(group) for group in bodies(atoms[whole])]
-    parts, moves = [atoms[whole]], [_same(row, len(atoms)) for row in whole]
-    for row in np.flatnonzero(family == RING).tolist():
-        small, how = _pearls(atoms[row], row, len(atoms), thickness)
+    parts, blocks = [atoms[whole]], list(covariance[whole])
+    for row in np.flatnonzero(family == RING):
+        small, moves = _pearls(atoms[row], thickness)
         first = sum(len(part) for part in parts)
         groups.append(list(range(first, first + len(small))))
         parts.append(small)
-        moves.extend(how)
+        blocks.append(moves @ covariance[row] @ moves.T)
     every = np.concatenate(parts)
-    by = np.concatenate(moves)
-    joint = np.zeros((PARAMETERS * len(atoms),) * 2)
-    for row, one in enumerate(covariance):
-        part = slice(PARAMETERS * row, PARAMETERS * (row + 1))
-        joint[part, part] = one
     kinds = np.full(len(every), BALL)
     kinds[: len(whole)] = family[whole]
-    return Drawable(every, kinds, by @ joint @ by.T, groups)
+    return Drawable(every, kinds, np.asarray(block_diag(*blocks)), groups)
 
 
-def _same(row: int, count: int) -> Floats:
-    out = np.zeros((PARAMETERS, PARAMETERS * count))
-    out[:, PARAMETERS * row : PARAMETERS * (row + 1)] = np.eye(PARAMETERS)
-    return out
-
-
-def _pearls(ring: Floats, row: int, count: int, thickness: float) -> tuple[Floats, list[Floats]]:
-    """Small balls along a ring, and how they move with its parameters (6, 6 N) each."""
+def _pearls(ring: Floats, thickness: float) -> tuple[Floats, Floats]:
+    """Small balls (N, 6) along a ring, and how all of them move with its parameters (6 N, 6)."""
     number = int(np.clip(np.ceil(2 * np.pi * ring[3] / (SHARE * thickness)), FEWEST, MOST))
     angle = 2 * np.pi * np.arange(number) / number
-    small = np.zeros((number, PARAMETERS))
+    small, moves = np.zeros((number, PARAMETERS)), np.zeros((number, PARAMETERS, PARAMETERS))
     small[:, 0] = ring[0] + ring[3] * np.cos(angle)
     small[:, 1] = ring[1] + ring[3] * np.sin(angle)
     small[:, 2] = ring[2] / number
     small[:, 3] = RIM * thickness
-    moves = []
-    for turn in angle:
-        one = np.zeros((PARAMETERS, PARAMETERS * count))
-        first = PARAMETERS * row
-        one[0, first] = one[1, first + 1] = 1.0
-        one[0, first + 3], one[1, first + 3] = np.cos(turn), np.sin(turn)
-        one[2, first + 2] = 1.0 / number
-        moves.append(one)
-    return small, moves
+    moves[:, 0, 0] = moves[:, 1, 1] = 1.0
+    moves[:, 0, 3], moves[:, 1, 3] = np.cos(angle), np.sin(angle)
+    moves[:, 2, 2] = 1.0 / number
+    return small, moves.reshape(-1, PARAMETERS)

@@ -59,6 +59,21 @@ def _response(distance: float, point: Point) -> float:
     return float(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
 
 
+@inner
+def cubic(t: float) -> tuple[float, float, float, float]:
+    """Cubic B-splines of four nodes, 0 to 1 past the second."""
+    s = 1.0 - t
+    second = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
+    return s * s * s / 6.0, second, (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0, t * t * t / 6.0
+
+
+@inner
+def cubic_slopes(t: float) -> tuple[float, float, float, float]:
+    """Slopes of `cubic`, per node."""
+    s = 1.0 - t
+    return -0.5 * s * s, 1.5 * t * t - 2.0 * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
+
+
 @njit
 def ring_sums(r: Floats, radii: Floats, forces: Floats, counts: Ints, point: Point) -> Floats:
     """Response (N,) at distances `r` (N,) m from the axis of rings (M,) that bear `forces`.

@@ -19,7 +19,7 @@ from skinfield.errors import (
 )
 from skinfield.skin import Patch
 from skinfield.solve.detection.detection import Detection, FalseAlarms, detection
-from skinfield.solve.detection.dictionary import Bank, Noise, round_touches, spread_of
+from skinfield.solve.detection.dictionary import Bank, Noise, round_touches
 from skinfield.solve.detection.statistics import Lookback, MarginalLikelihood, Matches, Statistic
 
 
@@ -77,8 +77,8 @@ class DetectorStream:
         self._take(reading, int(stamp_ns))
         used = [min(length, self._held) for length in self.lengths]
         sums = np.stack([self._whitened[:n].sum(axis=0) for n in used])
-        matches = self.lookback.matches(sums[None], self._spread(used), used)
         valid = self._valid[: self._held]
+        matches = self.lookback.matches(sums[None], self.lookback.spread_where(valid, used), used)
         return self.detector.detection(self.lookback, matches, self.threshold, valid)
 
     def _take(self, reading: "ArrayLike", stamp_ns: int) -> None:
@@ -97,19 +97,6 @@ class DetectorStream:
         held = min(self._held + 1, len(self._stamps))
         young = self._stamps[:held] > stamp_ns - self.window * 1e9
         self._held = int(young.sum())
-
-    def _spread(self, used: list[int]) -> Floats | None:
-        """1/g by length and template; None where every length is full and every taxel answered."""
-        if used[-1] == self.lengths[-1] and self._valid.all():
-            return None
-        bank = self.lookback.bank
-        parts, total, done = [], np.zeros(len(bank.scaled)), 0
-        for length, weight in zip(used, self.lookback.weight(used), strict=True):
-            for row in range(done, length):
-                total = total + bank.information(self._valid[row])
-            done = length
-            parts.append(spread_of(total * weight))
-        return np.concatenate(parts)
 
 
 MOST_HELD = 20_000  # readings that a stream looks back over: each update moves them all
@@ -234,7 +221,7 @@ class Detector:
             )
         lookback = replace(self.lookback, lengths=(len(table),))
         sums = lookback.bank.whitened(table).sum(axis=0)
-        matches = lookback.matches(sums[None, None], self._spread(valid))
+        matches = lookback.matches(sums[None, None], lookback.spread_where(valid, lookback.lengths))
         return self.detection(lookback, matches, self.threshold, valid)
 
     def detection(
@@ -321,11 +308,3 @@ class Detector:
         if not len(table):
             raise InputError("readings is empty, expected one reading or more")
         return table
-
-    def _spread(self, valid: NDArray[np.bool_]) -> Floats | None:
-        """Of the force by each template where taxels are missing; None where none is."""
-        if valid.all():
-            return None
-        masks, counts = np.unique(valid, axis=0, return_counts=True)
-        known = [n * self.lookback.bank.information(m) for m, n in zip(masks, counts, strict=True)]
-        return spread_of(np.sum(known, axis=0) * self.lookback.weight([len(valid)]))

@@ -1,7 +1,8 @@
 """Dictionary of templates: what single touches do to the readings of a patch, and their matches."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -218,7 +219,6 @@ class Bank:
     templates: Templates
     noise: Noise
     scaled: Floats
-    _known: dict[bytes, Floats] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, templates: Templates, noise: Noise) -> "Bank":
@@ -246,14 +246,14 @@ class Bank:
 
     def information(self, valid: NDArray[np.bool_]) -> Floats:
         """Information g² (J,) of one reading in which some taxels answered: see `Matches`."""
-        key = np.packbits(valid).tobytes()
-        if key not in self._known:
-            while len(self._known) >= MASKS_KEPT:
-                self._known.pop(next(iter(self._known)))
-            self._known[key] = self._computed(valid)
-        return self._known[key]
+        return self._known(np.asarray(valid).tobytes())
 
-    def _computed(self, valid: NDArray[np.bool_]) -> Floats:
+    @cached_property
+    def _known(self) -> Callable[[bytes], Floats]:
+        return lru_cache(MASKS_KEPT)(self._computed)
+
+    def _computed(self, mask: bytes) -> Floats:
+        valid = np.frombuffer(mask, np.bool_)
         part = self.scaled[:, valid]
         known = np.einsum("jl,jl->j", part, part)
         floor = UNSEEN * known.max(initial=0.0)

@@ -7,6 +7,7 @@ from math import erfc
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.solve.detection.dictionary import Bank, spread_of
@@ -205,6 +206,22 @@ class Lookback:
         """1/g by length and template where all taxels answer, (W * J,) N."""
         one = spread_of(self._one)
         return np.concatenate([one / np.sqrt(worth) for worth in self.worth])
+
+    def spread_where(self, valid: NDArray[np.bool_], used: Sequence[int]) -> Floats | None:
+        """1/g by length and template, of readings (T, L), newest first, that lack values.
+
+        `used` (W,) readings count for each length; None where all are there.
+        """
+        if used[-1] == self.lengths[-1] and valid.all():
+            return None
+        parts, total, first = [], np.zeros(len(self.bank.scaled)), 0
+        for length, weight in zip(used, self.weight(used), strict=True):
+            masks, counts = np.unique(valid[first:length], axis=0, return_counts=True)
+            for mask, count in zip(masks, counts, strict=True):
+                total = total + count * self.bank.information(mask)
+            first = length
+            parts.append(spread_of(total * weight))
+        return np.concatenate(parts)
 
     def matches(
         self, sums: Floats, spread: Floats | None = None, used: Sequence[int] | None = None

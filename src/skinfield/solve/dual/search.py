@@ -1,32 +1,28 @@
-"""The search itself, compiled as one piece so that it can look at the clock between steps."""
+"""Search of the dual, compiled as one piece so that it can look at the clock between steps."""
+
+import sys
+from typing import Any
 
 import numpy as np
+from numba import types
 
 from skinfield.compiled import inner, njit
-from skinfield.errors import Floats
-from skinfield.solve.dual import kernel
+from skinfield.errors import Floats, Ints
+from skinfield.solve.dual import problem as at
 from skinfield.solve.dual.kernel import (
-    COUNT,
-    FACTORED,
-    GAP,
-    GIVEN,
-    IDLE,
-    OBJECTIVE,
-    PASS_PACE,
-    PRESSED,
-    SPREAD_PACE,
-    STEP_PACE,
-    STEPS,
-    UNSOLVED,
-    dual_values,
-    half_square,
-    learn_pace,
-    list_near,
-    primal,
-    relax_pace,
-    see_all,
+    FAST,
+    add_rows,
+    dot,
+    excess,
+    factor_rows,
+    product,
+    project,
+    solve_factored,
+    spread_bumps,
+    step_length,
 )
-from skinfield.solve.dual.workspace import Memory, Packed, Problem, now_ns, unpacked
+from skinfield.solve.dual.problem import Memory, Problem
+from skinfield.solve.tiles_kernel import add_tile
 
 LOCAL = 0.5  # of the tolerance, to which the searched nodes are solved before all are seen
 STRICTER = 0.1  # of that, wherever it did not do
@@ -37,222 +33,363 @@ WELL = 0.2  # of what was left before a step: if more is left after it, its syst
 FEW = 64  # active nodes whose system is made anew as quickly as an old one needs a step more
 POOR = 0.1  # of the objective: an answer so far from its dual value is no safe start
 LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
+MARGIN = 0.5  # standard deviations below a node's own penalty at which it is searched
+UNITS = 8  # of a number's last place in the rounding of a dual value
+FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
+SMOOTH, SAFE = 0.1, 1.6  # of the mean of a pace, and times that is never gone below
+MONOTONIC = 1  # of Linux: what `time.perf_counter` reads there
+UPTIME_RAW = 8  # of macOS, likewise
+
+if sys.platform == "win32":
+    _ticks: Any = types.ExternalFunction("QueryPerformanceCounter", types.int32(types.voidptr))
+    _rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(types.voidptr))
+
+    @njit
+    def now_ns(room: Ints) -> int:
+        """Time now; in the first two of `room`, int64, the system writes it."""
+        _ticks(room.ctypes)
+        ticks = room[0]
+        _rate(room.ctypes)
+        whole, part = ticks // room[0], ticks % room[0]
+        return int(whole * 1_000_000_000 + part * 1_000_000_000 // room[0])
+
+elif sys.platform == "darwin":
+    _uptime: Any = types.ExternalFunction("clock_gettime_nsec_np", types.int64(types.int32))
+
+    @njit
+    def now_ns(room: Ints) -> int:
+        """Time now; `room` is not needed on this system."""
+        return int(_uptime(UPTIME_RAW))
+
+else:
+    _gettime: Any = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.voidptr))
+
+    @njit
+    def now_ns(room: Ints) -> int:
+        """Time now; in the first two of `room`, int64, the system writes it."""
+        _gettime(MONOTONIC, room.ctypes)
+        return int(room[0] * 1_000_000_000 + room[1])
 
 
-@njit
-def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
+@njit(fastmath=FAST)
+def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, deadline: int) -> None:
     """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
 
     What it is worth is left in `measures`. Being late, or without time for a proof, ends the
     search: so time decides in its last turn alone.
     """
-    problem, memory = unpacked(given)
-    counts, measures = memory.counts, memory.measures
-    counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
-    best = take_in(problem, memory, readings)  # nothing pressed is an answer, too
-    measures[GAP], measures[OBJECTIVE] = 0.0, best
+    counts, measures, numbers = memory.lists[at.COUNTS], memory.measures, problem.numbers
+    target, dual, ascent = (
+        memory.taxels[at.TARGET],
+        memory.taxels[at.DUAL],
+        memory.taxels[at.ASCENT],
+    )
+    width, rows = len(target), problem.rows.size
+    for taxel in range(len(readings)):
+        weight = problem.whitening[taxel]
+        target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
+        if weight == 0.0:  # left out: stamps still hold what such a taxel sees
+            dual[taxel] = 0.0
+    best = 0.5 * dot(target, target)  # nothing pressed is an answer, too
+    counts[at.STEPS] = counts[at.PRESSING] = counts[at.IDLE] = 0
+    measures[at.GAP], measures[at.OBJECTIVE] = 0.0, best
     lower = begin(problem, memory, best)
-    going = lower >= 0.0
-    local, passes, before, due = LOCAL * problem.tolerance, 0, np.inf, PATIENCE
+    going, tolerance, most = lower >= 0.0, numbers[at.TOLERANCE], int(numbers[at.MOST])
+    local, passes, before, due = LOCAL * tolerance, 0, np.inf, PATIENCE
     while going:
-        start = now_ns(memory.room)
-        best, plain = primal(problem, memory, best)
-        left = half_square(memory.ascent)
-        solved = left <= max(local, problem.rounding) * plain
-        measures[UNSOLVED] = left / plain
-        active = kernel.take_active(memory.listed, counts[COUNT], memory.slack, memory.active)
-        work = step_work(len(memory.target), counts[COUNT], active)
-        proof = measures[PASS_PACE] * problem.rows.size  # ns, by its pace so far
-        ending = start + time_to_end(problem, memory)
+        start = now_ns(counts)
+        best, plain, active = primal(problem, memory, best)
+        left = 0.5 * dot(ascent, ascent)
+        solved = left <= max(local, numbers[at.ROUNDING]) * plain
+        measures[at.UNSOLVED] = left / plain
+        small, large = (active, width) if active < width else (width, active)
+        work = 4000.0 + 0.5 * small * small * large + small * small * small / 6.0  # of a step
+        work += (4.0 * counts[at.SEARCHED] + 3.0 * active) * width
+        proof = measures[at.PASS_PACE] * rows  # ns, by its pace so far
+        spread = len(out) + counts[at.PRESSING] * problem.bump.size
+        ending = start + measures[at.SPREAD_PACE] * spread + SPARE_NS
         provable = deadline == 0 or ending + proof <= deadline
-        reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
-        until = ending + reserved + measures[STEP_PACE] * work
-        late = deadline > 0 and until > deadline
-        if not (solved or late) and counts[STEPS] < min(due, problem.most):
+        reserved = proof if counts[at.STEPS] > 0 else 0.0  # a first step goes before its proof
+        late = deadline > 0 and ending + reserved + measures[at.STEP_PACE] * work > deadline
+        if not (solved or late) and counts[at.STEPS] < min(due, most):
             newton(problem, memory, active, active < FEW or left > WELL * before)
             before = left
-            counts[STEPS] += 1
-            learn_pace(measures, STEP_PACE, now_ns(memory.room) - start, work)
+            counts[at.STEPS] += 1
+            learn_pace(measures, at.STEP_PACE, now_ns(counts) - start, work)
             continue
         if late and not solved:  # else one slow step would keep all later ones from being tried
-            relax_pace(measures, STEP_PACE)
+            relax_pace(measures, at.STEP_PACE)
         if not provable:
-            relax_pace(measures, PASS_PACE)
+            relax_pace(measures, at.PASS_PACE)
             break
         proved, within = dual_values(problem, memory)
         lower, passes = max(lower, proved), passes + 1
-        enough = best - within <= problem.tolerance * best
-        if enough or late or counts[STEPS] >= problem.most or passes >= PASSES:
+        enough = best - within <= tolerance * best
+        if enough or late or counts[at.STEPS] >= most or passes >= PASSES:
             break
         local *= STRICTER if solved else 1.0
-        due = counts[STEPS] + PATIENCE
-        counts[COUNT] = list_near(problem, memory)
+        due = counts[at.STEPS] + PATIENCE
+        list_near(problem, memory)
     if going:
-        measures[GAP] = min(max((best - lower) / best, 0.0), 1.0)
-        measures[OBJECTIVE] = best
-    write_out(problem, memory, out)
+        measures[at.GAP] = min(max((best - lower) / best, 0.0), 1.0)
+        measures[at.OBJECTIVE] = best
+    start, pressing = now_ns(counts), counts[at.PRESSING]
+    pressed, amounts = memory.lists[at.PRESSED], memory.nodes[at.AMOUNT]
+    spread_bumps(pressed, amounts, pressing, problem.bump, int(numbers[at.WIDTH]), out)
+    work = float(len(out) + pressing * problem.bump.size)
+    learn_pace(measures, at.SPREAD_PACE, now_ns(counts) - start, work)
 
 
-@inner
-def take_in(problem: Problem, memory: Memory, readings: Floats) -> float:
-    """Whiten the readings; half their square."""
-    for taxel in range(len(readings)):
-        weight = problem.whitening[taxel]
-        memory.target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
-        if weight == 0.0:  # left out: stamps still hold what such a taxel sees
-            memory.dual[taxel] = 0.0
-    return half_square(memory.target)
-
-
-@inner
-def write_out(problem: Problem, memory: Memory, out: Floats) -> None:
-    """Write into `out` (K,) the bumps of the best amounts."""
-    start, many = now_ns(memory.room), memory.counts[PRESSED]
-    shape = (problem.height, problem.width)
-    kernel.spread_bumps(memory.pressed, memory.amounts, many, problem.bump, shape, out)
-    work = len(out) + many * problem.bump.size
-    learn_pace(memory.measures, SPREAD_PACE, now_ns(memory.room) - start, work)
-
-
-@inner
+@inner(inline="always")
 def begin(problem: Problem, memory: Memory, best: float) -> float:
     """Choose where to start; returns a dual value, or -1 if there is nothing to search.
 
     That is where the patch is idle, which is proved, and where `best`, half the squared readings,
     is no number to search with.
     """
-    if not best < LARGEST:
-        memory.dual[:] = 0.0
-        memory.counts[COUNT] = memory.counts[GIVEN] = 0
-        memory.measures[GAP] = 1.0
-        return -1.0
-    kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
-    if kept and (memory.measures[UNSOLVED] < POOR or still_best(problem, memory)):
+    counts, target, dual = memory.lists[at.COUNTS], memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    every, norms = memory.nodes[at.EVERY], problem.nodes[at.NORM]
+    usable, threshold = best < LARGEST, problem.numbers[at.THRESHOLD]
+    if usable and counts[at.STARTED] == 0 and goes_on(problem, memory):
         return 0.0
-    every, norms, lower = memory.every, problem.norms, 0.0
-    see_all(problem, memory, memory.target, problem.threshold)
-    idle = True
-    for node in range(len(every)):
-        if every[node] > problem.threshold * norms[node]:
-            idle = False
-            break
-    if idle:
-        for taxel in range(len(memory.dual)):
-            memory.dual[taxel] = memory.target[taxel]
-        memory.counts[COUNT] = memory.counts[GIVEN] = 0
-        memory.counts[IDLE] = 1
+    idle = usable
+    if usable:
+        see_all(problem, memory, target, threshold)
+        for node in range(len(every)):
+            if every[node] > threshold * norms[node]:
+                idle = False
+                break
+    if idle or not usable:
+        for taxel in range(len(dual)):
+            dual[taxel] = target[taxel] if idle else 0.0
+        memory.measures[at.GAP] = 0.0 if idle else 1.0
+        counts[at.SEARCHED] = counts[at.STARTED] = 0
+        counts[at.IDLE] = 1 if idle else 0
         return -1.0
-    better = False  # than none: the dual that was handed in
-    if memory.counts[GIVEN] != 0:
-        better = dual_values(problem, memory)[1] > 0.0
-        if not better:
-            see_all(problem, memory, memory.target, problem.threshold)
-    if not better:
-        lower = start_along(problem, memory)
-    memory.counts[GIVEN] = 0
-    memory.counts[COUNT] = list_near(problem, memory)
+    lower, started = 0.0, counts[at.STARTED] != 0
+    counts[at.STARTED] = 0
+    if started and not dual_values(problem, memory)[1] > 0.0:  # no better than none
+        see_all(problem, memory, target, threshold)
+        started = False
+    if not started:
+        every_node = memory.lists[at.ALL]
+        length, lower = best_along(problem, memory, every_node, len(every), every)
+        for taxel in range(len(target)):
+            dual[taxel] = length * target[taxel]
+        for node in range(len(every)):
+            every[node] *= length
+    list_near(problem, memory)
     return lower
 
 
-@inner
-def start_along(problem: Problem, memory: Memory) -> float:
-    """Start where the dual value is highest on the way from 0 to the readings; returns it."""
-    every, slack = memory.every, memory.slack
-    square = 2.0 * half_square(memory.target)
-    for node in range(len(every)):
-        slack[node] = -problem.penalty[node]
-    length = kernel.step_length(slack, every, len(every), square, square)
-    for taxel in range(len(memory.target)):
-        memory.dual[taxel] = length * memory.target[taxel]
-    total = 0.0
-    for node in range(len(every)):
-        every[node] *= length
-        over = np.float64(max(every[node] - problem.penalty[node], 0.0))
-        total += over * over
-    value = length * (1.0 - 0.5 * length - problem.rounding) * square
-    return max(value - 0.5 * total, 0.0)
+@inner(inline="always")
+def goes_on(problem: Problem, memory: Memory) -> bool:
+    """Whether to start from the dual of the reading before.
 
-
-@inner
-def stands_out(problem: Problem, memory: Memory) -> bool:
-    """Whether a node that was searched before is too significant for an idle patch."""
-    count, turn = memory.counts[COUNT], memory.turn
-    kernel.project(problem.rows, memory.listed, count, memory.target, turn)
-    highest = 0.0
-    for i in range(count):
-        highest = max(highest, turn[i] - problem.threshold * problem.norms[memory.listed[i]])
-    return highest > 0.0
-
-
-@inner
-def still_best(problem: Problem, memory: Memory) -> bool:
-    """Whether the dual of the reading before is better than the way from 0 to the readings.
-
-    As far as the nodes that were searched tell, whose product with the readings is in `turn`.
+    Not where none of the nodes that were searched then is too significant for an idle patch, nor
+    after a poor answer unless, as far as these tell, it is better than the way to the readings.
     """
-    count, slack = memory.counts[COUNT], memory.slack
-    square = 2.0 * half_square(memory.target)
+    listed, count = memory.lists[at.LISTED], memory.lists[at.COUNTS, at.SEARCHED]
+    target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    norms, slack, turn = problem.nodes[at.NORM], memory.nodes[at.SLACK], memory.nodes[at.TURN]
+    threshold, penalty = problem.numbers[at.THRESHOLD], problem.numbers[at.PENALTY]
+    project(problem.rows, listed, count, target, turn)
+    significant = False
     for i in range(count):
-        slack[i] = -problem.penalty[memory.listed[i]]
-    length = kernel.step_length(slack, memory.turn, count, square, square)
-    along = length * square - 0.5 * length * length * square
-    along -= excess(problem, memory, memory.turn, length)
-    kernel.project(problem.rows, memory.listed, count, memory.dual, slack)
-    product = 0.0
-    for taxel in range(len(memory.target)):
-        product += np.float64(memory.dual[taxel]) * memory.target[taxel]
-    before = product - half_square(memory.dual) - excess(problem, memory, slack, 1.0)
-    return before > along
+        if turn[i] > threshold * norms[listed[i]]:
+            significant = True
+    if not significant or memory.measures[at.UNSOLVED] < POOR:
+        return significant
+    along = best_along(problem, memory, listed, count, turn)[1]
+    project(problem.rows, listed, count, dual, slack)
+    before = dot(dual, target) - 0.5 * dot(dual, dual)
+    return before - excess(norms, listed, count, penalty, slack, 1.0) > along
 
 
 @inner
-def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> float:
-    """Half the squared amounts of the searched nodes, from `length` times what they see."""
-    total = 0.0
-    for i in range(memory.counts[COUNT]):
-        over = max(length * seen[i] - problem.penalty[memory.listed[i]], 0.0)
-        total += over * over
-    return 0.5 * total
+def best_along(
+    problem: Problem, memory: Memory, listed: Ints, count: int, seen: Floats
+) -> tuple[float, float]:
+    """Share of the readings at which the dual value of listed nodes is highest, and that value.
+
+    `seen` (count,) is what they see of the readings. 0 is a dual value, too.
+    """
+    norms, slack, target = problem.nodes[at.NORM], memory.nodes[at.SLACK], memory.taxels[at.TARGET]
+    square, penalty = dot(target, target), problem.numbers[at.PENALTY]
+    for i in range(count):
+        slack[i] = -penalty * norms[listed[i]]
+    length = step_length(slack, seen, count, square, square)
+    value = length * (1.0 - 0.5 * length - problem.numbers[at.ROUNDING]) * square
+    return length, max(value - excess(norms, listed, count, penalty, seen, length), 0.0)
 
 
 @inner
+def see_all(problem: Problem, memory: Memory, values: Floats, least: float) -> None:
+    """Write into row `EVERY` (K,) the products of all rows with `values`.
+
+    Where they are below `least` times the row's norm, anything may be written that is below it,
+    too, and not below the product: with stamps the bound of what they lack is added, and the
+    product itself is computed only where that does not tell.
+    """
+    every, rows = memory.nodes[at.EVERY], problem.rows
+    stamps, places, blocks = problem.stamps, problem.places, len(problem.stamps)
+    if blocks == 0:
+        project(rows, memory.lists[at.ALL], len(every), values, every)
+        return
+    tiles = (len(places) - blocks - 1) // 2
+    sizes = int(problem.numbers[at.WIDTH]), 0, 0
+    for node in range(len(every)):
+        every[node] = 0.0
+    for tile in range(blocks, blocks + tiles):
+        cell, begin, end = places[tile + tiles + 1], places[tile], places[tile + 1]
+        add_tile(stamps, places, values, every, 0, cell, begin, end, sizes)
+    size = np.sqrt(dot(values, values))
+    for node in range(len(every)):
+        every[node] += problem.nodes[at.DROPPED, node] * size
+        if every[node] > least * problem.nodes[at.NORM, node]:
+            every[node] = product(rows[node], values)
+
+
+@inner(inline="always")
+def list_near(problem: Problem, memory: Memory) -> None:
+    """List the nodes that row `EVERY` says may carry pressure."""
+    count, every, listed = 0, memory.nodes[at.EVERY], memory.lists[at.LISTED]
+    least = problem.numbers[at.PENALTY] - MARGIN
+    for node in range(len(every)):
+        near = every[node] > least * problem.nodes[at.NORM, node]
+        if near and problem.nodes[at.ALLOWED, node] > 0.0:
+            listed[count] = node
+            count += 1
+    memory.lists[at.COUNTS, at.SEARCHED] = count
+
+
+@inner(inline="always")
+def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float, int]:
+    """Objective of the best amounts so far, of those at the dual, and how many of these are not 0.
+
+    The latter are also scaled as a whole to where the objective is lowest, and kept if they are
+    the best then. Row `ASCENT` becomes the slope of the dual value, readings - predicted - dual.
+    """
+    lists, counts, slack = memory.lists, memory.lists[at.COUNTS], memory.nodes[at.SLACK]
+    listed, active, count = lists[at.LISTED], 0, counts[at.SEARCHED]
+    target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    predicted, ascent = memory.taxels[at.PREDICTED], memory.taxels[at.ASCENT]
+    penalty, norms = problem.numbers[at.PENALTY], problem.nodes[at.NORM]
+    project(problem.rows, listed, count, dual, slack)
+    square, cost = 0.0, 0.0
+    for i in range(count):
+        slack[i] -= penalty * norms[listed[i]]
+        if slack[i] > 0.0:
+            lists[at.ACTIVE, active] = listed[i]
+            active += 1
+            square += np.float64(slack[i]) * slack[i]
+            cost += slack[i] * penalty * norms[listed[i]]
+    for taxel in range(len(predicted)):
+        predicted[taxel] = 0.0
+    add_rows(problem.rows, listed, count, slack, 0.0, 1.0, predicted)
+    gain, curve, left = -cost, square, 0.0
+    for taxel in range(len(target)):
+        there, read = np.float64(predicted[taxel]), np.float64(target[taxel])
+        ascent[taxel] = read - there - dual[taxel]
+        gain += there * read
+        curve += there * there
+        left += (read - there) * (read - there)
+    factor = max(gain, 0.0) / curve if curve > 0.0 else 0.0
+    scaled = 0.5 * dot(target, target) - 0.5 * max(gain, 0.0) * factor
+    if scaled < best:
+        best, counts[at.PRESSING], active = scaled, active, 0
+        for i in range(count):
+            if slack[i] > 0.0:
+                lists[at.PRESSED, active] = listed[i]
+                memory.nodes[at.AMOUNT, active] = factor * slack[i]
+                active += 1
+    return best, 0.5 * left + 0.5 * square + cost, active
+
+
+@inner
+def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
+    """What no answer's objective is below, by a pass over all nodes; and none of those allowed."""
+    counts, numbers, every = memory.lists[at.COUNTS], problem.numbers, memory.nodes[at.EVERY]
+    start, target, dual = now_ns(counts), memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    penalty, rounding = numbers[at.PENALTY], numbers[at.ROUNDING]
+    see_all(problem, memory, dual, penalty - MARGIN)
+    square, elsewhere, spread, pressed = 0.0, 0.0, 0.0, 0
+    for node in range(len(every)):
+        norm = np.float64(problem.nodes[at.NORM, node])
+        over = every[node] - penalty * norm
+        if over <= 0.0:
+            continue
+        if problem.nodes[at.ALLOWED, node] > 0.0:
+            square += over * over
+            spread += over * norm
+            pressed += 1
+        else:
+            elsewhere += over * over
+    own = 0.5 * dot(dual, dual)
+    rounded = rounding * np.sqrt(own * 0.5 * dot(target, target))
+    # and what the objective may be off, as readings are predicted by a sum over pressed nodes
+    rounded += rounding / UNITS * np.sqrt(2.0 * own * pressed) * spread
+    within = dot(dual, target) - own - 0.5 * square - rounded
+    learn_pace(memory.measures, at.PASS_PACE, now_ns(counts) - start, float(problem.rows.size))
+    return within - 0.5 * elsewhere, within
+
+
+@inner(inline="always")
 def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """One semismooth Newton step from the dual, to where the dual value is highest along it.
 
-    By the system of the active nodes of an earlier step, unless it should be made `anew`.
+    The step solves (1 + B' B) step = ascent, with the active rows B of now, or of an earlier step
+    unless the system should be made `anew`. By nodes, (1 + B' B)^-1 = 1 - B' (1 + B B')^-1 B.
     """
-    count, dual, step, turn = memory.counts[COUNT], memory.dual, memory.step, memory.turn
-    rows, factored = problem.rows, memory.factored
-    if anew or memory.counts[FACTORED] == 0:
+    counts, lists, rows = memory.lists[at.COUNTS], memory.lists, problem.rows
+    listed, factored = lists[at.LISTED], lists[at.FACTORED]
+    target, dual, ascent = (
+        memory.taxels[at.TARGET],
+        memory.taxels[at.DUAL],
+        memory.taxels[at.ASCENT],
+    )
+    step, scratch, lower = (
+        memory.taxels[at.STEP],
+        memory.taxels[at.SCRATCH],
+        memory.taxels[at.LOWER :],
+    )
+    turn, width, count = memory.nodes[at.TURN], len(dual), counts[at.SEARCHED]
+    if anew or counts[at.FACTORS] == 0:
         for place in range(active):
-            factored[place] = memory.active[place]
-        if active < len(dual):
-            kernel.factor_nodes(rows, factored, active, memory.lower)
-        else:
-            kernel.factor_taxels(rows, factored, active, len(dual), memory.lower)
-        memory.counts[FACTORED] = active
-    n = memory.counts[FACTORED]
-    kernel.newton_step(rows, factored, n, memory.ascent, memory.lower, memory.scratch, step)
+            factored[place] = lists[at.ACTIVE, place]
+        factor_rows(rows, factored, active, width, lower)
+        counts[at.FACTORS] = active
+    size = counts[at.FACTORS]
+    for taxel in range(width):
+        step[taxel] = ascent[taxel]
+    if size >= width:
+        solve_factored(lower, width, step)
+    else:
+        project(rows, factored, size, ascent, scratch)
+        solve_factored(lower, size, scratch)
+        add_rows(rows, factored, size, scratch, -np.inf, -1.0, step)
     first, second = 0.0, 0.0
-    for taxel in range(len(step)):
-        first += step[taxel] * (memory.target[taxel] - dual[taxel])
+    for taxel in range(width):
+        first += step[taxel] * (target[taxel] - dual[taxel])
         second += step[taxel] * step[taxel]
-    kernel.project(problem.rows, memory.listed, count, step, turn)
-    length = kernel.step_length(memory.slack, turn, count, first, second)
-    for taxel in range(len(step)):
+    project(rows, listed, count, step, turn)
+    length = step_length(memory.nodes[at.SLACK], turn, count, first, second)
+    for taxel in range(width):
         dual[taxel] += length * step[taxel]
 
 
 @inner
-def step_work(taxels: int, count: int, active: int) -> float:
-    """Products of a Newton step, about."""
-    small, large = min(active, taxels), max(active, taxels)
-    factor = 0.5 * small * small * large + small**3 / 6.0
-    return 4000.0 + factor + (4.0 * count + 3.0 * active) * taxels
+def learn_pace(measures: Floats, which: int, taken: int, work: float) -> None:
+    """Take in another measurement of a pace: near the slowest, and in the mean without pauses."""
+    last, mean = taken / work, at.TYPICAL + which - at.STEP_PACE
+    if measures[which] == 0.0:
+        measures[which] = measures[mean] = last
+    measures[which] = min(max(last, FASTER * measures[which]), SLOWER * measures[which])
+    measures[mean] += SMOOTH * (min(last, 2.0 * measures[mean]) - measures[mean])
 
 
 @inner
-def time_to_end(problem: Problem, memory: Memory) -> float:
-    """Nanoseconds that writing the answer takes, by its pace so far."""
-    size = len(memory.every) + memory.counts[PRESSED] * problem.bump.size
-    return float(memory.measures[SPREAD_PACE] * size + SPARE_NS)
+def relax_pace(measures: Floats, which: int) -> None:
+    """Let a pace come down to the mean, where it kept something from being tried."""
+    mean = at.TYPICAL + which - at.STEP_PACE
+    measures[which] = max(FASTER * measures[which], SAFE * measures[mean])

@@ -7,15 +7,68 @@ keeps. Each compiles for float32 and float64.
 from typing import Any
 
 import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.solve.sheet.response import GROUP, LANES
-from skinfield.solve.sheet.simd_kernel import add_block
+from skinfield.solve.tiles_kernel import data, load, place, repeat, size_of
 
 Array = NDArray[Any]
 Parts = tuple[Array, Array, Array, Array, int, int]  # see `gram.parts_of`
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
+
+
+def _add_block(
+    typing_context: Any,
+    out: Any,
+    start: Any,
+    columns: Any,
+    across: Any,
+    first: Any,
+    width: Any,
+    down: Any,
+    begin: Any,
+    rows: Any,
+) -> Any:
+    """Add to a block of `LANES` columns and some rows of a flat field, from its cell `start` on.
+
+    Numba reads the profiles again in every row, as it cannot know that field and profiles do not
+    overlap in memory: here they are loaded once, into registers.
+
+    out[start + columns * row + cell] += sum over part of down[begin + GROUP * row + part] *
+    across[first + width * part + cell]. Nothing is checked: the block must lie in the field.
+    """
+    whole = types.intp
+    signature = types.void(out, whole, whole, across, whole, whole, down, whole, whole)
+
+    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        start, columns, first, width, begin, rows = (given[i] for i in (1, 2, 4, 5, 7, 8))
+        arrays = [(signature.args[i], given[i]) for i in (0, 3, 6)]
+        field, profiles, heights = data(context, builder, arrays)
+        profile = []
+        for _ in range(GROUP):
+            profile.append(load(builder, profiles, first, LANES))
+            first = builder.add(first, width)
+        with cgutils.for_range(builder, rows) as loop:
+            to = builder.add(start, builder.mul(loop.index, columns))
+            total = load(builder, field, to, LANES)
+            at = builder.add(begin, builder.mul(loop.index, cgutils.intp_t(GROUP)))
+            for part in range(GROUP):
+                index = builder.add(at, cgutils.intp_t(part))
+                height = repeat(builder, builder.load(builder.gep(heights, [index])), LANES)
+                product = builder.fmul(height, profile[part], flags=("contract",))
+                total = builder.fadd(total, product, flags=("contract",))
+            where = place(builder, field, to, LANES)
+            builder.store(total, where, align=size_of(field))
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+add_block: Any = intrinsic(_add_block)
 
 
 @inner(fastmath=FAST, inline="always")
@@ -132,16 +185,6 @@ def multiply(start: Array, other: Array, value: Array, vector: Array, out: Array
 
 
 @njit(fastmath=FAST)
-def residual_of(target: Array, moved: Array, valid: Array, out: Array) -> float:
-    """Write target - moved where valid, else 0; returns the square of its norm."""
-    square = 0.0
-    for row in range(len(out)):
-        out[row] = valid[row] * (target[row] - moved[row])
-        square += out[row] * out[row]
-    return square
-
-
-@njit(fastmath=FAST)
 def descend(
     length: float, way: Array, moved: Array, valid: Array, answer: Array, residual: Array
 ) -> float:
@@ -181,13 +224,6 @@ def take_in(
             answer[row] = 0.0
         square += target[row] * target[row]
     return square
-
-
-@njit
-def give_out(answer: Array, gain: Array, out: Array) -> None:
-    """Values of the taxels' stamps."""
-    for row in range(len(out)):
-        out[row] = answer[row] * gain[row]
 
 
 @njit
@@ -286,11 +322,3 @@ def fill_pairs(
                 entry = start[taxel] + index
                 other_of[entry] = beside
                 value[entry] = overlap(mine, ring[beside % len(ring)], down, across)
-
-
-@njit
-def scale_pairs(start: Array, other_of: Array, scale: Array, value: Array) -> None:
-    """Multiply each pair's value by both taxels' scales."""
-    for taxel in range(len(scale)):
-        for entry in range(start[taxel], start[taxel + 1]):
-            value[entry] *= scale[taxel] * scale[other_of[entry]]

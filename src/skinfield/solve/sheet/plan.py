@@ -240,8 +240,6 @@ class SheetPlan:
 
     def _scale(self, noise_std: Floats, snr: float) -> None:
         """Give the prior its variance and the matrix its diagonal."""
-        from skinfield.solve.sheet.kernels import scale_pairs
-
         own = self.gram.own / noise_std**2
         self.variance = snr**2 / float(np.mean(own))
         diagonal = np.sqrt(1.0 + self.variance * own)
@@ -249,8 +247,9 @@ class SheetPlan:
         white = 1.0 / (noise_std * diagonal)
         self.scale = white.astype(precision)
         self.gain = (self.variance * white).astype(precision)
-        weight = (np.sqrt(self.variance) * white).astype(precision)
-        scale_pairs(self.gram.start, self.gram.other, weight, self.gram.value)
+        weight, gram = (np.sqrt(self.variance) * white).astype(precision), self.gram
+        gram.value[:] *= np.repeat(weight, np.diff(gram.start))
+        gram.value[:] *= weight[gram.other]
 
 
 def _length_scale(solver: object, places: Floats, pitch: float) -> float:

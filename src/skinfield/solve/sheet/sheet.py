@@ -169,16 +169,17 @@ class Conjugate:
 
     def _begin(self, whole: float) -> float:
         """Write the first residual; return the square of its norm."""
-        from skinfield.solve.sheet.kernels import residual_of
-
+        residual = self._residual
         if self.answer.any():
             self._moved[:] = self.answer
             self._multiply(self.answer, self._moved)
-            square = residual_of(self._target, self._moved, self.valid, self._residual)
+            np.subtract(self._target, self._moved, out=residual)
+            residual *= self.valid
+            square = float(residual @ residual)
             if square < whole:
-                return float(square)
+                return square
             self.answer[:] = 0.0
-        self._residual[:] = self._target
+        residual[:] = self._target
         return whole
 
     def _multiply(self, vector: NDArray[Any], out: NDArray[Any]) -> float:
@@ -333,39 +334,31 @@ class Sheet:
         return self._deadline_met
 
     @cached_property
-    def _kernel(self) -> tuple[int, list[int], NDArray[Any]]:
-        """Reach of the displacement in cells; sides and spectra (3, ...) of a strip's kernel."""
-        from scipy import fft
-
+    def _kernel(self) -> NDArray[Any]:
+        """Displacement by a unit pressure on one cell, (3, 2 reach + 1, 2 reach + 1)."""
         ray = np.arange(LONGEST + 1) * self.pitch
         offsets = np.column_stack([ray, np.zeros_like(ray)])
         moved = self.mechanics.surface_displacement(self.layer, offsets, self.pitch)[:, :, 2]
         size = np.abs(moved).max(axis=1)
         reach = int(np.flatnonzero(size > FAINT * size[0])[-1])
         kernel = displacement_kernel(self.mechanics, self.layer, self.pitch, reach, reach)
-        sides = [STRIP + 3 * reach, max(self.shape[1], reach + 1) + reach]
-        sides = [fft.next_fast_len(side, real=True) for side in sides]
-        padded = np.zeros((3, *sides), dtype=np.float32)
-        padded[:, : 2 * reach + 1, : 2 * reach + 1] = -kernel  # pressure pushes inwards
-        return reach, sides, fft.rfft2(np.roll(padded, (-reach, -reach), axis=(1, 2)))
+        return np.asarray(-kernel, dtype=np.float32)  # pressure pushes inwards
 
     def displacement(self, pressure: NDArray[Any]) -> NDArray[Any]:
         """Displacement of the surface (K, 3) m by a pressure (K,) Pa: along x, along y, outwards.
 
         In single precision, strip by strip, so that memory does not grow with the sheet.
         """
-        from scipy import fft
+        from scipy.signal import oaconvolve
 
         check_shape("pressure", pressure, (len(self.grid),), "one per cell")
         field = np.asarray(pressure, dtype=np.float32).reshape(self.shape)
-        reach, sides, spectra = self._kernel
-        out = np.empty((*self.shape, 3), dtype=np.float32)
+        out, reach = np.empty((*self.shape, 3), dtype=np.float32), self._kernel.shape[1] // 2
         for row in range(0, len(field), STRIP):
             first = max(row - reach, 0)
-            part = fft.rfft2(field[first : row + STRIP + reach], sides)
-            moved = fft.irfft2(part * spectra, sides)[:, row - first :, : self.shape[1]]
-            to = out[row : row + STRIP]
-            to[:] = np.moveaxis(moved[:, : len(to)], 0, -1)
+            part, rows = field[first : row + STRIP + reach], slice(row - first, row - first + STRIP)
+            for axis, kernel in enumerate(self._kernel):
+                out[row : row + STRIP, :, axis] = oaconvolve(part, kernel, "same")[rows]
         return out.reshape(-1, 3)
 
     @cached_property
@@ -395,13 +388,13 @@ class Sheet:
     def _apply(
         self, readings: NDArray[Any], out: NDArray[Any], most: int, deadline_ns: int | None
     ) -> None:
-        from skinfield.solve.sheet.kernels import add_stamps, give_out
+        from skinfield.solve.sheet.kernels import add_stamps
 
         plan, conjugate = self.plan, self._conjugate
         last = None if deadline_ns is None else deadline_ns - self._stamping_ns
         conjugate.solve(readings, self.tolerance, most, last)
         begin = time.perf_counter_ns()
-        give_out(conjugate.answer, plan.gain, self._weights)
+        np.multiply(conjugate.answer, plan.gain, out=self._weights)
         columns = self.shape[1]
         add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out)
         end = time.perf_counter_ns()

@@ -1,0 +1,122 @@
+"""Problem of the dual search and the memory of its steps: the arrays that compiled code works on.
+
+All in whitened units, as in `NonNegative`. K nodes, L taxels; their number filled up with zeros to
+W, whole vector registers.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, Ints
+
+NORM, DROPPED, ALLOWED = range(3)  # rows of `Problem.nodes`
+THRESHOLD, PENALTY, TOLERANCE, ROUNDING, MOST, HEIGHT, WIDTH = range(7)  # of `Problem.numbers`
+TARGET, DUAL, PREDICTED, ASCENT, STEP, SCRATCH, LOWER = range(7)  # rows of `Memory.taxels`
+SLACK, TURN, EVERY, AMOUNT = range(4)  # rows of `Memory.nodes`
+LISTED, ACTIVE, FACTORED, PRESSED, ALL, COUNTS = range(6)  # rows of `Memory.lists`
+CLOCK, IDLE, SEARCHED, STEPS, PRESSING, STARTED, FACTORS = 0, 2, 3, 4, 5, 6, 7  # of row `COUNTS`
+COUNTED = 8
+GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED, TYPICAL = range(7)  # of `measures`
+
+
+class Problem(NamedTuple):
+    """What never changes.
+
+    Attributes
+    ----------
+    rows : (K, W) array
+        What each node's bump does to the taxels.
+    nodes : (3, K) array
+        Of each node: norm of its row, norm of what the stamps lack of it, and 1 if it may be
+        pressed, else 0.
+    whitening : (L,) float64 array, per unit of the reading
+        0 for a taxel that is left out.
+    bump : (2 n + 1, 2 n + 1) array, Pa
+    stamps : (B, 16) array
+        Blocks of `Tiles`, by which all nodes are seen; none where that does not pay.
+    places : int32 array
+        The blocks' `taxels`, `firsts` and `cells`, one after the other.
+    numbers : (7,) float64 array
+        Threshold in standard deviations, penalty per norm of a row, tolerance, rounding of a dual
+        value, most steps, rows and columns of the grid.
+    """
+
+    rows: NDArray[Any]
+    nodes: NDArray[Any]
+    whitening: Floats
+    bump: NDArray[Any]
+    stamps: NDArray[Any]
+    places: NDArray[np.int32]
+    numbers: Floats
+
+    @property
+    def norms(self) -> NDArray[Any]:
+        """Of the rows, (K,)."""
+        return np.asarray(self.nodes[NORM])
+
+    @property
+    def penalty(self) -> NDArray[Any]:
+        """On the amount of each node, (K,)."""
+        return np.asarray(self.numbers[PENALTY] * self.norms)
+
+    @property
+    def threshold(self) -> float:
+        """Standard deviations that the most significant node must exceed."""
+        return float(self.numbers[THRESHOLD])
+
+    @property
+    def tolerance(self) -> float:
+        """Gap at which the search ends."""
+        return float(self.numbers[TOLERANCE])
+
+    def copy(self) -> "Problem":
+        """With rows, nodes and whitening of its own."""
+        rows, nodes, whitening = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
+        return self._replace(rows=rows, nodes=nodes, whitening=whitening)
+
+    def leave_out(self, whole: "Problem", valid: NDArray[np.bool_]) -> None:
+        """Become `whole` without the taxels that are not `valid` (L,), in place."""
+        heard = np.zeros(self.rows.shape[1], self.rows.dtype)
+        heard[: len(valid)] = valid
+        np.multiply(whole.rows, heard, out=self.rows)
+        np.einsum("kl,kl->k", self.rows, self.rows, out=self.norms)
+        np.sqrt(self.norms, out=self.norms)
+        np.multiply(whole.whitening, valid, out=self.whitening)
+
+
+class Memory(NamedTuple):
+    """What lasts from reading to reading, and room to work in.
+
+    Attributes
+    ----------
+    taxels : (6 + W, W) array
+        Whitened readings, dual, prediction, slope of the dual value, step and scratch; then a
+        Cholesky factor.
+    nodes : (4, K) array
+        Amounts before they are cut at 0 and their change by a step, of the nodes that are searched;
+        products of all rows; amounts of the best answer.
+    lists : (6, K or more) int array
+        Nodes that are searched, active, in the factor, pressed in the best answer; all nodes; room
+        for the clock, and counts.
+    measures : (9,) float64 array
+        Gap, objective, ns per work of a step, a pass and the way back; share that a step leaves
+        unsolved; what the paces come to in the mean.
+    """
+
+    taxels: NDArray[Any]
+    nodes: NDArray[Any]
+    lists: Ints
+    measures: Floats
+
+    @classmethod
+    def of(cls, nodes: int, width: int, kind: np.dtype[Any]) -> "Memory":
+        """Room for a problem; pages that are never written are never taken."""
+        lists = np.zeros((COUNTS + 1, max(nodes, COUNTED)), dtype=np.int64)
+        lists[ALL] = np.arange(lists.shape[1])
+        taxels, by_node = (
+            np.zeros((LOWER + width, width), kind),
+            np.zeros((AMOUNT + 1, nodes), kind),
+        )
+        return cls(taxels, by_node, lists, np.zeros(TYPICAL + 3))
