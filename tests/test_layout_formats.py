@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts import FORMATS
-from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.files.layouts.load import FORMATS, load_layout, save_layout
 from skinfield.skin import Patch, Skin, generators
 
 QUICK = settings(

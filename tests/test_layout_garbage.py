@@ -8,8 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError
-from skinfield.files.layouts import FORMATS
-from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.files.layouts.load import FORMATS, load_layout, save_layout
 from skinfield.skin import Skin, generators
 
 FUZZ = settings(

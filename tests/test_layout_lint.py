@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.files.layouts import lint
-from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.files.layouts.load import lint, load_layout, save_layout
 from skinfield.skin import Patch, generators
 from skinfield.skin.geometry import facing_from_positions
 

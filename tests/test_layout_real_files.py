@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skinfield.files.layouts import format_of
-from skinfield.files.layouts.load import load_layout
+from skinfield.files.layouts.load import format_of, load_layout
 from skinfield.skin import generators
 
 ICUB = "icub-main-skin/app/skinGui/conf"

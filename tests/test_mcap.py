@@ -57,7 +57,7 @@ def test_the_newest_field_up_to_any_time_is_found(path):
     found = LiveRecording.open(path)
     assert (found.index.cycles, found.index.gaps) == (12, [])
     assert (found.index.first_ns, found.index.last_ns) == (START, START + 11_000)
-    newest = Newest(found, FIELDS, found.field_of)
+    newest = Newest(found, FIELDS)
     for number in (11, 0, 5, 4, 9, 3):
         assert newest.before(START + 1000 * number).number == number // 3 * 3
     assert newest.before(START - 1) is None
@@ -182,7 +182,7 @@ def read_all(path: Path) -> None:
         found = LiveRecording.open(path)
         for _ in (*found.cycles(), *found.events(), *found.timing(), *found.blocks()):
             pass
-        newest = Newest(found, FIELDS, found.field_of)
+        newest = Newest(found, FIELDS)
         for time_ns in (found.index.first_ns, found.index.last_ns, 1 << 62):
             newest.before(time_ns)
         assert len(list(found.fields())) <= len(found.index.places[FIELDS])

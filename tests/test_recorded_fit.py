@@ -63,22 +63,22 @@ def test_one_that_knows_of_nothing_is_a_head() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "why"),
+    "changes",
     [
-        ({"places": words(4, 1)}, "rising numbers below 5"),
-        ({"places": words(1, 5)}, "rising numbers below 5"),
-        ({"places": words(1, 1)}, "rising numbers below 5"),
-        ({"patches": np.array([(2, 7), (2, 8)], PATCH)}, "as many as its patches"),
-        ({"patches": np.array([(4, 7), (-1, 8)], PATCH)}, "as many as its patches"),
-        ({"sizes": FitSizes(5, 100, 1)}, "each with 1 at most"),
-        ({"sizes": FitSizes(5, 99, 8)}, "expected 4 below 99"),
-        ({"sizes": FitSizes(1 << 20, 100, 8)}, "expected 1 to"),
-        ({"sizes": FitSizes(5, 0, 8)}, "expected 1 to"),
-        ({"pressed": words(3, 2)}, "expected 5 below 100"),
+        {"places": words(4, 1)},
+        {"places": words(1, 5)},
+        {"places": words(1, 1)},
+        {"patches": np.array([(2, 7), (2, 8)], PATCH)},
+        {"patches": np.array([(4, 7), (-1, 8)], PATCH)},
+        {"sizes": FitSizes(5, 100, 1)},
+        {"sizes": FitSizes(5, 99, 8)},
+        {"sizes": FitSizes(1 << 20, 100, 8)},
+        {"sizes": FitSizes(5, 0, 8)},
+        {"pressed": words(3, 2)},
     ],
 )
-def test_parts_that_do_not_go_together_are_refused(changes: dict[str, Any], why: str) -> None:
-    with pytest.raises(InputError, match=why):
+def test_parts_that_do_not_go_together_are_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="expected one number of each kind"):
         ROWS.encode(record(**changes))
 
 
@@ -92,15 +92,15 @@ def test_bytes_that_do_not_go_together_are_refused() -> None:
     for at, kind, value, why in [
         (0, "<H", 2, "version 2, expected 1"),
         (2, "<H", 8, "head of 8 bytes"),
-        (4, "<I", 2, "rising numbers below 2"),
-        (24, "<I", 7, "below 7"),
-        (28, "<I", 1 << 30, "expected 1 to"),
+        (4, "<I", 2, "rising places"),
+        (24, "<I", 7, "rising places"),
+        (28, "<I", 1 << 30, "rising places"),
         (32, "<I", 1 << 31, "expected 42949"),
         (36, "<I", 11, "have \\(11, 32, 8\\) bytes"),
         (40, "<I", 2, "as its head says"),
         (52, "<I", 0xFFFFFFFF, "as its head says"),
-        (56, "<I", 9, "rising numbers"),
-        (72, "<i", 1, "as many as its patches"),
+        (56, "<I", 9, "rising places"),
+        (72, "<i", 1, "rising places"),
     ]:
         wrong = bytearray(data)
         struct.pack_into(kind, wrong, at, value)

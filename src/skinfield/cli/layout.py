@@ -73,7 +73,7 @@ def lint(text: LayoutWord, /, *, as_json: Json = False) -> int:
       skinfield layout lint torso.pcd
       skinfield layout lint right_foot.txt --json
     """
-    from skinfield.files.layouts import lint as lint_file
+    from skinfield.files.layouts.load import lint as lint_file
 
     findings = lint_file(text)
     finish(as_json, [asdict(each) for each in findings], lines=_finding_lines(text, findings))

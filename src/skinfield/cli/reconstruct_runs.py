@@ -87,7 +87,7 @@ class Sinks:
     def write(self, part: Part, grid: Any) -> None:
         """Take what some readings give."""
         for each in self.tables:
-            each.write_rows(part.rows, part.totals.readings)
+            each.write_rows(part.rows)
         if self.fields is not None and part.series is not None:
             self.fields.write_series(grid, part.series)
 

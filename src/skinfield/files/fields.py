@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.estimate import Estimate
-from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.files.pending import Closing, explained, pending
 from skinfield.skin import Grid
 
 Arrays = dict[str, NDArray[Any]]
@@ -52,15 +52,34 @@ def fixed_of(grid: Grid) -> Arrays:
 
 
 class FieldWriter(Closing):
-    """Writes the fields of estimates as they come; made by `open_fields`.
+    """File of the fields of estimates that is written as they come; see `write_fields`, too.
 
-    Arrays grow in files of their own; an NPZ file, which cannot grow, is made of them at the end.
+    Use it in a `with` block, or call `close`.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in `.npz`. It is compressed at the end, out of files beside it, so memory stays
+        bounded. It holds `stamp_ns` (T,), `pressure` (T, rows, columns) Pa and its `pressure_std`,
+        `displacement` (T, rows, columns, 3) m and `position` (rows, columns, 3) m, the fields in
+        single precision; and under the key `attributes` the units, as a JSON text.
+
+    Raises
+    ------
+    InputError
+        For another extension.
+    FileError
+        If the file cannot be made.
     """
 
-    def __init__(self, place: Pending) -> None:
-        self.place = place
-        self.grid: Grid | None = None
-        self._readings, self._open = 0, True
+    def __init__(self, path: str | Path) -> None:
+        if Path(path).suffix.lower() != ".npz":
+            raise InputError(
+                f"path is {str(path)!r}, expected a name that ends in .npz; a folder of results "
+                "(.skinfield) holds the fields of long runs"
+            )
+        self._place, self._open = pending(path), True
+        self._grid: Grid | None = None
         self._files: dict[str, IO[bytes]] = {}
 
     def write(self, estimate: Estimate) -> None:
@@ -79,13 +98,12 @@ class FieldWriter(Closing):
         """Add what `series_of` makes of an estimate, perhaps in another process."""
         if not len(series["stamp_ns"]):
             return
-        folder = self.place.target.parent
-        with explained(self.place.target):
-            if self.grid is None:
-                self.grid = grid
+        folder = self._place.target.parent
+        with explained(self._place.target):
+            if self._grid is None:
+                self._grid = grid
                 self._files = {name: TemporaryFile(dir=folder) for name in SERIES}  # noqa: SIM115
-            _check_grid(self.grid, grid)
-            self._readings += len(series["stamp_ns"])
+            _check_grid(self._grid, grid)
             for name, file in self._files.items():
                 file.write(np.ascontiguousarray(series[name], SERIES[name][0]).data)
 
@@ -94,78 +112,43 @@ class FieldWriter(Closing):
         if not self._open:
             return
         try:
-            if self.grid is None:
+            if self._grid is None:
                 raise InputError("no estimate was written, expected one or more: no grid is known")
-            with explained(self.place.target):
-                self._pack(self.grid)
-            self.place.commit()
-        except BaseException:
+            with explained(self._place.target):
+                self._pack(self._grid)
+            self._place.commit()
+        finally:
             self.discard()
-            raise
-        self._close()
 
     def discard(self) -> None:
         """Give up: what was written is removed."""
-        self._close()
-        self.place.discard()
-
-    def _pack(self, grid: Grid) -> None:
-        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
-        said = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
-        said |= {"cell_area_m2": grid.cell_area, "units": units}
-        with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
-            for name, file in self._files.items():
-                kind, axes, _, _ = SERIES[name]
-                shape = (self._readings, *_shape(axes, grid))
-                head = {"descr": np.dtype(kind).str, "fortran_order": False, "shape": shape}
-                file.seek(0)
-                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                    np.lib.format.write_array_header_1_0(member, head)
-                    copyfileobj(file, member, COPIED)
-            for name, values in (
-                *fixed_of(grid).items(),
-                ("attributes", np.array(json.dumps(said))),
-            ):
-                with archive.open(f"{name}.npy", "w") as member:
-                    np.lib.format.write_array(member, values, allow_pickle=False)
-
-    def _close(self) -> None:
         self._open = False
         for file in self._files.values():
             with suppress(OSError):  # a full disk refuses what is left: it goes anyway
                 file.close()
-        self._files.clear()
+        self._place.discard()
+
+    def _pack(self, grid: Grid) -> None:
+        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
+        facts = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
+        facts |= {"cell_area_m2": grid.cell_area, "units": units}
+        with ZipFile(self._place.part, "x", ZIP_DEFLATED) as archive:
+            for name, file in self._files.items():
+                kind, axes, _, _ = SERIES[name]
+                row = np.dtype((kind, _shape(axes, grid)))
+                shape = (file.tell() // row.itemsize, *row.shape)
+                head = {"descr": row.base.str, "fortran_order": False, "shape": shape}
+                file.seek(0)
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, head)
+                    copyfileobj(file, member, COPIED)
+            fixed = fixed_of(grid) | {"attributes": np.array(json.dumps(facts))}
+            for name, values in fixed.items():
+                with archive.open(f"{name}.npy", "w") as member:
+                    np.lib.format.write_array(member, values, allow_pickle=False)
 
 
-def open_fields(path: str | Path) -> FieldWriter:
-    """Start a file of fields.
-
-    Parameters
-    ----------
-    path : str or Path
-        Ends in `.npz`. It is compressed at the end, out of files beside it, so memory stays
-        bounded. It holds `stamp_ns` (T,), `pressure` (T, rows, columns) Pa and its `pressure_std`,
-        `displacement` (T, rows, columns, 3) m and `position` (rows, columns, 3) m, the fields in
-        single precision; and under the key `attributes` the units, as a JSON text.
-
-    Returns
-    -------
-    FieldWriter
-        Use it in a `with` block, or call `close`.
-
-    Raises
-    ------
-    InputError
-        For another extension.
-    FileError
-        If the file cannot be made.
-    """
-    if Path(path).suffix.lower() != ".npz":
-        raise InputError(
-            f"path is {str(path)!r}, expected a name that ends in .npz; a folder of results "
-            "(.skinfield) holds the fields of long runs"
-        )
-    return FieldWriter(pending(path))
+open_fields = FieldWriter
 
 
 def write_fields(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:

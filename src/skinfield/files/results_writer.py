@@ -128,13 +128,13 @@ def write_fields_at(path: Path, first: int, series: Arrays) -> None:
                 group[name][first : first + len(values)] = values
 
 
-def write_contacts_at(path: Path, first: int, rows: Sequence[Row], readings: int) -> None:
+def write_contacts_at(path: Path, first: int, rows: Sequence[Row]) -> None:
     """Write the table of contacts of readings from `first` on into a folder of results."""
     folder = path / CONTACTS
     with explained(path):
         folder.mkdir(exist_ok=True)
     with open_contacts(folder / f"{first:012d}.parquet") as writer:
-        writer.write_rows(rows, readings)
+        writer.write_rows(rows)
 
 
 def results_place(path: str | Path) -> Pending:

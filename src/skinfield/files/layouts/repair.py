@@ -138,19 +138,17 @@ def mend(content: Content) -> tuple[Skin, tuple[Finding, ...]]:
 def _check_size(draft: Draft) -> None:
     """Refuse arrays and numbers that no skin has, before anything is computed with them."""
     count = len(draft.rows)
-    table = {"position": draft.positions, "normal": draft.normals}
-    columns = {"module": draft.module, "uid": draft.uid, "channel": draft.channel}
-    for name, array in (*table.items(), *columns.items()):
+    for name in ("positions", "normals", "module", "uid", "channel"):
+        array = getattr(draft, name)
         if array is None:
             continue
-        shape = (count, 3) if name in table else (count,)
+        shape = (count, 3) if name in ("positions", "normals") else (count,)
         if array.shape != shape or not count:
             raise InputError(
                 f"{draft.name}: {name} has shape {array.shape}, expected {shape}, one row per taxel"
             )
-        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if name in table else np.zeros(0)
-        if len(wrong):
-            row, column = wrong[0].tolist()
+        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if array.ndim == 2 else ()
+        for row, column in wrong[:1]:
             raise InputError(
                 f"{draft.name}: {name} of row {draft.rows[row]} is {array[row, column]}, expected "
                 f"numbers below {LARGEST:g}"

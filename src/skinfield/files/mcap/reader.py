@@ -180,9 +180,8 @@ class LiveStream:
         self.notes, self.skipped = tuple(notes), len(recording.damage)
 
     def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
-        for _, at, message in self.recording.messages((BLOCKS,)):
-            if (logged := self.recording.logged_of(at, message)) is not None:
-                yield from rows.feed(logged.data)
+        for _, at, logged in self.recording.contents((BLOCKS,)):
+            yield from rows.feed(logged.data)
             if self.progress is not None:
                 self.progress(at, self.recording.outline.size)
         yield from rows.finish()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.live import LiveRecording, Logged
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
 
@@ -37,12 +37,12 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
     sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
     for topic, at, message in recording.messages():
         first, last = min(first, message.time_ns), max(last, message.time_ns)
-        if topic == BLOCKS:
-            blocks.add(at, message)
-        elif topic == CYCLES:
+        what = None
+        if topic in (BLOCKS, CYCLES):
             with suppress(FileError):  # its layout is damaged, which the message about cycles says
-                if (cycle := recording.cycle_of(at, message.data)) is not None:
-                    cycles.add(cycle)
+                what = recording.decoded(topic, at, message.data)
+        if what is not None:
+            (blocks if topic == BLOCKS else cycles).add(what)
         elif topic in sizes:
             its = sizes[topic]
             its["answers" if topic == FITS else "messages"] += 1
@@ -95,7 +95,6 @@ class _Blocks:
     """Bytes of the log, and scans of each patch."""
 
     def __init__(self, recording: LiveRecording) -> None:
-        self._recording = recording
         self.bytes = self.missing = 0
         self._end = -1
         self._scans: list[tuple[str, int, Scan]] = []
@@ -109,11 +108,8 @@ class _Blocks:
         except InputError:  # without layout or ports nobody knows whose counts they are
             self._scans = []
 
-    def add(self, at: int, message: Any) -> None:
+    def add(self, logged: Logged) -> None:
         """Count one message."""
-        logged = self._recording.logged_of(at, message)
-        if logged is None:
-            return
         if 0 <= self._end < logged.position:
             self.missing += logged.position - self._end
         self._end = logged.position + len(logged.data)

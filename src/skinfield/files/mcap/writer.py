@@ -28,67 +28,7 @@ channel, out of range. 5: int64, a source (its number stands for the channel) ca
 down (0). 6: int64, messages of a source that are known to be lost.
 Status bits: 1 no answer, 2 not connected, 4 out of range, 8 invalid.
 """
-_CYCLE = """\
-One cycle of the engine, little-endian:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 96
-4      4     flags (uint32): 2 late, 4 overrun, 8 first of a new engine process
-8      8     number (int64)
-16     8     due_ns (int64), monotonic clock
-24     8     wake_ns
-32     8     acquired_ns
-40     8     done_ns
-48     8     wall_ns, since the epoch
-56     8     position in the ring's log up to which blocks were applied (int64, bytes)
-64     8     0; in older files rows and columns (uint32 each) of int64 numbers behind the head
-72     4     contacts (uint32, as the following)
-76     4     bytes of a contact
-80     4     patches
-84     4     bytes of a patch
-88     8     0
-96           contacts, patches
-
-The fields of a contact and of a patch are in the channel's metadata as JSON.
-"""
-_MORE = "What these are is said in the schema of /skin/blocks.\n"
-_FIELD_HEAD = """\
-The head of a message of /skin/fields:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 40
-4      4     patches (uint32), P
-8      8     when the cycle began, ns since the epoch (int64)
-16     8     number of the cycle (int64)
-24     4     taxels (uint32, as the following), L
-28     4     nodes of the finest grid of a patch
-32     4     nodes with pressure in this message, M
-36     4     0
-40           sides of grids, how many nodes have pressure, nodes, pressures, counts, values, valid
-"""
-_FIT_HEAD = """\
-The head of a message of /skin/fit:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 56
-4      4     patches of the skin (uint32)
-8      8     when the fit published it, ns since the epoch (int64)
-16     8     number of the answer, counted by each fit from 1; 0: there is none any more (int64)
-24     4     nodes of the finest grid of a patch (uint32, as the following)
-28     4     contacts of a patch, at most
-32     4     patches in this message
-36     4     bytes of a patch
-40     4     contacts in this message
-44     4     bytes of a contact
-48     4     bytes of a form
-52     4     nodes with pressure in this message
-56           places, how many nodes have pressure, patches, contacts, forms, nodes, pressures
-
-The fields of a patch, a contact and a form are in the channel's metadata as JSON.
-"""
+_MORE = b"What these are is said in the schema of /skin/blocks.\n"
 
 
 def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
@@ -103,9 +43,9 @@ def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
 
 
 BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{schema.__doc__}\n{_BLOCKS}\n{_KINDS}".encode())
-CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
-FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
-FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
+CYCLE_SCHEMA, FIELD_SCHEMA, FIT_SCHEMA = (
+    (f"skinfield.{name}", TEXT, _MORE) for name in ("Cycle", "Field", "Fit")
+)
 TIMING_SCHEMA = _object(
     "skinfield.Timing", wall_ns="integer", cycles="integer", late="integer", wake_us="object",
     latency_us="object", counters="array",
@@ -206,7 +146,7 @@ class RecordingWriter:
         FileError
             If a chunk could not be written. Nothing is lost: it waits, see `flush`.
         """
-        self._add(self._blocks, time_ns, schema.POSITION.pack(position), data)
+        self._add(self._blocks, time_ns, schema.POSITION.pack(position) + data)
 
     def write_cycle(self, time_ns: int, record: Bytes) -> None:
         """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
@@ -286,14 +226,14 @@ class RecordingWriter:
         finally:
             self._output.close()
 
-    def _add(self, channel: int, time_ns: int, *parts: Bytes) -> None:
+    def _add(self, channel: int, time_ns: int, data: Bytes) -> None:
         if not self.open:
             raise InputError(f"{self.path} is closed, expected an open recording")
         check_count("time_ns", time_ns, 0, (1 << 63) - 1, "ns since the epoch")
         number = self._numbers[channel]
         self._numbers[channel] = number + 1
         try:
-            self.container.add_message(channel, number, time_ns, *parts)
+            self.container.add_message(channel, number, time_ns, data)
         except OSError as error:
             raise self._failure(error) from error
 

@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
-from skinfield.files.mcap.export import LiveExport, Rows
+from skinfield.files.mcap.export import LiveExport
+from skinfield.files.mcap.schema import Rows
 from skinfield.files.pending import explained, pending
 from skinfield.files.ros.kinds import TIME, RosbagKinds
 from skinfield.files.ros.messages import Outgoing, SkinMessages, of_contacts
