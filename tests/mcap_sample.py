@@ -5,7 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.schema import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
+from skinfield.files.mcap.schema import (
+    CYCLES,
+    FIELDS,
+    Cycle,
+    CycleFlag,
+    CycleLayout,
+    Enclosed,
+    FieldRecord,
+)
 
 CONTACT = np.dtype([("track", "<i8"), ("force", "<f8", (3,))])
 PATCH = np.dtype([("answer", "<i4"), ("rung", "<i4"), ("force", "<f8")])
@@ -48,9 +56,9 @@ def write(
     for number in range(cycles):
         cycle = cycle_of(number)
         writer.write_blocks(cycle.wall_ns, 48 * number, blocks_at(number))
-        writer.write_cycle(cycle.wall_ns, ROWS.encode(cycle))
+        writer.write(CYCLES, cycle.wall_ns, ROWS.encode(cycle))
         if number % flush_every == 0:
-            writer.write_field(cycle.wall_ns, field_of(number).encode())
+            writer.write(FIELDS, cycle.wall_ns, field_of(number).encode())
         if number % flush_every == flush_every - 1:
             writer.flush()
     writer.timing(START + 10**6, {"cycles": cycles, "wake_us": {"p50": 1.5, "max": float("nan")}})

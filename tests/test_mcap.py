@@ -223,14 +223,14 @@ def test_nothing_is_lost_while_a_disk_is_full(tmp_path):
     disk = FullDisk(path)
     writer = RecordingWriter(path, layout=ROWS, output=disk)
     disk.room = disk.end + 10
-    writer.write_cycle(START, ROWS.encode(cycle_of(0)))
+    writer.write(CYCLES, START, ROWS.encode(cycle_of(0)))
     for _ in range(3):
         with pytest.raises(FileError, match="No space left"):
             writer.flush()
-    writer.write_cycle(START, ROWS.encode(cycle_of(1)))
+    writer.write(CYCLES, START, ROWS.encode(cycle_of(1)))
     disk.room = 1 << 20
     writer.flush()
-    writer.write_cycle(START, ROWS.encode(cycle_of(2)))
+    writer.write(CYCLES, START, ROWS.encode(cycle_of(2)))
     writer.close()
     assert all(map(equal, LiveRecording.open(path).cycles(), map(cycle_of, range(3))))
     assert disk.refused == 3

@@ -90,7 +90,7 @@ def test_bytes_that_do_not_go_together_are_refused() -> None:
     with pytest.raises(InputError, match="expected 248 as its head"):
         ROWS.decode(data + b"1")
     for at, kind, value, why in [
-        (0, "<H", 2, "version 2, expected 1"),
+        (0, "<H", 2, "version 2 .* expected 1"),
         (2, "<H", 8, "head of 8 bytes"),
         (4, "<I", 2, "rising places"),
         (24, "<I", 7, "rising places"),

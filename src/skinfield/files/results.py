@@ -191,18 +191,15 @@ class Results:
 
     def _lazy(self, array: Any, precision: type[np.floating[Any]]) -> dict[str, Any]:
         """Fields that are computed: each by itself where one product answers, else all at once."""
-        linear, nodes = self.bulk(("pressure",)).is_linear, len(self.config.grid)
-        shape = (len(self), *self.config.grid.shape)
+        nodes, shape = len(self.config.grid), (len(self), *self.config.grid.shape)
+        linear = self.bulk(("pressure",)).is_linear
         lazy = {}
-        together = None if linear else self._table(array, tuple(OUTPUTS), precision)
-        at = 0
-        for name, numbers in OUTPUTS.items():
-            tail = (3,) if numbers == 3 else ()
-            if together is None:
-                table = self._table(array, (name,), precision)
-            else:
-                table, at = together[:, at : at + numbers * nodes], at + numbers * nodes
-            lazy[name] = table.reshape(*shape, *tail)
+        for names in [(name,) for name in OUTPUTS] if linear else [tuple(OUTPUTS)]:
+            table, at = self._table(array, names, precision), 0
+            for name in names:
+                width, tail = nodes * OUTPUTS[name], (3,) if OUTPUTS[name] == 3 else ()
+                lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
+                at += width
         return lazy
 
     def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:

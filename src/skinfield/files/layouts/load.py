@@ -1,8 +1,9 @@
 """Layouts: files of taxel positions in the formats of others, read, repaired and written.
 
 A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)``, whether the bytes look like
-it, and ``parse(path)``, the `Content` that a file states; a further one is a file of its own and
-its name in `FORMATS`. skinfield's own are written, too.
+it, and ``parse(path)``, the `Content` that a file states; FileError names the line or key that
+cannot be used. A further one is a file of its own and its name in `FORMATS`. skinfield's own are
+written, too.
 """
 
 from dataclasses import replace

@@ -5,7 +5,7 @@ Everything comes in pieces and is written as it comes: memory does not grow with
 
 import json
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS, Cycle, FitRecord, Rows
-from skinfield.files.pending import Closing, explained, pending
+from skinfield.files.pending import Closing, write_bytes
 from skinfield.files.tables import Table, Values
 
 HELD = 4096  # cycles whose rows are written together
@@ -31,8 +31,8 @@ class LiveExport(Closing):
         """Add readings (T, L) of a patch, in the order of its taxels; NaN where there was none."""
 
     @abstractmethod
-    def add_rows(self, table: str, rows: Rows) -> None:
-        """Add rows of one of `Export.tables`."""
+    def add_rows(self, tables: Mapping[str, Rows]) -> None:
+        """Add rows of some of `Export.tables`; those of cycles come together."""
 
     @abstractmethod
     def add_happened(
@@ -74,7 +74,7 @@ class TableExport(LiveExport):
     def __init__(self, path: str | Path, export: "Export") -> None:
         path, source = Path(path), {"source": export.source}
         self._files: dict[str, Table] = {}
-        self._happened = pending(path.with_suffix(".events.json"))
+        self._happened, self._text = path.with_suffix(".events.json"), b""
         single = len(export.patches) == 1
         names = [
             f"uid_{uid}" if single else f"{patch.name}.{taxel}"
@@ -101,29 +101,30 @@ class TableExport(LiveExport):
         values[1 + first : 1 + last] = list(np.ascontiguousarray(counts.T.astype(np.float32)))
         self._files["counts"].add(values, len(stamp_ns))
 
-    def add_rows(self, table: str, rows: Rows) -> None:
+    def add_rows(self, tables: Mapping[str, Rows]) -> None:
         """See `LiveExport`."""
-        columns: list[Values] = []
-        for _, _, name, index in flat(rows.dtype):
-            field: Any = rows[name]
-            columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
-        self._files[table].add(columns, len(rows))
+        for table, rows in tables.items():
+            columns: list[Values] = []
+            for _, _, name, index in flat(rows.dtype):
+                field: Any = rows[name]
+                columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
+            if len(rows):
+                self._files[table].add(columns, len(rows))
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
     ) -> None:
         """See `LiveExport`."""
-        with explained(self._happened.target):
-            text = json.dumps({"timing": list(timing), "events": list(events)}, indent=1)
-            self._happened.part.write_text(text, encoding="utf-8")
+        happened = {"timing": list(timing), "events": list(events)}
+        self._text = json.dumps(happened, indent=1).encode()
 
     def close(self) -> None:
         """See `Closing`."""
         try:
             for file in self._files.values():
                 file.close()
-            if self._happened.part.exists():
-                self._happened.commit()
+            if self._text:
+                write_bytes(self._happened, self._text)
         except BaseException:
             self.discard()
             raise
@@ -132,7 +133,6 @@ class TableExport(LiveExport):
         """See `Closing`."""
         for file in self._files.values():
             file.discard()
-        self._happened.discard()
 
 
 class Export:
@@ -192,8 +192,7 @@ class Export:
         topics = (BLOCKS, CYCLES, FITS) if "fit_contacts" in self.tables else (BLOCKS, CYCLES)
         for topic, at, what in recording.contents(topics):
             if topic == FITS:
-                if len(rows := self._fit_contacts(what)):
-                    sink.add_rows("fit_contacts", rows)
+                sink.add_rows({"fit_contacts": self._fit_contacts(what)})
             elif topic == CYCLES:
                 self._held.append(what)
                 if len(self._held) >= HELD:
@@ -219,10 +218,9 @@ class Export:
                     bag.add_taxels(place, field.time_ns, parts[number])
 
     def _put_cycles(self, sink: LiveExport) -> None:
-        for table, rows in self._cycle_tables().items():
-            if len(rows):
-                sink.add_rows(table, rows)
-        self._held.clear()
+        if self._held:
+            sink.add_rows(self._cycle_tables())
+            self._held.clear()
 
     def _cycle_tables(self) -> dict[str, Rows]:
         """Rows of the tables of the cycles that are held."""
@@ -264,9 +262,10 @@ def _fit_rows(wall_ns: int, patches: Rows, contacts: Rows, forms: Rows) -> Rows:
     and of its form.
     """
     its = np.repeat(patches, patches["contacts"])
-    names = its.dtype.names or ()
-    of_patch = [name for name in ("cycle", "stamp_ns", "readings") if name in names]
-    head = {"wall_ns": np.full(len(its), wall_ns), **{name: its[name] for name in of_patch}}
+    head: dict[str, Ints] = {"wall_ns": np.full(len(its), wall_ns)}
+    for name in ("cycle", "stamp_ns", "readings"):
+        if name in (its.dtype.names or ()):
+            head[name] = its[name]
     return _side_by_side(head, contacts, forms)
 
 

@@ -65,6 +65,7 @@ CYCLE_HEAD = Struct("<HHI7q6IQ")
 FIELD_HEAD = Struct("<HHIqqIIII")
 FIT_HEAD = Struct("<HHIqqIIIIIIII")
 MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # whatever says more is damaged
+MOST_BYTES = 1 << 16  # of a row, likewise
 Rows = NDArray[np.void]
 Words = NDArray[np.uint32]
 Singles = NDArray[np.float32]
@@ -131,7 +132,7 @@ class RowLayout:
 
     def __post_init__(self) -> None:
         for name, rows in vars(self).items():
-            if not is_plain(rows):
+            if not _is_plain(rows):
                 raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
 
     def check(self, *rows: Rows) -> None:
@@ -169,7 +170,7 @@ class RowLayout:
         names = [each.name for each in fields(cls)]
         try:
             return cls(*(_dtype_of(metadata[name]) for name in names))
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
+        except (KeyError, TypeError, ValueError, ArithmeticError, RecursionError) as error:
             raise InputError(
                 f"the channel states {dict(metadata)!r:.200}, expected the fields of "
                 f"{', '.join(names)} as JSON: {error}"
@@ -224,24 +225,18 @@ class CycleLayout(RowLayout):
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:
-    """Of a channel's metadata; raises ValueError and TypeError for anything but plain fields."""
-    fields = []
-    for name, kind, *shape in json.loads(text):
-        if not isinstance(kind, str) or np.dtype(kind).kind not in "iuf" or len(shape) > 1:
-            raise ValueError(f"field {name!r} is {kind!r}, expected a plain number")
-        sizes = tuple(int(size) for size in shape[0]) if shape else ()
-        if any(not 0 < size <= 64 for size in sizes) or len(sizes) > 2:
-            raise ValueError(f"field {name!r} has shape {sizes}, expected a small one")
-        fields.append((str(name), kind, sizes))
-    return np.dtype(fields)
+    """Of a channel's metadata; raises ValueError, TypeError or ArithmeticError if it is none."""
+    return np.dtype(
+        [(str(name), str(kind), *map(tuple, shape)) for name, kind, *shape in json.loads(text)]
+    )
 
 
-def is_plain(rows: np.dtype[Any]) -> bool:
-    """Whether rows are structured, of plain numbers without gaps."""
+def _is_plain(rows: np.dtype[Any]) -> bool:
+    """Whether rows are structured, of some plain numbers without gaps."""
     return (
         rows.names is not None
         and all(name and rows[name].base.kind in "iuf" for name in rows.names)
-        and sum(rows[name].itemsize for name in rows.names) == rows.itemsize
+        and 0 < sum(rows[name].itemsize for name in rows.names) == rows.itemsize < MOST_BYTES
     )
 
 
@@ -250,15 +245,10 @@ def _head_of(what: str, head: Struct, data: bytes | memoryview) -> tuple[int, ..
     if len(data) < head.size:
         raise InputError(f"a {what}'s record has {len(data)} bytes, expected {head.size} or more")
     version, size, *numbers = head.unpack_from(data)
-    if version != VERSION:
+    if version != VERSION or size < head.size:
         raise InputError(
-            f"a {what}'s record is of version {version}, expected {VERSION}: it is damaged, or "
-            "of a newer program"
-        )
-    if size < head.size:
-        raise InputError(
-            f"a {what}'s record has a head of {size} bytes, expected {head.size} or more: it is "
-            "damaged"
+            f"a {what}'s record is of version {version} with a head of {size} bytes, expected "
+            f"{VERSION} and {head.size} or more: it is damaged, or of a newer program"
         )
     return (size, *numbers)
 
