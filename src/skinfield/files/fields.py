@@ -24,9 +24,7 @@ SERIES = {  # arrays with an axis of readings: type, axes after it, unit, meanin
     "pressure_std": ("f4", ("row", "column"), "Pa", "one standard deviation of the pressure"),
     "displacement": ("f4", ("row", "column", "axis"), "m", "of the surface, in the patch's frame"),
 }
-FIXED = {  # arrays that all readings share
-    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame")
-}
+POSITION = "f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"
 CHUNK_BYTES, MOST = 4 << 20, 512  # of all fields together; readings of a chunk
 COPIED = 1 << 20  # bytes at once, into an archive
 FORMAT = "skinfield fields 1"
@@ -44,11 +42,6 @@ def series_of(estimate: Estimate) -> Arrays:
         ),
         "displacement": estimate.displacement.reshape(*shape, 3).astype(np.float32),
     }
-
-
-def fixed_of(grid: Grid) -> Arrays:
-    """Arrays of `FIXED`."""
-    return {"position": grid.positions.reshape(*grid.shape, 3)}
 
 
 class FieldWriter(Closing):
@@ -103,7 +96,11 @@ class FieldWriter(Closing):
             if self._grid is None:
                 self._grid = grid
                 self._files = {name: TemporaryFile(dir=folder) for name in SERIES}  # noqa: SIM115
-            _check_grid(self._grid, grid)
+            if grid is not self._grid and not np.array_equal(grid.positions, self._grid.positions):
+                raise InputError(
+                    f"estimate is on a grid of {grid.shape} nodes, expected the {self._grid.shape} "
+                    "nodes of the first one: one file holds one grid"
+                )
             for name, file in self._files.items():
                 file.write(np.ascontiguousarray(series[name], SERIES[name][0]).data)
 
@@ -129,7 +126,7 @@ class FieldWriter(Closing):
         self._place.discard()
 
     def _pack(self, grid: Grid) -> None:
-        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
+        units = {name: spec[2] for name, spec in {**SERIES, "position": POSITION}.items()}
         facts = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
         facts |= {"cell_area_m2": grid.cell_area, "units": units}
         with ZipFile(self._place.part, "x", ZIP_DEFLATED) as archive:
@@ -142,8 +139,8 @@ class FieldWriter(Closing):
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, head)
                     copyfileobj(file, member, COPIED)
-            fixed = fixed_of(grid) | {"attributes": np.array(json.dumps(facts))}
-            for name, values in fixed.items():
+            places = grid.positions.reshape(*grid.shape, 3)
+            for name, values in (("position", places), ("attributes", np.array(json.dumps(facts)))):
                 with archive.open(f"{name}.npy", "w") as member:
                     np.lib.format.write_array(member, values, allow_pickle=False)
 
@@ -156,19 +153,6 @@ def write_fields(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> 
     with open_fields(path) as writer:
         for estimate in [estimates] if isinstance(estimates, Estimate) else estimates:
             writer.write(estimate)
-
-
-def _check_grid(first: Grid, other: Grid) -> None:
-    same = first is other or (
-        first.shape == other.shape
-        and first.pitch == other.pitch
-        and np.array_equal(first.positions, other.positions)
-    )
-    if not same:
-        raise InputError(
-            f"estimate is on a grid of {other.shape} nodes, expected the {first.shape} nodes of "
-            "the first one: one file holds one grid"
-        )
 
 
 def create_array(
@@ -205,9 +189,9 @@ def create_arrays(group: Any, grid: Grid, readings: int) -> None:
         if name != "stamp_ns":
             shape = _shape(spec[1], grid)
             create_array(group, name, spec, (readings, *shape), (count, *shape))
-    for name, values in fixed_of(grid).items():
-        create_array(group, name, FIXED[name], values.shape, values.shape)
-        group[name][...] = values
+    positions = grid.positions.reshape(*grid.shape, 3)
+    create_array(group, "position", POSITION, positions.shape, positions.shape)
+    group["position"][...] = positions
 
 
 def _shape(axes: tuple[str, ...], grid: Grid) -> tuple[int, ...]:

@@ -161,10 +161,7 @@ class Results:
             "reading", force, {"units": "N", "long_name": "sum of the pressure over the grid"},
         )  # fmt: skip
         size = self._chunk(4 * len(grid))
-        values = array.map_blocks(
-            partial(_chunk_of, self.values), chunks=(_chunks(count, size), (len(patch),)),
-            dtype=np.float64, meta=np.empty((0, 0)),
-        )  # fmt: skip
+        values = self._blocks(array, self.values, (size, len(patch)), np.float64)
         quantity = self.config.quantity
         said = {"units": quantity.unit, "long_name": f"{quantity.symbol} of the taxels"}
         variables["readings"] = (("reading", "taxel"), values, said)
@@ -206,10 +203,14 @@ class Results:
         width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
         size = self._chunk(width) if self.bulk(names, precision).is_linear else RUN
         load = partial(self.fields, names=names, precision=precision)
-        return array.map_blocks(
-            partial(_chunk_of, load), chunks=(_chunks(len(self), size), (width,)),
-            dtype=precision, meta=np.empty((0, 0), precision),
-        )  # fmt: skip
+        return self._blocks(array, load, (size, width), precision)
+
+    def _blocks(self, array: Any, load: Any, chunk: tuple[int, int], kind: Any) -> Any:
+        """Rows of all readings that are loaded in chunks, as an array of Dask."""
+        lengths = [min(chunk[0], len(self) - first) for first in range(0, len(self), chunk[0])]
+        chunks = tuple(lengths), chunk[1:]
+        meta = np.empty((0, 0), kind)
+        return array.map_blocks(partial(_chunk_of, load), chunks=chunks, dtype=kind, meta=meta)
 
     def _stored(self, array: Any) -> dict[str, Any]:
         """Fields as they are stored."""
@@ -371,11 +372,6 @@ def _checked(path: str | Path, arrays: Mapping[str, Any], name: str) -> Any:
             "expected all: cut short"
         )
     return array
-
-
-def _chunks(count: int, size: int) -> tuple[int, ...]:
-    """Lengths of the chunks of so many readings."""
-    return tuple(min(size, count - first) for first in range(0, count, size))
 
 
 def _lazy_packages() -> tuple[Any, Any]:

@@ -157,10 +157,9 @@ class Container:
         if isinstance(record, Metadata):
             entry = MetadataIndex(0, len(piece), record.name)
         elif isinstance(record, Attachment):
-            entry = AttachmentIndex(
-                0, len(piece), record.log_time, record.create_time, len(record.data), record.name,
-                record.media_type,
-            )  # fmt: skip
+            times = record.log_time, record.create_time
+            more = len(record.data), record.name, record.media_type
+            entry = AttachmentIndex(0, len(piece), *times, *more)
         self._seal()
         self._ready.append(Piece(piece, entry))
 

@@ -41,11 +41,13 @@ class LiveExport(Closing):
         """Add what was measured each second, and what happened."""
 
 
-def flat(rows: np.dtype[Any]) -> Iterator[tuple[str, np.dtype[Any], str, tuple[int, ...]]]:
-    """Columns of a table, where a field of n numbers becomes n: name, dtype, field and place."""
-    for field in rows.names or ():
-        for index in np.ndindex(rows[field].shape):
-            yield "_".join((field, *map(str, index))), rows[field].base, field, index
+def flat(rows: Rows) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Columns of a table by their names, where a field of n numbers becomes n."""
+    for field in rows.dtype.names or ():
+        values: Any = rows[field]
+        for index in np.ndindex(values.shape[1:]):
+            column = np.ascontiguousarray(values[(slice(None), *index)])
+            yield "_".join((field, *map(str, index))), column
 
 
 class TableExport(LiveExport):
@@ -88,7 +90,8 @@ class TableExport(LiveExport):
             self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
             for table, rows in export.tables.items():
                 beside = path.with_suffix(f".{table}{path.suffix}")
-                self._files[table] = Table(beside, [each[:2] for each in flat(rows)], source)
+                columns = [(name, values.dtype) for name, values in flat(rows)]
+                self._files[table] = Table(beside, columns, source)
         except BaseException:
             self.discard()
             raise
@@ -104,12 +107,8 @@ class TableExport(LiveExport):
     def add_rows(self, tables: Mapping[str, Rows]) -> None:
         """See `LiveExport`."""
         for table, rows in tables.items():
-            columns: list[Values] = []
-            for _, _, name, index in flat(rows.dtype):
-                field: Any = rows[name]
-                columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
             if len(rows):
-                self._files[table].add(columns, len(rows))
+                self._files[table].add([values for _, values in flat(rows)], len(rows))
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
@@ -151,8 +150,8 @@ class Export:
     patches : tuple of Patch
     units : tuple of str
         Of the patches' counts.
-    tables : dict of str to dtype
-        Fields of contacts, patch_cycles, cycles and, where there is a fit, fit_contacts.
+    tables : dict of str to rows
+        None yet of cycles, contacts, patch_cycles and, where there is a fit, fit_contacts.
     numbers : list of int
         Of the patches among all of the skin's.
     """
@@ -166,16 +165,14 @@ class Export:
         self.patches = tuple(patch for patch in skin if not names or patch.name in names)
         every = [patch.name for patch in skin]
         self.numbers = [every.index(patch.name) for patch in self.patches]
-        total = sum(port.channels for port in ports)
         its = [port_of(patch, ports) for patch in self.patches]
         self.units = tuple(port.unit for port in its)
         self._scans = [
-            Scan(patch.channel + port.first, total)
-            for patch, port in zip(self.patches, its, strict=True)
+            Scan(patch.channel + port.first) for patch, port in zip(self.patches, its, strict=True)
         ]
         self._held: list[Cycle] = []
         self._before: dict[int, bytes] = {}  # the fit's rows of patches, by their places
-        tables = self._cycle_tables()
+        self.tables = self._cycle_tables()
         try:
             fit = recording.fit_layout
         except FileError as error:  # the rest is whole
@@ -183,8 +180,7 @@ class Export:
             fit = None
         if fit is not None:
             none = (np.zeros(0, rows) for rows in (fit.patch, fit.contact, fit.form))
-            tables["fit_contacts"] = _fit_rows(0, *none)
-        self.tables = {name: rows.dtype for name, rows in tables.items()}
+            self.tables["fit_contacts"] = _fit_rows(0, *none)
 
     def into(self, sink: LiveExport) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""

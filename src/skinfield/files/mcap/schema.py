@@ -79,17 +79,8 @@ class CycleFlag(IntFlag):
     RESTARTED = 8  # the first of a new engine process
 
 
-@dataclass(frozen=True)
-class Enclosed:
-    """A small file within a recording.
-
-    Attributes
-    ----------
-    name : str
-        `LAYOUT`, `CONFIGURATION`, `DESCRIPTION`, or as `CALIBRATION` for a patch.
-    media_type : str
-    data : bytes
-    """
+class Enclosed(NamedTuple):
+    """A small file within a recording, with a name such as `LAYOUT`, and its media type."""
 
     name: str
     media_type: str
@@ -170,7 +161,7 @@ class RowLayout:
         names = [each.name for each in fields(cls)]
         try:
             return cls(*(_dtype_of(metadata[name]) for name in names))
-        except (KeyError, TypeError, ValueError, ArithmeticError, RecursionError) as error:
+        except Exception as error:  # NumPy has many for what is no type
             raise InputError(
                 f"the channel states {dict(metadata)!r:.200}, expected the fields of "
                 f"{', '.join(names)} as JSON: {error}"
@@ -225,7 +216,7 @@ class CycleLayout(RowLayout):
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:
-    """Of a channel's metadata; raises ValueError, TypeError or ArithmeticError if it is none."""
+    """Of a channel's metadata; raises whatever NumPy does if it is none."""
     return np.dtype(
         [(str(name), str(kind), *map(tuple, shape)) for name, kind, *shape in json.loads(text)]
     )

@@ -100,10 +100,9 @@ class _Blocks:
         self._rows: Counter[str] = Counter()
         try:
             ports = ports_of(recording)
-            total = sum(port.channels for port in ports)
             for patch in recording.skin:
-                channel = patch.channel + port_of(patch, ports).first
-                self._scans.append((patch.name, len(patch), Scan(channel, total)))
+                scan = Scan(patch.channel + port_of(patch, ports).first)
+                self._scans.append((patch.name, len(patch), scan))
         except InputError:  # without layout or ports nobody knows whose counts they are
             self._scans = []
 
