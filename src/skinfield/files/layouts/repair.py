@@ -166,10 +166,8 @@ class _Repair:
         """The patch that the draft stands for."""
         draft = self.draft
         positions = self._metres()
-        self._repeated_uids()
         distance = nearest_distance(positions)
-        self._repeated_places(positions)
-        self._lonely(distance)
+        self._taxels(positions, distance)
         return Patch(
             positions,
             self._pad(float(np.median(distance)) if np.isfinite(distance).all() else 0.0),
@@ -200,17 +198,15 @@ class _Repair:
         self._note("millimetres", "error", f"{why}; positions are divided by 1000")
         return positions / 1000.0
 
-    def _repeated_uids(self) -> None:
-        if self.draft.uid is None:
-            return
-        values, which, count = np.unique(self.draft.uid, return_inverse=True, return_counts=True)
+    def _taxels(self, positions: Floats, distance: Floats) -> None:
+        """Note taxels that share a uid or a place, and those far from all others."""
+        uid = np.arange(len(positions)) if self.draft.uid is None else self.draft.uid
+        values, which, count = np.unique(uid, return_inverse=True, return_counts=True)
         text = (
             f"uid {listed(values[count > 1].tolist())} stands on more than one taxel: a recording "
             "by uid cannot tell them apart; the taxels are kept and read the same column"
         )
         self._note("repeated-uids", "error", text, count[which] > 1)
-
-    def _repeated_places(self, positions: Floats) -> None:
         _, which, count = np.unique(
             positions.round(9), axis=0, return_inverse=True, return_counts=True
         )
@@ -221,8 +217,6 @@ class _Repair:
             "triangulation needs distinct places they count as one"
         )
         self._note("repeated-positions", "warning", text, repeated)
-
-    def _lonely(self, distance: Floats) -> None:
         if len(distance) < 3 or not np.isfinite(distance).all():
             return
         far = distance > 3.0 * np.median(distance)

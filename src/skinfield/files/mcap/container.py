@@ -158,8 +158,8 @@ class Container:
             entry = MetadataIndex(0, len(piece), record.name)
         elif isinstance(record, Attachment):
             times = record.log_time, record.create_time
-            more = len(record.data), record.name, record.media_type
-            entry = AttachmentIndex(0, len(piece), *times, *more)
+            size, name = len(record.data), record.name
+            entry = AttachmentIndex(0, len(piece), *times, size, name, record.media_type)
         self._seal()
         self._ready.append(Piece(piece, entry))
 
