@@ -15,7 +15,7 @@ from mcap.records import Attachment, Channel, Schema
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.files.mcap import schema
 from skinfield.files.mcap.container import Bytes, Container, FileOutput
-from skinfield.files.summary import plain_json
+from skinfield.files.pending import plain_json
 from skinfield.signal import Calibration
 from skinfield.signal.block import __doc__ as _BLOCKS
 from skinfield.skin import Skin
