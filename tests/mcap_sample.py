@@ -48,11 +48,8 @@ def write(
     path: Path, cycles: int = 12, flush_every: int = 3, close: bool = True
 ) -> RecordingWriter:
     """A cycle and 48 bytes of the log each; a chunk every `flush_every` cycles."""
-    writer = RecordingWriter(
-        path,
-        [Enclosed("configuration.json", "application/json", b'{"a": 1}')],
-        layout=ROWS,
-    )
+    enclosed = Enclosed("configuration.json", "application/json", b'{"a": 1}')
+    writer = RecordingWriter(path, [enclosed], layout=ROWS)
     for number in range(cycles):
         cycle = cycle_of(number)
         writer.write_blocks(cycle.wall_ns, 48 * number, blocks_at(number))

