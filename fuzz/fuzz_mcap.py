@@ -25,7 +25,7 @@ from skinfield.files.mcap.schema import (
     FieldRecord,
 )
 from skinfield.files.mcap.summary import summary_of
-from skinfield.files.recordings.stream import collected
+from skinfield.files.recordings.open import collected
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.record.recover import recover
 from skinfield.record.replay import is_sound, slot_of
@@ -76,7 +76,7 @@ def sample(finish: bool) -> bytes:
     container.put(Attachment(1, 1, "configuration.json", "application/json", PORTS))
     for number in range(2):
         block = struct.pack("<qIHBB8s", 10, 0, 8, 1, 0, bytes(range(8)))
-        container.add_message(1, number, 5, struct.pack("<q", 24 * number), block)
+        container.add_message(1, number, 5, struct.pack("<q", 24 * number) + block)
         head = (1, CYCLE_HEAD.size, 1, number, 1, 2, 3, 4, 5, 24 * number + 24, 1, 2, 1, 8, 1, 8, 0)
         container.add_message(2, number, 5, CYCLE_HEAD.pack(*head) + bytes(32))
         container.add_message(3, number, 5, b'{"kind": "dropped", "bytes": 3}')
@@ -150,11 +150,11 @@ def read(path: Path) -> None:
     assert all(begin <= end for begin, end in index.gaps)
     for number, _ in enumerate(found.outline.records):
         assert 0 <= index.record_before(number) < len(found.outline.records)
-    for topic, decode, known in (
-        (FIELDS, found.field_of, [each.number for each in found.fields()]),
-        (FITS, found.fit_of, [each.number for each in found.fits()]),
+    for topic, known in (
+        (FIELDS, [each.number for each in found.fields()]),
+        (FITS, [each.number for each in found.fits()]),
     ):
-        newest = Newest(found, topic, decode)
+        newest = Newest(found, topic)
         for place in index.places[topic]:
             record = newest.before(place.time_ns)
             assert record is None or record.number in known

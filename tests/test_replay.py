@@ -176,7 +176,7 @@ def test_rows_of_another_skin_are_left_out(tmp_path: Path) -> None:
             many["contacts"], other["rung"] = 9, 11_000
             for wrong in (told.patches[:0], many, other):
                 changed = replace(told, patches=wrong, contacts=told.contacts[:0])
-                writer.write_cycle(told.wall_ns, ROWS.encode(changed))
+                writer.write("/skin/cycles", told.wall_ns, ROWS.encode(changed))
 
     write(path, 20, beside=beside)
     found = Replay(path)
@@ -617,11 +617,11 @@ def test_numbers_that_cannot_be_shown_are_told_from_those_that_can() -> None:
 def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: str) -> None:
     def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
         if what == "damaged":
-            writer.write_fit(slot.recorded(number).wall_ns, bytes(56))
+            writer.write("/skin/fit", slot.recorded(number).wall_ns, bytes(56))
         elif number == 55:
             fake.tell(contact(), told_ns=0)
             data = LAYOUT.encode(replace(recorder_drain.record_of(fake.master, 1), time_ns=0))
-            writer.write_fit(1, data)
+            writer.write("/skin/fit", 1, data)
 
     fake = FakeFit(unique_name(), (PATCH.name, "leg"), NODES)
     path = tmp_path / "bad.mcap"

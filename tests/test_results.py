@@ -141,11 +141,11 @@ def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
     np.testing.assert_array_equal(open_results(path).stamp, np.arange(COUNT))
     writer = ResultsWriter(pending(path), ReconstructorConfig.of(made))
     writer.write(STAMPS, READINGS)
-    writer.discard()
+    writer.place.discard()
     writer = ResultsWriter(pending(path), ReconstructorConfig.of(made))
-    with pytest.raises(InputError, match="no reading was written"), writer:
-        pass
-    writer.discard()
+    with pytest.raises(InputError, match="no reading was written"):
+        writer.close()
+    writer.place.discard()
     assert [p.name for p in tmp_path.iterdir()] == ["run.skinfield"]
     save_results(path, made, READINGS[:9])  # replaces what was there
     assert open_results(path).sizes["reading"] == 9

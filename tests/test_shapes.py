@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from any_bytes import damaged
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
@@ -226,13 +227,7 @@ SEEDS = {
 def test_any_bytes_give_a_shape_or_a_clear_error(
     ending: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    good = SEEDS[ending]
-    if data.draw(st.booleans()):
-        start = data.draw(st.integers(0, len(good)))
-        end = data.draw(st.integers(start, len(good)))
-        content = good[:start] + data.draw(st.binary(max_size=40)) + good[end:]
-    else:
-        content = data.draw(st.binary(max_size=300))
+    content = data.draw(damaged(SEEDS[ending]) | st.binary(max_size=300))
     path = put(tmp_path_factory.getbasetemp() / f"fuzz{ending}", content)
     try:
         found = load(path)

@@ -74,7 +74,7 @@ def lint(text: LayoutWord, /, *, as_json: Json = False) -> int:
       skinfield layout lint torso.pcd
       skinfield layout lint right_foot.txt --json
     """
-    from skinfield.files.layouts import lint as lint_file
+    from skinfield.files.layouts.load import lint as lint_file
 
     skin_from_text(text)  # refuses what is no layout
     findings = lint_file(text) if Path(text).exists() else []  # of no generator

@@ -214,7 +214,7 @@ def _reconstruct_one(
         with report.progress("reconstructing", len(readings)) as step:
             for part in parts(results, readings, bool(fields)):
                 for each in tables:
-                    each.write_rows(part.rows, part.totals.readings)
+                    each.write_rows(part.rows)
                 if series is not None and part.series is not None:
                     series.write_series(results.config.grid, part.series)
                 totals.add(part.totals)

@@ -260,7 +260,7 @@ def window_job(part: str, token: str, first: int, last: int, fields: bool) -> di
         totals.add(each.totals)
         rows += each.rows
         at += each.totals.readings
-    write_contacts_at(Path(part), first, rows, last - first)
+    write_contacts_at(Path(part), first, rows)
     return asdict(totals)
 
 

@@ -180,7 +180,7 @@ def say(text: str) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON object on stdout; NaN and infinities become null."""
-    from skinfield.files.summary import plain_json
+    from skinfield.files.pending import plain_json
 
     say(json.dumps(plain_json(value, "result"), allow_nan=False))
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.estimate import Estimate
-from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.files.pending import Closing, explained, pending
 from skinfield.skin import Grid
 
 Arrays = dict[str, NDArray[Any]]
@@ -24,9 +24,7 @@ SERIES = {  # arrays with an axis of readings: type, axes after it, unit, meanin
     "pressure_std": ("f4", ("row", "column"), "Pa", "one standard deviation of the pressure"),
     "displacement": ("f4", ("row", "column", "axis"), "m", "of the surface, in the patch's frame"),
 }
-FIXED = {  # arrays that all readings share
-    "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame")
-}
+POSITION = "f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"
 CHUNK_BYTES, MOST = 4 << 20, 512  # of all fields together; readings of a chunk
 COPIED = 1 << 20  # bytes at once, into an archive
 FORMAT = "skinfield fields 1"
@@ -46,21 +44,35 @@ def series_of(estimate: Estimate) -> Arrays:
     }
 
 
-def fixed_of(grid: Grid) -> Arrays:
-    """Arrays of `FIXED`."""
-    return {"position": grid.positions.reshape(*grid.shape, 3)}
-
-
 class FieldWriter(Closing):
-    """Writes the fields of estimates as they come; made by `open_fields`.
+    """File of the fields of estimates that is written as they come; see `write_fields`, too.
 
-    Arrays grow in files of their own; an NPZ file, which cannot grow, is made of them at the end.
+    Use it in a `with` block, or call `close`.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in `.npz`. It is compressed at the end, out of files beside it, so memory stays
+        bounded. It holds `stamp_ns` (T,), `pressure` (T, rows, columns) Pa and its `pressure_std`,
+        `displacement` (T, rows, columns, 3) m and `position` (rows, columns, 3) m, the fields in
+        single precision; and under the key `attributes` the units, as a JSON text.
+
+    Raises
+    ------
+    InputError
+        For another extension.
+    FileError
+        If the file cannot be made.
     """
 
-    def __init__(self, place: Pending) -> None:
-        self.place = place
-        self.grid: Grid | None = None
-        self._readings, self._open = 0, True
+    def __init__(self, path: str | Path) -> None:
+        if Path(path).suffix.lower() != ".npz":
+            raise InputError(
+                f"path is {str(path)!r}, expected a name that ends in .npz; a folder of results "
+                "(.skinfield) holds the fields of long runs"
+            )
+        self._place, self._open = pending(path), True
+        self._grid: Grid | None = None
         self._files: dict[str, IO[bytes]] = {}
 
     def write(self, estimate: Estimate) -> None:
@@ -79,13 +91,16 @@ class FieldWriter(Closing):
         """Add what `series_of` makes of an estimate, perhaps in another process."""
         if not len(series["stamp_ns"]):
             return
-        folder = self.place.target.parent
-        with explained(self.place.target):
-            if self.grid is None:
-                self.grid = grid
+        folder = self._place.target.parent
+        with explained(self._place.target):
+            if self._grid is None:
+                self._grid = grid
                 self._files = {name: TemporaryFile(dir=folder) for name in SERIES}  # noqa: SIM115
-            _check_grid(self.grid, grid)
-            self._readings += len(series["stamp_ns"])
+            if grid is not self._grid and not np.array_equal(grid.positions, self._grid.positions):
+                raise InputError(
+                    f"estimate is on a grid of {grid.shape} nodes, expected the {self._grid.shape} "
+                    "nodes of the first one: one file holds one grid"
+                )
             for name, file in self._files.items():
                 file.write(np.ascontiguousarray(series[name], SERIES[name][0]).data)
 
@@ -94,78 +109,43 @@ class FieldWriter(Closing):
         if not self._open:
             return
         try:
-            if self.grid is None:
+            if self._grid is None:
                 raise InputError("no estimate was written, expected one or more: no grid is known")
-            with explained(self.place.target):
-                self._pack(self.grid)
-            self.place.commit()
-        except BaseException:
+            with explained(self._place.target):
+                self._pack(self._grid)
+            self._place.commit()
+        finally:
             self.discard()
-            raise
-        self._close()
 
     def discard(self) -> None:
         """Give up: what was written is removed."""
-        self._close()
-        self.place.discard()
-
-    def _pack(self, grid: Grid) -> None:
-        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
-        said = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
-        said |= {"cell_area_m2": grid.cell_area, "units": units}
-        with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
-            for name, file in self._files.items():
-                kind, axes, _, _ = SERIES[name]
-                shape = (self._readings, *_shape(axes, grid))
-                head = {"descr": np.dtype(kind).str, "fortran_order": False, "shape": shape}
-                file.seek(0)
-                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                    np.lib.format.write_array_header_1_0(member, head)
-                    copyfileobj(file, member, COPIED)
-            for name, values in (
-                *fixed_of(grid).items(),
-                ("attributes", np.array(json.dumps(said))),
-            ):
-                with archive.open(f"{name}.npy", "w") as member:
-                    np.lib.format.write_array(member, values, allow_pickle=False)
-
-    def _close(self) -> None:
         self._open = False
         for file in self._files.values():
             with suppress(OSError):  # a full disk refuses what is left: it goes anyway
                 file.close()
-        self._files.clear()
+        self._place.discard()
+
+    def _pack(self, grid: Grid) -> None:
+        units = {name: spec[2] for name, spec in {**SERIES, "position": POSITION}.items()}
+        facts = {"format": FORMAT, "patch": grid.patch.name, "pitch_m": grid.pitch}
+        facts |= {"cell_area_m2": grid.cell_area, "units": units}
+        with ZipFile(self._place.part, "x", ZIP_DEFLATED) as archive:
+            for name, file in self._files.items():
+                kind, axes, _, _ = SERIES[name]
+                row = np.dtype((kind, _shape(axes, grid)))
+                shape = (file.tell() // row.itemsize, *row.shape)
+                head = {"descr": row.base.str, "fortran_order": False, "shape": shape}
+                file.seek(0)
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, head)
+                    copyfileobj(file, member, COPIED)
+            places = grid.positions.reshape(*grid.shape, 3)
+            for name, values in (("position", places), ("attributes", np.array(json.dumps(facts)))):
+                with archive.open(f"{name}.npy", "w") as member:
+                    np.lib.format.write_array(member, values, allow_pickle=False)
 
 
-def open_fields(path: str | Path) -> FieldWriter:
-    """Start a file of fields.
-
-    Parameters
-    ----------
-    path : str or Path
-        Ends in `.npz`. It is compressed at the end, out of files beside it, so memory stays
-        bounded. It holds `stamp_ns` (T,), `pressure` (T, rows, columns) Pa and its `pressure_std`,
-        `displacement` (T, rows, columns, 3) m and `position` (rows, columns, 3) m, the fields in
-        single precision; and under the key `attributes` the units, as a JSON text.
-
-    Returns
-    -------
-    FieldWriter
-        Use it in a `with` block, or call `close`.
-
-    Raises
-    ------
-    InputError
-        For another extension.
-    FileError
-        If the file cannot be made.
-    """
-    if Path(path).suffix.lower() != ".npz":
-        raise InputError(
-            f"path is {str(path)!r}, expected a name that ends in .npz; a folder of results "
-            "(.skinfield) holds the fields of long runs"
-        )
-    return FieldWriter(pending(path))
+open_fields = FieldWriter
 
 
 def write_fields(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:
@@ -173,19 +153,6 @@ def write_fields(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> 
     with open_fields(path) as writer:
         for estimate in [estimates] if isinstance(estimates, Estimate) else estimates:
             writer.write(estimate)
-
-
-def _check_grid(first: Grid, other: Grid) -> None:
-    same = first is other or (
-        first.shape == other.shape
-        and first.pitch == other.pitch
-        and np.array_equal(first.positions, other.positions)
-    )
-    if not same:
-        raise InputError(
-            f"estimate is on a grid of {other.shape} nodes, expected the {first.shape} nodes of "
-            "the first one: one file holds one grid"
-        )
 
 
 def create_array(
@@ -222,9 +189,9 @@ def create_arrays(group: Any, grid: Grid, readings: int) -> None:
         if name != "stamp_ns":
             shape = _shape(spec[1], grid)
             create_array(group, name, spec, (readings, *shape), (count, *shape))
-    for name, values in fixed_of(grid).items():
-        create_array(group, name, FIXED[name], values.shape, values.shape)
-        group[name][...] = values
+    positions = grid.positions.reshape(*grid.shape, 3)
+    create_array(group, "position", POSITION, positions.shape, positions.shape)
+    group["position"][...] = positions
 
 
 def _shape(axes: tuple[str, ...], grid: Grid) -> tuple[int, ...]:

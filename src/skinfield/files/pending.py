@@ -1,6 +1,8 @@
 """Atomic writing of results: under another name and renamed at the end, so whole or not at all."""
 
 import io
+import json
+import math
 import os
 import secrets
 import shutil
@@ -14,7 +16,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from skinfield.errors import FileError
+from skinfield.errors import FileError, InputError
 
 
 class Closing(ABC):
@@ -131,3 +133,40 @@ def write_npz(path: str | Path, arrays: Mapping[str, Any]) -> None:
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, **arrays)
     write_bytes(path, buffer.getvalue())
+
+
+def write_summary(path: str | Path, summary: Mapping[str, Any]) -> None:
+    """Write numbers, texts, lists and arrays under their names; NaN and infinities become null.
+
+    Raises
+    ------
+    InputError
+        If a value is none of these.
+    FileError
+        If the file cannot be written.
+    """
+    text = json.dumps(plain_json(summary, "summary"), indent=2, ensure_ascii=False, allow_nan=False)
+    write_bytes(path, (text + "\n").encode())
+
+
+def plain_json(value: Any, name: str) -> Any:
+    """The value in types that JSON knows; NaN and infinities become None.
+
+    Raises
+    ------
+    InputError
+        If it is no number, text, list, array or mapping; `name` is what the error calls it.
+    """
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, np.ndarray | np.generic):
+        return plain_json(value.tolist(), name)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): plain_json(item, f"{name}[{key!r}]") for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_json(item, f"{name}[{k}]") for k, item in enumerate(value)]
+    raise InputError(f"{name} is {value!r}, expected a number, text, list, array or mapping")

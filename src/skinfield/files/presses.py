@@ -42,7 +42,7 @@ def save_press(press: Press, path: str | Path, patch: Patch | None = None) -> No
     """
     check_press_name(path)
     shape, plane = press.grid.shape, press.grid.plane
-    fields = {
+    fields: dict[str, Any] = {
         "x": plane.reshape(*shape, 2)[0, :, 0],
         "y": plane.reshape(*shape, 2)[:, 0, 1],
         "pressure": press.pressure.reshape(shape),
@@ -52,18 +52,8 @@ def save_press(press: Press, path: str | Path, patch: Patch | None = None) -> No
         "contact": press.contact.reshape(shape),
         "base_stress": base_stress_below_cells(press).reshape(shape),
     }
-    write_npz(path, {**fields, **_bodies(press), **({} if patch is None else _pads(press, patch))})
-
-
-def check_press_name(path: str | Path) -> None:
-    """Raise InputError unless a press can be written under this name."""
-    if Path(path).suffix.lower() != ".npz":
-        raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz")
-
-
-def _bodies(press: Press) -> dict[str, Any]:
     parts = parts_of(press)
-    return {
+    fields |= {
         "kind": np.array([body.kind for body in press.indenters]),
         "position": np.array([body.position for body in press.indenters]),
         "depth": press.approach,
@@ -78,14 +68,19 @@ def _bodies(press: Press) -> dict[str, Any]:
         "young_modulus": press.layer.young_modulus,
         "poisson_ratio": press.layer.poisson_ratio,
     }
+    if patch is not None:
+        places, diameter = patch.plane, patch.pad_diameter
+        fields |= {
+            "pad_position": places,
+            "pad_diameter": diameter,
+            "pad_stress": press.base_stress(places, diameter),
+            "pad_gap_change": press.gap_change(places, diameter),
+            "pad_capacitance": press.capacitance(places, diameter),
+        }
+    write_npz(path, fields)
 
 
-def _pads(press: Press, patch: Patch) -> dict[str, Any]:
-    places, diameter = patch.plane, patch.pad_diameter
-    return {
-        "pad_position": places,
-        "pad_diameter": diameter,
-        "pad_stress": press.base_stress(places, diameter),
-        "pad_gap_change": press.gap_change(places, diameter),
-        "pad_capacitance": press.capacitance(places, diameter),
-    }
+def check_press_name(path: str | Path) -> None:
+    """Raise InputError unless a press can be written under this name."""
+    if Path(path).suffix.lower() != ".npz":
+        raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz")

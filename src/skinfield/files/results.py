@@ -161,10 +161,7 @@ class Results:
             "reading", force, {"units": "N", "long_name": "sum of the pressure over the grid"},
         )  # fmt: skip
         size = self._chunk(4 * len(grid))
-        values = array.map_blocks(
-            partial(_chunk_of, self.values), chunks=(_chunks(count, size), (len(patch),)),
-            dtype=np.float64, meta=np.empty((0, 0)),
-        )  # fmt: skip
+        values = self._blocks(array, self.values, (size, len(patch)), np.float64)
         quantity = self.config.quantity
         said = {"units": quantity.unit, "long_name": f"{quantity.symbol} of the taxels"}
         variables["readings"] = (("reading", "taxel"), values, said)
@@ -191,28 +188,29 @@ class Results:
 
     def _lazy(self, array: Any, precision: type[np.floating[Any]]) -> dict[str, Any]:
         """Fields that are computed: each by itself where one product answers, else all at once."""
-        linear, nodes = self.bulk(("pressure",)).is_linear, len(self.config.grid)
-        shape = (len(self), *self.config.grid.shape)
+        nodes, shape = len(self.config.grid), (len(self), *self.config.grid.shape)
+        linear = self.bulk(("pressure",)).is_linear
         lazy = {}
-        together = None if linear else self._table(array, tuple(OUTPUTS), precision)
-        at = 0
-        for name, numbers in OUTPUTS.items():
-            tail = (3,) if numbers == 3 else ()
-            if together is None:
-                table = self._table(array, (name,), precision)
-            else:
-                table, at = together[:, at : at + numbers * nodes], at + numbers * nodes
-            lazy[name] = table.reshape(*shape, *tail)
+        for names in [(name,) for name in OUTPUTS] if linear else [tuple(OUTPUTS)]:
+            table, at = self._table(array, names, precision), 0
+            for name in names:
+                width, tail = nodes * OUTPUTS[name], (3,) if OUTPUTS[name] == 3 else ()
+                lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
+                at += width
         return lazy
 
     def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
         width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
         size = self._chunk(width) if self.bulk(names, precision).is_linear else RUN
         load = partial(self.fields, names=names, precision=precision)
-        return array.map_blocks(
-            partial(_chunk_of, load), chunks=(_chunks(len(self), size), (width,)),
-            dtype=precision, meta=np.empty((0, 0), precision),
-        )  # fmt: skip
+        return self._blocks(array, load, (size, width), precision)
+
+    def _blocks(self, array: Any, load: Any, chunk: tuple[int, int], kind: Any) -> Any:
+        """Rows of all readings that are loaded in chunks, as an array of Dask."""
+        lengths = [min(chunk[0], len(self) - first) for first in range(0, len(self), chunk[0])]
+        chunks = tuple(lengths), chunk[1:]
+        meta = np.empty((0, 0), kind)
+        return array.map_blocks(partial(_chunk_of, load), chunks=chunks, dtype=kind, meta=meta)
 
     def _stored(self, array: Any) -> dict[str, Any]:
         """Fields as they are stored."""
@@ -374,11 +372,6 @@ def _checked(path: str | Path, arrays: Mapping[str, Any], name: str) -> Any:
             "expected all: cut short"
         )
     return array
-
-
-def _chunks(count: int, size: int) -> tuple[int, ...]:
-    """Lengths of the chunks of so many readings."""
-    return tuple(min(size, count - first) for first in range(0, count, size))
 
 
 def _lazy_packages() -> tuple[Any, Any]:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.errors import Floats, InputError, check_shape
 from skinfield.estimate.contact_table import Row
 from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, load_zarr
-from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.tables import open_contacts
 from skinfield.reconstruct import Reconstructor
 from skinfield.reconstruct.serialisation import (
@@ -34,7 +34,7 @@ from skinfield.skin import Grid
 BLOCK = 4096  # readings of a chunk
 
 
-class ResultsWriter(Closing):
+class ResultsWriter:
     """Writes the readings of a recording as they come.
 
     Parameters
@@ -91,10 +91,6 @@ class ResultsWriter(Closing):
         with explained(self.place.target):
             self._group.update_attributes(attributes_from_results(self.config, notes, self.source))
 
-    def discard(self) -> None:
-        """Give up: what was written is removed."""
-        self.place.discard()
-
     def _flush(self, count: int) -> None:
         if not self._waiting:
             return
@@ -128,20 +124,13 @@ def write_fields_at(path: Path, first: int, series: Arrays) -> None:
                 group[name][first : first + len(values)] = values
 
 
-def write_contacts_at(path: Path, first: int, rows: Sequence[Row], readings: int) -> None:
+def write_contacts_at(path: Path, first: int, rows: Sequence[Row]) -> None:
     """Write the table of contacts of readings from `first` on into a folder of results."""
     folder = path / CONTACTS
     with explained(path):
         folder.mkdir(exist_ok=True)
     with open_contacts(folder / f"{first:012d}.parquet") as writer:
-        writer.write_rows(rows, readings)
-
-
-def results_place(path: str | Path) -> Pending:
-    """Place of a folder of results; raises as `pending`, and InputError for another extension."""
-    if Path(path).suffix.lower() != ".skinfield":
-        raise InputError(f"path is {str(path)!r}, expected a name that ends in .skinfield")
-    return pending(path)
+        writer.write_rows(rows)
 
 
 def save_results(
@@ -187,7 +176,9 @@ def save_results(
         raise InputError(f"stamp_ns holds {stamps.dtype}, expected whole nanoseconds")
     if int(stamps.max()) > np.iinfo(np.int64).max:
         raise InputError(f"stamp_ns reaches {stamps.max()}, expected nanoseconds below 2**63")
-    place = results_place(path)
+    if Path(path).suffix.lower() != ".skinfield":
+        raise InputError(f"path is {str(path)!r}, expected a name that ends in .skinfield")
+    place = pending(path)
     try:
         writer = ResultsWriter(place, ReconstructorConfig.of(reconstructor), source)
         writer.write(stamps.astype(np.int64), table)

@@ -6,7 +6,7 @@ from skinfield.files.archive_writer import save_recording, seconds
 from skinfield.files.layouts.load import save_layout
 from skinfield.files.pending import write_bytes, write_npz
 from skinfield.signal import save_calibration
-from skinfield.simulate.rig import LoadSeries, RigRun, Truth
+from skinfield.simulate.rig import LoadSeries, RigRun
 
 RECORDING, LOAD_CELL, TRUTH = "recording.npz", "load_cell.csv", "truth.npz"
 LAYOUT, CALIBRATION = "layout.toml", "calibration.toml"
@@ -23,7 +23,7 @@ def save_rig_run(run: RigRun, folder: str | Path) -> None:
     folder = Path(folder)
     save_recording(run.recording, folder / RECORDING)
     save_load_cell(run.load_cell, folder / LOAD_CELL)
-    save_truth(run.truth, folder / TRUTH)
+    write_npz(folder / TRUTH, run.truth.arrays())
     save_layout(run.scenario.patch, folder / LAYOUT)
     save_calibration(run.skin.calibration, folder / CALIBRATION)
 
@@ -38,8 +38,3 @@ def save_load_cell(series: LoadSeries, path: str | Path) -> None:
     for stamp, force in zip(series.stamp_ns.tolist(), series.force.tolist(), strict=True):
         lines.append(f"{seconds(stamp)},0.0,0.0,{0.0 - force!r}\n")
     write_bytes(path, "".join(lines).encode())
-
-
-def save_truth(truth: Truth, path: str | Path) -> None:
-    """Write a rig's truth as NPZ; `Truth` lists the keys."""
-    write_npz(path, truth.arrays())

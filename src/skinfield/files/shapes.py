@@ -185,21 +185,21 @@ def load_height_map(
     check_positive("pixel", pixel, "distance between pixels, in metres")
     path, content = _read(path, (PICTURE, *TABLES), "a height map")
     picture = path.suffix.lower() == PICTURE
-    if picture and relief is None:
+    if not picture:
+        if relief is not None or invert:
+            raise InputError(
+                f"relief or invert is given for {path.name}, expected neither: a table holds "
+                "heights in millimetres"
+            )
+        heights = _table(path, content) * 1e-3
+    elif relief is None:
         raise InputError(
             f"relief is missing for {path.name}, expected the height in metres from white, which "
             "touches first, to black"
         )
-    if not picture and (relief is not None or invert):
-        raise InputError(
-            f"relief or invert is given for {path.name}, expected neither: a table holds heights "
-            "in millimetres"
-        )
-    if picture and relief is not None:
+    else:
         check_positive("relief", relief, "height from white to black, in metres")
         heights = _picture(path, content, invert)[::-1] * relief
-    else:
-        heights = _table(path, content) * 1e-3
     try:
         return HeightMap(heights=heights, pixel=pixel)
     except InputError as error:

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -169,16 +168,32 @@ def _missing(values: Any) -> NDArray[np.bool_] | None:
     return np.isnan(values) if floats else None
 
 
-@dataclass
-class ContactWriter(Closing):
-    """Writes the contacts of estimates as they come; made by `open_contacts`.
+class ContactWriter(Table):
+    """Table of contacts that is written as they come, CSV or Parquet by the extension.
 
-    The file has its name once `close` was called.
+    Use it in a `with` block, or call `close`.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in `.csv` or `.parquet`. One row per contact and reading, and one row with `contact`
+        -1 and nothing in the contact's own columns for a reading without contact, so that every
+        reading is there: `table[table.contact >= 0]` are the contacts,
+        `table.drop_duplicates("reading")` the readings. Units stand in the names of the columns.
+
+    Raises
+    ------
+    InputError, FileError, SkinfieldError
+        As `Table`.
     """
 
-    table: Table
-    readings: int = 0
-    start_ns: int | None = None
+    def __init__(self, path: str | Path) -> None:
+        kinds = {
+            name: "i8" if name in WHOLE else "U" if name in WORDS else "f8" for name in COLUMNS
+        }
+        super().__init__(path, [(name, np.dtype(kind)) for name, kind in kinds.items()])
+        self._readings = 0
+        self._start_ns: int | None = None
 
     def write(self, estimate: Estimate) -> None:
         """Add the contacts of an estimate of one reading or of many.
@@ -191,53 +206,19 @@ class ContactWriter(Closing):
         count = len(estimate) if estimate.is_batch else 1
         if not count:
             return
-        if self.start_ns is None:
-            self.start_ns = int(np.ravel(estimate.stamp_ns)[0])
-        self.write_rows(rows_from_estimate(estimate, self.readings, self.start_ns), count)
+        if self._start_ns is None:
+            self._start_ns = int(np.ravel(estimate.stamp_ns)[0])
+        self.write_rows(rows_from_estimate(estimate, self._readings, self._start_ns))
+        self._readings += count
 
-    def write_rows(self, rows: Iterable[Row], readings: int) -> None:
+    def write_rows(self, rows: Iterable[Row]) -> None:
         """Add what `contact_table.rows_from_estimate` makes of some readings, maybe elsewhere."""
         found = list(rows)
         if found:
-            self.table.add(list(zip(*found, strict=True)), len(found))
-        self.readings += readings
-
-    def close(self) -> None:
-        """Give the file its name."""
-        self.table.close()
-
-    def discard(self) -> None:
-        """Give up: the unfinished file is removed."""
-        self.table.discard()
+            self.add(list(zip(*found, strict=True)), len(found))
 
 
-def open_contacts(path: str | Path) -> ContactWriter:
-    """Start a table of contacts, CSV or Parquet by the extension.
-
-    Parameters
-    ----------
-    path : str or Path
-        Ends in `.csv` or `.parquet`. One row per contact and reading, and one row with `contact`
-        -1 and nothing in the contact's own columns for a reading without contact, so that every
-        reading is there: `table[table.contact >= 0]` are the contacts,
-        `table.drop_duplicates("reading")` the readings. Units stand in the names of the columns.
-
-    Returns
-    -------
-    ContactWriter
-        Use it in a `with` block, or call `close`.
-
-    Raises
-    ------
-    InputError
-        For another extension.
-    FileError
-        If the file cannot be made.
-    SkinfieldError
-        If pyarrow is not installed and the table is to be Parquet.
-    """
-    kinds = {name: "i8" if name in WHOLE else "U" if name in WORDS else "f8" for name in COLUMNS}
-    return ContactWriter(Table(path, [(name, np.dtype(kind)) for name, kind in kinds.items()]))
+open_contacts = ContactWriter
 
 
 def write_contacts(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:

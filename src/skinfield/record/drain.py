@@ -16,7 +16,10 @@ from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.files.mcap import RecordingWriter, enclosures
 from skinfield.files.mcap.schema import (
     CONFIGURATION,
+    CYCLES,
+    FIELDS,
     FIT_HEAD,
+    FITS,
     TARE,
     CycleLayout,
     Enclosed,
@@ -261,8 +264,9 @@ class Drain:
             cycle = self._cycle.recorded(number)
             if cycle.log_position >= self._first:
                 data = self._layout.encode(cycle)
-                write = partial(RecordingWriter.write_cycle, time_ns=cycle.wall_ns, record=data)
-                self._queue.put(Item(cycle.wall_ns, len(data), write, cycle=True))
+                now = cycle.wall_ns
+                write = partial(RecordingWriter.write, topic=CYCLES, time_ns=now, data=data)
+                self._queue.put(Item(now, len(data), write, cycle=True))
                 self._state.cycles += 1
                 due = not 0 <= cycle.wall_ns - self._shown < self._every
                 if due and self._cycle.head[Head.FRESH]:
@@ -284,7 +288,7 @@ class Drain:
         taxels = slot.counts.copy(), slot.values.copy(), slot.valid.copy()
         sides = np.maximum(slot.patches["rung"], 0)
         data = FieldRecord.of(number, time_ns, sides, slot.pressure, taxels).encode()
-        write = partial(RecordingWriter.write_field, time_ns=time_ns, record=data)
+        write = partial(RecordingWriter.write, topic=FIELDS, time_ns=time_ns, data=data)
         self._queue.offer(Item(time_ns, len(data), write))
 
     def _take_settings(self, number: int) -> None:
@@ -411,7 +415,7 @@ class FitDrain:
         if said == self._before:
             return
         now = time.time_ns()
-        write = partial(RecordingWriter.write_fit, time_ns=now, record=data)
+        write = partial(RecordingWriter.write, topic=FITS, time_ns=now, data=data)
         if self._queue.offer(Item(now, len(data), write)):
             self._before = said
         else:

@@ -135,9 +135,8 @@ class Replay:
     def from_time(self, time_ns: int) -> Iterator[Moment]:
         """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
         first = self.index.record_before(time_ns)
-        for _, at, message in self.recording.messages((CYCLES,), first):
-            cycle = self.recording.cycle_of(at, message.data)
-            if cycle is None or cycle.wall_ns < time_ns or not self._fits(at, cycle):
+        for _, at, cycle in self.recording.contents((CYCLES,), first):
+            if cycle.wall_ns < time_ns or not self._fits(at, cycle):
                 continue
             self._show_field(self._fields.before(cycle.wall_ns))
             self._show(cycle)
@@ -181,11 +180,8 @@ class Replay:
         )  # fmt: skip
         return False
 
-    def _field_of(self, at: int, data: bytes) -> FieldRecord | None:
-        found, sizes = self.recording.field_of(at, data), self.sizes
-        if found is None:
-            return None
-        its = len(found.sides), len(found.counts), found.grid
+    def _field_of(self, at: int, found: FieldRecord) -> FieldRecord | None:
+        sizes, its = self.sizes, (len(found.sides), len(found.counts), found.grid)
         if its == (sizes.patches, sizes.taxels, sizes.nodes):
             return found
         self.recording.note(
@@ -307,9 +303,9 @@ class ReplayFit:
             self._recording.note(0, str(error))
             return None
 
-    def _slot_of(self, at: int, data: bytes) -> FitSlot | None:
-        record, sizes = self._recording.fit_of(at, data), self._sizes
-        if record is None or not len(record.places):
+    def _slot_of(self, at: int, record: FitRecord) -> FitSlot | None:
+        sizes = self._sizes
+        if not len(record.places):
             return None
         patches, nodes, _ = record.sizes
         if (patches, nodes) != (sizes.patches, sizes.nodes):

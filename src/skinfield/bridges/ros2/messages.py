@@ -18,7 +18,7 @@ from skinfield.files.ros.kinds import (
     WRENCH_STAMPED,
     Kinds,
 )
-from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages, of_contacts
+from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages
 from skinfield.files.ros.names import Topics
 from skinfield.loop import Answer
 from skinfield.loop.client import Live, NotRunning
@@ -227,7 +227,7 @@ class Speaker:
             elif what in WHATS:
                 told = fresh.tolist()
                 stamped = stamps.tolist()
-                yield from of_contacts(self.make, stamped, contacts, told, (what,), fitted)
+                yield from self.make.of_contacts(stamped, contacts, told, (what,), fitted)
 
     def of_status(self, status: Status, stamp_ns: int) -> Outgoing:
         """The health, at a time."""

@@ -59,13 +59,7 @@ class _File(msgspec.Struct):
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file: its skins in 3D or, without one, its maps.
-
-    Raises
-    ------
-    FileError
-        When it is not JSON, or a taxel has no id or place.
-    """
+    """Contents of a file: its skins in 3D or, without one, its maps."""
     try:
         tree = msgspec.json.decode(read_bytes(path), type=_File)
     except (msgspec.DecodeError, UnicodeError, RecursionError) as error:
@@ -93,10 +87,6 @@ def parse(path: Path) -> Content:
     return Content(path, name, tuple(_distinct_names(drafts)), tuple(findings))
 
 
-def _modules(uid: NDArray[np.uint64]) -> Ints:
-    return np.asarray(np.unique(uid >> np.uint64(4), return_inverse=True)[1], np.int64)
-
-
 def _draft(path: Path, body: _Body, name: str) -> tuple[Draft, list[Finding]]:
     taxels = body.taxels
     wrong = next((row for row, taxel in enumerate(taxels) if not 0 <= taxel.id < 2**64), None)
@@ -107,7 +97,13 @@ def _draft(path: Path, body: _Body, name: str) -> tuple[Draft, list[Finding]]:
     positions = np.array([[*taxel.x, 0.0][:3] for taxel in taxels])
     normals = np.array([taxel.n for taxel in taxels])
     cut = np.array([bool(taxel.cut) or taxel.type != "pressure" for taxel in taxels])
-    pose, link, findings = _pose(path, name, body.parent_frames or [])
+    frames, pose = body.parent_frames or [], None
+    findings: list[Finding] = []
+    if frames:
+        pose, findings = _pose(path, name, frames[0])
+    if len(frames) > 1:
+        text = f"{len(frames)} parent frames: the first is taken, the others are left out"
+        findings.append(Finding("parent-frames", "warning", text))
     rows, dropped = _pressure_rows(path, name, uid, cut)
     numbered = not uid[rows].any()
     if body.n_taxels not in (None, len(taxels)):
@@ -117,10 +113,10 @@ def _draft(path: Path, body: _Body, name: str) -> tuple[Draft, list[Finding]]:
         positions[rows],
         rows,
         normals[rows] if normals.any() else None,
-        module=None if numbered else _modules(uid[rows]),
+        module=None if numbered else np.unique(uid[rows] >> np.uint64(4), return_inverse=True)[1],
         uid=None if numbered else uid[rows],
         name=name,
-        link=link,
+        link=str(frames[0].name or "") if frames else "",
         link_from_patch=pose,
     )
     return draft, findings + dropped
@@ -155,16 +151,6 @@ def _pressure_rows(
     return np.flatnonzero(keep), findings
 
 
-def _pose(path: Path, name: str, frames: list[_Frame]) -> tuple[Floats | None, str, list[Finding]]:
-    if not frames:
-        return None, "", []
-    pose, findings = _pose_from_tf(path, f"tf_matrix of {name}", frames[0].tf_matrix)
-    if len(frames) > 1:
-        text = f"{len(frames)} parent frames: the first is taken, the others are left out"
-        findings.append(Finding("parent-frames", "warning", text))
-    return pose, str(frames[0].name or ""), findings
-
-
 def _distinct_names(drafts: list[Draft]) -> list[Draft]:
     names = [draft.name for draft in drafts]
     return [
@@ -173,7 +159,7 @@ def _distinct_names(drafts: list[Draft]) -> list[Draft]:
     ]
 
 
-def _pose_from_tf(path: Path, where: str, values: list[float]) -> tuple[Floats, list[Finding]]:
+def _pose(path: Path, name: str, frame: _Frame) -> tuple[Floats, list[Finding]]:
     """Homogeneous pose from 16 column-major numbers, with what had to be repaired.
 
     Raises
@@ -181,6 +167,7 @@ def _pose_from_tf(path: Path, where: str, values: list[float]) -> tuple[Floats, 
     FileError
         When they are no rigid motion.
     """
+    where, values = f"tf_matrix of {name}", frame.tf_matrix
     pose, findings = np.array(values).reshape(4, 4).T, []
     if np.abs(pose[3, :3]).max() > 1e-9 and np.abs(pose[:3, 3]).max() <= 1e-9:
         text = f"{where} is stored row by row, expected column by column; it is transposed"

@@ -27,13 +27,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file: one patch.
-
-    Raises
-    ------
-    FileError
-        When a taxel has no three lines of two numbers, with the line.
-    """
+    """Contents of a file: one patch."""
     lines = [(i, line.split()) for i, line in enumerate(read_lines(path), 1) if line.strip()]
     taxels: list[int] = []
     rows: list[list[float]] = []

@@ -29,13 +29,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file: one patch.
-
-    Raises
-    ------
-    FileError
-        When a row has no six numbers, with its line, or no taxel is left.
-    """
+    """Contents of a file: one patch."""
     lines = read_lines(path)
     heads = (i for i, line in enumerate(lines) if line.strip().lower().startswith("[calibration]"))
     start = next(heads, len(lines))

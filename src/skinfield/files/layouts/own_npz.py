@@ -26,13 +26,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file.
-
-    Raises
-    ------
-    FileError
-        When it is no archive, of another version, or an array is missing or of a wrong shape.
-    """
+    """Contents of a file."""
     try:
         with np.load(io.BytesIO(read_bytes(path)), allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}

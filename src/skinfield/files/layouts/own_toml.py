@@ -1,5 +1,6 @@
 """skinfield's own layout as text: TOML, to be read and edited by people."""
 
+import json
 import tomllib
 from decimal import Decimal
 from pathlib import Path
@@ -54,13 +55,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file.
-
-    Raises
-    ------
-    FileError
-        When it is not TOML, of another version, or a key cannot be used.
-    """
+    """Contents of a file."""
     try:
         table = tomllib.loads(read_bytes(path).decode("utf-8"), parse_float=Decimal)
     except (ValueError, RecursionError, ArithmeticError) as error:
@@ -138,9 +133,8 @@ def _decimal(value: float, shift: int) -> str:
 
 
 def _quoted(text: str) -> str:
-    escapes = {ord("\\"): "\\\\", ord('"'): '\\"'}
-    escapes |= {c: f"\\u{c:04X}" for c in (*range(32), 127)}
-    return '"' + text.encode("utf-8", "replace").decode().translate(escapes) + '"'
+    plain = text.encode("utf-8", "replace").decode()
+    return json.dumps(plain, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
 def _patch_text(patch: Patch) -> str:

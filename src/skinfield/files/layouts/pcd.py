@@ -30,13 +30,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file: one patch.
-
-    Raises
-    ------
-    FileError
-        When the header cannot be used or the points end early.
-    """
+    """Contents of a file: one patch."""
     columns = _columns(path, read_bytes(path))
     positions = np.column_stack([columns[name] for name in POINT])
     normals = None

@@ -138,19 +138,17 @@ def mend(content: Content) -> tuple[Skin, tuple[Finding, ...]]:
 def _check_size(draft: Draft) -> None:
     """Refuse arrays and numbers that no skin has, before anything is computed with them."""
     count = len(draft.rows)
-    table = {"position": draft.positions, "normal": draft.normals}
-    columns = {"module": draft.module, "uid": draft.uid, "channel": draft.channel}
-    for name, array in (*table.items(), *columns.items()):
+    for name in ("positions", "normals", "module", "uid", "channel"):
+        array = getattr(draft, name)
         if array is None:
             continue
-        shape = (count, 3) if name in table else (count,)
+        shape = (count, 3) if name in ("positions", "normals") else (count,)
         if array.shape != shape or not count:
             raise InputError(
                 f"{draft.name}: {name} has shape {array.shape}, expected {shape}, one row per taxel"
             )
-        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if name in table else np.zeros(0)
-        if len(wrong):
-            row, column = wrong[0].tolist()
+        wrong = np.argwhere(~(np.abs(array) < LARGEST)) if array.ndim == 2 else ()
+        for row, column in wrong[:1]:
             raise InputError(
                 f"{draft.name}: {name} of row {draft.rows[row]} is {array[row, column]}, expected "
                 f"numbers below {LARGEST:g}"
@@ -168,10 +166,8 @@ class _Repair:
         """The patch that the draft stands for."""
         draft = self.draft
         positions = self._metres()
-        self._repeated_uids()
         distance = nearest_distance(positions)
-        self._repeated_places(positions)
-        self._lonely(distance)
+        self._taxels(positions, distance)
         return Patch(
             positions,
             self._pad(float(np.median(distance)) if np.isfinite(distance).all() else 0.0),
@@ -188,9 +184,10 @@ class _Repair:
     def _note(
         self, code: str, severity: Severity, text: str, which: NDArray[np.bool_] | None = None
     ) -> None:
-        """Note a finding, of some of the taxels."""
+        """Note a finding, of some of the taxels; nothing if it is of none."""
         rows = () if which is None else tuple(self.draft.rows[which].tolist())
-        self.findings.append(Finding(code, severity, f"{self.draft.name}: {text}", rows))
+        if rows or which is None:
+            self.findings.append(Finding(code, severity, f"{self.draft.name}: {text}", rows))
 
     def _metres(self) -> Floats:
         """Positions; what can only be millimetres is divided, unless metres were stated."""
@@ -201,42 +198,34 @@ class _Repair:
         self._note("millimetres", "error", f"{why}; positions are divided by 1000")
         return positions / 1000.0
 
-    def _repeated_uids(self) -> None:
-        if self.draft.uid is None:
-            return
-        values, which, count = np.unique(self.draft.uid, return_inverse=True, return_counts=True)
-        if (count > 1).any():
-            text = (
-                f"uid {listed(values[count > 1].tolist())} stands on more than one taxel: a "
-                "recording by uid cannot tell them apart; the taxels are kept and read the same "
-                "column"
-            )
-            self._note("repeated-uids", "error", text, count[which] > 1)
-
-    def _repeated_places(self, positions: Floats) -> None:
+    def _taxels(self, positions: Floats, distance: Floats) -> None:
+        """Note taxels that share a uid or a place, and those far from all others."""
+        uid = np.arange(len(positions)) if self.draft.uid is None else self.draft.uid
+        values, which, count = np.unique(uid, return_inverse=True, return_counts=True)
+        text = (
+            f"uid {listed(values[count > 1].tolist())} stands on more than one taxel: a recording "
+            "by uid cannot tell them apart; the taxels are kept and read the same column"
+        )
+        self._note("repeated-uids", "error", text, count[which] > 1)
         _, which, count = np.unique(
             positions.round(9), axis=0, return_inverse=True, return_counts=True
         )
         repeated = count[which.reshape(-1)] > 1
-        if repeated.any():
-            text = (
-                f"{repeated.sum()} taxels stand on only {many(int((count > 1).sum()), 'place')}: "
-                "pads that were cut off, or a placeholder; they are kept as channels, and where a "
-                "triangulation needs distinct places they count as one"
-            )
-            self._note("repeated-positions", "warning", text, repeated)
-
-    def _lonely(self, distance: Floats) -> None:
+        text = (
+            f"{repeated.sum()} taxels stand on only {many(int((count > 1).sum()), 'place')}: pads "
+            "that were cut off, or a placeholder; they are kept as channels, and where a "
+            "triangulation needs distinct places they count as one"
+        )
+        self._note("repeated-positions", "warning", text, repeated)
         if len(distance) < 3 or not np.isfinite(distance).all():
             return
         far = distance > 3.0 * np.median(distance)
-        if far.any():
-            text = (
-                f"{many(int(far.sum()), 'taxel')} without a neighbour within three pitches "
-                f"(up to {distance.max() * 1e3:.1f} mm): a wrong position, or a lone taxel whose "
-                "surroundings cannot be seen; kept"
-            )
-            self._note("isolated-taxels", "warning", text, far)
+        text = (
+            f"{many(int(far.sum()), 'taxel')} without a neighbour within three pitches (up to "
+            f"{distance.max() * 1e3:.1f} mm): a wrong position, or a lone taxel whose surroundings "
+            "cannot be seen; kept"
+        )
+        self._note("isolated-taxels", "warning", text, far)
 
     def _pad(self, pitch: float) -> float:
         """Diameter of the pads, m; `pitch` 0 where there is one place only."""
@@ -267,12 +256,11 @@ class _Repair:
             return facing.normals
         length = np.linalg.norm(normals, axis=1)
         missing = ~(length > 1e-3)  # neither a direction nor a rounding of one
-        if missing.any():
-            text = (
-                f"{many(int(missing.sum()), 'taxel')} without a normal (zeros); it is taken from "
-                "the positions of the taxels around"
-            )
-            self._note("missing-normals", "warning", text, missing)
+        text = (
+            f"{many(int(missing.sum()), 'taxel')} without a normal (zeros); it is taken from the "
+            "positions of the taxels around"
+        )
+        self._note("missing-normals", "warning", text, missing)
         off = ~missing & (np.abs(length - 1.0) > 2e-3)
         if off.any():
             text = (

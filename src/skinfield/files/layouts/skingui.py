@@ -74,13 +74,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file: one patch, or two when some boards are drawn from behind.
-
-    Raises
-    ------
-    FileError
-        When a line cannot be read, or no triangle is left.
-    """
+    """Contents of a file: one patch, or two when some boards are drawn from behind."""
     lines = read_lines(path)
     first: dict[int, _Placed] = {}
     again, findings = [], []

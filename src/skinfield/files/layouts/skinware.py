@@ -34,13 +34,7 @@ def sniff(data: bytes) -> bool:
 
 
 def parse(path: Path) -> Content:
-    """Contents of a file; a patch for each link.
-
-    Raises
-    ------
-    FileError
-        When a number is missing or is none, with its line.
-    """
+    """Contents of a file; a patch for each link."""
     words = [(n, word) for n, line in enumerate(read_lines(path), 1) for word in line.split()]
     if len(words) < 2:
         raise spoilt(path, 1, words[0][1] if words else "", "the counts 'sensors neighbours'")

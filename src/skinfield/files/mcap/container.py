@@ -6,10 +6,8 @@ write that fails, and has the channels in the first chunk only; the records are 
 
 import os
 import zlib
-from array import array
 from collections import Counter, defaultdict, deque
 from pathlib import Path
-from struct import Struct
 from typing import Any, NamedTuple
 
 from mcap.data_stream import RecordBuilder
@@ -23,11 +21,12 @@ from mcap.records import (
     DataEnd,
     Footer,
     Header,
+    Message,
+    MessageIndex,
     Metadata,
     MetadataIndex,
     Schema,
     Statistics,
-    SummaryOffset,
 )
 
 from skinfield.errors import FileError, InputError
@@ -36,17 +35,6 @@ MAGIC = b"\x89MCAP0\r\n"
 LEVEL = 1  # of zstandard: the quickest, a third smaller for 8-bit counts and little for 16-bit ones
 CHUNK_BYTES = 1 << 19  # a chunk is closed when it has as many
 Bytes = bytes | bytearray | memoryview
-_FOOTER = Struct("<BQQQ")
-_MESSAGE = Struct("<BQHIQQ")
-_INDEX = Struct("<BQHI")
-SUMMARY = (  # groups of records, in their order in the file
-    Opcode.SCHEMA,
-    Opcode.CHANNEL,
-    Opcode.STATISTICS,
-    Opcode.CHUNK_INDEX,
-    Opcode.ATTACHMENT_INDEX,
-    Opcode.METADATA_INDEX,
-)
 
 
 def octets(record: Any) -> bytes:
@@ -114,62 +102,6 @@ class FileOutput:
         self._file.close()
 
 
-class OpenChunk:
-    """Messages that are not compressed yet.
-
-    Attributes
-    ----------
-    data : bytearray
-    """
-
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self._index: dict[int, array[int]] = defaultdict(lambda: array("Q"))
-        self._first_ns = self._last_ns = 0
-
-    def __len__(self) -> int:
-        return len(self.data)
-
-    def add(self, channel: int, sequence: int, time_ns: int, parts: tuple[Bytes, ...]) -> None:
-        """Append a message that consists of `parts`."""
-        if not self.data:
-            self._first_ns = self._last_ns = time_ns
-        self._first_ns, self._last_ns = min(self._first_ns, time_ns), max(self._last_ns, time_ns)
-        self._index[channel].extend((time_ns, len(self.data)))
-        size = 22 + sum(map(len, parts))
-        self.data += _MESSAGE.pack(
-            Opcode.MESSAGE, size, channel, sequence & 0xFFFFFFFF, time_ns, time_ns
-        )
-        for part in parts:
-            self.data += part
-
-    def sealed(self) -> "Piece":
-        """The chunk as bytes of the file with its index behind it."""
-        import zstandard
-
-        packed = zstandard.ZstdCompressor(level=LEVEL).compress(bytes(self.data))
-        times = {"message_start_time": self._first_ns, "message_end_time": self._last_ns}
-        size, crc = len(self.data), zlib.crc32(self.data)
-        chunk = octets(Chunk("zstd", packed, uncompressed_crc=crc, uncompressed_size=size, **times))
-        piece, offsets = bytearray(chunk), {}
-        for channel, pairs in self._index.items():
-            offsets[channel] = len(piece)
-            table = pairs.tobytes()  # of this machine, which is little-endian as the file is
-            piece += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(table), channel, len(table)) + table
-        entry = ChunkIndex(
-            chunk_length=len(chunk),
-            chunk_start_offset=0,
-            compression="zstd",
-            compressed_size=len(packed),
-            message_index_length=len(piece) - len(chunk),
-            message_index_offsets=offsets,
-            uncompressed_size=size,
-            **times,
-        )
-        counts = {channel: len(pairs) // 2 for channel, pairs in self._index.items()}
-        return Piece(bytes(piece), entry, counts)
-
-
 class Piece(NamedTuple):
     """Bytes to be written, their entry in the index as if they stood at byte 0, messages in them.
 
@@ -207,16 +139,16 @@ class Container:
         self._output = output
         self.messages: Counter[int] = Counter()
         self.first_ns = self.last_ns = 0
-        self._groups: dict[Opcode, bytearray] = defaultdict(bytearray)  # of the index
-        self._counts: Counter[Opcode] = Counter()
-        self._chunk = OpenChunk()
+        self._groups: dict[int, list[bytes]] = defaultdict(list)  # of the summary
+        self._records = RecordBuilder()  # of the open chunk
+        self._index: dict[int, list[tuple[int, int]]] = defaultdict(list)
         self._ready = deque([Piece(MAGIC + octets(Header(profile, library)))])
         self._crc = 0
 
     @property
     def waiting(self) -> int:
         """Bytes that are not in the file yet."""
-        return len(self._chunk) + sum(len(piece.data) for piece in self._ready)
+        return self._records.count + sum(len(piece.data) for piece in self._ready)
 
     def put(self, record: Schema | Channel | Metadata | Attachment) -> None:
         """Add a record; schemas and channels have their numbers."""
@@ -225,23 +157,24 @@ class Container:
         if isinstance(record, Metadata):
             entry = MetadataIndex(0, len(piece), record.name)
         elif isinstance(record, Attachment):
-            entry = AttachmentIndex(
-                0, len(piece), record.log_time, record.create_time, len(record.data), record.name,
-                record.media_type,
-            )  # fmt: skip
+            times = record.log_time, record.create_time
+            size, name = len(record.data), record.name
+            entry = AttachmentIndex(0, len(piece), *times, size, name, record.media_type)
         self._seal()
         self._ready.append(Piece(piece, entry))
 
-    def add_message(self, channel: int, sequence: int, time_ns: int, *parts: Bytes) -> None:
-        """Add a message that consists of `parts`.
+    def add_message(self, channel: int, sequence: int, time_ns: int, data: Bytes) -> None:
+        """Add a message.
 
         Raises
         ------
         OSError
             If a chunk became full and could not be written: it waits, see `flush`.
         """
-        self._chunk.add(channel, sequence, time_ns, parts)
-        if len(self._chunk) >= CHUNK_BYTES:
+        self._index[channel].append((time_ns, self._records.count))
+        message = Message(channel, time_ns, bytes(data), time_ns, sequence & 0xFFFFFFFF)
+        message.write(self._records)
+        if self._records.count >= CHUNK_BYTES:
             self.flush()
 
     def flush(self) -> None:
@@ -278,9 +211,35 @@ class Container:
         self._output.sync()
 
     def _seal(self) -> None:
-        if self._chunk:
-            self._ready.append(self._chunk.sealed())
-            self._chunk = OpenChunk()
+        """Close the chunk: it waits as bytes of the file, with its index behind it."""
+        import zstandard
+
+        if not self._index:
+            return
+        records, index = self._records, self._index
+        self._records, self._index = RecordBuilder(), defaultdict(list)
+        data: bytes = records.end()  # type: ignore[no-untyped-call]
+        packed = zstandard.ZstdCompressor(level=LEVEL).compress(data)
+        stamps = [stamp for entries in index.values() for stamp, _ in entries]
+        times = {"message_start_time": min(stamps), "message_end_time": max(stamps)}
+        size, crc = len(data), zlib.crc32(data)
+        chunk = octets(Chunk("zstd", packed, uncompressed_crc=crc, uncompressed_size=size, **times))
+        piece, offsets = bytearray(chunk), {}
+        for channel, entries in index.items():
+            offsets[channel] = len(piece)
+            piece += octets(MessageIndex(channel, entries))
+        entry = ChunkIndex(
+            chunk_length=len(chunk),
+            chunk_start_offset=0,
+            compression="zstd",
+            compressed_size=len(packed),
+            message_index_length=len(piece) - len(chunk),
+            message_index_offsets=offsets,
+            uncompressed_size=size,
+            **times,
+        )
+        counts = {channel: len(entries) for channel, entries in index.items()}
+        self._ready.append(Piece(bytes(piece), entry, counts))
 
     def _note(self, piece: Piece, start: int) -> None:
         """A piece is in the file, from byte `start` on."""
@@ -299,31 +258,25 @@ class Container:
         elif isinstance(entry, AttachmentIndex | MetadataIndex):
             entry.offset = start
         data = octets(entry)
-        self._groups[Opcode(data[0])] += data
-        self._counts[Opcode(data[0])] += 1
+        self._groups[data[0]].append(data)
 
     def _ending(self) -> bytes:
         """Everything after the data."""
+        count = {opcode: len(entries) for opcode, entries in self._groups.items()}
         statistics = Statistics(
-            attachment_count=self._counts[Opcode.ATTACHMENT_INDEX],
-            channel_count=self._counts[Opcode.CHANNEL],
+            attachment_count=count.get(Opcode.ATTACHMENT_INDEX, 0),
+            channel_count=count.get(Opcode.CHANNEL, 0),
             channel_message_counts=dict(self.messages),
-            chunk_count=self._counts[Opcode.CHUNK_INDEX],
+            chunk_count=count.get(Opcode.CHUNK_INDEX, 0),
             message_count=self.messages.total(),
             message_end_time=self.last_ns,
             message_start_time=self.first_ns,
-            metadata_count=self._counts[Opcode.METADATA_INDEX],
-            schema_count=self._counts[Opcode.SCHEMA],
+            metadata_count=count.get(Opcode.METADATA_INDEX, 0),
+            schema_count=count.get(Opcode.SCHEMA, 0),
         )
-        groups: dict[Opcode, Bytes] = {**self._groups, Opcode.STATISTICS: octets(statistics)}
+        groups = {**self._groups, Opcode.STATISTICS: [octets(statistics)]}
+        summary = b"".join(b"".join(groups[opcode]) for opcode in sorted(groups))
         data_end = octets(DataEnd(self._crc))
-        base = self._output.end + len(data_end)
-        body, offsets = bytearray(), bytearray()
-        for opcode in SUMMARY:
-            if group := groups.get(opcode):
-                offsets += octets(SummaryOffset(opcode, base + len(body), len(group)))
-                body += group
-        offset_start = base + len(body)
-        body += offsets
-        check = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, base, offset_start), zlib.crc32(body))
-        return data_end + bytes(body) + octets(Footer(base, offset_start, check)) + MAGIC
+        start = self._output.end + len(data_end)
+        check = zlib.crc32(octets(Footer(start, 0, 0))[:-4], zlib.crc32(summary))
+        return data_end + summary + octets(Footer(start, 0, check)) + MAGIC

@@ -5,23 +5,22 @@ Everything comes in pieces and is written as it comes: memory does not grow with
 
 import json
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, Ints
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
-from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
-from skinfield.files.pending import Closing, explained, pending
+from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS, Cycle, FitRecord, Rows
+from skinfield.files.pending import Closing, write_bytes
 from skinfield.files.tables import Table, Values
 
 HELD = 4096  # cycles whose rows are written together
 TIMES = ("flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns", "done_ns", "log_position")
-CYCLE = np.dtype([(name, "<i8") for name in ("cycle", *TIMES, "contacts")])
-Rows = NDArray[np.void]
 
 
 class LiveExport(Closing):
@@ -32,8 +31,8 @@ class LiveExport(Closing):
         """Add readings (T, L) of a patch, in the order of its taxels; NaN where there was none."""
 
     @abstractmethod
-    def add_rows(self, table: str, rows: Rows) -> None:
-        """Add rows of one of `Export.tables`."""
+    def add_rows(self, tables: Mapping[str, Rows]) -> None:
+        """Add rows of some of `Export.tables`; those of cycles come together."""
 
     @abstractmethod
     def add_happened(
@@ -42,11 +41,13 @@ class LiveExport(Closing):
         """Add what was measured each second, and what happened."""
 
 
-def flat(rows: np.dtype[Any]) -> Iterator[tuple[str, np.dtype[Any], str, tuple[int, ...]]]:
-    """Columns of a table, where a field of n numbers becomes n: name, dtype, field and place."""
-    for field in rows.names or ():
-        for index in np.ndindex(rows[field].shape):
-            yield "_".join((field, *map(str, index))), rows[field].base, field, index
+def flat(rows: Rows) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Columns of a table by their names, where a field of n numbers becomes n."""
+    for field in rows.dtype.names or ():
+        values: Any = rows[field]
+        for index in np.ndindex(values.shape[1:]):
+            column = np.ascontiguousarray(values[(slice(None), *index)])
+            yield "_".join((field, *map(str, index))), column
 
 
 class TableExport(LiveExport):
@@ -75,7 +76,7 @@ class TableExport(LiveExport):
     def __init__(self, path: str | Path, export: "Export") -> None:
         path, source = Path(path), {"source": export.source}
         self._files: dict[str, Table] = {}
-        self._happened = pending(path.with_suffix(".events.json"))
+        self._happened, self._text = path.with_suffix(".events.json"), b""
         single = len(export.patches) == 1
         names = [
             f"uid_{uid}" if single else f"{patch.name}.{taxel}"
@@ -89,7 +90,8 @@ class TableExport(LiveExport):
             self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
             for table, rows in export.tables.items():
                 beside = path.with_suffix(f".{table}{path.suffix}")
-                self._files[table] = Table(beside, [each[:2] for each in flat(rows)], source)
+                columns = [(name, values.dtype) for name, values in flat(rows)]
+                self._files[table] = Table(beside, columns, source)
         except BaseException:
             self.discard()
             raise
@@ -102,29 +104,26 @@ class TableExport(LiveExport):
         values[1 + first : 1 + last] = list(np.ascontiguousarray(counts.T.astype(np.float32)))
         self._files["counts"].add(values, len(stamp_ns))
 
-    def add_rows(self, table: str, rows: Rows) -> None:
+    def add_rows(self, tables: Mapping[str, Rows]) -> None:
         """See `LiveExport`."""
-        columns: list[Values] = []
-        for _, _, name, index in flat(rows.dtype):
-            field: Any = rows[name]
-            columns.append(np.ascontiguousarray(field[(slice(None), *index)]))
-        self._files[table].add(columns, len(rows))
+        for table, rows in tables.items():
+            if len(rows):
+                self._files[table].add([values for _, values in flat(rows)], len(rows))
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
     ) -> None:
         """See `LiveExport`."""
-        with explained(self._happened.target):
-            text = json.dumps({"timing": list(timing), "events": list(events)}, indent=1)
-            self._happened.part.write_text(text, encoding="utf-8")
+        happened = {"timing": list(timing), "events": list(events)}
+        self._text = json.dumps(happened, indent=1).encode()
 
     def close(self) -> None:
         """See `Closing`."""
         try:
             for file in self._files.values():
                 file.close()
-            if self._happened.part.exists():
-                self._happened.commit()
+            if self._text:
+                write_bytes(self._happened, self._text)
         except BaseException:
             self.discard()
             raise
@@ -133,7 +132,6 @@ class TableExport(LiveExport):
         """See `Closing`."""
         for file in self._files.values():
             file.discard()
-        self._happened.discard()
 
 
 class Export:
@@ -152,13 +150,13 @@ class Export:
     patches : tuple of Patch
     units : tuple of str
         Of the patches' counts.
-    tables : dict of str to dtype
-        Fields of contacts, patch_cycles, cycles and, where there is a fit, fit_contacts.
+    tables : dict of str to rows
+        None yet of cycles, contacts, patch_cycles and, where there is a fit, fit_contacts.
     numbers : list of int
         Of the patches among all of the skin's.
     """
 
-    def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
+    def __init__(self, recording: LiveRecording, names: tuple[str, ...]) -> None:
         ports, skin = ports_of(recording), recording.skin
         for name in names:
             skin[name]  # says which there are
@@ -167,40 +165,37 @@ class Export:
         self.patches = tuple(patch for patch in skin if not names or patch.name in names)
         every = [patch.name for patch in skin]
         self.numbers = [every.index(patch.name) for patch in self.patches]
-        total = sum(port.channels for port in ports)
         its = [port_of(patch, ports) for patch in self.patches]
         self.units = tuple(port.unit for port in its)
         self._scans = [
-            Scan(patch.channel + port.first, total)
-            for patch, port in zip(self.patches, its, strict=True)
+            Scan(patch.channel + port.first) for patch, port in zip(self.patches, its, strict=True)
         ]
-        layout = recording.cycle_layout
-        self.tables = {
-            "contacts": _with_cycle(layout.contact),
-            "patch_cycles": _with_cycle(layout.patch, "patch"),
-            "cycles": CYCLE,
-        }
-        self._fit = FitRows.of(recording)
-        if self._fit is not None:
-            self.tables["fit_contacts"] = self._fit.fields
-        self._held: list[Any] = []
+        self._held: list[Cycle] = []
+        self._before: dict[int, bytes] = {}  # the fit's rows of patches, by their places
+        self.tables = self._cycle_tables()
+        try:
+            fit = recording.fit_layout
+        except FileError as error:  # the rest is whole
+            recording.note(0, str(error))
+            fit = None
+        if fit is not None:
+            none = (np.zeros(0, rows) for rows in (fit.patch, fit.contact, fit.form))
+            self.tables["fit_contacts"] = _fit_rows(0, *none)
 
     def into(self, sink: LiveExport) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
-        recording, fit = self._recording, self._fit
-        for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
+        recording = self._recording
+        topics = (BLOCKS, CYCLES, FITS) if "fit_contacts" in self.tables else (BLOCKS, CYCLES)
+        for topic, at, what in recording.contents(topics):
             if topic == FITS:
-                if fit is not None and len(rows := fit.rows_of(at, message.data)):
-                    sink.add_rows("fit_contacts", rows)
+                sink.add_rows({"fit_contacts": self._fit_contacts(what)})
             elif topic == CYCLES:
-                cycle = recording.cycle_of(at, message.data)
-                if cycle is not None:
-                    self._held.append(cycle)
+                self._held.append(what)
                 if len(self._held) >= HELD:
                     self._put_cycles(sink)
-            elif (logged := recording.logged_of(at, message)) is not None:
+            else:
                 for patch, scan in enumerate(self._scans):
-                    for stamps, counts in scan.feed(logged.data):
+                    for stamps, counts in scan.feed(what.data):
                         sink.add_counts(patch, stamps, counts)
             yield at
         for patch, scan in enumerate(self._scans):
@@ -219,91 +214,70 @@ class Export:
                     bag.add_taxels(place, field.time_ns, parts[number])
 
     def _put_cycles(self, sink: LiveExport) -> None:
-        held, self._held = self._held, []
-        if not held:
-            return
-        sink.add_rows("cycles", _cycle_rows(held))
-        for table in ("contacts", "patch_cycles"):
-            rows = _rows_of(held, table, self.tables[table])
-            if len(rows):
-                sink.add_rows(table, rows)
+        if self._held:
+            sink.add_rows(self._cycle_tables())
+            self._held.clear()
 
+    def _cycle_tables(self) -> dict[str, Rows]:
+        """Rows of the tables of the cycles that are held."""
+        cycles, layout = self._held, self._recording.cycle_layout
+        heads = {"cycle": _ints([each.number for each in cycles])}
+        heads |= {name: _ints([getattr(each, name) for each in cycles]) for name in TIMES}
+        contacts, patches = (
+            np.concatenate([np.zeros(0, kind), *(getattr(each, part) for each in cycles)])
+            for part, kind in (("contacts", layout.contact), ("patches", layout.patch))
+        )
+        counts = _ints([len(each.contacts) for each in cycles])
+        places = [np.arange(len(each.patches)) for each in cycles]
+        of_contacts, of_patches = (
+            {name: np.repeat(heads[name], its) for name in ("cycle", "wall_ns")}
+            for its in (counts, _ints([len(each) for each in places]))
+        )
+        of_patches["patch"] = np.concatenate([_ints([]), *places])
+        return {
+            "cycles": _side_by_side({**heads, "contacts": counts}),
+            "contacts": _side_by_side(of_contacts, contacts),
+            "patch_cycles": _side_by_side(of_patches, patches),
+        }
 
-def _with_cycle(rows: "np.dtype[Any]", place: str = "") -> "np.dtype[Any]":
-    """The rows' fields behind the cycle's number and time, and the row's place if it is named."""
-    more = [(place, "<i8")] if place else []
-    return np.dtype([("cycle", "<i8"), ("wall_ns", "<i8"), *more, *rows.descr])
-
-
-def _cycle_rows(cycles: list[Any]) -> Any:
-    rows = np.zeros(len(cycles), CYCLE)
-    for row, each in zip(rows, cycles, strict=True):
-        row["cycle"], row["contacts"] = each.number, len(each.contacts)
-        for name in TIMES:
-            row[name] = getattr(each, name)
-    return rows
-
-
-def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
-    """Rows of all cycles, one after the other."""
-    parts = [each.contacts if table == "contacts" else each.patches for each in cycles]
-    counts = [len(part) for part in parts]
-    rows, joined = np.zeros(sum(counts), kind), np.concatenate(parts)
-    for name in joined.dtype.names or ():
-        rows[name] = joined[name]
-    rows["cycle"] = np.repeat([each.number for each in cycles], counts)
-    rows["wall_ns"] = np.repeat([each.wall_ns for each in cycles], counts)
-    if table == "patch_cycles":
-        rows["patch"] = np.concatenate([np.arange(count) for count in counts])
-    return rows
-
-
-class FitRows:
-    """From messages of a fit to rows of a table; made by `FitRows.of`.
-
-    A row is a contact: `wall_ns`, when the fit published it; of its patch's answer the engine's
-    `cycle`, `stamp_ns` of the newest reading in it and `readings`, how many it is the mean of; and
-    all fields of a contact and of its form.
-    """
-
-    def __init__(self, recording: Any, layout: Any) -> None:
-        self._recording = recording
-        taken, fields = {"wall_ns", "spare"}, [("wall_ns", np.dtype("<i8"))]
-        self._of: dict[str, list[str]] = {}
-        of_patch = ("cycle", "stamp_ns", "readings")
-        for part in ("patch", "contact", "form"):
-            rows = getattr(layout, part)
-            names = [name for name in rows.names if name in of_patch or part != "patch"]
-            self._of[part] = [name for name in names if name not in taken]
-            taken.update(names)
-            fields += [(name, rows[name]) for name in self._of[part]]
-        self.fields = np.dtype(fields)
-        self._before: dict[int, bytes] = {}
-
-    @classmethod
-    def of(cls, recording: Any) -> Self | None:
-        """Of a recording; None where it has no channel of fits, or none that can be read."""
-        try:
-            layout = recording.fit_layout
-        except FileError as error:  # the rest is whole
-            recording.note(0, str(error))
-            return None
-        return None if layout is None else cls(recording, layout)
-
-    def rows_of(self, at: int, data: bytes) -> Any:
-        """What a message at byte `at` says that was not said before."""
-        found = self._recording.fit_of(at, data)
-        if found is None:
-            return np.zeros(0, self.fields)
+    def _fit_contacts(self, found: FitRecord) -> Rows:
+        """What an answer of a fit says that was not said before."""
         now = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
         fresh = np.array([self._before.get(place) != row for place, row in now.items()], bool)
         self._before = now
-        counts = found.patches["contacts"]
-        new = np.repeat(fresh, counts)
-        rows = np.zeros(int(new.sum()), self.fields)
-        rows["wall_ns"] = found.time_ns
-        parts = np.repeat(found.patches, counts), found.contacts, found.forms
-        for names, its in zip(self._of.values(), parts, strict=True):
-            for name in names:
-                rows[name] = its[name][new]
-        return rows
+        new = np.repeat(fresh, found.patches["contacts"])
+        parts = found.patches[fresh], found.contacts[new], found.forms[new]
+        return _fit_rows(found.time_ns, *parts)
+
+
+def _fit_rows(wall_ns: int, patches: Rows, contacts: Rows, forms: Rows) -> Rows:
+    """Rows of contacts of a fit.
+
+    `wall_ns`, when the fit published it; of its patch's answer the engine's `cycle`, `stamp_ns` of
+    the newest reading in it and `readings`, how many it is the mean of; and all fields of a contact
+    and of its form.
+    """
+    its = np.repeat(patches, patches["contacts"])
+    head: dict[str, Ints] = {"wall_ns": np.full(len(its), wall_ns)}
+    for name in ("cycle", "stamp_ns", "readings"):
+        if name in (its.dtype.names or ()):
+            head[name] = its[name]
+    return _side_by_side(head, contacts, forms)
+
+
+def _ints(values: Sequence[int]) -> Ints:
+    return np.array(values, np.int64)
+
+
+def _side_by_side(*parts: dict[str, Ints] | Rows) -> Rows:
+    """Rows with the columns of all parts, of one name the first."""
+    columns: dict[str, NDArray[Any]] = {}
+    for part in parts:
+        for name in part if isinstance(part, dict) else part.dtype.names or ():
+            columns.setdefault(name, part[name])
+    columns.pop("spare", None)
+    kinds = [(name, values.dtype, values.shape[1:]) for name, values in columns.items()]
+    rows = np.zeros(len(next(iter(columns.values()))), kinds)
+    for name, values in columns.items():
+        rows[name] = values
+    return rows

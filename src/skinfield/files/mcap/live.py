@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from struct import Struct
 from tempfile import TemporaryDirectory
@@ -32,15 +32,20 @@ class Logged(NamedTuple):
     ----------
     position : int, bytes
         Of its first byte in the log.
-    time_ns : int, ns
-        When it was taken from the log, since the epoch.
     data : bytes
         Blocks, see `skinfield.signal.blocks_of`.
     """
 
     position: int
-    time_ns: int
     data: bytes
+
+    @classmethod
+    def of(cls, data: bytes) -> Self:
+        """Of a message; raises InputError if it is too short."""
+        if len(data) < schema.POSITION.size:
+            raise InputError(f"a message of {schema.BLOCKS} of {len(data)} bytes")
+        (position,) = schema.POSITION.unpack_from(data)
+        return cls(position, data[schema.POSITION.size :])
 
 
 @dataclass
@@ -107,7 +112,7 @@ class LiveRecording:
     @cached_property
     def skin(self) -> Skin:
         """Layout of the skin; raises FileError if none is enclosed or it is damaged."""
-        from skinfield.files.layouts import read_layout
+        from skinfield.files.layouts.load import read_layout
 
         return self._loaded(schema.LAYOUT, lambda path: read_layout(path)[0])
 
@@ -171,63 +176,56 @@ class LiveRecording:
 
     def blocks(self) -> Iterator[Logged]:
         """Runs of the ring's log, in order."""
-        for _, at, message in self.messages((schema.BLOCKS,)):
-            if (logged := self.logged_of(at, message)) is not None:
-                yield logged
+        return self._all(schema.BLOCKS)
 
     def cycles(self) -> Iterator[schema.Cycle]:
-        """Cycles of the engine, in order."""
-        return self._decoded(schema.CYCLES, self.cycle_of)
+        """Cycles of the engine, in order; raises as `cycle_layout`."""
+        return self._all(schema.CYCLES)
 
     def fields(self) -> Iterator[schema.FieldRecord]:
         """What some cycles read, and their pressure, in order."""
-        return self._decoded(schema.FIELDS, self.field_of)
+        return self._all(schema.FIELDS)
 
     def fits(self) -> Iterator[schema.FitRecord]:
         """Answers of the fit beside the engine, in order; raises as `fit_layout`."""
-        return self._decoded(schema.FITS, self.fit_of) if self.fit_layout is not None else iter(())
+        return self._all(schema.FITS)
 
     def timing(self) -> Iterator[dict[str, Any]]:
         """What was measured, second by second."""
-        return self._decoded(schema.TIMING, partial(self._noted, _object))
+        return self._all(schema.TIMING)
 
     def events(self) -> Iterator[dict[str, Any]]:
         """What happened: `wall_ns`, `kind`, `text` and more, by kind."""
-        return self._decoded(schema.EVENTS, partial(self._noted, _object))
+        return self._all(schema.EVENTS)
 
-    def logged_of(self, at: int, message: records.Message) -> Logged | None:
-        """Blocks of a message at byte `at`; None, and a note, if it is too short."""
-        if len(message.data) < schema.POSITION.size:
-            self.note(at, f"a message of {schema.BLOCKS} of {len(message.data)} bytes")
-            return None
-        (position,) = schema.POSITION.unpack_from(message.data)
-        return Logged(position, message.time_ns, message.data[schema.POSITION.size :])
+    def contents(
+        self, topics: Collection[str] = (), first: int = 0
+    ) -> Iterator[tuple[str, int, Any]]:
+        """Topic, byte in the file, and what a message there says; arguments as of `messages`."""
+        for topic, at, message in self.messages(topics, first):
+            if (what := self.decoded(topic, at, message.data)) is not None:
+                yield topic, at, what
 
-    def cycle_of(self, at: int, data: bytes) -> schema.Cycle | None:
-        """Cycle of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(self.cycle_layout.decode, at, data)
+    def decoded(self, topic: str, at: int, data: bytes) -> Any:
+        """What a message at byte `at` says, as the method of its topic has it.
 
-    def field_of(self, at: int, data: bytes) -> schema.FieldRecord | None:
-        """Field of a message at byte `at`; None, and a note, if it cannot be read."""
-        return self._noted(schema.FieldRecord.decode, at, data)
-
-    def fit_of(self, at: int, data: bytes) -> schema.FitRecord | None:
-        """Answer of a fit of a message at byte `at`; None, and a note, if it cannot be read."""
-        layout = self.fit_layout
-        assert layout is not None  # else there is no such channel
-        return self._noted(layout.decode, at, data)
-
-    def _noted(self, decode: Callable[[bytes], T], at: int, data: bytes) -> T | None:
+        None, and a note, if it cannot be read. Raises FileError if its rows are not stated.
+        """
+        decode: Callable[[bytes], Any] = Logged.of if topic == schema.BLOCKS else _object
+        if topic == schema.FIELDS:
+            decode = schema.FieldRecord.decode
+        elif topic == schema.CYCLES:
+            decode = self.cycle_layout.decode
+        elif topic == schema.FITS and self.fit_layout is not None:
+            decode = self.fit_layout.decode
         try:
             return decode(data)
         except InputError as error:
             self.note(at, str(error))
             return None
 
-    def _decoded(self, topic: str, decode: Callable[[int, bytes], T | None]) -> Iterator[T]:
-        for _, at, message in self.messages((topic,)):
-            if (found := decode(at, message.data)) is not None:
-                yield found
+    def _all(self, topic: str) -> Iterator[Any]:
+        return (what for _, _, what in self.contents((topic,)))
 
     @cached_property
     def index(self) -> "Index":
@@ -412,18 +410,21 @@ class Newest(Generic[T]):
     recording : LiveRecording
     topic : str
         `FIELDS` or `FITS`.
-    decode : function of byte in the file and message
-        None for what cannot be read.
+    show : function of byte in the file and what a message there says, optional
+        What is wanted of it; None of what cannot be used.
     """
 
     def __init__(
-        self, recording: LiveRecording, topic: str, decode: Callable[[int, bytes], T | None]
+        self,
+        recording: LiveRecording,
+        topic: str,
+        show: Callable[[int, Any], T | None] = lambda _, what: what,
     ) -> None:
-        self._recording, self._decode = recording, decode
+        self._recording, self._topic, self._show = recording, topic, show
         self._places = recording.index.places[topic]
         self._times = [each.time_ns for each in self._places]
         self._content: tuple[int, dict[int, bytes]] = (-1, {})  # the record that was read last
-        self._found: tuple[int, T | None] = (-1, None)
+        self._newest: tuple[int, T | None] = (-1, None)
 
     def before(self, time_ns: int) -> T | None:
         """Up to a time, ns since the epoch; None without one, or where it cannot be read.
@@ -436,18 +437,16 @@ class Newest(Generic[T]):
         place = bisect_right(self._times, time_ns) - 1
         if place < 0:
             return None
-        if place != self._found[0]:
-            where = self._places[place]
-            record = self._recording.outline.records[where.record]
-            data = self._entries(where.record).get(where.start, b"")
-            self._found = place, self._decode(record.start, data)
-        return self._found[1]
+        if place != self._newest[0]:
+            self._newest = place, self._at(self._places[place])
+        return self._newest[1]
 
-    def _entries(self, number: int) -> dict[int, bytes]:
-        """Messages of a record by their places in it."""
-        if number != self._content[0]:
-            recording = self._recording
+    def _at(self, place: Place) -> T | None:
+        recording, record = self._recording, self._recording.outline.records[place.record]
+        if place.record != self._content[0]:
             with records.open_file(recording.path) as file:
-                found = recording.messages_in(file, recording.outline.records[number])
-                self._content = number, {start: message.data for _, message, start in found}
-        return self._content[1]
+                found = recording.messages_in(file, record)
+                self._content = place.record, {start: each.data for _, each, start in found}
+        data = self._content[1].get(place.start, b"")
+        what = recording.decoded(self._topic, record.start, data)
+        return None if what is None else self._show(record.start, what)

@@ -6,7 +6,7 @@ NaN there: earlier counts are never repeated. What else such a file holds, `Live
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -42,13 +42,14 @@ def ports_of(recording: LiveRecording) -> tuple[PortOf, ...]:
         If the configuration does not state them.
     """
     stated = recording.configuration.get("ports")
-    ports, first = [], 0
+    ports: list[PortOf] = []
+    first = 0
     try:
         for name, channels, unit in stated or ():
             ports.append(PortOf(str(name), int(channels), str(unit), first))
             first += ports[-1].channels
-    except (TypeError, ValueError) as error:
-        raise FileError(f"{recording.path}: ports are {stated!r:.80}: {error}") from error
+    except (TypeError, ValueError):
+        ports = []
     good = all(port.channels > 0 and port.unit in UNITS for port in ports)
     if not ports or not good or first > MOST_CHANNELS:
         raise FileError(
@@ -67,7 +68,6 @@ def port_of(patch: Patch, ports: tuple[PortOf, ...]) -> PortOf:
     raise InputError(f"patch {patch.name!r} has no port, expected one of its name among {names}")
 
 
-@dataclass(eq=False)
 class Scan:
     """Rows of some channels.
 
@@ -75,19 +75,18 @@ class Scan:
     ----------
     channel : (K,) int array
         Among all ports; -1 for a column that never has a value.
-    channels : int
-        Of all ports together.
+
+    Attributes
+    ----------
+    words : int
+        Dropped, as they begin no block.
     """
 
-    channel: Ints
-    channels: int
-    words: int = field(default=0, init=False)  # dropped, as they begin no block
-
-    def __post_init__(self) -> None:
-        count = len(self.channel)
-        self._column = np.full(self.channels, -1, np.int64)
-        there = (self.channel >= 0) & (self.channel < self.channels)
-        self._column[self.channel[there]] = np.flatnonzero(there)
+    def __init__(self, channel: Ints) -> None:
+        self.words, count = 0, len(channel)
+        there = np.flatnonzero((channel >= 0) & (channel < MOST_CHANNELS))
+        self._column = np.full(int(channel[there].max(initial=-1)) + 1, -1, np.int64)
+        self._column[channel[there]] = there
         self._row = np.full(count, np.nan)
         self._fresh, self._status = np.zeros(count, np.uint8), np.zeros(count, np.uint8)
         self._newest = np.zeros(1, np.int64)
@@ -165,7 +164,7 @@ class LiveStream:
             If the file cannot be read any more, or holds no reading.
         """
         recording, path = self.recording, str(self.recording.path)
-        rows = Scan(self.channel, sum(port.channels for port in ports_of(recording)))
+        rows = Scan(self.channel)
         empty = True
         for stamps, counts in self._pieces(rows):
             empty = False
@@ -180,9 +179,8 @@ class LiveStream:
         self.notes, self.skipped = tuple(notes), len(recording.damage)
 
     def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
-        for _, at, message in self.recording.messages((BLOCKS,)):
-            if (logged := self.recording.logged_of(at, message)) is not None:
-                yield from rows.feed(logged.data)
+        for _, at, logged in self.recording.contents((BLOCKS,)):
+            yield from rows.feed(logged.data)
             if self.progress is not None:
                 self.progress(at, self.recording.outline.size)
         yield from rows.finish()

@@ -163,43 +163,33 @@ def outline_of(file: BinaryIO) -> Outline:
     """Walk from head to head; ends at the footer, at the end, or where a length cannot be."""
     size = file.seek(0, 2)
     outline, at = Outline(size), len(MAGIC)
-    while at < size:
+    part = outline.records
+    while at < size and outline.damage is None:
         file.seek(at)
         head = file.read(HEAD.size)
+        opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
+        end = at + HEAD.size + length
         if len(head) < HEAD.size:
             outline.damage = Damage(at, f"{len(head)} bytes of a record's head, the file is cut")
-            break
-        opcode, length = HEAD.unpack(head)
-        end = at + HEAD.size + length
-        if opcode == 0 or length > LARGEST:
+        elif opcode == 0 or length > LARGEST:
             outline.damage = Damage(at, f"no record begins here (opcode {opcode}, {length} bytes)")
-            break
-        if end > size:
+        elif end > size:
             kind = Op(opcode).name.lower() if opcode in set(Op) else f"record of kind {opcode}"
-            outline.damage = Damage(
-                at, f"{size - at} of {end - at} bytes of a {kind}, the file is cut"
-            )
-            break
-        outline.records.append(Record(at, opcode, end))
-        at = end
-        if opcode == Op.FOOTER:
-            break
-    _conclude(file, outline)
-    return outline
-
-
-def _conclude(file: BinaryIO, outline: Outline) -> None:
-    """Find the end of the data and whether the file was finished."""
-    kinds = [record.opcode for record in outline.records]
-    data = kinds.index(Op.DATA_END) if Op.DATA_END in kinds else len(kinds)
-    outline.end = outline.records[data - 1].end if data else len(MAGIC)
-    if kinds and kinds[-1] == Op.FOOTER and data < len(kinds):
-        last = outline.records[-1].end
-        file.seek(last)
+            why = f"{size - at} of {end - at} bytes of a {kind}, the file is cut"
+            outline.damage = Damage(at, why)
+        else:
+            part = outline.tail if opcode == Op.DATA_END else part
+            part.append(Record(at, opcode, end))
+            at = end
+            outline.end = end if part is outline.records else outline.end
+            if opcode == Op.FOOTER:
+                break
+    if outline.tail and outline.tail[-1].opcode == Op.FOOTER:
+        file.seek(at)
         outline.finished = file.read(len(MAGIC) + 1) == MAGIC
         if not outline.finished:
-            outline.damage = Damage(last, "the file does not end behind its footer as MCAP does")
-    outline.records, outline.tail = outline.records[:data], outline.records[data:]
+            outline.damage = Damage(at, "the file does not end behind its footer as MCAP does")
+    return outline
 
 
 def body_of(file: BinaryIO, record: Record) -> bytes:

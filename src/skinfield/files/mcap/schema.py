@@ -2,24 +2,37 @@
 
 Sinks write it and sources read it. All numbers are little-endian; stamps are ns.
 
-A message of `/skin/blocks` is 8 bytes, the position of what follows in the ring's log (int64,
-bytes since the ring was made), then blocks as `signal.block` describes them, unchanged.
+A message of `/skin/blocks` is 8 bytes, the position of what follows in the ring's log (int64, bytes
+since the ring was made), then blocks as `signal.block` describes them, unchanged.
 
-A message of `/skin/cycles` is one cycle of the engine: a head as `CYCLE_HEAD`, then contacts and
-patches, both rows of a layout that the channel's metadata states (`CycleLayout.metadata`).
+The others begin with a head of the version of this layout (1), its own bytes, and more; the letters
+are those of Python's struct.
 
-A message of `/skin/fields` is what a cycle read and answered beside that: a head as `FIELD_HEAD`,
-then of each patch the nodes along the sides of its grid and how many of its nodes have pressure
-(uint32 each), the nodes (uint32) and their pressure (float32, Pa) of one patch after the other, and
-of all taxels counts and values (float32), and whether they are valid (uint8). Some are written each
-second, of cycles with new readings: the newest one before any moment holds.
+A message of `/skin/cycles` is one cycle of the engine. Head `<HHI7q6IQ`: version, bytes of the
+head, flags (2 late, 4 overrun, 8 first of a new engine process); number, due_ns, wake_ns,
+acquired_ns, done_ns (all by the monotonic clock), wall_ns (since the epoch), bytes of the ring's
+log of which the blocks were applied; rows and columns of int64 numbers behind the head (0 but in
+older files), contacts, bytes of a contact, patches, bytes of a patch; 0. Then contacts and patches,
+both rows of a layout that the channel's metadata states, as JSON (`CycleLayout.metadata`).
+
+A message of `/skin/fields` is what a cycle read and answered beside that. Head `<HHIqqIIII`:
+version, bytes of the head, patches; when the cycle began, ns since the epoch; its number; taxels,
+nodes of the finest grid of a patch, nodes with pressure in this message, 0. Then of each patch the
+nodes along the sides of its grid and how many of its nodes have pressure (uint32 each), the nodes
+(uint32) and their pressure (float32, Pa) of one patch after the other, and of all taxels counts and
+values (float32), and whether they are valid (uint8). Some are written each second, of cycles with
+new readings: the newest one before any moment holds.
 
 A message of `/skin/fit` tells all that the fit beside the engine knew of the skin at one time, so
-that the newest one before any moment is enough. It has a head as `FIT_HEAD`, then of each patch of
-which it knows something the place in the skin and how many nodes have pressure (uint32 each), then
-rows of patches, contacts and forms of a layout that the channel's metadata states, then the nodes
-(uint32) and their pressure (float32, Pa) of one patch after the other. Patches that are not in it
-are left to the engine; a message without any ends what was before.
+that the newest one before any moment is enough. Head `<HHIqqIIIIIIII`: version, bytes of the head,
+patches of the skin; when the fit published it, ns since the epoch; number of the answer, which each
+fit counts from 1 (0: there is none any more); nodes of the finest grid of a patch, contacts of a
+patch at most, patches in this message, bytes of a patch, contacts in this message, bytes of a
+contact, bytes of a form, nodes with pressure in this message. Then of each patch of which it knows
+something the place in the skin and how many nodes have pressure (uint32 each), rows of patches,
+contacts and forms of a layout that the channel's metadata states, then the nodes (uint32) and their
+pressure (float32, Pa) of one patch after the other. Patches that are not in it are left to the
+engine; a message without any ends what was before.
 """
 
 import json
@@ -52,6 +65,7 @@ CYCLE_HEAD = Struct("<HHI7q6IQ")
 FIELD_HEAD = Struct("<HHIqqIIII")
 FIT_HEAD = Struct("<HHIqqIIIIIIII")
 MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # whatever says more is damaged
+MOST_BYTES = 1 << 16  # of a row, likewise
 Rows = NDArray[np.void]
 Words = NDArray[np.uint32]
 Singles = NDArray[np.float32]
@@ -65,17 +79,8 @@ class CycleFlag(IntFlag):
     RESTARTED = 8  # the first of a new engine process
 
 
-@dataclass(frozen=True)
-class Enclosed:
-    """A small file within a recording.
-
-    Attributes
-    ----------
-    name : str
-        `LAYOUT`, `CONFIGURATION`, `DESCRIPTION`, or as `CALIBRATION` for a patch.
-    media_type : str
-    data : bytes
-    """
+class Enclosed(NamedTuple):
+    """A small file within a recording, with a name such as `LAYOUT`, and its media type."""
 
     name: str
     media_type: str
@@ -118,7 +123,7 @@ class RowLayout:
 
     def __post_init__(self) -> None:
         for name, rows in vars(self).items():
-            if not is_plain(rows):
+            if not _is_plain(rows):
                 raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
 
     def check(self, *rows: Rows) -> None:
@@ -156,7 +161,7 @@ class RowLayout:
         names = [each.name for each in fields(cls)]
         try:
             return cls(*(_dtype_of(metadata[name]) for name in names))
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
+        except Exception as error:  # NumPy has many for what is no type
             raise InputError(
                 f"the channel states {dict(metadata)!r:.200}, expected the fields of "
                 f"{', '.join(names)} as JSON: {error}"
@@ -211,24 +216,18 @@ class CycleLayout(RowLayout):
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:
-    """Of a channel's metadata; raises ValueError and TypeError for anything but plain fields."""
-    fields = []
-    for name, kind, *shape in json.loads(text):
-        if not isinstance(kind, str) or np.dtype(kind).kind not in "iuf" or len(shape) > 1:
-            raise ValueError(f"field {name!r} is {kind!r}, expected a plain number")
-        sizes = tuple(int(size) for size in shape[0]) if shape else ()
-        if any(not 0 < size <= 64 for size in sizes) or len(sizes) > 2:
-            raise ValueError(f"field {name!r} has shape {sizes}, expected a small one")
-        fields.append((str(name), kind, sizes))
-    return np.dtype(fields)
+    """Of a channel's metadata; raises whatever NumPy does if it is none."""
+    return np.dtype(
+        [(str(name), str(kind), *map(tuple, shape)) for name, kind, *shape in json.loads(text)]
+    )
 
 
-def is_plain(rows: np.dtype[Any]) -> bool:
-    """Whether rows are structured, of plain numbers without gaps."""
+def _is_plain(rows: np.dtype[Any]) -> bool:
+    """Whether rows are structured, of some plain numbers without gaps."""
     return (
         rows.names is not None
         and all(name and rows[name].base.kind in "iuf" for name in rows.names)
-        and sum(rows[name].itemsize for name in rows.names) == rows.itemsize
+        and 0 < sum(rows[name].itemsize for name in rows.names) == rows.itemsize < MOST_BYTES
     )
 
 
@@ -237,15 +236,10 @@ def _head_of(what: str, head: Struct, data: bytes | memoryview) -> tuple[int, ..
     if len(data) < head.size:
         raise InputError(f"a {what}'s record has {len(data)} bytes, expected {head.size} or more")
     version, size, *numbers = head.unpack_from(data)
-    if version != VERSION:
+    if version != VERSION or size < head.size:
         raise InputError(
-            f"a {what}'s record is of version {version}, expected {VERSION}: it is damaged, or "
-            "of a newer program"
-        )
-    if size < head.size:
-        raise InputError(
-            f"a {what}'s record has a head of {size} bytes, expected {head.size} or more: it is "
-            "damaged"
+            f"a {what}'s record is of version {version} with a head of {size} bytes, expected "
+            f"{VERSION} and {head.size} or more: it is damaged, or of a newer program"
         )
     return (size, *numbers)
 
@@ -338,14 +332,12 @@ class FieldRecord:
 
     def encode(self) -> bytes:
         """Bytes of a record; `decode` gives the same back."""
-        head = FIELD_HEAD.pack(
-            VERSION, FIELD_HEAD.size, len(self.sides), self.time_ns, self.number,
-            len(self.counts), self.grid, len(self.nodes), 0,
-        )  # fmt: skip
-        words = (np.asarray(each, "<u4") for each in (self.sides, self.pressed, self.nodes))
-        singles = (np.asarray(each, "<f4") for each in (self.pressure, self.counts, self.values))
-        valid = np.asarray(self.valid, np.uint8)
-        return b"".join((head, *(each.tobytes() for each in (*words, *singles, valid))))
+        numbers = self.time_ns, self.number, len(self.counts), self.grid, len(self.nodes), 0
+        head = FIELD_HEAD.pack(VERSION, FIELD_HEAD.size, len(self.sides), *numbers)
+        parts = self.sides, self.pressed, self.nodes, self.pressure, self.counts, self.values
+        kinds = ("<u4",) * 3 + ("<f4",) * 3
+        rows = (np.asarray(part, kind) for part, kind in zip(parts, kinds, strict=True))
+        return b"".join((head, *(each.tobytes() for each in (*rows, self.valid))))
 
     @classmethod
     def decode(cls, data: bytes | memoryview) -> "FieldRecord":
@@ -503,25 +495,22 @@ def _check(record: FitRecord) -> None:
     """Raise InputError unless the parts of a record go together."""
     sizes, places, counts = record.sizes, record.places, record.patches["contacts"]
     limits = (MOST_PATCHES, MOST_NODES, MOST_ROWS)
-    rising = (np.diff(places.astype(np.int64)) > 0).all() and (places < sizes.patches).all()
-    there = len(record.contacts), len(record.forms)
     total, pressed = (int(each.sum(dtype=np.int64)) for each in (counts, record.pressed))
-    if any(not 0 < size <= most for size, most in zip(sizes, limits, strict=True)):
-        why = f"is of {tuple(sizes)} patches, nodes and contacts of each, expected 1 to {limits}"
-    elif not rising or not len(places) == len(record.patches) == len(record.pressed):
-        why = f"names patches {places[:8].tolist()}, expected rising numbers below {sizes.patches}"
-    elif ((counts < 0) | (counts > sizes.rows)).any() or there != (total, total):
-        why = (
-            f"has {there} contacts and forms, expected as many as its patches "
-            f"({counts[:8].tolist()}), each with {sizes.rows} at most"
-        )
-    elif (record.nodes >= sizes.nodes).any() or not (
-        len(record.nodes) == len(record.pressure) == pressed
+    lengths = {
+        "patches": (len(places), len(record.pressed), len(record.patches)),
+        "contacts": (total, len(record.contacts), len(record.forms)),
+        "nodes": (pressed, len(record.nodes), len(record.pressure)),
+    }
+    if not (
+        all(0 < size <= most for size, most in zip(sizes, limits, strict=True))
+        and all(len(set(each)) == 1 for each in lengths.values())
+        and (np.diff(places.astype(np.int64)) > 0).all()
+        and (places < sizes.patches).all()
+        and ((counts >= 0) & (counts <= sizes.rows)).all()
+        and (record.nodes < sizes.nodes).all()
     ):
-        why = (
-            f"has pressure on {len(record.nodes)} nodes, expected {pressed} below {sizes.nodes} "
-            "as its patches say"
+        raise InputError(
+            f"a fit's record has {lengths} of {tuple(sizes)} patches, nodes and contacts of each, "
+            f"expected one number of each kind, of sizes up to {limits}, and rising places: it is "
+            "damaged"
         )
-    else:
-        return
-    raise InputError(f"a fit's record {why}: it is damaged")

@@ -3,13 +3,12 @@
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
-from skinfield.files.mcap.live import LiveRecording
+from skinfield.errors import FileError, InputError, Ints
+from skinfield.files.mcap.live import LiveRecording, Logged
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
 
@@ -37,12 +36,12 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
     sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
     for topic, at, message in recording.messages():
         first, last = min(first, message.time_ns), max(last, message.time_ns)
-        if topic == BLOCKS:
-            blocks.add(at, message)
-        elif topic == CYCLES:
+        what = None
+        if topic in (BLOCKS, CYCLES):
             with suppress(FileError):  # its layout is damaged, which the message about cycles says
-                if (cycle := recording.cycle_of(at, message.data)) is not None:
-                    cycles.add(cycle)
+                what = recording.decoded(topic, at, message.data)
+        if what is not None:
+            (blocks if topic == BLOCKS else cycles).add(what)
         elif topic in sizes:
             its = sizes[topic]
             its["answers" if topic == FITS else "messages"] += 1
@@ -95,25 +94,20 @@ class _Blocks:
     """Bytes of the log, and scans of each patch."""
 
     def __init__(self, recording: LiveRecording) -> None:
-        self._recording = recording
         self.bytes = self.missing = 0
         self._end = -1
         self._scans: list[tuple[str, int, Scan]] = []
         self._rows: Counter[str] = Counter()
         try:
             ports = ports_of(recording)
-            total = sum(port.channels for port in ports)
             for patch in recording.skin:
-                channel = patch.channel + port_of(patch, ports).first
-                self._scans.append((patch.name, len(patch), Scan(channel, total)))
+                scan = Scan(patch.channel + port_of(patch, ports).first)
+                self._scans.append((patch.name, len(patch), scan))
         except InputError:  # without layout or ports nobody knows whose counts they are
             self._scans = []
 
-    def add(self, at: int, message: Any) -> None:
+    def add(self, logged: Logged) -> None:
         """Count one message."""
-        logged = self._recording.logged_of(at, message)
-        if logged is None:
-            return
         if 0 <= self._end < logged.position:
             self.missing += logged.position - self._end
         self._end = logged.position + len(logged.data)
@@ -130,54 +124,52 @@ class _Blocks:
             yield {"name": name, "taxels": taxels, "readings": count, "rate": rate}
 
 
-@dataclass
 class _Cycles:
     """Counts and times of the cycles."""
 
-    wake: list[int] = field(default_factory=list)
-    ready: list[int] = field(default_factory=list)
-    flags: Counter[CycleFlag] = field(default_factory=Counter)
-    contacts: Counter[int] = field(default_factory=Counter)  # cycles, by how many they have
-    first: int = 0
-    last: int = 0
-    tracks: set[int] = field(default_factory=set)
+    def __init__(self) -> None:
+        self._rows: list[tuple[int, int, int]] = []  # number, flags, contacts
+        self._times: list[tuple[int, int]] = []  # due to awake, awake to ready
+        self._tracks: set[int] = set()
 
     def add(self, cycle: Cycle) -> None:
         """Count one."""
-        self.last = cycle.number
-        self.first = self.first if self.contacts else cycle.number
-        self.contacts[len(cycle.contacts)] += 1
+        self._rows.append((cycle.number, int(cycle.flags), len(cycle.contacts)))
         rows = cycle.patches  # an engine that starts has other times than later
         if "answered_ns" not in (rows.dtype.names or ()) or rows["answered_ns"].any():
-            self.wake.append(cycle.wake_ns - cycle.due_ns)
-            self.ready.append(cycle.done_ns - cycle.wake_ns)
-        self.flags.update(flag for flag in CycleFlag if cycle.flags & flag)
+            self._times.append((cycle.wake_ns - cycle.due_ns, cycle.done_ns - cycle.wake_ns))
         if "track" in (cycle.contacts.dtype.names or ()):
-            self.tracks.update(cycle.contacts["track"].tolist())
+            self._tracks.update(cycle.contacts["track"].tolist())
 
     def summary(self, seconds: float) -> dict[str, Any]:
         """All of it."""
-        count = self.contacts.total()
-        expected = self.last - self.first + 1 if count else 0
+        count = len(self._rows)
+        numbers, flags, contacts = np.array(self._rows, np.int64).reshape(-1, 3).T
+        wake, ready = np.array(self._times, np.int64).reshape(-1, 2).T
+        expected = int(numbers[-1] - numbers[0]) + 1 if count else 0
+        late, overrun, restarts = (
+            int(np.count_nonzero(flags & flag))
+            for flag in (CycleFlag.LATE, CycleFlag.OVERRUN, CycleFlag.RESTARTED)
+        )
         return {
             "cycles": count,
             "cycles_missing": max(expected - count, 0),
             "cycle_rate": count / seconds if seconds > 0 else None,
-            "late": self.flags[CycleFlag.LATE],
-            "overrun": self.flags[CycleFlag.OVERRUN],
-            "restarts": self.flags[CycleFlag.RESTARTED],
-            "wake_us": _micros(self.wake),
-            "ready_us": _micros(self.ready),
+            "late": late,
+            "overrun": overrun,
+            "restarts": restarts,
+            "wake_us": _micros(wake),
+            "ready_us": _micros(ready),
             "contacts": {
-                "cycles": count - self.contacts[0],
-                "most_at_once": max(self.contacts, default=0),
-                "tracks": len(self.tracks),
+                "cycles": int(np.count_nonzero(contacts)),
+                "most_at_once": int(contacts.max(initial=0)),
+                "tracks": len(self._tracks),
             },
         }
 
 
-def _micros(times_ns: list[int]) -> dict[str, float] | None:
-    if not times_ns:
+def _micros(times_ns: Ints) -> dict[str, float] | None:
+    if not len(times_ns):
         return None
-    found = np.quantile(np.array(times_ns), list(SHARES.values()), method="inverted_cdf") * 1e-3
+    found = np.quantile(times_ns, list(SHARES.values()), method="inverted_cdf") * 1e-3
     return dict(zip(SHARES, found.tolist(), strict=True))

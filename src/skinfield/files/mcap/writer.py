@@ -4,8 +4,8 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib.metadata import version
-from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -15,12 +15,11 @@ from mcap.records import Attachment, Channel, Schema
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.files.mcap import schema
 from skinfield.files.mcap.container import Bytes, Container, FileOutput
-from skinfield.files.summary import plain_json
+from skinfield.files.pending import plain_json
 from skinfield.signal import Calibration
 from skinfield.signal.block import __doc__ as _BLOCKS
 from skinfield.skin import Skin
 
-TEXT = "x-text"  # encoding of a schema that is prose
 NPZ, JSON = "application/x-npz", "application/json"
 _KINDS = """\
 Kinds, and their payloads: 1, 2, 3: counts as uint8, uint16, float32, one per channel. 4: a bit per
@@ -28,89 +27,36 @@ channel, out of range. 5: int64, a source (its number stands for the channel) ca
 down (0). 6: int64, messages of a source that are known to be lost.
 Status bits: 1 no answer, 2 not connected, 4 out of range, 8 invalid.
 """
-_CYCLE = """\
-One cycle of the engine, little-endian:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 96
-4      4     flags (uint32): 2 late, 4 overrun, 8 first of a new engine process
-8      8     number (int64)
-16     8     due_ns (int64), monotonic clock
-24     8     wake_ns
-32     8     acquired_ns
-40     8     done_ns
-48     8     wall_ns, since the epoch
-56     8     position in the ring's log up to which blocks were applied (int64, bytes)
-64     8     0; in older files rows and columns (uint32 each) of int64 numbers behind the head
-72     4     contacts (uint32, as the following)
-76     4     bytes of a contact
-80     4     patches
-84     4     bytes of a patch
-88     8     0
-96           contacts, patches
-
-The fields of a contact and of a patch are in the channel's metadata as JSON.
-"""
-_MORE = "What these are is said in the schema of /skin/blocks.\n"
-_FIELD_HEAD = """\
-The head of a message of /skin/fields:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 40
-4      4     patches (uint32), P
-8      8     when the cycle began, ns since the epoch (int64)
-16     8     number of the cycle (int64)
-24     4     taxels (uint32, as the following), L
-28     4     nodes of the finest grid of a patch
-32     4     nodes with pressure in this message, M
-36     4     0
-40           sides of grids, how many nodes have pressure, nodes, pressures, counts, values, valid
-"""
-_FIT_HEAD = """\
-The head of a message of /skin/fit:
-
-offset bytes what
-0      2     version of this layout (uint16), 1
-2      2     bytes of this head (uint16), 56
-4      4     patches of the skin (uint32)
-8      8     when the fit published it, ns since the epoch (int64)
-16     8     number of the answer, counted by each fit from 1; 0: there is none any more (int64)
-24     4     nodes of the finest grid of a patch (uint32, as the following)
-28     4     contacts of a patch, at most
-32     4     patches in this message
-36     4     bytes of a patch
-40     4     contacts in this message
-44     4     bytes of a contact
-48     4     bytes of a form
-52     4     nodes with pressure in this message
-56           places, how many nodes have pressure, patches, contacts, forms, nodes, pressures
-
-The fields of a patch, a contact and a form are in the channel's metadata as JSON.
-"""
+_MORE = b"What these are is said in the schema of /skin/blocks.\n"
 
 
-def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
+def _object(**kinds: str) -> bytes:
     """Schema of messages that are JSON."""
     described = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": title,
         "type": "object",
         "properties": {name: {"type": kind} for name, kind in kinds.items()},
     }
-    return title, "jsonschema", json.dumps(described).encode()
+    return json.dumps(described).encode()
 
 
-BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{schema.__doc__}\n{_BLOCKS}\n{_KINDS}".encode())
-CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
-FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
-FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
-TIMING_SCHEMA = _object(
-    "skinfield.Timing", wall_ns="integer", cycles="integer", late="integer", wake_us="object",
-    latency_us="object", counters="array",
-)  # fmt: skip
-EVENT_SCHEMA = _object("skinfield.Event", wall_ns="integer", kind="string", text="string")
+TEXT, OBJECT = "x-text", "jsonschema"  # encodings of schemas
+CHANNELS = {  # encoding of messages; name, encoding and text of their schema
+    schema.BLOCKS: (
+        "x-skinfield-blocks", "skinfield.Blocks", TEXT,
+        f"{schema.__doc__}\n{_BLOCKS}\n{_KINDS}".encode(),
+    ),
+    schema.CYCLES: ("x-skinfield-cycle", "skinfield.Cycle", TEXT, _MORE),
+    schema.FIELDS: ("x-skinfield-field", "skinfield.Field", TEXT, _MORE),
+    schema.TIMING: ("json", "skinfield.Timing", OBJECT, _object(
+        wall_ns="integer", cycles="integer", late="integer", wake_us="object", latency_us="object",
+        counters="array",
+    )),
+    schema.EVENTS: (
+        "json", "skinfield.Event", OBJECT, _object(wall_ns="integer", kind="string", text="string")
+    ),
+    schema.FITS: ("x-skinfield-fit", "skinfield.Fit", TEXT, _MORE),
+}  # fmt: skip
 
 
 class RecordingWriter:
@@ -125,7 +71,7 @@ class RecordingWriter:
     layout : CycleLayout
         Of the cycles' rows.
     fit : FitLayout, optional
-        Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
+        Of the rows of contacts that are fitted beside the engine; topic `FITS`.
     overwrite : bool
         Whether a file of this name may be replaced.
     output : FileOutput, optional
@@ -158,22 +104,16 @@ class RecordingWriter:
         self.container = Container(
             self._output, schema.PROFILE, f"skinfield {version('skinfield')}"
         )
-        numbers = count(1)
-
-        def add(topic: str, kind: str, form: tuple[str, str, bytes], rows: Any = None) -> int:
-            number, (name, encoding, text) = next(numbers), form
-            self.container.put(Schema(number, text, encoding, name))
-            metadata = {} if rows is None else rows.metadata()
-            self.container.put(Channel(number, topic, kind, metadata, number))
-            return number
-
-        self._blocks = add(schema.BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
-        self._cycles = add(schema.CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
-        self._fields = add(schema.FIELDS, "x-skinfield-field", FIELD_SCHEMA)
-        self._timing = add(schema.TIMING, "json", TIMING_SCHEMA)
-        self._events = add(schema.EVENTS, "json", EVENT_SCHEMA)
-        self._fit = None if fit is None else add(schema.FITS, "x-skinfield-fit", FIT_SCHEMA, fit)
-        self._numbers: Counter[int] = Counter()
+        rows = {schema.CYCLES: layout, schema.FITS: fit}
+        self._channels: dict[str, int] = {}
+        for topic, (encoding, name, kind, text) in CHANNELS.items():
+            fields = rows.get(topic)
+            if topic != schema.FITS or fields is not None:
+                number = self._channels[topic] = len(self._channels) + 1
+                self.container.put(Schema(number, text, kind, name))
+                metadata = {} if fields is None else fields.metadata()
+                self.container.put(Channel(number, topic, encoding, metadata, number))
+        self._numbers: Counter[str] = Counter()
         self.open = True
         for each in enclosed:
             self.enclose(time.time_ns(), each)
@@ -206,27 +146,33 @@ class RecordingWriter:
         FileError
             If a chunk could not be written. Nothing is lost: it waits, see `flush`.
         """
-        self._add(self._blocks, time_ns, schema.POSITION.pack(position), data)
+        self.write(schema.BLOCKS, time_ns, schema.POSITION.pack(position) + data)
 
-    def write_cycle(self, time_ns: int, record: Bytes) -> None:
-        """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
-        self._add(self._cycles, time_ns, record)
+    def write(self, topic: str, time_ns: int, data: Bytes) -> None:
+        """Add a message of a topic, as the record of its kind encodes it; raises `FileError`.
 
-    def write_field(self, time_ns: int, record: Bytes) -> None:
-        """Add a field, as `FieldRecord.encode` makes it; raises as `write_blocks`."""
-        self._add(self._fields, time_ns, record)
-
-    def write_fit(self, time_ns: int, record: Bytes) -> None:
-        """Add an answer of a fit, as `FitLayout.encode` makes it; raises as `write_blocks`."""
-        if self._fit is None:
-            raise InputError(
-                f"{self.path} has no channel {schema.FITS}, expected `fit` when it was made"
-            )
-        self._add(self._fit, time_ns, record)
+        Parameters
+        ----------
+        topic : str
+            Such as `CYCLES`; `FITS` where the recording was made with a `fit`.
+        time_ns : int, ns
+            Since the epoch.
+        data : bytes
+        """
+        if not self.open:
+            raise InputError(f"{self.path} is closed, expected an open recording")
+        if topic not in self._channels:
+            known = ", ".join(self._channels)
+            raise InputError(f"{self.path} has no channel {topic}, expected one of {known}")
+        check_count("time_ns", time_ns, 0, (1 << 63) - 1, "ns since the epoch")
+        sequence = self._numbers[topic]
+        self._numbers[topic] += 1
+        with self._explained():
+            self.container.add_message(self._channels[topic], sequence, time_ns, data)
 
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
-        """Add what was measured of the last second; raises as `write_blocks`."""
-        self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
+        """Add what was measured of the last second; raises as `write`."""
+        self.write(schema.TIMING, time_ns, _json({"wall_ns": time_ns, **values}))
 
     def enclose(self, time_ns: int, enclosed: schema.Enclosed) -> None:
         """Add a small file."""
@@ -234,7 +180,7 @@ class RecordingWriter:
         self.container.put(Attachment(time_ns, time_ns, name, kind, data))
 
     def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
-        """Add something that happened; raises as `write_blocks`.
+        """Add something that happened; raises as `write`.
 
         Parameters
         ----------
@@ -246,7 +192,7 @@ class RecordingWriter:
             More of it, as JSON can hold it.
         """
         event = {"wall_ns": time_ns, "kind": kind, "text": text, **values}
-        self._add(self._events, time_ns, _json(event))
+        self.write(schema.EVENTS, time_ns, _json(event))
 
     def flush(self) -> None:
         """Close the chunk and hand everything to the system: a `kill -9` cannot take it any more.
@@ -256,17 +202,13 @@ class RecordingWriter:
         FileError
             If it could not be written, such as on a full disk. Nothing is lost: call it again.
         """
-        try:
+        with self._explained():
             self.container.flush()
-        except OSError as error:
-            raise self._failure(error) from error
 
     def sync(self) -> None:
         """Have the system write everything to the disk: not even power loss can take it then."""
-        try:
+        with self._explained():
             self.container.sync()
-        except OSError as error:
-            raise self._failure(error) from error
 
     def close(self) -> None:
         """Finish the file.
@@ -280,28 +222,21 @@ class RecordingWriter:
             return
         self.open = False
         try:
-            self.container.finish()
-        except OSError as error:
-            raise self._failure(error) from error
+            with self._explained():
+                self.container.finish()
         finally:
             self._output.close()
 
-    def _add(self, channel: int, time_ns: int, *parts: Bytes) -> None:
-        if not self.open:
-            raise InputError(f"{self.path} is closed, expected an open recording")
-        check_count("time_ns", time_ns, 0, (1 << 63) - 1, "ns since the epoch")
-        number = self._numbers[channel]
-        self._numbers[channel] = number + 1
+    @contextmanager
+    def _explained(self) -> Iterator[None]:
+        """Turn what the system says into FileError."""
         try:
-            self.container.add_message(channel, number, time_ns, *parts)
+            yield
         except OSError as error:
-            raise self._failure(error) from error
-
-    def _failure(self, error: OSError) -> FileError:
-        return FileError(
-            f"{self.path} cannot be written: {error.strerror or error}; "
-            f"{self.waiting} bytes wait, {self.bytes_written} are in the file"
-        )
+            raise FileError(
+                f"{self.path} cannot be written: {error.strerror or error}; "
+                f"{self.waiting} bytes wait, {self.bytes_written} are in the file"
+            ) from error
 
 
 def _json(value: Mapping[str, Any]) -> bytes:

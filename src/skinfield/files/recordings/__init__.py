@@ -1,7 +1,5 @@
 """Recordings of skins, and of force sensors beside them: one file per format."""
 
-from skinfield.files.mcap.live import LiveRecording as LiveRecording
+from skinfield.files.recordings.lines import RecordingStream as RecordingStream
 from skinfield.files.recordings.matching import readings_for as readings_for
 from skinfield.files.recordings.open import open_recording as open_recording
-from skinfield.files.recordings.open import stream_recording as stream_recording
-from skinfield.files.recordings.stream import RecordingStream as RecordingStream

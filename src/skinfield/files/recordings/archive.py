@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
 from skinfield.files.recordings.head import Head
-from skinfield.files.recordings.lines import Progress
-from skinfield.files.recordings.stream import Doubts
+from skinfield.files.recordings.lines import Doubts, Progress
 from skinfield.skin.reading import UNITS, Recording
 
 KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")

@@ -11,7 +11,6 @@ falls away when the columns are matched with a layout, which has no such taxel.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,13 +18,13 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
 from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
-from skinfield.files.recordings.lines import Block, Contents, Tally
+from skinfield.files.recordings.lines import RecordingStream
 
 MILLISECONDS = "times are whole numbers far apart: taken as milliseconds"
 Uids = NDArray[np.uint64]
 
 
-def text(head: Head) -> Contents | None:
+def text(head: Head) -> RecordingStream | None:
     """What a session's recording holds; None of another file."""
     lines = head.numbered()
     tokens = lines[0][1].split() if lines else []
@@ -41,7 +40,7 @@ def text(head: Head) -> Contents | None:
     if not fits:
         return None
     uid = _uids(head, line, tokens)
-    return Contents(
+    return RecordingStream(
         path=head.path,
         width=width,
         expected=f"a sample number, a time and {len(uid)} values, one per uid of line {line}",
@@ -51,7 +50,7 @@ def text(head: Head) -> Contents | None:
     )
 
 
-def recorder(head: Head) -> Contents | None:
+def recorder(head: Head) -> RecordingStream | None:
     """What a recording of SkinRecorder holds; None of another file."""
     lines = head.numbered()
     tokens = [line.split() for _, line in lines[:2]]
@@ -68,7 +67,7 @@ def recorder(head: Head) -> Contents | None:
         )
     first = next(k for k, row in enumerate(rows) if len(row) == width)
     uid = _uids(head, lines[2 + first][0], rows[first][3::2])
-    return Contents(
+    return RecordingStream(
         path=head.path,
         width=width,
         expected=f"sample, time, {count}, then uid and value of {count} taxels",
@@ -123,25 +122,17 @@ def _repeats(uid: Uids) -> tuple[str, ...]:
     return (f"{len(twice)} uids stand over more than one column ({shown}): the first counts",)
 
 
-def _ordered_like(uid: Uids) -> Callable[[Block, Tally], Block]:
-    """Check that brings the values of every line into the order of `uid`, or skips the line."""
+def _ordered_like(uid: Uids) -> Callable[[Floats], NDArray[np.bool_]]:
+    """Check that brings the values of every line into the order of `uid`, if it has the same."""
     wanted: Floats = uid.astype(np.float64)  # as the lines are read; exact below 2**53
     order = np.argsort(wanted, kind="stable")
 
-    def check(block: Block, tally: Tally) -> Block:
-        table, good = block.table, np.ones(len(block.line), bool)
-        wrong = (table[:, 3::2] != wanted).any(axis=1) | (table[:, 2] != len(uid))
-        for row in np.flatnonzero(wrong):
+    def check(table: Floats) -> NDArray[np.bool_]:
+        same = np.asarray(table[:, 2] == len(uid))
+        for row in np.flatnonzero(same & (table[:, 3::2] != wanted).any(axis=1)):
             other = np.argsort(table[row, 3::2], kind="stable")
-            if table[row, 2] != len(uid) or (table[row, 3::2][other] != wanted[order]).any():
-                tally.skip(int(block.line[row]), "holds other uids than the first line")
-                good[row] = False
-            else:
-                table[row, 4 + 2 * order] = table[row, 4::2][other]
-        if good.all():
-            return block
-        return replace(
-            block, line=block.line[good], stamp_ns=block.stamp_ns[good], table=table[good]
-        )
+            same[row] = (table[row, 3::2][other] == wanted[order]).all()
+            table[row, 4 + 2 * order] = table[row, 4::2][other]
+        return same
 
     return check

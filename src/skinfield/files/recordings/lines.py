@@ -1,15 +1,19 @@
-"""Lines of numbers from long files: whole blocks at once, bad lines one by one."""
+"""Reader of text recordings: whole blocks of lines of numbers at once, bad lines one by one."""
 
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, Floats
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.recordings.head import decimals_of
+from skinfield.skin.reading import Recording
 
 Progress = Callable[[int, int], None]
 BLOCK = 4 << 20  # bytes read at once
@@ -18,23 +22,23 @@ SHOWN = 3  # bad lines that a note names
 LIMIT = 2**63 - 1  # ns
 
 
-@dataclass(frozen=True, kw_only=True)
-class Contents:
-    """What the lines of a file hold, as its first ones tell.
+@dataclass(kw_only=True)
+class RecordingStream:
+    """Recording as text, block by block: memory does not grow with the length of the file.
 
     Attributes
     ----------
     path : Path
     width : int
         Numbers on a line.
-    stamp : int
-        Which of them is the time.
-    scale : int
-        Nanoseconds in the time's unit.
     expected : str
         What a line holds in words, for messages.
     keep : (C,) int array
         Columns that are readings.
+    stamp : int
+        The column of times.
+    scale : int
+        Nanoseconds in the time's unit.
     delimiter : str or None
         None stands for any space; with a delimiter, nothing between two of them is a missing value.
     blank : bytes
@@ -44,179 +48,152 @@ class Contents:
     skip : int
         Lines before the data.
     check : callable, optional
-        Mends or drops the lines of a block.
+        Mends the numbers of some lines (N, W) in place; which of the lines are of the same uids.
     uid : (C,) uint64 array, optional
         Of the columns.
     channel : (C,) int array, optional
         Of the columns; channels without one are missing. Default their order.
     unit, source : str
     notes : tuple of str
+        Complete once `blocks` is exhausted.
     sequenced : bool
         Whether the first column counts messages, so that gaps are lost ones.
+    progress : callable, optional
+        Called with bytes done and bytes in all.
+    skipped : int
+        Bad lines, once `blocks` is exhausted.
     """
 
     path: Path
     width: int
     expected: str
-    keep: NDArray[np.int64]
+    keep: Ints
     stamp: int = 1
     scale: int = 10**9
     delimiter: str | None = None
     blank: bytes = b""
     decimals: int = 0
     skip: int = 0
-    check: "Callable[[Block, Tally], Block] | None" = None
+    check: Callable[[Floats], NDArray[np.bool_]] | None = None
     uid: NDArray[np.uint64] | None = None
-    channel: NDArray[np.int64] | None = None
+    channel: Ints | None = None
     unit: str = "count"
     source: str = ""
     notes: tuple[str, ...] = ()
     sequenced: bool = False
+    progress: Progress | None = None
+    skipped: int = field(default=0, init=False)
 
+    def blocks(self) -> Iterator[Recording]:
+        """Good lines as recordings of some thousand readings each, once.
 
-@dataclass(frozen=True)
-class Block:
-    """Good lines of one stretch of a file: line numbers (N,), stamps (N,) ns, numbers (N, W)."""
-
-    line: NDArray[np.int64]
-    stamp_ns: NDArray[np.int64]
-    table: Floats
-
-
-@dataclass
-class Tally:
-    """Counts the lines of a file and remembers the first bad ones."""
-
-    path: Path
-    lines: int = 0
-    skipped: int = 0
-    cut: int = 0
-    open_end: bool = False
-    first: list[tuple[int, str]] = field(default_factory=list)
-
-    def skip(self, line: int, why: str) -> None:
-        """Count a line that cannot be used."""
-        self.skipped += 1
-        if len(self.first) < SHOWN:
-            self.first.append((line, why))
-
-    def check(self, expected: str) -> None:
-        """Raise FileError if too much of the file is bad, or nothing is left of it."""
-        if self.skipped == self.lines or self.skipped - self.cut > WORST * self.lines:
-            line, why = self.first[0] if self.first else (1, "no data follow")
-            raise FileError(
-                f"{self.path}:{line}: {why}; expected {expected} "
-                f"({self.skipped} of {self.lines} lines are unusable; at most {WORST:.0%} may be)"
-            )
-
-    def notes(self) -> tuple[str, ...]:
-        """What was skipped or is doubtful, in sentences."""
-        doubt = "the last line has no end: kept, though its last number may be cut"
-        notes = (doubt,) if self.open_end else ()
-        if not self.skipped:
-            return notes
-        where = "; ".join(f"{self.path.name}:{line} {why}" for line, why in self.first)
-        more = "; ..." if self.skipped > len(self.first) else ""
-        return (f"{self.skipped} of {self.lines} lines skipped: {where}{more}", *notes)
-
-
-def blocks(what: Contents, tally: Tally, progress: Progress | None) -> Iterator[Block]:
-    """Good lines of a file, block by block; bad ones go to `tally`."""
-    for number, lines, ended in _stretches(what.path, what.blank, progress):
-        kept = [
-            (number + k, line)
-            for k, line in enumerate(lines)
-            if number + k > what.skip and line and not line.startswith("#")
-        ]
-        tally.lines += len(kept)
-        if kept and not ended:
-            _check_end(kept, what, tally)
-        if kept:
-            yield _numbers(kept, what, tally)
-
-
-def _stretches(
-    path: Path, blank: bytes, progress: Progress | None
-) -> Iterator[tuple[int, list[str], bool]]:
-    """Whole lines in stretches: number of the first, lines, whether the last has its end."""
-    spaces = bytes.maketrans(blank, b" " * len(blank))
-    total, done, number, rest = path.stat().st_size, 0, 1, b""
-    with path.open("rb") as file:
-        while chunk := file.read(BLOCK):
-            chunk = chunk if done else chunk.removeprefix(b"\xef\xbb\xbf")
-            done = file.tell()
-            whole, end, rest = (rest + chunk).rpartition(b"\n")
-            if end:
-                lines = _split(whole, spaces)
-                yield number, lines, True
-                number += len(lines)
-            if progress is not None:
-                progress(done, max(total, done))
-    if rest.strip():
-        yield number, _split(rest, spaces), False
-
-
-def _split(data: bytes, spaces: bytes) -> list[str]:
-    # latin-1 never fails: a byte that is no digit makes its own line bad, not the file
-    return [line.strip() for line in data.translate(spaces).decode("latin-1").split("\n")]
-
-
-def _check_end(kept: list[tuple[int, str]], what: Contents, tally: Tally) -> None:
-    """Drop a last line without an end where it is not whole."""
-    number, line = kept[-1]
-    tokens, why = line.split(what.delimiter), ""
-    if len(tokens) < what.width:
-        why = f"the file ends after {len(tokens)} of {what.width} numbers"
-    elif decimals_of(tokens[-1]) < what.decimals:
-        why = f"the file ends within the number {tokens[-1]!r}"
-    if why:
-        tally.skip(number, why)
-        tally.cut += 1
-        kept.pop()
-    tally.open_end = not why and not what.decimals
-
-
-def _numbers(kept: list[tuple[int, str]], what: Contents, tally: Tally) -> Block:
-    table = _all_at_once([line for _, line in kept], what)
-    if table is None:
-        kept, table = _one_by_one(kept, what, tally)
-    stamps, good = np.zeros(len(kept), np.int64), np.ones(len(kept), bool)
-    for row, (number, line) in enumerate(kept):
-        token = line.split(what.delimiter, what.stamp + 1)[what.stamp]
+        Raises
+        ------
+        FileError
+            If the file cannot be read, too many of its lines are not as the first ones, or not one
+            value is there; the last two only at the end.
+        """
+        doubts = Doubts(self.path)
+        width = 0 if self.channel is None else int(self.channel.max()) + 1
         try:
-            stamps[row] = ns_from_text(token, what.scale)
-        except ValueError as error:
-            tally.skip(number, str(error))
-            good[row] = False
-    numbers = np.array([number for number, _ in kept], np.int64)
-    return Block(numbers[good], stamps[good], table if good.all() else table[good])
+            for lines in self._stretches(doubts):
+                line, stamp_ns, table = self._numbers(lines, doubts)
+                if not len(line):
+                    continue
+                values = table[:, self.keep]
+                doubts.add(stamp_ns, values, line, table[:, 0])
+                if self.channel is not None:
+                    columns, values = values, np.full((len(line), width), np.nan)
+                    values[:, self.channel] = columns
+                yield Recording(stamp_ns, values, self.uid, self.unit, self.source)
+        except OSError as error:
+            why = error.strerror or error
+            raise FileError(f"{self.path} cannot be read to its end: {why}") from error
+        doubts.check_lines(self.expected)
+        self.skipped = doubts.skipped
+        lost = doubts.lost() if self.sequenced and not doubts.skipped else ()
+        self.notes = (*self.notes, *lost, *doubts.notes())
+        if missing := width and width - len(self.keep):
+            self.notes += (f"{missing} of {width} channels have no column: missing",)
 
+    def _stretches(self, doubts: "Doubts") -> Iterator[list[tuple[int, str]]]:
+        """Lines that hold data, with their numbers from 1; some megabytes of them at once."""
+        spaces = bytes.maketrans(self.blank, b" " * len(self.blank))
+        total, first = self.path.stat().st_size, 1
+        with self.path.open("rb") as file:
+            while data := file.read(BLOCK) + file.readline():
+                data = data.removeprefix(b"\xef\xbb\xbf") if first == 1 else data
+                # latin-1 never fails: a byte that is no digit makes its own line bad, not the file
+                texts = data.translate(spaces).decode("latin-1").split("\n")
+                lines = [
+                    (number, text)
+                    for number, line in enumerate(texts, first)
+                    if number > self.skip and (text := line.strip()) and not text.startswith("#")
+                ]
+                first += len(texts) - 1
+                doubts.lines += len(lines)
+                if lines and lines[-1][0] == first:  # the last line has no end
+                    last = lines.pop()
+                    yield lines
+                    lines = [last] if self._is_whole(*last, doubts) else []
+                yield lines
+                if self.progress is not None:
+                    self.progress(file.tell(), max(total, file.tell()))
 
-def _all_at_once(lines: list[str], what: Contents) -> Floats | None:
-    """Table of the lines, or None if one of them is not as expected."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            table = np.loadtxt(lines, comments=None, delimiter=what.delimiter, ndmin=2)
-    except (ValueError, Warning):
-        return None
-    return table if table.shape == (len(lines), what.width) else None
+    def _is_whole(self, number: int, line: str, doubts: "Doubts") -> bool:
+        """Whether nothing of a last line without an end is missing."""
+        tokens, why = line.split(self.delimiter), ""
+        if len(tokens) < self.width:
+            why = f"the file ends after {len(tokens)} of {self.width} numbers"
+        elif decimals_of(tokens[-1]) < self.decimals:
+            why = f"the file ends within the number {tokens[-1]!r}"
+        if why:
+            doubts.skip(number, why)
+            doubts.cut += 1
+        doubts.open_end = not why and not self.decimals
+        return not why
 
+    def _numbers(self, lines: list[tuple[int, str]], doubts: "Doubts") -> tuple[Ints, Ints, Floats]:
+        """Line numbers (N,), stamps (N,) ns and numbers (N, W) of the good ones of some lines."""
+        table = self._all_at_once([text for _, text in lines])
+        good: list[int] = []
+        stamps: list[int] = []
+        rows: list[Any] = []
+        for row, (number, text) in enumerate(lines):
+            try:
+                values = self._one(text) if table is None else table[row]
+                token = text.split(self.delimiter, self.stamp + 1)[self.stamp]
+                stamps.append(ns_from_text(token, self.scale))
+            except ValueError as error:
+                doubts.skip(number, str(error))
+                continue
+            good.append(number)
+            rows.append(values)
+        line, stamp_ns = np.array(good, np.int64), np.array(stamps, np.int64)
+        found = np.array(rows, np.float64).reshape(len(rows), self.width)
+        if self.check is None:
+            return line, stamp_ns, found
+        same = self.check(found)
+        for number in line[~same].tolist():
+            doubts.skip(number, "holds other uids than the first line")
+        return line[same], stamp_ns[same], found[same]
 
-def _one_by_one(
-    kept: list[tuple[int, str]], what: Contents, tally: Tally
-) -> tuple[list[tuple[int, str]], Floats]:
-    good, rows = [], []
-    for number, line in kept:
-        tokens = line.split(what.delimiter)
+    def _all_at_once(self, lines: list[str]) -> Floats | None:
+        """Table of the lines, or None if one of them is not as expected."""
         try:
-            if len(tokens) != what.width:
-                raise ValueError(f"holds {len(tokens)} numbers, not {what.width}")
-            rows.append([_number(token) for token in tokens])
-            good.append((number, line))
-        except ValueError as error:
-            tally.skip(number, str(error))
-    return good, np.array(rows, np.float64).reshape(len(rows), what.width)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                table = np.loadtxt(lines, comments=None, delimiter=self.delimiter, ndmin=2)
+        except (ValueError, Warning):
+            return None
+        return table if table.shape == (len(lines), self.width) else None
+
+    def _one(self, line: str) -> list[float]:
+        """Numbers of one line; raises ValueError if it is not as expected."""
+        tokens = line.split(self.delimiter)
+        if len(tokens) != self.width:
+            raise ValueError(f"holds {len(tokens)} numbers, not {self.width}")
+        return [_number(token) for token in tokens]
 
 
 def _number(token: str) -> float:
@@ -237,17 +214,122 @@ def ns_from_text(token: str, scale: int) -> int:
     ValueError
         If `token` is no number, not finite, or beyond 292 years.
     """
-    whole, _, part = token.strip().partition(".")
-    digits = whole[1:] if whole[:1] in "+-" else whole
+    shown = f"the time {token.strip()[:20]!r}"
     try:
-        if (digits + part).isdecimal() and len(part) <= 9 and len(digits) <= 20:
-            sign = -1 if whole.startswith("-") else 1
-            fraction = int(part.ljust(9, "0")) * scale // 10**9 if part else 0
-            stamp = sign * (int(digits or "0") * scale + fraction)
-        else:
-            stamp = round(float(token) * scale)
-    except (ValueError, OverflowError):
-        raise ValueError(f"the time {token.strip()[:20]!r} is not a finite number") from None
-    if abs(stamp) > LIMIT:
-        raise ValueError(f"the time {token.strip()[:20]!r} is beyond 292 years: is it in seconds?")
-    return stamp
+        stamp = Decimal(token) * scale
+        if abs(stamp) <= LIMIT:
+            return round(stamp)
+    except ArithmeticError:  # no number, or nan
+        raise ValueError(f"{shown} is not a finite number") from None
+    raise ValueError(f"{shown} is beyond 292 years: is it in seconds?")
+
+
+@dataclass
+class Doubts:
+    """What is doubtful in a recording: bad lines, missing values, stamps and messages out of order.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+
+    Attributes
+    ----------
+    lines, skipped, cut : int
+        That hold data; of these, that cannot be used; of these, that the file's end cuts.
+    open_end : bool
+        Whether the last line has no end.
+    """
+
+    path: Path
+    lines: int = 0
+    skipped: int = 0
+    cut: int = 0
+    open_end: bool = False
+    _bad: list[tuple[int, str]] = field(default_factory=list)  # the first ones: line and why
+    _values: int = 0
+    _top: int = 0
+    _places: dict[str, tuple[int, int]] = field(default_factory=dict)  # how many, the first's line
+    _gaps: Counter[float] = field(default_factory=Counter)
+    _stamp: int | None = None
+    _sequence: float = float("nan")
+
+    def skip(self, line: int, why: str) -> None:
+        """Count a line that cannot be used."""
+        self.skipped += 1
+        if len(self._bad) < SHOWN:
+            self._bad.append((line, why))
+
+    def check_lines(self, expected: str) -> None:
+        """Raise FileError if too much of the file is bad, or nothing is left of it."""
+        if self.skipped == self.lines or self.skipped - self.cut > WORST * self.lines:
+            line, why = self._bad[0] if self._bad else (1, "no data follow")
+            raise FileError(
+                f"{self.path}:{line}: {why}; expected {expected} "
+                f"({self.skipped} of {self.lines} lines are unusable; at most {WORST:.0%} may be)"
+            )
+
+    def add(
+        self, stamp_ns: Ints, values: Floats, line: Ints, sequence: Floats | None = None
+    ) -> None:
+        """Look at some more readings; infinities in `values` (T, C) become NaN, in place."""
+        self._top = self._top or int(line[0])
+        self._values += values.size
+        missing = ~np.isfinite(values)
+        values[missing] = np.nan
+        before = stamp_ns[0] - 1 if self._stamp is None else self._stamp
+        steps = np.diff(stamp_ns, prepend=before)
+        self._stamp = int(stamp_ns[-1])
+        self._count("missing", missing.sum(axis=1), line)
+        self._count("repeat the one before", steps == 0, line)
+        self._count("run backwards", steps < 0, line)
+        if sequence is not None:
+            gaps = np.diff(sequence, prepend=self._sequence)
+            wide = (gaps > 1) & np.isfinite(gaps)
+            self._count("gaps", wide, line)
+            self._gaps.update(gaps[wide].tolist())
+            self._sequence = float(sequence[-1])
+
+    def _count(self, what: str, numbers: NDArray[Any], line: Ints) -> None:
+        """Count something by its number on each line."""
+        if numbers.any():
+            count, first = self._places.get(what, (0, int(line[np.argmax(numbers > 0)])))
+            self._places[what] = count + int(numbers.sum()), first
+
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on lines, values and stamps; raises FileError if not one value is there."""
+        name, notes = self.path.name, []
+        if self.skipped:
+            where = "; ".join(f"{name}:{line} {why}" for line, why in self._bad)
+            more = "; ..." if self.skipped > len(self._bad) else ""
+            notes.append(f"{self.skipped} of {self.lines} lines skipped: {where}{more}")
+        if self.open_end:
+            notes.append("the last line has no end: kept, though its last number may be cut")
+        missing, first = self._places.get("missing", (0, 0))
+        if missing and missing == self._values:
+            raise FileError(
+                f"{self.path}:{self._top}: all {missing} values are nan, inf or empty, "
+                "expected numbers"
+            )
+        if missing:
+            notes.append(
+                f"{missing} of {self._values} values are nan, inf or empty, "
+                f"first at {name}:{first}: taken as missing"
+            )
+        for what in ("repeat the one before", "run backwards"):
+            if what in self._places:
+                count, first = self._places[what]
+                notes.append(f"{count} stamps {what}, first at {name}:{first}: kept")
+        return tuple(notes)
+
+    def lost(self) -> tuple[str, ...]:
+        """Sentence on messages that never arrived, from gaps in the sequence numbers."""
+        count, first = self._places.get("gaps", (0, 0))
+        if not count:
+            return ()
+        if count * 2 > self.lines - 1:  # every n-th message was kept on purpose
+            middle = sorted(self._gaps.elements())[count // 2]
+            return (f"sequence numbers step by {middle:.0f}: the log holds every so many-th",)
+        lost = sum((gap - 1) * times for gap, times in self._gaps.items())
+        gaps = f"{lost:.0f} messages lost in {count} gaps of the sequence numbers"
+        return (f"{gaps}, first before {self.path.name}:{first}",)

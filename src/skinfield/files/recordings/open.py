@@ -2,8 +2,11 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
+
+import numpy as np
 
 from skinfield.errors import FileError
 from skinfield.files.mcap.container import MAGIC
@@ -11,8 +14,7 @@ from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import LiveStream, live_stream
 from skinfield.files.recordings import archive, cyskin, table, yarp
 from skinfield.files.recordings.head import Head, is_whole, read_head
-from skinfield.files.recordings.lines import Contents, Progress
-from skinfield.files.recordings.stream import RecordingStream, collected
+from skinfield.files.recordings.lines import Progress, RecordingStream
 from skinfield.skin.reading import Recording
 
 KNOWN = (
@@ -30,7 +32,7 @@ OTHERS = {  # first bytes of files that are taken for recordings
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
 INFO = r"(Type|Stamp|Source): |\[\d+\.\d+\] /"  # how an info.log begins
-FORMATS: tuple[Callable[[Head], Contents | None], ...] = (  # the strictest first
+FORMATS: tuple[Callable[[Head], RecordingStream | None], ...] = (  # the strictest first
     table.contents,
     cyskin.recorder,
     cyskin.text,
@@ -81,14 +83,23 @@ def stream_recording(
         return archive.read(head, progress)
     if head.data.startswith(MAGIC):
         return live_stream(LiveRecording.open(head.path), progress)
-    return RecordingStream(_contents(head), progress)
-
-
-def _contents(head: Head) -> Contents:
     for form in () if is_binary(head) else FORMATS:
         if (found := form(head)) is not None:
+            found.progress = progress
             return found
     raise FileError(verdict(head))
+
+
+def collected(stream: RecordingStream | LiveStream) -> Recording:
+    """All of a stream in memory."""
+    parts = list(stream.blocks())
+    return replace(
+        parts[0],
+        stamp_ns=np.concatenate([part.stamp_ns for part in parts]),
+        counts=np.concatenate([part.counts for part in parts]),
+        notes=stream.notes,
+        skipped=stream.skipped,
+    )
 
 
 def _file(path: Path) -> Path:
@@ -108,7 +119,7 @@ def _file(path: Path) -> Path:
 
 def verdict(head: Head) -> str:
     """One sentence on what a file that is no recording is, and what was expected."""
-    from skinfield.files.layouts import fitting_formats
+    from skinfield.files.layouts.load import fitting_formats
 
     what = next((what for start, what in OTHERS.items() if head.data.startswith(start)), "")
     if layouts := fitting_formats(head.data):

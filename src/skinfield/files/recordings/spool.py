@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
 
 import numpy as np
 
@@ -40,7 +39,7 @@ class Spool:
         self._file = TemporaryFile(dir=folder)  # noqa: SIM115
         opened, like = stream_recording(recording, progress=step), None
         notes: tuple[str, ...] = ()
-        for block in _blocks_of(opened):
+        for block in [opened] if isinstance(opened, Recording) else opened.blocks():
             mine = readings_for(block, patch)
             rows = np.empty(len(mine), self._kind)
             rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
@@ -56,22 +55,10 @@ class Spool:
     def blocks(self) -> Iterator[Recording]:
         """All of it again, in blocks of one size, but for the last: a short rest joins it."""
         size = int(np.clip(PIECE // len(self.patch), FEWEST, MOST))
-        first = 0
+        self._file.flush()
+        rows, first = np.memmap(self._file, self._kind, "r"), 0
         while first < self._count:
             last = first + size if self._count - first >= 2 * size else self._count
-            rows = np.empty(last - first, self._kind)
-            self._file.seek(first * self._kind.itemsize)
-            self._file.readinto(rows.view(np.uint8).data)
-            counts = np.ascontiguousarray(rows["counts"])
-            yield replace(self.like, stamp_ns=rows["stamp_ns"], counts=counts)
+            stamps, counts = (rows[name][first:last].copy() for name in ("stamp_ns", "counts"))
+            yield replace(self.like, stamp_ns=stamps, counts=counts)
             first = last
-
-
-def _blocks_of(opened: Any) -> Iterator[Recording]:
-    """Blocks of what `stream_recording` returns."""
-    if not isinstance(opened, Recording):
-        yield from opened.blocks()
-        return
-    for first in range(0, len(opened), MOST):
-        part = slice(first, first + MOST)
-        yield replace(opened, stamp_ns=opened.stamp_ns[part], counts=opened.counts[part])

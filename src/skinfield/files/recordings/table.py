@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError
 from skinfield.files.recordings.head import Head, is_number, usual_decimals
-from skinfield.files.recordings.lines import Contents
+from skinfield.files.recordings.lines import RecordingStream
 from skinfield.skin.reading import UNITS
 
 TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
@@ -30,7 +30,7 @@ CHANNELS = 1 << 20  # more than any robot has: a typing error, not a port
 LAYOUT = "a line of names such as time_s,taxel_0,taxel_1 above lines of numbers"
 
 
-def contents(head: Head) -> Contents | None:
+def contents(head: Head) -> RecordingStream | None:
     """What a table holds; None of a file whose first line that is no comment names no time."""
     lines = head.numbered()
     line, text = lines[0] if lines else (1, "")
@@ -44,7 +44,7 @@ def contents(head: Head) -> Contents | None:
     if _is_wrench([names[place] for place in at]):
         unit, notes = "N, N m", ()
     in_order = channel is None or np.array_equal(channel, np.arange(len(channel)))
-    return Contents(
+    return RecordingStream(
         path=head.path,
         width=len(names),
         stamp=names.index(time),

@@ -11,13 +11,13 @@ import numpy as np
 
 from skinfield.errors import FileError
 from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
-from skinfield.files.recordings.lines import Contents
+from skinfield.files.recordings.lines import RecordingStream
 
 BRACKETS = "()"
 WRENCH = "N, N m"
 
 
-def contents(head: Head) -> Contents | None:
+def contents(head: Head) -> RecordingStream | None:
     """What a log holds.
 
     None of a file where not most lines begin with a whole number and a time, and hold a value.
@@ -37,7 +37,7 @@ def contents(head: Head) -> Contents | None:
     lead = 3 if _has_both_times(rows) else 2
     _check_first(head, rows[0], width)
     is_wrench = port.endswith("analog:o") and width - lead == 6
-    return Contents(
+    return RecordingStream(
         path=head.path,
         width=width,
         expected=f"a sequence number, {lead - 1} time(s) and {width - lead} values",

@@ -1,9 +1,6 @@
 """Messages of ROS 2, made without ROS."""
 
 from skinfield.files.ros.bag import BagExport as BagExport
-from skinfield.files.ros.kinds import Kinds as Kinds
 from skinfield.files.ros.kinds import RosbagKinds as RosbagKinds
 from skinfield.files.ros.kinds import interface_package as interface_package
-from skinfield.files.ros.messages import Outgoing as Outgoing
-from skinfield.files.ros.messages import SkinMessages as SkinMessages
 from skinfield.files.ros.names import Topics as Topics

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -10,10 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
-from skinfield.files.mcap.export import LiveExport, Rows
+from skinfield.files.mcap.export import LiveExport
+from skinfield.files.mcap.schema import Rows
 from skinfield.files.pending import explained, pending
 from skinfield.files.ros.kinds import TIME, RosbagKinds
-from skinfield.files.ros.messages import Outgoing, SkinMessages, of_contacts
+from skinfield.files.ros.messages import Outgoing, SkinMessages
 from skinfield.files.ros.names import Topics
 from skinfield.skin import Patch, Skin
 
@@ -72,7 +73,6 @@ class BagExport(LiveExport):
         self._make = SkinMessages(skin, self._kinds, Topics.of(skin, prefix))
         self._patches = tuple(range(len(skin)) if numbers is None else numbers)
         self._connections: dict[str, Any] = {}
-        self._held: dict[str, Rows] = {}
         plugin = StoragePlugin.SQLITE3 if sqlite else StoragePlugin.MCAP
         with explained(target):
             self._place.part.mkdir()
@@ -87,14 +87,11 @@ class BagExport(LiveExport):
         for stamp, row in zip(stamp_ns.tolist(), counts, strict=True):
             self._put(self._make.taxels(patch, stamp, row, "counts"))
 
-    def add_rows(self, table: str, rows: Rows) -> None:
-        """See `LiveExport`; the rows of patches come after the contacts of the same cycles."""
-        if table != "patch_cycles":
-            self._held[table] = rows
-            return
-        contacts = self._held.pop("contacts", None)
-        for patches, its in _cycles(rows, contacts):
-            self._put_cycle(patches, its)
+    def add_rows(self, tables: Mapping[str, Rows]) -> None:
+        """See `LiveExport`; those of the contact fit are left out."""
+        if len(tables.get("patch_cycles", ())):
+            for patches, its in _cycles(tables["patch_cycles"], tables["contacts"]):
+                self._put_cycle(patches, its)
 
     def add_happened(
         self, timing: Sequence[dict[str, Any]], events: Sequence[dict[str, Any]]
@@ -150,16 +147,13 @@ class BagExport(LiveExport):
         contacts["patch"] = np.searchsorted(self._patches, contacts["patch"])
         fresh = (patches["fresh"] > 0) & (patches["answer"] != MISSING) & (patches["stamp_ns"] > 0)
         stamps = patches["stamp_ns"].tolist()
-        for out in of_contacts(self._make, stamps, contacts, fresh.tolist()):
+        for out in self._make.of_contacts(stamps, contacts, fresh.tolist()):
             self._put(out)
 
 
-def _cycles(patches: Rows, contacts: Rows | None) -> Iterator[tuple[Rows, Rows]]:
+def _cycles(patches: Rows, contacts: Rows) -> Iterator[tuple[Rows, Rows]]:
     """Rows of patches and of contacts, cycle by cycle."""
     starts = np.flatnonzero(np.diff(patches["cycle"], prepend=patches["cycle"][0] - 1))
     for rows in np.split(patches, starts[1:]):
-        if contacts is None:
-            yield rows, np.zeros(0, [("patch", "<i4")])
-            continue
         first, end = np.searchsorted(contacts["cycle"], [rows["cycle"][0], rows["cycle"][0] + 1])
         yield rows, contacts[first:end]

@@ -18,6 +18,7 @@ from skinfield.skin import Patch, Skin
 
 FLOAT32 = 7  # of sensor_msgs/PointField
 PLACE = ("x", "y", "z")
+WHATS = ("contacts", "frames", "contact_wrench", "wrench")  # said of the contacts of one cycle
 
 
 class Outgoing(NamedTuple):
@@ -30,13 +31,19 @@ class Outgoing(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A row of contacts in the frame of its link."""
+    """A row of contacts in the frame of its link, and the time of its patch's newest reading."""
 
     patch: int
+    stamp_ns: int
     row: Any
     position: Floats
     normal: Floats
     fitted: bool
+
+    @property
+    def force(self) -> Floats:
+        """On the skin, N."""
+        return np.asarray(-self.row["normal_force"] * self.normal)
 
 
 class SkinMessages:
@@ -64,16 +71,6 @@ class SkinMessages:
         seconds, rest = divmod(stamp_ns, 10**9)
         stamp = self.kinds.make(K.TIME, sec=seconds, nanosec=rest)
         return self.kinds.make(K.HEADER, stamp=stamp, frame_id=frame)
-
-    def placed(self, contacts: NDArray[Any], fitted: Sequence[bool] = ()) -> list[Placed]:
-        """Contacts in the frames of their links; rows with `patch`, `position`, `normal` ..."""
-        found = []
-        for row, by_fit in zip(contacts, fitted or [False] * len(contacts), strict=True):
-            place = int(row["patch"])
-            pose = self._poses[place]
-            position = pose[:3, :3] @ row["position"] + pose[:3, 3]
-            found.append(Placed(place, row, position, pose[:3, :3] @ row["normal"], bool(by_fit)))
-        return found
 
     def taxels(
         self, place: int, stamp_ns: int, values: NDArray[Any], what: str = "taxels"
@@ -110,69 +107,85 @@ class SkinMessages:
         )
         return Outgoing(self.topics.of_patch(place, what), K.CLOUD, stamp_ns, message)
 
-    def net_wrench(self, place: int, stamp_ns: int, contacts: Sequence[Placed]) -> Outgoing:
-        """Sum of the forces of a patch's contacts, and their moment about the link's origin."""
-        force, torque = np.zeros(3), np.zeros(3)
-        for each in contacts:
-            if each.patch == place:
-                its = -each.row["normal_force"] * each.normal
-                force += its
-                torque += np.cross(each.position, its)
-        message = self._wrench_stamped(stamp_ns, self._frames[place], force, torque)
-        topic = self.topics.of_patch(place, "wrench")
-        return Outgoing(topic, K.WRENCH_STAMPED, stamp_ns, message)
+    def of_contacts(
+        self,
+        stamps_ns: Sequence[int],
+        contacts: NDArray[Any],
+        fresh: Sequence[bool],
+        wanted: Collection[str] = WHATS,
+        fitted: Sequence[bool] = (),
+    ) -> Iterator[Outgoing]:
+        """What is said of the contacts of one cycle.
 
-    def contact_wrench(self, stamp_ns: int, contact: Placed) -> Outgoing:
-        """Force of one contact in its own frame, whose z is out of the skin."""
-        frame = self.topics.contact_frame(contact.patch, int(contact.row["track"]))
-        force = np.array([0.0, 0.0, -float(contact.row["normal_force"])])
-        message = self._wrench_stamped(stamp_ns, frame, force, np.zeros(3))
-        topic = self.topics.of_patch(contact.patch, "contact_wrench")
-        return Outgoing(topic, K.WRENCH_STAMPED, stamp_ns, message)
+        Parameters
+        ----------
+        stamps_ns : sequence of int, ns
+            Of each patch's newest reading.
+        contacts : structured (N,) array
+            With `patch`, `position`, `normal` and so on.
+        fresh : sequence of bool
+            Whether each patch was read since the last time: nothing is said twice of a reading, but
+            for `contacts`, which holds those of all patches.
+        wanted : collection of str
+            Of `WHATS`.
+        fitted : sequence of bool
+            Whether each contact is of the contact fit; default none.
+        """
+        placed, newest = [], max(stamps_ns, default=0)
+        for row, by_fit in zip(contacts, fitted or [False] * len(contacts), strict=True):
+            patch = int(row["patch"])
+            pose = self._poses[patch]
+            position = pose[:3, :3] @ row["position"] + pose[:3, 3]
+            normal = pose[:3, :3] @ row["normal"]
+            placed.append(Placed(patch, stamps_ns[patch], row, position, normal, bool(by_fit)))
+        news = [each for each in placed if fresh[each.patch]]
+        if "contacts" in wanted and any(fresh):
+            message = self.kinds.make(
+                K.CONTACTS,
+                header=self.header(newest, ""),
+                contacts=[self._contact(each) for each in placed],
+            )
+            yield Outgoing(self.topics.contacts, K.CONTACTS, newest, message)
+        if "frames" in wanted and news:
+            message = self.kinds.make(K.FRAMES, transforms=[self._move(each) for each in news])
+            yield Outgoing(self.topics.frames, K.FRAMES, newest, message)
+        if "contact_wrench" in wanted:  # in the contact's own frame, whose z is out of the skin
+            for each in news:
+                frame = self.topics.contact_frame(each.patch, int(each.row["track"]))
+                force = np.array([0.0, 0.0, -float(each.row["normal_force"])])
+                stamped = each.patch, each.stamp_ns, frame
+                yield self._wrench_stamped("contact_wrench", *stamped, force, np.zeros(3))
+        if "wrench" in wanted:  # the sum of a patch's, with the moment about the link's origin
+            for place in np.flatnonzero(fresh).tolist():
+                its = [each for each in news if each.patch == place]
+                force = np.sum([np.zeros(3), *(each.force for each in its)], axis=0)
+                torques = [np.cross(each.position, each.force) for each in its]
+                torque = np.sum([np.zeros(3), *torques], axis=0)
+                stamped = place, stamps_ns[place], self._frames[place]
+                yield self._wrench_stamped("wrench", *stamped, force, torque)
 
-    def frames(self, stamps_ns: Sequence[int], contacts: Sequence[Placed]) -> Outgoing:
-        """Frames of contacts in those of their links; stamps of all patches."""
-        moves = [self._move(stamps_ns[each.patch], each) for each in contacts]
-        message = self.kinds.make(K.FRAMES, transforms=moves)
-        return Outgoing(self.topics.frames, K.FRAMES, max(stamps_ns, default=0), message)
-
-    def contacts(self, stamps_ns: Sequence[int], contacts: Sequence[Placed]) -> Outgoing:
-        """All contacts; stamps of all patches."""
-        newest = max(stamps_ns, default=0)
-        message = self.kinds.make(
-            K.CONTACTS,
-            header=self.header(newest, ""),
-            contacts=[self._contact(stamps_ns[each.patch], each) for each in contacts],
-        )
-        return Outgoing(self.topics.contacts, K.CONTACTS, newest, message)
-
-    def _contact(self, stamp_ns: int, contact: Placed) -> Any:
-        row, force = contact.row, -contact.row["normal_force"] * contact.normal
-        track = int(row["track"])
+    def _contact(self, contact: Placed) -> Any:
+        row, track = contact.row, int(contact.row["track"])
+        same = ("normal_force", "force_std", "area", "peak_pressure", "age", "speed")
         return self.kinds.make(
             K.CONTACT,
-            header=self.header(stamp_ns, self._frames[contact.patch]),
+            header=self.header(contact.stamp_ns, self._frames[contact.patch]),
             id=track,
             patch=self.skin[contact.patch].name,
             contact_frame=self.topics.contact_frame(contact.patch, track),
             position=self._of(K.POINT, contact.position),
             normal=self._of(K.VECTOR, contact.normal),
-            wrench=self._wrench(force, np.zeros(3)),
-            normal_force=float(row["normal_force"]),
-            force_std=float(row["force_std"]),
+            wrench=self._wrench(contact.force, np.zeros(3)),
             position_std=float(row["place_std"]),
-            area=float(row["area"]),
-            peak_pressure=float(row["peak_pressure"]),
-            age=float(row["age"]),
-            speed=float(row["speed"]),
             fitted=contact.fitted,
+            **{name: float(row[name]) for name in same},
         )
 
-    def _move(self, stamp_ns: int, contact: Placed) -> Any:
+    def _move(self, contact: Placed) -> Any:
         x, y, z, w = quaternion(axes_at(contact.normal, self._sides[contact.patch]))
         return self.kinds.make(
             K.MOVE_STAMPED,
-            header=self.header(stamp_ns, self._frames[contact.patch]),
+            header=self.header(contact.stamp_ns, self._frames[contact.patch]),
             child_frame_id=self.topics.contact_frame(contact.patch, int(contact.row["track"])),
             transform=self.kinds.make(
                 K.MOVE,
@@ -181,12 +194,12 @@ class SkinMessages:
             ),
         )
 
-    def _wrench_stamped(self, stamp_ns: int, frame: str, force: Floats, torque: Floats) -> Any:
-        return self.kinds.make(
-            K.WRENCH_STAMPED,
-            header=self.header(stamp_ns, frame),
-            wrench=self._wrench(force, torque),
-        )
+    def _wrench_stamped(
+        self, what: str, place: int, stamp_ns: int, frame: str, force: Floats, torque: Floats
+    ) -> Outgoing:
+        header, wrench = self.header(stamp_ns, frame), self._wrench(force, torque)
+        message = self.kinds.make(K.WRENCH_STAMPED, header=header, wrench=wrench)
+        return Outgoing(self.topics.of_patch(place, what), K.WRENCH_STAMPED, stamp_ns, message)
 
     def _wrench(self, force: Floats, torque: Floats) -> Any:
         return self.kinds.make(
@@ -196,47 +209,6 @@ class SkinMessages:
     def _of(self, kind: str, values: Floats) -> Any:
         plain = (values + 0.0).tolist()  # -0.0 is 0.0
         return self.kinds.make(kind, **dict(zip(PLACE, plain, strict=True)))
-
-
-WHATS = ("contacts", "frames", "contact_wrench", "wrench")  # said of the contacts of one cycle
-
-
-def of_contacts(
-    make: SkinMessages,
-    stamps_ns: Sequence[int],
-    contacts: NDArray[Any],
-    fresh: Sequence[bool],
-    wanted: Collection[str] = WHATS,
-    fitted: Sequence[bool] = (),
-) -> Iterator[Outgoing]:
-    """What is said of the contacts of one cycle.
-
-    Parameters
-    ----------
-    make : SkinMessages
-    stamps_ns : sequence of int, ns
-        Of each patch's newest reading.
-    contacts : structured (N,) array
-    fresh : sequence of bool
-        Whether each patch was read since the last time: nothing is said twice of a reading, but
-        for `contacts`, which holds those of all patches.
-    wanted : collection of str
-        Of `WHATS`.
-    fitted : sequence of bool
-        Whether each contact is of the contact fit; default none.
-    """
-    placed = make.placed(contacts, fitted)
-    if "contacts" in wanted and any(fresh):
-        yield make.contacts(stamps_ns, placed)
-    news = [each for each in placed if fresh[each.patch]]
-    if "frames" in wanted and news:
-        yield make.frames(stamps_ns, news)
-    if "contact_wrench" in wanted:
-        for each in news:
-            yield make.contact_wrench(stamps_ns[each.patch], each)
-    if "wrench" in wanted:
-        for place in np.flatnonzero(fresh).tolist():
-            yield make.net_wrench(place, stamps_ns[place], news)
 
 
 def _cloud_of(patch: Patch) -> NDArray[np.float32]:
