@@ -11,17 +11,19 @@ from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
     Plan,
+    contact_plain,
     contacts_from,
     described,
+    status_from,
     strict_json,
 )
 from skinfield.bridges.zenoh.session import Part
-from skinfield.bridges.zenoh.status_messages import blank_status, contact_plain, status_from
 from skinfield.elastic import BondedLayer, Capacitance
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.model_config import Configuration, ModelConfig, Models
 from skinfield.loop.ring_fields import describe
+from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import Sizes
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import plain_contacts
@@ -44,8 +46,9 @@ FIELDS = tuple(Sizes.of(MODEL_CONFIG.skin, MODEL_CONFIG.rungs, MODEL_CONFIG.rows
 TOLD = describe("one", MODEL_CONFIG, ["Source"], 1e-3)
 DESCRIPTION = described("robot", "one", TOLD, FIELDS)
 PLAN = Plan.of(DESCRIPTION)
-NOISE = Calibration(1, 1, Tikhonov(), np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
-STATUS = strict_json(blank_status("robot/one", MODEL_CONFIG.skin) | {"state": "running"})
+KNOWN = Configuration(1, Tikhonov(), Tuning())
+NOISE = Calibration(1, KNOWN, np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
+STATUS = strict_json(status_from(b'{"name": "one", "state": "running"}', MODEL_CONFIG.skin))
 HEAD = EstimateHead(1, 2, 3, 4, 5, 6, PLAN.fingerprint).packed()
 
 
@@ -121,7 +124,7 @@ def read_calibration(data: bytes) -> None:
 def read_status(data: bytes) -> None:
     """Status: afterwards it has every member, and can be shown."""
     status = status_from(data, MODEL_CONFIG.skin)
-    assert status.keys() == blank_status("", MODEL_CONFIG.skin).keys()
+    assert status.keys() == json.loads(STATUS).keys()
     json.dumps(status, allow_nan=False)
 
 

@@ -6,7 +6,9 @@ nobody's first run; `pytest --hypothesis-profile=default` draws new ones.
 
 import gc
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -28,3 +30,12 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no recordings of others at {folder}: set SKINFIELD_SHARED_DATA to use them")
     return folder
+
+
+@pytest.fixture
+def engine() -> Iterator[Any]:
+    """Ring of an engine that publishes a cycle whenever it is told to."""
+    from recorder_ring import FakeEngine
+
+    with FakeEngine() as made:
+        yield made

@@ -11,7 +11,8 @@ from uuid import uuid4
 import numpy as np
 
 import skinfield as sf
-from skinfield.loop.model_config import Configuration, ModelConfig, bind, write_configuration
+from skinfield.loop.baseline import Baseline
+from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.realtime import RealTime
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.runtime_parameters import Tuning
@@ -128,9 +129,7 @@ def cycle_of(made: LiveSettings, noise: float = 0.004) -> Updater:
         made, (Port("port", max(int(p.channel.max()) for p in made.skin) + 1),)
     )
     table = np.tile([REST, GAIN, 0.6, 1.0], (taxels, 1))
-    return Updater(
-        model_config, bind(made.skin, model_config.ports), table, np.full(taxels, noise), 10**8
-    )
+    return Updater(model_config, Baseline(table, np.full(taxels, noise), 10**8))
 
 
 @cache
@@ -169,7 +168,7 @@ def skin_ring(made: LiveSettings | None = None) -> Iterator[Ring]:
 
 def begin(ring: Ring, made: LiveSettings) -> None:
     """What an engine says when it starts to answer."""
-    known = Configuration(1, made.solver, Tuning(deadline=made.time_to_answer))
+    known = Configuration(ring.generation, made.solver, Tuning(deadline=made.time_to_answer))
     write_configuration(ring.status["configuration"], known)
     ring.set_state(State.RUNNING)
 
@@ -181,7 +180,7 @@ def fill(
     slot = Slot.of(ring.begin())
     slot.head[:] = 0
     slot.head[Head.FRESH], slot.head[Head.CONTACTS] = fresh, len(forces)
-    slot.head[Head.WALL_NS] = stamp_ns
+    slot.head[Head.WALL_NS], slot.head[Head.GENERATION] = stamp_ns, ring.generation
     rows = slot.patches
     rows["answer"], rows["rung"], rows["stamp_ns"] = int(Answer.LINEAR), 20, stamp_ns
     rows["contacts"], rows["force"], rows["gap"] = len(forces), sum(forces), np.nan

@@ -16,7 +16,7 @@ from skinfield.loop.ring_fields import description_of, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.recorder import Recorder, forget_state
 from skinfield.ring import Ring, State
 from skinfield.signal import Blocks, Kind, Port
 from skinfield.skin import Patch, Skin
@@ -135,7 +135,7 @@ class FakeEngine(Engine):
 
 
 def recorder_of(engine: Engine, path: Path, **how: Any) -> Recorder:
-    return Recorder(RecorderSettings(name=engine.ring.name, path=path, **how))
+    return Recorder(engine.ring.name, path, **how)
 
 
 def record(engine: FakeEngine, path: Path, cycles: int, every: int = 3, **how: Any) -> Recorder:

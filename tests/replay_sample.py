@@ -10,19 +10,18 @@ from typing import Any
 import numpy as np
 from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout, Enclosed, FieldRecord
+from skinfield.files.mcap.schema import CYCLES, FIELDS, Enclosed, FieldRecord
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.loop.slots import LAYOUT as ROWS
+from skinfield.loop.slots import Head, Slot
 from skinfield.signal import Blocks, Channels, Kind
 
 START = 1_700_000_000_000_000_000
 PERIOD = 10_000_000  # ns
 STALE = 100_000_000  # ns
 NOISE = 0.004
-ROWS = CycleLayout(CONTACT, PATCH)
 
 
 @dataclass(frozen=True)

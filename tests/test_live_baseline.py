@@ -11,7 +11,7 @@ from skinfield.emulator import VirtualSettings
 from skinfield.emulator.electronics import Converters, manufacture
 from skinfield.emulator.packet import REST
 from skinfield.loop.baseline import Baseline, BaselineCollector
-from skinfield.loop.model_config import ModelConfig, bind
+from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import Slot
 from skinfield.loop.update import Updater, lowest_change
 from skinfield.signal import Blocks, Channels, CySkinCount, ICubByte, Kind, PlainCount, Port
@@ -47,7 +47,6 @@ class Skin:
             manufacture(sf.Skin((PATCH,)), made), made, np.full(len(PATCH), rest), (0.0, high)
         )
         self.model_config = ModelConfig.of(self.settings, (Port("port", len(PATCH)),))
-        self.binding = bind(self.settings.skin, self.model_config.ports)
         self.channels, self.now = Channels(len(PATCH)), 10**18
         self._updater: Updater | None = None
 
@@ -61,7 +60,7 @@ class Skin:
 
     def tare(self, touches: np.ndarray, readings: int) -> tuple[Baseline, int]:
         """Touched for so many readings, then let go; and how many it took."""
-        tare = BaselineCollector(self.settings, self.binding)
+        tare = BaselineCollector(self.settings, self.model_config.binding)
         for number in range(1, 5000):
             self.feed(touches if number <= readings else UNTOUCHED)
             if tare.take(self.channels, self.now):
@@ -71,13 +70,7 @@ class Skin:
     def forces(self, baseline: Baseline, change: np.ndarray, count: int = 10) -> np.ndarray:
         """Of all contacts, N, in each of some readings."""
         if self._updater is None:
-            self._updater = Updater(
-                self.model_config,
-                self.binding,
-                baseline.calibration,
-                baseline.noise_std,
-                baseline.stale_ns,
-            )
+            self._updater = Updater(self.model_config, baseline)
         updater = self._updater
         slot, found = Slot.empty(updater.sizes), []
         for number in range(count):

@@ -24,7 +24,7 @@ from skinfield.loop.control import order
 from skinfield.loop.runtime_parameters import Focus, Tuning
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
-from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.recorder import Recorder, forget_state
 from skinfield.record.replay import Replay
 from skinfield.ring import State
 from skinfield.solve import GaussianField, Tikhonov
@@ -78,7 +78,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Session]:
     made = settings(sources=sources, rungs=(10, 12), solver=GaussianField())
     with Supervisor(made) as supervisor:
         supervisor.wait(LONG).close()
-        recorder = Recorder(RecorderSettings(name=made.name, path=folder / "a.mcap"))
+        recorder = Recorder(made.name, folder / "a.mcap")
         stop = threading.Event()
         with connect(made.name) as live, ThreadPoolExecutor(1) as beside:
             recording = beside.submit(recorder.run, stop)
@@ -190,7 +190,7 @@ def test_all_stays_after_a_crash(recorded: Session) -> None:
 
 
 def test_the_recording_says_what_was_in_force_when(recorded: Session) -> None:
-    source = Replay(recorded.recorder.settings.path)
+    source = Replay(recorded.recorder.state.path)
     tunings = [each.configuration.tuning for each in source.settings[1:]]
     wanted = [recorded.seen["first"], *(each for _, each in recorded.seen["tunings"])]
     assert tunings[: len(wanted)] == wanted
@@ -201,7 +201,7 @@ def test_the_recording_says_what_was_in_force_when(recorded: Session) -> None:
 
 
 def test_all_is_shown_as_it_was(recorded: Session) -> None:
-    source = Replay(recorded.recorder.settings.path)
+    source = Replay(recorded.recorder.state.path)
     cycles = {each.cycle.number: each.cycle for each in source}
     assert list(cycles) == list(range(min(cycles), max(cycles) + 1))
     assert sum(len(each.contacts) > 0 for each in cycles.values()) > ENOUGH
@@ -220,6 +220,6 @@ def test_all_is_shown_as_it_was(recorded: Session) -> None:
 
 
 def test_what_is_left_of_a_file_is_shown(recorded: Session, tmp_path: Path) -> None:
-    data, cut = Path(recorded.recorder.settings.path).read_bytes(), tmp_path / "cut.mcap"
+    data, cut = Path(recorded.recorder.state.path).read_bytes(), tmp_path / "cut.mcap"
     cut.write_bytes(data[: len(data) * 6 // 10])
     assert len(list(Replay(cut))) > 10

@@ -9,10 +9,10 @@ import pytest
 from live_skins import unique_name, wait_for
 
 from skinfield.bridges.launch import Bridge
-from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.errors import InputError
 from skinfield.loop import process_supervisor
 from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
+from skinfield.settings import BridgeSettings
 
 LONG = 600.0  # s: on a busy machine
 SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"
@@ -82,7 +82,7 @@ def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
             pipe = subprocess.PIPE
             return subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=pipe, stdout=pipe)
 
-    bridge = Silent("zenoh", "nobody", PublisherSettings())
+    bridge = Silent("zenoh", "nobody", BridgeSettings())
     failures: list[str] = []
 
     def begin() -> None:

@@ -60,16 +60,17 @@ def run(fake: FakeTime, work: list[int]) -> tuple[list[tuple[int, int]], int]:
     return found, periodic.skipped
 
 
-def test_short_cycles_keep_their_places(fake: FakeTime) -> None:
-    found, skipped = run(fake, [10, 900, 993, 0])
-    assert found == [(100 + 1000 * k, 107 + 1000 * k) for k in range(5)]
-    assert skipped == 0
-
-
-def test_long_cycles_are_not_made_up_for(fake: FakeTime) -> None:
-    found, skipped = run(fake, [994, 3500, 10])  # the first ends 1 ns after the next was due
-    assert [due for due, _ in found] == [100, 2100, 6100, 7100]
-    assert skipped == 4
+@pytest.mark.parametrize(
+    ("work", "dues", "missed"),
+    [
+        ([10, 900, 993, 0], [100, 1100, 2100, 3100, 4100], 0),
+        ([994, 3500, 10], [100, 2100, 6100, 7100], 4),  # the first ends 1 ns after the next was due
+    ],
+)
+def test_cycles_keep_their_places_and_long_ones_are_not_made_up_for(
+    fake: FakeTime, work: list[int], dues: list[int], missed: int
+) -> None:
+    assert run(fake, work) == ([(due, due + 7) for due in dues], missed)
 
 
 def test_any_work_gives_the_first_multiple_that_is_not_past(fake: FakeTime) -> None:
@@ -151,13 +152,9 @@ def test_a_cycle_begins_when_nothing_arrives(pipe) -> None:
     assert due <= wake
     due, later = wait.wait()
     assert due == wake + 5 * MS or due == later
-
-
-def test_without_any_source_it_is_a_slow_clock() -> None:
-    wait = waiter([], longest_ms=3)
-    _, first = wait.wait()
-    _, second = wait.wait()
-    assert second - first >= 2 * MS
+    slow = waiter([], longest_ms=3)  # without any source
+    first, second = slow.wait(), slow.wait()
+    assert second[1] - first[1] >= 2 * MS
 
 
 def test_a_closed_end_does_not_take_the_processor(pipe) -> None:
@@ -297,17 +294,14 @@ def test_quantiles_are_those_of_the_sorted_times_within_a_bin(scale: float) -> N
 
 @given(st.integers(0, TOP))
 def test_each_time_has_one_bin_that_holds_it(time: int) -> None:
+    assert (np.diff(LAST_NS) > 0).all()  # without gaps
+    assert (LAST_NS[0], LAST_NS[-1]) == (0, TOP)
     counts = counted([time])
     (at,) = np.flatnonzero(counts[:BINS])
     first = LAST_NS[at - 1] + 1 if at else 0
     assert first <= time <= LAST_NS[at]
     assert LAST_NS[at] - first <= time * WIDTH
     assert counts[LONGEST] == counts[SUM] == time
-
-
-def test_bins_follow_each_other_without_gaps() -> None:
-    assert (np.diff(LAST_NS) > 0).all()
-    assert (LAST_NS[0], LAST_NS[-1]) == (0, TOP)
 
 
 @given(st.lists(st.integers(-(2**63), 2**63 - 1), min_size=1, max_size=20))
@@ -340,12 +334,9 @@ def test_a_difference_has_the_times_since() -> None:
 
 
 def test_a_copy_of_a_later_time_is_refused() -> None:
+    assert quantiles(np.zeros(WORDS, np.uint64)) is None  # nothing was counted
     with pytest.raises(InputError, match="earlier copy"):
         quantiles(np.zeros(WORDS, np.uint64), counted([5]))
-
-
-def test_nothing_counted_says_nothing() -> None:
-    assert quantiles(np.zeros(WORDS, np.uint64)) is None
 
 
 def cycles(count: int) -> np.ndarray:

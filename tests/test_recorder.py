@@ -20,12 +20,6 @@ from skinfield.signal import Kind
 
 
 @pytest.fixture
-def engine():
-    with FakeEngine() as made:
-        yield made
-
-
-@pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.mcap"
 

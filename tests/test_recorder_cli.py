@@ -5,23 +5,15 @@ import signal
 import subprocess
 import sys
 
-import pytest
 from command_line import refused, run
 from live_skins import wait_for
 from mcap_sample import write
-from recorder_ring import FakeEngine
 
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.record.recorder import read_state
 
 PATIENCE = 60.0  # s
 MAIN = "from skinfield.cli import main; main()"
-
-
-@pytest.fixture
-def engine():
-    with FakeEngine() as made:
-        yield made
 
 
 def test_record_until_ctrl_c(engine, tmp_path):

@@ -12,20 +12,14 @@ import time
 import pytest
 from live_skins import wait_for
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine, missing_bytes, whole
+from recorder_ring import missing_bytes, whole
 
 from skinfield.files.mcap.container import FileOutput
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.record.recorder import Recorder, RecorderSettings, read_state
+from skinfield.record.recorder import Recorder, read_state
 from skinfield.record.recover import recover
 
 PATIENCE = 60.0  # s, on a machine that is busy
-
-
-@pytest.fixture
-def engine():
-    with FakeEngine() as made:
-        yield made
 
 
 def step(engine, recorder, cycles: int = 1) -> None:
@@ -107,8 +101,7 @@ class SlowDisk(FileOutput):
 def test_a_slow_disk_costs_what_does_not_fit_and_that_is_told(engine, tmp_path):
     path, said = tmp_path / "a.mcap", []
     disk = SlowDisk(path)
-    how = RecorderSettings(name=engine.ring.name, path=path, queue_bytes=1 << 14)
-    recorder = Recorder(how, said.append, disk)
+    recorder = Recorder(engine.ring.name, path, said.append, disk, queue_bytes=1 << 14)
     step(engine, recorder)
     wait_for(lambda: recorder._queue.waiting == 0)
     disk.free.clear()
@@ -164,7 +157,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     """Really full: nothing is lost as long as the queue holds it."""
     path, said = small_disk / "a.mcap", []
     ballast = small_disk / "ballast"
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
+    recorder = Recorder(engine.ring.name, path, said.append)
     assert fill(ballast) > 300_000
 
     def write_on() -> float:
@@ -194,7 +187,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
 
 def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
     path, said = small_disk / "a.mcap", []
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
+    recorder = Recorder(engine.ring.name, path, said.append)
     engine.keep = False
 
     def write_on() -> float:
@@ -228,7 +221,7 @@ class Room(FileOutput):
 def test_the_last_bytes_of_a_full_disk_take_the_end(engine, tmp_path):
     path = tmp_path / "a.mcap"
     disk = Room(path)
-    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), output=disk)
+    recorder = Recorder(engine.ring.name, path, output=disk)
     step(engine, recorder)
     wait_for(lambda: recorder._disk.last_flush and disk.end > 12_000)
     disk.room = disk.end + 20_000

@@ -24,12 +24,6 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fit_ring, "AGAIN", 0.0)  # s between looks for a ring
 
 
-@pytest.fixture(name="engine")
-def _engine() -> Iterator[FakeEngine]:
-    with FakeEngine() as made:
-        yield made
-
-
 @pytest.fixture(name="fit")
 def _fit(engine: FakeEngine) -> Iterator[FakeFit]:
     with FakeFit(engine.ring.name) as made:

@@ -19,12 +19,6 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are teste
 PERIOD = 0.01  # s
 
 
-@pytest.fixture
-def engine() -> Iterator[FakeEngine]:
-    with FakeEngine() as made:
-        yield made
-
-
 def cycles(engine: FakeEngine, count: int) -> None:
     for _ in range(count):
         engine.cycle()

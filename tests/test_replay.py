@@ -4,6 +4,7 @@ import json
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,7 +26,7 @@ from skinfield.files.mcap.live import LiveRecording
 from skinfield.loop import fit_ring
 from skinfield.loop.client import connect
 from skinfield.loop.fit_ring import LAYOUT, FitReader, Fitted
-from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.model_config import Configuration, ModelConfig, Models
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.snapshot import Snapshot
@@ -34,7 +35,6 @@ from skinfield.page.replay import LATE, Clock, ReplaySource
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView, merged_view
 from skinfield.page.updates import Updates
-from skinfield.reconstruct.serialisation import plain_from_value
 from skinfield.record import drain as recorder_drain
 from skinfield.record.drain import FitDrain
 from skinfield.record.queue import Queue
@@ -63,10 +63,9 @@ def replay(made: tuple[Path, list[Known]]) -> Replay:
 
 @pytest.fixture(scope="module")
 def opened(made: tuple[Path, list[Known]]) -> Iterator[ReplaySource]:
-    feed = ReplaySource(made[0], playing=False)
-    assert not feed.playing
-    yield feed
-    feed.close()
+    with closing(ReplaySource(made[0], playing=False)) as feed:
+        assert not feed.playing
+        yield feed
 
 
 @pytest.fixture
@@ -146,13 +145,12 @@ def test_calibration_and_settings_are_those_of_the_time(replay: Replay, tmp_path
 
     def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
         wall = START + number * PERIOD
-        tuning = Tuning(threshold=0.01 * number).as_dict()
-        more = {"solver": plain_from_value("solver", solver), "generation": 2}
+        known = Configuration(number // 10, solver, Tuning(threshold=0.01 * number)).as_dict()
         if number in (10, 20):
-            writer.event(wall, "settings", "", tuning=tuning, **(more if number == 20 else {}))
+            writer.event(wall, "settings", "", **known)
         if number == 25:
             writer.event(wall, "settings", "")
-            writer.event(wall, "settings", "", tuning=tuning, solver={"a": 1})
+            writer.event(wall, "settings", "", **(known | {"solver": {"a": 1}}))
 
     write(path, 30, beside=beside)
     found = Replay(path)
@@ -203,8 +201,7 @@ def test_what_is_no_recording_of_a_skin_says_so(tmp_path: Path) -> None:
 def test_it_can_be_looked_at_as_a_running_skin(
     made: tuple[Path, list[Known]], replay: Replay
 ) -> None:
-    published = Published(unique_name(), replay)
-    try:
+    with closing(Published(unique_name(), replay)) as published:
         for each in replay.from_time(START + (TARED + 10) * PERIOD):
             published.put(each)
             if each.cycle.number >= 200:
@@ -219,8 +216,6 @@ def test_it_can_be_looked_at_as_a_running_skin(
             assert "nothing can be changed" in str(said) or "replay" in str(said["tuning"]["off"])
             with pytest.raises(InputError, match="nothing can be changed here"):
                 live.tune(threshold=0.1)
-    finally:
-        published.close()
 
 
 def run(*words: str) -> str:
@@ -355,27 +350,21 @@ def test_a_cut_file_is_shown_as_far_as_it_goes(
     data = made[0].read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: len(data) * 6 // 10])
-    opened = ReplaySource(cut, playing=False)
-    try:
+    with closing(ReplaySource(cut, playing=False)) as opened:
         assert 1.0 < opened.end_s < CYCLES / WHOLE
         assert_is(went(opened, 1.1), made[1][110])
         assert "cut" in opened.status()["notes"]["damage"][0]
         assert opened.end_s == pytest.approx(went(opened, 1e9).number / WHOLE)
-    finally:
-        opened.close()
 
 
 def test_a_gap_is_told(tmp_path: Path) -> None:
     path = tmp_path / "parts.mcap"
     known = write(path, 160, first=33, without=range(130, 138))
-    opened = ReplaySource(path, playing=False)
-    try:
+    with closing(ReplaySource(path, playing=False)) as opened:
         assert opened.gaps == [pytest.approx((0.96, 1.05))]
         assert_is(went(opened, 0.9), known[123])
         assert "missing from 0.96 s to 1.05 s" in opened.status()["notes"]["replay"]
         assert_is(went(opened, 1.0), known[138])  # the first one from then on
-    finally:
-        opened.close()
 
 
 def test_other_recordings_are_for_reconstruct(tmp_path: Path) -> None:
@@ -510,10 +499,9 @@ def _fit(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fit]:
 
 @pytest.fixture(scope="module", name="fitted")
 def _fitted(fit: Fit) -> Iterator[ReplaySource]:
-    opened = ReplaySource(fit.path, playing=False)
-    wait_for(lambda: opened.sought)
-    yield opened
-    opened.close()
+    with closing(ReplaySource(fit.path, playing=False)) as opened:
+        wait_for(lambda: opened.sought)
+        yield opened
 
 
 def assert_same(found: EngineView, live: EngineView) -> None:

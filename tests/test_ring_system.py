@@ -18,6 +18,9 @@ def test_x86_needs_no_fence_and_others_do(monkeypatch: pytest.MonkeyPatch) -> No
         assert system.needs_fence() == needed
     monkeypatch.setattr(platform, "machine", lambda: "x86_64")
     assert system.fence() is None
+    monkeypatch.setattr(platform, "machine", lambda: "m68k")
+    assert system.fence_of_kernel() is None
+    assert isinstance(system.signal(0), system.Polling)
 
 
 def test_a_ring_works_with_a_fence(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,14 +45,6 @@ def test_without_any_fence_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(sys, "byteorder", "big")
     with pytest.raises(InputError, match="little-endian"):
         system.fence()
-
-
-def test_kernel_fence_is_absent_where_the_number_is_not_known(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(platform, "machine", lambda: "m68k")
-    assert system.fence_of_kernel() is None
-    assert isinstance(system.signal(0), system.Polling)
 
 
 @pytest.mark.parametrize("polling", [False, True])

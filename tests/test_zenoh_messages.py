@@ -14,13 +14,16 @@ from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
     Plan,
+    contact_plain,
     contacts_from,
+    status_from,
     strict_json,
 )
 from skinfield.bridges.zenoh.session import Part, chunk
-from skinfield.bridges.zenoh.status_messages import contact_plain, status_from
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.model_config import Configuration
+from skinfield.loop.runtime_parameters import Tuning
 from skinfield.solve import NonNegative
 
 FUZZ = Path(__file__).resolve().parents[1] / "fuzz" / "fuzz_zenoh.py"
@@ -119,11 +122,12 @@ def test_a_description_cannot_ask_for_all_memory(target, rungs) -> None:
 
 def test_calibrations_go_there_and_back() -> None:
     noise = np.linspace(1e-4, 1e-3, 5)
-    found = Calibration.of(Calibration(3, 2, NonNegative(tolerance=0.1), noise).packed(), 5)
-    assert (found.tares, found.generation, found.solver) == (3, 2, NonNegative(tolerance=0.1))
+    made = Calibration(3, Configuration(2, NonNegative(tolerance=0.1), Tuning()), noise)
+    found = Calibration.of(made.packed(), 5)
+    assert found[:2] == made[:2]
     np.testing.assert_array_equal(found.noise_std, noise)
     with pytest.raises(InputError, match="no noise of 6 taxels"):
-        Calibration.of(Calibration(3, 2, None, noise).packed(), 6)
+        Calibration.of(made.packed(), 6)
 
 
 def test_what_is_not_finite_becomes_null() -> None:

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -82,33 +82,33 @@ def test_three_engines_are_one_skin_and_one_may_die() -> None:
 
 def test_a_bridge_that_dies_is_started_again() -> None:
     rng = np.random.default_rng(2)
-    with skin_ring() as ring, listening() as (session, address):
-        sources = ZenohSources(session)
-        try:
-            given = BridgeSettings(zenoh=True, zenoh_connect=(address,))
-            with bridges(given, ring.name) as made:
-                (bridge,) = made
-                assert bridge.facts["key"] == f"skinfield/robot/{ring.name}/**"
-                (source,) = wait_for(sources.sources, LONG)
+    with (
+        skin_ring() as ring,
+        listening() as (session, address),
+        closing(ZenohSources(session)) as sources,
+    ):
+        given = BridgeSettings(zenoh=True, zenoh_connect=(address,))
+        with bridges(given, ring.name) as made:
+            (bridge,) = made
+            assert bridge.facts["key"] == f"skinfield/robot/{ring.name}/**"
+            (source,) = wait_for(sources.sources, LONG)
 
-                def comes() -> bool:
-                    fill(ring, rng, time.time_ns(), 2.0)
-                    found = source.latest()
-                    return found is not None and found.force == 2.0
+            def comes() -> bool:
+                fill(ring, rng, time.time_ns(), 2.0)
+                found = source.latest()
+                return found is not None and found.force == 2.0
 
-                wait_for(comes, LONG)
-                assert bridge.child is not None
-                bridge.child.kill()
-                wait_for(lambda: source.status()["state"] == "failed", LONG)
-                wait_for(lambda: bridge.restarts == 1 and not bridge.failure, LONG)
-                said = "the bridge to zenoh ended with signal SIGKILL; it is started again"
-                assert bridge.notices() == [said]
-                assert bridge.notices() == []
-                wait_for(lambda: source.status()["state"] == "running", LONG)
-                wait_for(comes, LONG)
+            wait_for(comes, LONG)
+            assert bridge.child is not None
+            bridge.child.kill()
             wait_for(lambda: source.status()["state"] == "failed", LONG)
-        finally:
-            sources.close()
+            wait_for(lambda: bridge.restarts == 1 and not bridge.failure, LONG)
+            said = "the bridge to zenoh ended with signal SIGKILL; it is started again"
+            assert bridge.notices() == [said]
+            assert bridge.notices() == []
+            wait_for(lambda: source.status()["state"] == "running", LONG)
+            wait_for(comes, LONG)
+        wait_for(lambda: source.status()["state"] == "failed", LONG)
 
 
 def test_a_bridge_that_cannot_start_says_why() -> None:

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from live_skins import fill, settings, skin_ring
 
-from skinfield.bridges.zenoh.publisher import Publisher, PublisherSettings, serve
+from skinfield.bridges.zenoh.publisher import Publisher, serve
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 from skinfield.errors import InputError
 from skinfield.loop.client import Live
 from skinfield.ring import Ring
+from skinfield.settings import BridgeSettings
 
 FORCE = 1.5  # N
 
@@ -75,9 +76,8 @@ def main() -> None:
 
         worker = threading.Thread(target=work)
         worker.start()
-        session = ZenohSettings(connect=(address,))
         try:
-            serve(name, PublisherSettings(robot=robot, session=session), stop)
+            serve(name, BridgeSettings(robot=robot, zenoh=True, zenoh_connect=(address,)), stop)
         finally:
             stop.set()
             worker.join()

@@ -4,19 +4,17 @@ import contextlib
 import importlib.util
 import json
 import os
-import selectors
+import select
 import subprocess
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 from typing import Any
 
 from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.yarp.settings import YarpSettings
-from skinfield.bridges.zenoh.publisher import PublisherSettings
-from skinfield.bridges.zenoh.session import ZenohSettings
+from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
 from skinfield.loop.process_supervisor import (
     Child,
@@ -79,22 +77,14 @@ def _first_line(child: Child, seconds: float, stop: threading.Event) -> dict[str
     Of one that ends before it says anything there is nothing.
     """
     assert child.stdout is not None
-    end, data = time.monotonic() + seconds, b""
-    with selectors.DefaultSelector() as waiting:
-        waiting.register(child.stdout, selectors.EVENT_READ)
-        while b"\n" not in data and len(data) < MOST:
-            if stop.is_set():
-                return {"error": "all was told to end"}
-            if time.monotonic() > end:
-                return {"error": f"it was not there within {seconds:g} s: is the machine busy?"}
-            if not waiting.select(LOOK):
-                continue
-            part = os.read(child.stdout.fileno(), MOST)
-            if not part:
-                break
-            data += part
+    end = time.monotonic() + seconds
+    while not select.select([child.stdout], (), (), LOOK)[0]:
+        if stop.is_set():
+            return {"error": "all was told to end"}
+        if time.monotonic() > end:
+            return {"error": f"it was not there within {seconds:g} s: is the machine busy?"}
     try:
-        told = json.loads(data.partition(b"\n")[0])
+        told = json.loads(child.stdout.readline(MOST))
     except ValueError:
         return {}
     return told if isinstance(told, dict) else {}
@@ -113,7 +103,7 @@ def bridge_settings(given: BridgeSettings) -> dict[str, Any]:
         _need("zenoh", "zenoh")
         session = zenoh_session(given)
     if given.zenoh:
-        wanted["zenoh"] = PublisherSettings(robot=given.robot, session=session)
+        wanted["zenoh"] = given
     if given.ros2:
         _need("rosbags", "ros")
         wanted["ros2"] = RosSettings(
@@ -132,15 +122,6 @@ def _need(package: str, extra: str) -> None:
         raise InputError(
             f"package {package} is not installed, expected it: pip install 'skinfield[{extra}]'"
         )
-
-
-def zenoh_session(given: ZenohAddresses) -> ZenohSettings:
-    """How to meet others over zenoh."""
-    return ZenohSettings(
-        listen=given.zenoh_listen,
-        connect=given.zenoh_connect,
-        config=None if given.zenoh_config is None else Path(given.zenoh_config),
-    )
 
 
 @contextmanager

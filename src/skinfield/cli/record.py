@@ -57,16 +57,10 @@ def record(
     view_rate_hz : float, 1/s
         Of what all taxels read and the pressure, messages a second.
     """
-    from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
+    from skinfield.record.recorder import Recorder, RecorderState, forget_state
 
     report.check_output("--output", output, force, ".mcap")
-    settings = RecorderSettings(
-        name=name,
-        path=Path(output),
-        since_ns=time.time_ns(),
-        view_rate=view_rate_hz,
-        overwrite=force,
-    )
+    since_ns = time.time_ns()
     out = Console(stderr=True)
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -79,7 +73,13 @@ def record(
         before[:] = [state]
 
     recorder = Recorder(
-        settings, lambda text: report.note(f"{text:<100}", "yellow", out), first=True
+        name,
+        Path(output),
+        lambda text: report.note(f"{text:<100}", "yellow", out),
+        since_ns=since_ns,
+        view_rate=view_rate_hz,
+        overwrite=force,
+        first=True,
     )
     try:
         state = recorder.run(stop, duration, on_state)

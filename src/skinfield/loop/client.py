@@ -5,8 +5,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Literal, Self
 
-import numpy as np
-
 from skinfield.errors import InputError, check_positive
 from skinfield.loop.control import order
 from skinfield.loop.fit_ring import is_fit
@@ -44,6 +42,8 @@ class Live:
         Of its ring, with everything that is published.
     model_config : ModelConfig
         What the newest estimates follow from; its solver may change while the skin runs.
+    octets : (n,) uint8 array
+        The slot of the cycle that was fetched last, as it lies in the ring.
     """
 
     def __init__(self, name: str) -> None:
@@ -56,12 +56,18 @@ class Live:
         self.skin: Skin = self.model_config.skin
         self._generation = self.reader.generation
         self._models: tuple[int, Models] | None = None
-        self._seen = 0
+        self._seen, self._room = 0, self.reader.slot()
+        self._head, self.octets = self._room["head"], self._room.octets
 
     @property
     def state(self) -> State:
         """What the engine is doing; FAILED if its process is gone."""
         return state_of(self.reader)
+
+    @property
+    def tares(self) -> int:
+        """Baselines that were taken so far."""
+        return int(self.reader.status_view["tares"][0])
 
     def latest(self, max_age: float | None = None, timeout: float = 1.0) -> Snapshot:
         """The newest cycle.
@@ -101,7 +107,8 @@ class Live:
         copied = self.reader.latest() if number is None else self.reader.get(number)
         if copied is None:
             return None
-        self._seen, slot = copied.number, Slot.of(copied.arrays)
+        self._seen, self.octets = copied.number, copied.octets
+        slot = Slot.of(copied.arrays)
         self._follow(int(slot.head[Head.GENERATION]))
         return Snapshot(slot, copied.number, self.models, time.time_ns())
 
@@ -120,11 +127,10 @@ class Live:
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        status = self.reader.status_view
-        tares = int(status["tares"][0])
+        tares = self.tares
         if self._models is None or self._models[0] != tares:
-            noise, typical = status["noise_std"].copy(), self.model_config.quantity.typical_noise
-            self._models = tares, Models(self.model_config, np.where(noise > 0, noise, typical))
+            noise_std = self.reader.status_view["noise_std"]
+            self._models = tares, Models(self.model_config, noise_std)
         return self._models[1]
 
     def __iter__(self) -> Iterator[Snapshot]:
@@ -154,7 +160,8 @@ class Live:
         if newest <= seen:
             return None
         for number in range(newest, max(seen, newest - back), -1):
-            if (found := self._fetch(number)) is not None and found.fresh:
+            there = self.reader.part(number, self._room, ("head",))
+            if there and self._head[Head.FRESH] and (found := self._fetch(number)) is not None:
                 return found
         return self._fetch()
 

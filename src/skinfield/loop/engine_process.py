@@ -25,10 +25,9 @@ from skinfield.loop.control import Control
 from skinfield.loop.intake import Intake
 from skinfield.loop.model_config import FIELD as CONFIGURATION
 from skinfield.loop.model_config import (
-    Binding,
     Configuration,
     ModelConfig,
-    bind,
+    model_config_of,
     write_configuration,
 )
 from skinfield.loop.process_supervisor import end_with
@@ -39,7 +38,7 @@ from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import Head, Slot, say_nothing
 from skinfield.loop.status_text import read_notes, write_notes
-from skinfield.loop.supervisor import GO, READY, Handover
+from skinfield.loop.supervisor import GO, READY
 from skinfield.loop.update import Updater
 from skinfield.ring import RingReader, State
 from skinfield.signal import Channels
@@ -113,11 +112,14 @@ class Start:
     """
 
     def __init__(
-        self, settings: LiveSettings, binding: Binding, known: Baseline | None, tracks: Ints
+        self,
+        settings: LiveSettings,
+        model_config: ModelConfig,
+        known: Baseline | None,
+        tracks: Ints,
     ) -> None:
-        self._settings, self._binding, self._tracks = settings, binding, tracks
-        self._model_config = ModelConfig.of(settings, binding.ports)
-        self._tare = BaselineCollector(settings, binding)  # begun anew once what must be loaded is
+        self._settings, self._model_config, self._tracks = settings, model_config, tracks
+        self._tare = BaselineCollector(settings, model_config.binding)  # begun anew once it can be
         self.baseline = known
         self.phase, self.progress = "loading", dict[str, float]()
         self._began = time.monotonic()
@@ -128,14 +130,12 @@ class Start:
 
         Then whatever must be compiled, is, before readings are waited for.
         """
-        known, taxels = self.baseline, len(self._binding.channel)
+        known, model_config = self.baseline, self._model_config
         if known is None:
-            noise = np.full(taxels, self._settings.quantity.typical_noise)
-            known = Baseline(np.tile([0.0, 1.0, 1.0, 1.0], (taxels, 1)), noise, 1_000_000_000)
-        numbers = known.calibration, known.noise_std, known.stale_ns
-        config, binding = self._model_config, self._binding
+            noise = np.full(len(model_config.binding.channel), model_config.quantity.typical_noise)
+            known = Baseline(np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000)
         with reported(self._compiling):
-            return Updater(config, binding, *numbers, self._tracks, self._advance)
+            return Updater(model_config, known, self._tracks, self._advance)
 
     def _compiling(self, name: str, number: int) -> None:
         self.progress = {**self.progress, "compiled": number}
@@ -163,7 +163,7 @@ class Start:
         made = self._preparation.result()
         if self.baseline is None:
             self.phase, self.progress = "taring", {}
-            self._tare = BaselineCollector(self._settings, self._binding)
+            self._tare = BaselineCollector(self._settings, self._model_config.binding)
             self._tare.skip(channels)
             return None
         return made
@@ -181,17 +181,15 @@ class EngineProcess:
     Parameters
     ----------
     settings : LiveSettings
-    prepared : Binding and Updater, optional
+    prepared : Updater, optional
         To go on with at once from what the engine before published last.
     """
 
-    def __init__(
-        self, settings: LiveSettings, prepared: tuple[Binding, Updater] | None = None
-    ) -> None:
+    def __init__(self, settings: LiveSettings, prepared: Updater | None = None) -> None:
         self.settings, self.prepared = settings, prepared
         self.intake = Intake(settings.sources, POLLED)
-        self.binding = bind(settings.skin, self.intake.ports)
         self.model_config = ModelConfig.of(settings, self.intake.ports)
+        self.channel = self.model_config.binding.channel
         self.ring, fresh_ring = open_ring(settings, self.model_config)
         self.slots: dict[int, Slot] = {}
         self.intake.count_in(self.ring.status["sources"])
@@ -207,7 +205,7 @@ class EngineProcess:
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
-        self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
+        self.start = Start(settings, self.model_config, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
         self.updater: Updater | None = None
         self._go_by_tuning()
@@ -230,8 +228,9 @@ class EngineProcess:
         self.ring.set_state(State.STARTING)
         count = 0
         try:
-            if self.prepared is not None and self.prepared[0].ports == self.binding.ports:
-                self._go_on(self.prepared[1])
+            prepared, ports = self.prepared, self.model_config.ports
+            if prepared is not None and prepared.model_config.ports == ports:
+                self._go_on(prepared)
             while not self.stopping:
                 if self.prefetch is not None:
                     self.prefetch()
@@ -369,7 +368,7 @@ class EngineProcess:
         """A slot that says that all patches are missing."""
         say_nothing(slot, int(self.ring.status["tracks"][0]))
         slot.head[Head.READY_NS] = time.monotonic_ns()
-        slot.counts[:] = self.intake.channels.counts[self.binding.channel]
+        slot.counts[:] = self.intake.channels.counts[self.channel]
         self.ring.publish()
         self.ring.heartbeat(time.monotonic_ns())
 
@@ -407,7 +406,7 @@ class EngineProcess:
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
-        self.again = BaselineCollector(self.settings, self.binding)
+        self.again = BaselineCollector(self.settings, self.model_config.binding)
         self.again.skip(self.intake.channels)
         self._note(tare=["a new baseline is being taken"])
 
@@ -437,21 +436,35 @@ class EngineProcess:
         self.ring.close()
 
 
+def prepared_from_ring(settings: LiveSettings) -> Updater:
+    """What an engine takes over with: of the ports and the calibration of the one that runs.
+
+    Raises
+    ------
+    InputError
+        If that has no baseline.
+    """
+    with RingReader(settings.name) as reader:
+        known, ports = known_baseline(reader), model_config_of(reader).ports
+    if known is None:
+        raise InputError(
+            f"{settings.name!r} has no baseline yet, expected one that answers: wait until it runs"
+        )
+    return Updater(ModelConfig.of(settings, ports), known)
+
+
 def main() -> None:
     """Read the settings and run."""
     end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
-    asked, prepared = pickle.load(sys.stdin.buffer), None
-    if isinstance(asked, Handover):
-        model_config = ModelConfig.of(asked.settings, asked.ports)
-        binding, known = bind(asked.settings.skin, asked.ports), asked.known
-        numbers = known.calibration, known.noise_std, known.stale_ns
-        prepared = binding, Updater(model_config, binding, *numbers)
+    settings, takes_over = pickle.load(sys.stdin.buffer)
+    prepared = None
+    if takes_over:
+        prepared = prepared_from_ring(settings)
         sys.stdout.buffer.write(READY)
         sys.stdout.buffer.flush()
         if sys.stdin.buffer.readline() != GO:
             return  # it is not wanted any more
-        asked = asked.settings
-    engine = EngineProcess(asked, prepared)
+    engine = EngineProcess(settings, prepared)
     engine.run()
     if engine.ending != State.STOPPED:  # the next one waits for the end of this process
         os._exit(0)

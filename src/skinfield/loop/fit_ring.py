@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap.schema import FitLayout, FitSizes
+from skinfield.loop.slots import SlotViews, empty_arrays
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status_text import FIELD as NOTES
 from skinfield.loop.status_text import read_notes
@@ -103,7 +104,7 @@ def describe(name: str, patches: Sequence[str]) -> dict[str, object]:
 
 
 @dataclass(frozen=True, eq=False)
-class FitSlot:
+class FitSlot(SlotViews):
     """Views into one slot, or into a copy of it.
 
     Attributes
@@ -135,13 +136,7 @@ class FitSlot:
     @classmethod
     def empty(cls, patches: int, nodes: int, rows: int) -> "FitSlot":
         """A slot in memory of its own."""
-        fields = slot_fields(patches, nodes, rows)
-        return cls.of({f.name: np.zeros(f.shape, np.dtype(f.dtype)) for f in fields})
-
-    def copy_from(self, other: "FitSlot") -> None:
-        """Take over all that another holds."""
-        for part in fields(self):
-            np.copyto(getattr(self, part.name), getattr(other, part.name))
+        return cls.of(empty_arrays(slot_fields(patches, nodes, rows)))
 
     @property
     def sizes(self) -> FitSizes:

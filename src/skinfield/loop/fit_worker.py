@@ -3,7 +3,7 @@
 import copy
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact
-from skinfield.estimate.live_contacts import CONTACT, Habits
+from skinfield.estimate.live_contacts import CONTACT, KNOWN, Habits
 from skinfield.loop.fit_ring import FORM, NEAR, SHAPES, Fitted
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.stationary_mean import Mean, StationaryMean
@@ -22,18 +22,6 @@ from skinfield.solve.atoms.fitter import ContactFitter
 FIRST = 1_000_000  # number of the first contact that only the fit knows
 HABITS = Habits(hold=0.5)
 Rows = NDArray[np.void]
-
-
-@dataclass(frozen=True)
-class Known:
-    """A contact of before: number, place (m), speed (m/s), and when it was seen (ns)."""
-
-    track: int
-    x: float
-    y: float
-    speed: float
-    first_ns: int
-    last_ns: int
 
 
 class FitTracks:
@@ -51,11 +39,7 @@ class FitTracks:
 
     def __init__(self, numbers: Iterator[int]) -> None:
         self._numbers = numbers
-        self._known: list[Known] = []
-
-    def reset(self) -> None:
-        """Forget the contacts of before."""
-        self._known = []
+        self._known: Rows = np.zeros(0, KNOWN)
 
     def number(self, rows: Rows, engine: Rows, stamp_ns: int) -> None:
         """Write `track`, `age` and `speed` into the rows of a fit.
@@ -67,51 +51,36 @@ class FitTracks:
         stamp_ns : int, ns
             Of the reading.
         """
-        hold = int(HABITS.hold * 1e9)
-        known = [each for each in self._known if 0 <= stamp_ns - each.last_ns <= hold]
-        places = np.array([[each.x, each.y] for each in known]).reshape(-1, 2)
-        since = np.array([(stamp_ns - each.last_ns) * 1e-9 for each in known])
-        reach = HABITS.reach + HABITS.speed * since
-        before = pairs(_places(rows), places, reach)
-        taken = {known[at].track for at in before.values()}
-        free = engine[~np.isin(engine["track"], list(taken))]
+        since = (stamp_ns - self._known["last_ns"]) * 1e-9
+        there = (since >= 0.0) & (since <= HABITS.hold)
+        known, since = self._known[there], since[there]
+        before = pairs(rows, known, HABITS.reach + HABITS.speed * since)
+        free = engine[~np.isin(engine["track"], known["track"][list(before.values())])]
         fresh = [at for at in range(len(rows)) if at not in before]
-        reach = np.full(len(free), NEAR)
-        found = pairs(_places(rows[fresh]), _places(free), reach)
-        self._known = []
-        for at in range(len(rows)):
-            row = rows[at]
+        found = pairs(rows[fresh], free, np.full(len(free), NEAR))
+        self._known = np.zeros(len(rows), KNOWN)
+        for at, (row, now) in enumerate(zip(rows, self._known, strict=True)):
+            now["first_ns"] = stamp_ns
             if at in before:
-                now = _gone_on(known[before[at]], row, stamp_ns)
+                self._known[at] = known[before[at]]
+                part = 1.0 / (since[before[at]] + HABITS.smoothing)
+                for axis in "xy":  # as the engine does
+                    moved = row[axis] - now[axis] - now[f"v{axis}"] * since[before[at]]
+                    now[f"v{axis}"] += part * moved
             elif (place := fresh.index(at)) in found:
                 own = free[found[place]]
-                first = stamp_ns - int(max(float(own["age"]), 0.0) * 1e9)
-                now = Known(int(own["track"]), row["x"], row["y"], 0.0, first, stamp_ns)
+                now["track"] = own["track"]
+                now["first_ns"] -= int(max(float(own["age"]), 0.0) * 1e9)
             else:
-                now = Known(next(self._numbers), row["x"], row["y"], 0.0, stamp_ns, stamp_ns)
-            row["track"], row["speed"] = now.track, now.speed
-            row["age"] = (stamp_ns - now.first_ns) * 1e-9
-            self._known.append(now)
+                now["track"] = next(self._numbers)
+            now["x"], now["y"], now["last_ns"] = row["x"], row["y"], stamp_ns
+            row["track"], row["speed"] = now["track"], np.hypot(now["vx"], now["vy"])
+            row["age"] = (stamp_ns - now["first_ns"]) * 1e-9
 
 
-def _places(rows: Rows) -> NDArray[np.float64]:
-    return np.column_stack([rows["x"], rows["y"]]).reshape(-1, 2)
-
-
-def _gone_on(before: Known, row: np.void, stamp_ns: int) -> Known:
-    seconds = (stamp_ns - before.last_ns) * 1e-9
-    speed = before.speed
-    if seconds > 0:
-        now = float(np.hypot(row["x"] - before.x, row["y"] - before.y)) / seconds
-        speed += (now - speed) * (1.0 - float(np.exp(-seconds / HABITS.smoothing)))
-    return Known(before.track, row["x"], row["y"], speed, before.first_ns, stamp_ns)
-
-
-def pairs(
-    rows: NDArray[np.float64], others: NDArray[np.float64], reach: NDArray[np.float64]
-) -> dict[int, int]:
-    """Pairs of places (N, 2) and others (M, 2), the nearest first, each within its reach (M,)."""
-    apart = np.hypot(*(rows[:, None] - others[None]).transpose(2, 0, 1))
+def pairs(rows: Rows, others: Rows, reach: NDArray[np.float64]) -> dict[int, int]:
+    """Pairs of rows (N,) and others (M,) by `x`, `y`, nearest first, each within its reach (M,)."""
+    apart = np.hypot(*(rows[axis][:, None] - others[axis][None] for axis in ("x", "y")))
     apart[apart > reach] = np.inf
     found: dict[int, int] = {}
     while apart.size and np.isfinite(apart.min()):

@@ -4,6 +4,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,11 @@ class ModelConfig:
     board: Convention | None
     budget: float
     rows: int
+
+    @cached_property
+    def binding(self) -> Binding:
+        """Channels of its taxels; raises InputError as `bind` does."""
+        return bind(self.skin, self.ports)
 
     @classmethod
     def of(cls, settings: LiveSettings, ports: tuple[Port, ...]) -> "ModelConfig":
@@ -245,8 +251,7 @@ class Configuration:
 
 def configuration_of(reader: RingReader) -> Configuration | None:
     """What the engine that writes a ring goes by; None while that is being written."""
-    view = reader.status_view.get(FIELD.name)
-    plain = None if view is None else read_notes(view)
+    plain = read_notes(reader.status_view[FIELD.name])
     return None if plain is None else Configuration.from_dict(plain)
 
 
@@ -268,11 +273,13 @@ class Models:
     ----------
     model_config : ModelConfig
     noise_std : (L,) array
-        In the quantity's unit.
+        In the quantity's unit; 0 where it is not known: a typical one is taken.
     """
 
     def __init__(self, model_config: ModelConfig, noise_std: Floats) -> None:
-        self.model_config, self.noise_std = model_config, noise_std
+        typical = model_config.quantity.typical_noise
+        self.model_config = model_config
+        self.noise_std: Floats = np.where(noise_std > 0, noise_std, typical)
         self.finder = ContactFinder()
         self._engine: Engine | None = None
         self._grids: dict[tuple[int, int], Grid] = {}
@@ -361,11 +368,13 @@ def model_config_of(reader: RingReader) -> ModelConfig:
     Raises
     ------
     FileError
-        If it does not say.
+        If it is no live skin's.
     """
-    model_config = ModelConfig.from_json(str(reader.description.get("model_config")))
-    told = configuration_of(reader)
-    return model_config if told is None else replace(model_config, solver=told.solver)
+    text = reader.description.get("model_config")
+    if not isinstance(text, str):
+        raise FileError(f"{reader.path} is no ring of a live skin, expected that of an engine")
+    model_config, known = ModelConfig.from_json(text), configuration_of(reader)
+    return model_config if known is None else replace(model_config, solver=known.solver)
 
 
 def state_of(reader: RingReader) -> State:

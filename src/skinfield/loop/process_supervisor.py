@@ -58,6 +58,15 @@ def close_pipes(child: Child) -> None:
                 pipe.close()
 
 
+def end_child(child: Child, seconds: float) -> int:
+    """End a process, which is killed if it takes longer; its exit status."""
+    if child.poll() is None:
+        child.terminate()
+    end_within(child, seconds)
+    close_pipes(child)
+    return child.returncode
+
+
 def last_line(errors: IO[bytes]) -> str:
     """What a process wrote last to its standard error, without the name of skinfield's errors."""
     size = errors.seek(0, os.SEEK_END)
@@ -179,12 +188,8 @@ class SupervisedProcess:
     def end(self) -> None:
         """End the process."""
         child, self.child = self.child, None
-        if child is None:
-            return
-        if child.poll() is None:
-            child.terminate()
-        end_within(child, ENDS)
-        close_pipes(child)
+        if child is not None:
+            end_child(child, ENDS)
 
     def watch(self) -> None:
         """Watch over the process from now on."""

@@ -1,7 +1,7 @@
 """Runtime parameters of an engine: what can be changed while it answers, within which limits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -32,7 +32,15 @@ class Focus:
     def __post_init__(self) -> None:
         check_type("patch", self.patch, str, "the name of the patch to look at")
         for name in ("low", "high"):
-            object.__setattr__(self, name, _corner(name, getattr(self, name)))
+            corner: Any = getattr(self, name)
+            try:
+                x, y = map(float, corner)
+            except (TypeError, ValueError):
+                expected = "expected a pair of numbers, m"
+                raise InputError(f"{name} is {corner!r:.80}, {expected}") from None
+            for each in (x, y):
+                check_range(name, each, -1e3, 1e3, "m, in the plane of the patch")
+            object.__setattr__(self, name, (x, y))
         if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
             raise InputError(
                 f"high is {self.high}, expected more than low, {self.low}, along both axes"
@@ -44,20 +52,6 @@ class Focus:
         if not isinstance(plain, Mapping) or set(plain) != {"patch", "low", "high"}:
             raise InputError(f"focus is {plain!r:.80}, expected patch, low and high, or None")
         return cls(patch=plain["patch"], low=plain["low"], high=plain["high"])
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values, for JSON."""
-        return {"patch": self.patch, "low": list(self.low), "high": list(self.high)}
-
-
-def _corner(name: str, given: object) -> tuple[float, float]:
-    try:
-        x, y = (float(each) for each in given)  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {given!r:.80}, expected a pair of numbers, m") from None
-    for each in (x, y):
-        check_range(name, each, -1e3, 1e3, "m, in the plane of the patch")
-    return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +79,7 @@ class Tuning:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return vars(self) | {"focus": None if self.focus is None else self.focus.as_dict()}
+        return asdict(self)
 
     def changed(self, changes: Mapping[str, Any]) -> "Tuning":
         """With other values by name; a focus may be a mapping, as `Focus.of` takes it.
@@ -95,12 +89,10 @@ class Tuning:
         InputError
             For a name that is none of these; see `Limits.check` for values.
         """
-        known = [each.name for each in fields(self)]
-        unknown = [name for name in changes if name not in known]
-        if unknown:
-            raise InputError(
-                f"{unknown[0]!r:.80} is no setting, expected one of {', '.join(known)}"
-            )
+        known = list(vars(self))
+        for name in changes:
+            if name not in known:
+                raise InputError(f"{name!r:.80} is no setting, expected one of {', '.join(known)}")
         given = dict(changes)
         if given.get("focus") is not None and not isinstance(given["focus"], Focus):
             given["focus"] = Focus.of(given["focus"])
@@ -172,13 +164,12 @@ class Limits:
 
     def as_dict(self, tuning: Tuning) -> dict[str, Any]:
         """Values, options and ranges in plain SI numbers; `off` says what cannot be changed."""
-        focus = None if tuning.focus is None else tuning.focus.as_dict()
-        names = [each.name for each in fields(tuning)]
+        plain = tuning.as_dict()
         return {
             "resolution": {"value": tuning.resolution, "options": [AUTO, *self.rungs]},
             "deadline": {"value": tuning.deadline, "range": [SHORTEST, self.longest]},
             "threshold": {"value": tuning.threshold, "range": [0.0, HEAVIEST]},
             "smoothing": {"value": tuning.smoothing, "range": [0.0, SLOWEST]},
-            "focus": {"value": focus, "options": list(self.patches)},
-            "off": dict.fromkeys([*names, "solver"], self.fixed) if self.fixed else {},
+            "focus": {"value": plain["focus"], "options": list(self.patches)},
+            "off": dict.fromkeys([*plain, "solver"], self.fixed) if self.fixed else {},
         }

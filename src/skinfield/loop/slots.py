@@ -1,16 +1,16 @@
 """Slot of a live skin's ring: one cycle, with everything that a reader may want of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.estimate.live_contacts import CONTACT as CONTACT
 from skinfield.files.mcap.schema import Cycle as Recorded
-from skinfield.files.mcap.schema import CycleFlag
+from skinfield.files.mcap.schema import CycleFlag, CycleLayout
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field
 from skinfield.skin import Skin
@@ -53,6 +53,9 @@ PATCH = np.dtype(
 )
 
 
+LAYOUT = CycleLayout(CONTACT, PATCH)  # of what a recording keeps of a cycle
+
+
 @dataclass(frozen=True)
 class Sizes:
     """What decides the layout of a slot.
@@ -88,8 +91,22 @@ class Sizes:
         ]
 
 
+def empty_arrays(fields: Sequence[Field]) -> dict[str, Array]:
+    """Arrays of a slot in memory of its own, by their names."""
+    return {each.name: np.zeros(each.shape, np.dtype(each.dtype)) for each in fields}
+
+
+class SlotViews:
+    """Dataclass of views into a slot."""
+
+    def copy_from(self, other: Self) -> None:
+        """Take over all that another holds."""
+        for name, array in vars(self).items():
+            np.copyto(array, getattr(other, name))
+
+
 @dataclass(frozen=True, eq=False)
-class Slot:
+class Slot(SlotViews):
     """Views into one slot, or into a copy of it.
 
     Attributes
@@ -131,13 +148,7 @@ class Slot:
     @classmethod
     def empty(cls, sizes: Sizes) -> "Slot":
         """A slot in memory of its own."""
-        arrays = {f.name: np.zeros(f.shape, np.dtype(f.dtype)) for f in sizes.fields()}
-        return cls.of(arrays)
-
-    def copy_from(self, other: "Slot") -> None:
-        """Take over all that another holds."""
-        for part in fields(self):
-            np.copyto(getattr(self, part.name), getattr(other, part.name))
+        return cls.of(empty_arrays(sizes.fields()))
 
     def used_contacts(self) -> Array:
         """Rows of the contacts that there are, patch after patch: a copy."""
@@ -147,19 +158,10 @@ class Slot:
 
     def recorded(self, number: int) -> Recorded:
         """The cycle as a recording keeps it."""
-        head = self.head
-        return Recorded(
-            number,
-            CycleFlag(int(head[Head.FLAGS])),
-            int(head[Head.DUE_NS]),
-            int(head[Head.WAKE_NS]),
-            int(head[Head.ACQUIRED_NS]),
-            int(head[Head.READY_NS]),
-            int(head[Head.WALL_NS]),
-            int(head[Head.LOG_POSITION]),
-            self.used_contacts(),
-            self.patches.copy(),
-        )
+        flags, due, wake, acquired, ready, wall, position = self.head[: Head.MESSAGES].tolist()
+        times = due, wake, acquired, ready, wall
+        rows = self.used_contacts(), self.patches.copy()
+        return Recorded(number, CycleFlag(flags), *times, position, *rows)
 
 
 def say_nothing(slot: Slot, tracks: int) -> None:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError
-from skinfield.loop.model_config import configuration_of, state_of
+from skinfield.loop.model_config import configuration_of, state_of, tuning_of
 from skinfield.loop.realtime.system import read_text
 from skinfield.loop.realtime.timing import Timing
-from skinfield.loop.runtime_parameters import Limits, Tuning
+from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import read_notes
 from skinfield.reconstruct.engine.state import Answer
@@ -227,10 +227,9 @@ def _sidecar(name: str, what: str) -> Any:
 
 def _tuning(reader: RingReader) -> dict[str, Any]:
     """What is in force, and what it may be."""
-    known = configuration_of(reader)
-    tuning = Tuning() if known is None else known.tuning
+    known, limits = configuration_of(reader), Limits.of(reader.description)
     solver = None if known is None else type(known.solver).__name__
-    return Limits.of(reader.description).as_dict(tuning) | {"solver": {"value": solver}}
+    return limits.as_dict(tuning_of(reader)) | {"solver": {"value": solver}}
 
 
 def _memory(pid: int) -> dict[str, int]:

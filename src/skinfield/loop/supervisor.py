@@ -18,9 +18,8 @@ from pathlib import Path
 from typing import IO, NamedTuple, Self
 
 from skinfield.errors import InputError, check_offers
-from skinfield.loop.baseline import Baseline
 from skinfield.loop.control import address_of, order
-from skinfield.loop.model_config import Configuration, model_config_of
+from skinfield.loop.model_config import Configuration
 from skinfield.loop.process_supervisor import (
     Child,
     SupervisedProcess,
@@ -29,62 +28,31 @@ from skinfield.loop.process_supervisor import (
     last_line,
     start_python,
 )
-from skinfield.loop.ring_fields import known_baseline
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.ring import Ring, RingReader, State
 from skinfield.ring.files import sidecar
-from skinfield.signal import Port
 from skinfield.solve import Solver
 
 READY, GO = b"ready\n", b"go\n"
 PATIENCE = 2.0  # s for the engine before to end by itself
 
 
-class Handover(NamedTuple):
-    """What an engine that takes over is made of.
-
-    Attributes
-    ----------
-    settings : LiveSettings
-    ports : tuple of Port
-        Of the sources, which the engine before still holds.
-    known : Baseline
-        Its calibration: something may lie on the skin.
-    """
-
-    settings: LiveSettings
-    ports: tuple[Port, ...]
-    known: Baseline
-
-
-def handover_to(settings: LiveSettings) -> Handover:
-    """From the engine that runs under the same name; raises InputError if it has no baseline."""
-    with RingReader(settings.name) as reader:
-        known, ports = known_baseline(reader), model_config_of(reader).ports
-    if known is None:
-        raise InputError(
-            f"{settings.name!r} has no baseline yet, expected one that answers: wait until it runs"
-        )
-    return Handover(settings, ports, known)
-
-
-def spawn(asked: LiveSettings | Handover, errors: IO[bytes]) -> Child:
-    """Start an engine's process; one that takes over then waits for `GO`."""
-    waits = isinstance(asked, Handover)
+def spawn(settings: LiveSettings, errors: IO[bytes], takes_over: bool = False) -> Child:
+    """Start an engine's process; one that takes over prepares itself, and waits for `GO`."""
     child = start_python(
         "skinfield.loop.engine_process",
         str(os.getpid()),
         stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE if waits else subprocess.DEVNULL,
+        stdout=subprocess.PIPE if takes_over else subprocess.DEVNULL,
         stderr=errors,
     )
     assert child.stdin is not None  # it is a pipe
     with contextlib.suppress(BrokenPipeError):  # it is gone: whoever watches it says why
-        pickle.dump(asked, child.stdin)
+        pickle.dump((settings, takes_over), child.stdin)
         child.stdin.flush()
-        if not waits:
+        if not takes_over:
             child.stdin.close()
     return child
 
@@ -117,14 +85,14 @@ class Change:
         """Go on; whether the next engine is ready."""
         try:
             if self.child is None:
-                self.child = spawn(handover_to(self.settings), self.errors)
+                self.child = spawn(self.settings, self.errors, takes_over=True)
                 assert self.child.stdout is not None  # it is a pipe
                 os.set_blocking(self.child.stdout.fileno(), False)
                 return False
             assert self.child.stdout is not None
             if self.child.stdout.read(len(READY)) == READY:
                 return True
-        except (OSError, InputError) as error:
+        except OSError as error:
             self.fail(str(error))
             return False
         if self.child.poll() is not None:

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.baseline import quantity_scale
-from skinfield.loop.model_config import Binding, ModelConfig
+from skinfield.loop.baseline import Baseline, quantity_scale
+from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.runtime_parameters import AUTO, Tuning
 from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.reconstruct.engine import Engine, SkinContacts
@@ -74,13 +74,13 @@ class RuntimeFilters:
     and `watches` says whether there is a focus.
     """
 
-    def __init__(self, engine: Engine, binding: Binding, stale_ns: int, kept: Slot) -> None:
+    def __init__(self, engine: Engine, channel: Ints, stale_ns: int, kept: Slot) -> None:
         from skinfield.loop import update_kernel
 
         self._engine, self._stale_ns, self._kept = engine, stale_ns, kept
-        self._channel, self._kernel = binding.channel, update_kernel
-        self._state: Floats = np.zeros(len(binding.channel))
-        self._at_ns: Ints = np.zeros(len(binding.channel), np.int64)
+        self._channel, self._kernel = channel, update_kernel
+        self._state: Floats = np.zeros(len(channel))
+        self._at_ns: Ints = np.zeros(len(channel), np.int64)
         self.smoothing = self.threshold = 0.0
         self._finest: int | None = None
         self._window: tuple[int, float, float, float, float] | None = None
@@ -148,13 +148,7 @@ class Updater:
     Parameters
     ----------
     model_config : ModelConfig
-    binding : Binding
-    calibration : (L, 4) array
-        See `Baseline`.
-    noise_std : (L,) array
-        In the quantity's unit.
-    stale_ns : int, ns
-        Age at which a reading is left out.
+    baseline : Baseline
     tracks : (1,) int64 array
         Contacts numbered so far; may lie where others see it.
     progress : function of two ints
@@ -169,30 +163,28 @@ class Updater:
     def __init__(
         self,
         model_config: ModelConfig,
-        binding: Binding,
-        calibration: Floats,
-        noise_std: Floats,
-        stale_ns: int,
+        baseline: Baseline,
         tracks: Ints | None = None,
         progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
         from skinfield.loop import update_kernel
 
-        self.model_config, self.stale_ns = model_config, stale_ns
-        self.engine: Engine = model_config.engine(noise_std, progress)
+        self.model_config, self.stale_ns = model_config, baseline.stale_ns
+        self._binding, self._kernel = model_config.binding, update_kernel
+        self.engine: Engine = model_config.engine(baseline.noise_std, progress)
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
-        self._binding, self._kernel = binding, update_kernel
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
         self._given = np.zeros(taxels, np.bool_)
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
         self._conditioned: tuple[Any, ...] = (
-            binding.starts, self._values, self._valid, self._given, self._newest, self._arrived,
-        )  # fmt: skip
+            *(self._binding.starts, self._values, self._valid, self._given),
+            *(self._newest, self._arrived),
+        )
         self._touched = np.zeros(patches, np.int64)
         self._how, self._scale = quantity_scale(
-            model_config.quantity, model_config.layer, binding.unit
+            model_config.quantity, model_config.layer, self._binding.unit
         )
         board = model_config.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
@@ -200,8 +192,8 @@ class Updater:
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
         self._contacts = SkinContacts(self.engine, rows=model_config.rows, ids=self.tracks)
-        self.filters = RuntimeFilters(self.engine, binding, stale_ns, self._kept)
-        self.calibrate(calibration)
+        self.filters = RuntimeFilters(self.engine, self._binding.channel, self.stale_ns, self._kept)
+        self.calibrate(baseline.calibration)
         self._rehearse()
 
     @property

@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
+from skinfield.loop import State
 from skinfield.loop.client import Live
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.page.controller import TUNED, Controller
 from skinfield.page.presser import NO_VIRTUAL, Presser, Virtual
 from skinfield.page.recordings import Recordings
 from skinfield.page.source import DataSource, EngineView, LiveSource
-from skinfield.ring import State
 
 MILLI, MICRO = 1e-3, 1e-6
 UNITS = {
@@ -171,12 +171,8 @@ class LiveController(Controller):
         if state != State.RUNNING:
             return f"the engine is {state.name.lower()}"
         before, until = self._taring
-        tares = before == self._tares() and time.monotonic() < until
+        tares = before == self._source().live.tares and time.monotonic() < until
         return "a baseline is being taken: the skin must not be touched" if tares else ""
-
-    def _tares(self) -> int:
-        """Baselines so far."""
-        return int(self._source().live.reader.status_view["tares"][0])
 
     # what is ordered
 
@@ -221,8 +217,9 @@ class LiveController(Controller):
         if presser is not None and not presser.let_off(LIFTS):
             raise InputError("the scene still presses, expected an untouched skin: try again")
         time.sleep(RESTS)  # readings of the touch may be on their way
-        before = self._tares()
-        self._source().live.tare()
+        live = self._source().live
+        before = live.tares
+        live.tare()
         self._taring = before, time.monotonic() + PATIENCE * self._tare_seconds
         return {}
 

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.loop import State
 from skinfield.loop.client import Live
 from skinfield.loop.fit_ring import FitReader, FitSlot, best_of, recent_patches
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
-from skinfield.ring import State
 from skinfield.skin import Skin
 
 

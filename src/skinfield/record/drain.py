@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import json
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -12,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.files.mcap import RecordingWriter, enclosures
 from skinfield.files.mcap.schema import (
     CONFIGURATION,
@@ -21,7 +20,6 @@ from skinfield.files.mcap.schema import (
     FIT_HEAD,
     FITS,
     TARE,
-    CycleLayout,
     Enclosed,
     FieldRecord,
     FitRecord,
@@ -30,8 +28,9 @@ from skinfield.files.mcap.schema import (
 from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
 from skinfield.loop.model_config import FIELD as SETTINGS
 from skinfield.loop.model_config import ModelConfig, configuration_of
-from skinfield.loop.realtime.timing import Timing
 from skinfield.loop.slots import CONTACT, Head, Slot
+from skinfield.loop.slots import LAYOUT as CYCLE
+from skinfield.loop.status import Observer
 from skinfield.loop.status_text import HEAD as CHECKED
 from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
@@ -41,22 +40,6 @@ from skinfield.signal.block import HEADER, WORD, Kind, block_bytes
 SILENT = 1.0  # s without a sign of life of the engine until it is told
 JSON, NPZ = "application/json", "application/x-npz"
 Array = NDArray[Any]
-
-
-def model_config_of(reader: RingReader) -> ModelConfig:
-    """What a ring's estimates follow from; raises FileError if it is no live skin's."""
-    text = reader.description.get("model_config")
-    if not isinstance(text, str):
-        raise FileError(f"{reader.path} is no ring of a live skin, expected that of an engine")
-    return ModelConfig.from_json(text)
-
-
-def layout_of(reader: RingReader) -> CycleLayout:
-    """Rows of the ring's cycles; raises InputError if it does not state them."""
-    rows = {
-        kind: json.dumps(reader.description.get(f"{kind}_row")) for kind in ("contact", "patch")
-    }
-    return CycleLayout.from_metadata(rows)
 
 
 def enclosed_of(reader: RingReader, model_config: ModelConfig) -> tuple[Enclosed, ...]:
@@ -102,20 +85,15 @@ class StatusWatch:
     ) -> None:
         self._reader, self._queue, self._tares = reader, queue, tares
         self._model_config = model_config
-        status = reader.status
-        self._before = (status["times"], status["totals"])
-        Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
+        self._observer = Observer(reader)
+        self._observer.look()  # loads what it needs: later the ring would not wait
         self._state: State | None = reader.state
         self._silent = False
 
     def look(self) -> None:
         """Tell the last second's timing, and what has changed."""
-        now, status = time.time_ns(), self._reader.status
-        timing = Timing.of(status["times"], status["totals"], self._before).as_dict()
-        self._before = (status["times"], status["totals"])
-        names = self._reader.description.get("source_counters", [])
-        counters = [dict(zip(names, row, strict=False)) for row in status["sources"].tolist()]
-        values = {**timing, "counters": counters}
+        now, status, found = time.time_ns(), self._reader.status, self._observer.look()
+        values = {**found.lately.as_dict(), "counters": list(found.sources.values())}
         self._queue.tell(Item(now, 0, lambda writer: writer.timing(now, values)))
         if int(status["tares"][0]) != self._tares:
             self._tares = int(status["tares"][0])
@@ -164,12 +142,6 @@ class Place(NamedTuple):
     position: int
 
 
-def place_now(reader: RingReader) -> Place:
-    """Behind the newest cycle; of an engine that starts, before all that is there."""
-    number = reader.number  # before the log's end is looked at: no cycle without its readings
-    return Place(number, reader.log_end if number else 0)
-
-
 def place_since(reader: RingReader, since_ns: int) -> Place:
     """Before the last cycle that was not after a time, or as far back as the ring goes.
 
@@ -177,22 +149,27 @@ def place_since(reader: RingReader, since_ns: int) -> Place:
     ----------
     reader : RingReader
     since_ns : int, ns
-        Since the epoch.
+        Since the epoch; 0: now.
 
     Returns
     -------
     Place
-        `place_now` if readings since then are not there any more.
+        Behind the newest cycle if readings since then are not there any more; of an engine that
+        starts, before all that is there.
     """
-    now, slot = place_now(reader), reader.slot()
-    found, head, wall_ns = now, slot["head"], 0
-    for number in range(now.number, max(now.number - reader.slots + reader.slots // SPARE, 0), -1):
+    newest = reader.number  # before the log's end is looked at: no cycle without its readings
+    found = now = Place(newest, reader.log_end if newest else 0)
+    if not since_ns:
+        return now
+    slot, wall_ns = reader.slot(), 0
+    oldest = newest - reader.slots + reader.slots // SPARE
+    for number in range(newest, max(oldest, 0), -1):
         if not reader.part(number, slot, ("head",)):
             break
-        found = Place(number, int(head[Head.LOG_POSITION]))
+        found = Place(number, int(slot["head"][Head.LOG_POSITION]))
         if wall_ns and wall_ns <= since_ns:
             break
-        wall_ns = int(head[Head.WALL_NS])
+        wall_ns = int(slot["head"][Head.WALL_NS])
     _, lost = reader.log_reader(found.position).read()
     return now if lost else found
 
@@ -218,7 +195,6 @@ class Drain:
     ----------
     reader : RingReader
     queue : Queue
-    layout : CycleLayout
     model_config : ModelConfig
     view_rate : float, 1/s
         Of pressure fields.
@@ -229,12 +205,11 @@ class Drain:
         self,
         reader: RingReader,
         queue: Queue,
-        layout: CycleLayout,
         model_config: ModelConfig,
         view_rate: float,
         begin: Place,
     ) -> None:
-        self._reader, self._queue, self._layout = reader, queue, layout
+        self._reader, self._queue = reader, queue
         self._sources = [str(each) for each in reader.description.get("sources", [])]
         self._every, self._shown = int(1e9 / view_rate), 0
         self._number = begin.number
@@ -263,7 +238,7 @@ class Drain:
                 continue
             cycle = self._cycle.recorded(number)
             if cycle.log_position >= self._first:
-                data = self._layout.encode(cycle)
+                data = CYCLE.encode(cycle)
                 now = cycle.wall_ns
                 write = partial(RecordingWriter.write, topic=CYCLES, time_ns=now, data=data)
                 self._queue.put(Item(now, len(data), write, cycle=True))
@@ -293,8 +268,7 @@ class Drain:
 
     def _take_settings(self, number: int) -> None:
         """Tell which settings are in force, where they are others than before."""
-        view = self._reader.status_view
-        now = view[SETTINGS.name][:CHECKED].tobytes() if SETTINGS.name in view else self._settings
+        now = self._reader.status_view[SETTINGS.name][:CHECKED].tobytes()
         if now == self._settings:
             return
         configuration = configuration_of(self._reader)

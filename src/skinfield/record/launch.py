@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import Child, exit_text, start_python
+from skinfield.loop.process_supervisor import Child, end_child, exit_text, start_python
 from skinfield.record.state import read_state
 
 PAUSE = 5.0  # s from one that was used, or died, to the next: it loads for a second
@@ -77,7 +77,7 @@ class ReadyRecorders:
         with self._lock:
             self._wanted, child, self._child = False, self._child, None
         if child is not None:
-            _end(child)
+            end_child(child, ENDS)
 
 
 @contextmanager
@@ -114,7 +114,7 @@ def recording(name: str, path: Path, child: Child, since_ns: int = 0) -> Iterato
         _wait_for(name, child)
         yield
     finally:
-        code = _end(child)
+        code = end_child(child, ENDS)
         unbegun = code == -signal.SIGTERM and not path.exists()  # told to end before it began
         if code and not unbegun:
             raise InputError(
@@ -135,18 +135,3 @@ def _wait_for(name: str, child: Child) -> None:
             raise InputError(f"the recorder ended with {text}: see what it said")
         time.sleep(LOOK)
     raise InputError(f"the recorder did not begin within {BEGINS:g} s: is the machine very busy?")
-
-
-def _end(child: Child) -> int:
-    """End a recorder, which finishes its file; its exit status."""
-    if child.poll() is None:
-        child.terminate()
-    try:
-        return child.wait(ENDS)
-    except subprocess.TimeoutExpired:
-        child.kill()
-        return child.wait()
-    finally:
-        if child.stdin is not None:
-            with contextlib.suppress(BrokenPipeError):
-                child.stdin.close()

@@ -15,25 +15,19 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from skinfield.errors import SkinfieldError, check_count, check_range
+from skinfield.errors import SkinfieldError, check_range
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
+from skinfield.loop.model_config import model_config_of
 from skinfield.loop.process_supervisor import end_with
-from skinfield.record.drain import (
-    Drain,
-    StatusWatch,
-    enclosed_of,
-    layout_of,
-    model_config_of,
-    place_now,
-    place_since,
-)
+from skinfield.loop.slots import LAYOUT as CYCLE
+from skinfield.record.drain import Drain, StatusWatch, enclosed_of, place_since
 from skinfield.record.queue import Disk, Queue
 from skinfield.record.state import RecorderState as RecorderState
 from skinfield.record.state import forget_state as forget_state
@@ -54,9 +48,8 @@ TOTALS = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class RecorderSettings:
-    """Which skin, into which file, and how.
+class Recorder:
+    """A recording that is going on.
 
     Parameters
     ----------
@@ -64,6 +57,10 @@ class RecorderSettings:
         Of the ring.
     path : Path
         Ends in .mcap by custom.
+    say : function of a sentence
+        Called with what goes wrong, and when it is well again.
+    output : FileOutput, optional
+        Instead of a file.
     overwrite : bool
         Whether a file of this name may be replaced.
     since_ns : int, ns
@@ -72,31 +69,6 @@ class RecorderSettings:
         That may wait for the disk; what comes beyond is dropped and counted.
     view_rate : float, 1/s
         Of the fields of pressure.
-    """
-
-    name: str
-    path: Path
-    overwrite: bool = False
-    since_ns: int = 0
-    queue_bytes: int = 1 << 26
-    view_rate: float = 20.0
-
-    def __post_init__(self) -> None:
-        check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
-        check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
-        check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")
-
-
-class Recorder:
-    """A recording that is going on.
-
-    Parameters
-    ----------
-    settings : RecorderSettings
-    say : function of a sentence
-        Told what goes wrong, and when it is well again.
-    output : FileOutput, optional
-        Instead of a file.
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
         where that is permitted.
@@ -116,38 +88,35 @@ class Recorder:
 
     def __init__(
         self,
-        settings: RecorderSettings,
+        name: str,
+        path: Path,
         say: Callable[[str], None] = lambda text: None,
         output: FileOutput | None = None,
         *,
+        overwrite: bool = False,
+        since_ns: int = 0,
+        queue_bytes: int = 1 << 26,
+        view_rate: float = 20.0,
         first: bool = False,
     ) -> None:
-        self.settings, self._say = settings, say
-        self._reader = RingReader(settings.name)
+        check_range("view_rate", view_rate, 1e-3, 1e3, "messages a second")
+        self.name, self._say = name, say
+        self._reader = RingReader(name)
         self._began = time.monotonic()
-        self._live = live = RecorderState(os.getpid(), str(settings.path), time.time_ns())
+        self._live = live = RecorderState(os.getpid(), str(path), time.time_ns())
         model_config = model_config_of(self._reader)
-        layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader, model_config)
         self._writer = RecordingWriter(
-            settings.path,
-            enclosed,
-            layout=layout,
-            fit=FIT,
-            overwrite=settings.overwrite,
-            output=output,
+            path, enclosed, layout=CYCLE, fit=FIT, overwrite=overwrite, output=output
         )
-        self._queue = Queue(settings.queue_bytes, live)
+        self._queue = Queue(queue_bytes, live)
         self._watch = StatusWatch(self._reader, self._queue, model_config, tares)
-        since_ns = settings.since_ns
-        begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
-        self._drain = Drain(
-            self._reader, self._queue, layout, model_config, settings.view_rate, begin
-        )
+        begin = place_since(self._reader, since_ns)
+        self._drain = Drain(self._reader, self._queue, model_config, view_rate, begin)
         self._disk = Disk(self._writer, self._queue)
         self._said: dict[str, str] = {}
-        text = f"recording {settings.name} of process {self._reader.pid}"
+        text = f"recording {name} of process {self._reader.pid}"
         self._queue.event("recording_started", text)
         if first:  # now, as all that must be loaded is: the other thread inherits it
             come_first()
@@ -171,14 +140,14 @@ class Recorder:
             self.step()
             if self.state is not known:
                 known = self.state
-                known.write(self.settings.name)
+                known.write(self.name)
                 told(known)
             if stop.wait(PAUSE):
                 self._live.ended = "it was told to stop"
             elif end is not None and time.monotonic() >= end:
                 self._live.ended = "its time is over"
         self.close()
-        self.state.write(self.settings.name)
+        self.state.write(self.name)
         return self.state
 
     def step(self) -> None:
@@ -280,9 +249,7 @@ def main() -> None:
         order = {"path": given.path, "since_ns": 0} if given.path else _stand_by(given.name)
         if order is None:
             return  # it is not wanted any more
-        since_ns = order["since_ns"]
-        settings = RecorderSettings(name=given.name, path=Path(order["path"]), since_ns=since_ns)
-        good = _record(settings)
+        good = _record(given.name, Path(order["path"]), order["since_ns"])
     except SkinfieldError as error:
         raise SystemExit(f"recorder: {error}") from error
     raise SystemExit(0 if good else 1)
@@ -296,7 +263,7 @@ def _stand_by(name: str) -> dict[str, Any] | None:
     """
     with TemporaryDirectory() as folder, contextlib.suppress(SkinfieldError):  # of no ring now
         path = Path(folder) / "rehearsal.mcap"
-        rehearsal = Recorder(RecorderSettings(name=name, path=path, since_ns=1))
+        rehearsal = Recorder(name, path, since_ns=1)
         rehearsal.step()
         rehearsal.close()
     come_first()  # now, as all is loaded: on a busy machine the order is read at once
@@ -305,13 +272,13 @@ def _stand_by(name: str) -> dict[str, Any] | None:
     return order
 
 
-def _record(settings: RecorderSettings) -> bool:
+def _record(name: str, path: Path, since_ns: int) -> bool:
     """Record until told to stop; whether all that was taken is in the file, and it is whole."""
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
-    state = Recorder(settings, _say, first=True).run(stop)
-    forget_state(settings.name)
+    state = Recorder(name, path, _say, since_ns=since_ns, first=True).run(stop)
+    forget_state(name)
     return state.finished and not state.given_up
 
 

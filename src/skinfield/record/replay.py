@@ -5,7 +5,7 @@ import json
 import time
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,8 @@ from skinfield.loop.model_config import Configuration, ModelConfig, Models, writ
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import describe, slots_for, status_fields
 from skinfield.loop.runtime_parameters import Tuning
-from skinfield.loop.slots import CONTACT, PATCH, Head, Sizes, Slot
+from skinfield.loop.slots import LAYOUT as CYCLE
+from skinfield.loop.slots import Head, Sizes, Slot
 from skinfield.loop.status_text import write_notes
 from skinfield.ring import Ring, State
 
@@ -106,8 +107,7 @@ class Replay:
                 "its estimates are; `skinfield export` still gives its readings"
             )
         self.model_config = ModelConfig.from_json(json.dumps(found.configuration))
-        layout = found.cycle_layout
-        if (layout.contact, layout.patch) != (CONTACT, PATCH):
+        if found.cycle_layout != CYCLE:
             raise FileError(
                 f"{path}: the rows of contacts and patches are of another version, expected those "
                 "of this one; `skinfield reconstruct` makes its estimates anew"
@@ -157,9 +157,9 @@ class Replay:
             model_config = replace(
                 self.model_config, solver=self.settings[key[0]].configuration.solver
             )
-            tare, typical = self.tare(time_ns), model_config.quantity.typical_noise
+            tare = self.tare(time_ns)
             noise = np.zeros(self.sizes.taxels) if tare is None else tare.noise_std
-            self._models = key, Models(model_config, np.where(noise > 0, noise, typical))
+            self._models = key, Models(model_config, noise)
         return self._models[1]
 
     def _fits(self, at: int, cycle: Cycle) -> bool:
@@ -210,19 +210,13 @@ class Replay:
         if self._field is not None:
             touched = (patches["answer"] >= LINEAR) & (self._field.sides > 0)
             slot.patches["rung"][touched] = self._field.sides[touched]
-        for place, value in (
-            (Head.FLAGS, int(cycle.flags)),
-            (Head.DUE_NS, cycle.due_ns),
-            (Head.WAKE_NS, cycle.wake_ns),
-            (Head.ACQUIRED_NS, cycle.acquired_ns),
-            (Head.READY_NS, cycle.done_ns),
-            (Head.WALL_NS, cycle.wall_ns),
-            (Head.LOG_POSITION, cycle.log_position),
-            (Head.FRESH, np.count_nonzero(patches["fresh"] > 0)),
-            (Head.CONTACTS, len(cycle.contacts)),
-            (Head.GENERATION, self.config_at(cycle.wall_ns).configuration.generation),
-        ):
-            head[place] = value
+        head[: Head.MESSAGES] = (
+            *(int(cycle.flags), cycle.due_ns, cycle.wake_ns, cycle.acquired_ns, cycle.done_ns),
+            *(cycle.wall_ns, cycle.log_position),
+        )
+        head[Head.FRESH] = np.count_nonzero(patches["fresh"] > 0)
+        head[Head.CONTACTS] = len(cycle.contacts)
+        head[Head.GENERATION] = self.config_at(cycle.wall_ns).configuration.generation
 
 
 def _newest(found: list[Any], time_ns: int) -> int:
@@ -233,20 +227,13 @@ def _newest(found: list[Any], time_ns: int) -> int:
 def _config_history(recording: LiveRecording, model_config: ModelConfig) -> Iterator[ConfigChange]:
     """Settings by time, from the events that tell of them; what makes no sense is noted."""
     tuning = Tuning(deadline=model_config.budget)
-    newest = ConfigChange(0, Configuration(1, model_config.solver, tuning))
-    yield newest
+    yield ConfigChange(0, Configuration(1, model_config.solver, tuning))
     for event in recording.index.events:
-        if event.get("kind") != "settings":
-            continue
-        try:
-            changed = {"tuning": event["tuning"]}
-            if "solver" in event:
-                changed |= {name: event[name] for name in ("solver", "generation")}
-            configuration = Configuration.from_dict(newest.configuration.as_dict() | changed)
-            newest = ConfigChange(event["wall_ns"], configuration)
-            yield newest
-        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            recording.note(0, f"settings that make no sense are left out: {error!s:.200}")
+        if event.get("kind") == "settings":
+            try:
+                yield ConfigChange(event["wall_ns"], Configuration.from_dict(event))
+            except InputError as error:
+                recording.note(0, f"settings that make no sense are left out: {error!s:.200}")
 
 
 def _tares(recording: LiveRecording, taxels: int) -> Iterator[BaselineRecord]:
@@ -402,8 +389,7 @@ class Published:
         ring, cycle = self._ring, each.cycle
         self._go_by(cycle.wall_ns)
         slot = Slot.of(ring.begin())
-        for part in fields(Slot):
-            np.copyto(getattr(slot, part.name), getattr(each.slot, part.name))
+        slot.copy_from(each.slot)
         now = time.time_ns()
         shift = now - cycle.wall_ns
         for name in ("stamp_ns", "answered_ns"):

@@ -3,7 +3,6 @@
 import json
 import os
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from skinfield.errors import FileError
 from skinfield.ring.files import sidecar
@@ -79,18 +78,13 @@ class RecorderState:
 
     def write(self, name: str) -> None:
         """Tell others, in one step; quietly not where the folder is full."""
-        path = state_path(name)
+        path = sidecar(name, "recorder")
         new = path.with_name(f"{path.name}.{os.getpid()}")
         try:
             new.write_text(json.dumps(asdict(self)))
             new.replace(path)
         except OSError:
             new.unlink(missing_ok=True)
-
-
-def state_path(name: str) -> Path:
-    """Where the recorder of the ring `name` tells of itself."""
-    return sidecar(name, "recorder")
 
 
 def read_state(name: str) -> RecorderState | None:
@@ -103,7 +97,7 @@ def read_state(name: str) -> RecorderState | None:
     FileError
         If the file is something else.
     """
-    path = state_path(name)
+    path = sidecar(name, "recorder")
     try:
         state = RecorderState(**json.loads(path.read_text()))
     except FileNotFoundError:
@@ -127,4 +121,4 @@ def _lives(pid: int) -> bool:
 
 def forget_state(name: str) -> None:
     """Remove what this process told."""
-    state_path(name).unlink(missing_ok=True)
+    sidecar(name, "recorder").unlink(missing_ok=True)

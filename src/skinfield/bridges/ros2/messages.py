@@ -20,12 +20,11 @@ from skinfield.files.ros.kinds import (
 )
 from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages
 from skinfield.files.ros.names import Topics
-from skinfield.loop import Answer
+from skinfield.loop import Answer, State
 from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer, Status
-from skinfield.ring import State
 from skinfield.skin import Skin
 
 LATE_SHARE = 0.01  # of the estimates lately, above which it is told as a fault

@@ -1,9 +1,10 @@
 """Publisher to ROS 2 as rmw_zenoh does it: no ROS is needed here; with its settings."""
 
+import itertools
 import os
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,7 +13,7 @@ from skinfield.bridges.child import say_ready
 from skinfield.bridges.ros2.messages import LOOKS, SAID, Channel, Speaker, Talker
 from skinfield.bridges.ros2.rmw_zenoh import DOMAINS, NO_HASH, Node, Publication, attachment
 from skinfield.bridges.zenoh.session import ZenohSettings, load_zenoh, open_session
-from skinfield.errors import InputError, check_choice, check_count, check_range, check_type
+from skinfield.errors import InputError, check_choice, check_count, check_range
 from skinfield.files.ros.kinds import RosbagKinds
 from skinfield.files.ros.messages import Outgoing
 from skinfield.files.ros.names import Topics, check_prefix, token_of
@@ -54,13 +55,10 @@ class RosSettings:
     session: ZenohSettings = field(default_factory=ZenohSettings)
 
     def __post_init__(self) -> None:
-        check_type("robot", self.robot, str, "a name such as left_arm")
-        check_type("rates", self.rates, Mapping, "messages a second by what is published")
         if self.distribution is None:
             here = os.environ.get("ROS_DISTRO")
             made = HUMBLE if here == HUMBLE else USUAL_DISTRIBUTION
             object.__setattr__(self, "distribution", made)
-        check_type("distribution", self.distribution, str, "a name such as jazzy")
         check_choice("distribution", str(self.distribution), DISTRIBUTIONS, "that of ROS 2")
         for what, rate in self.rates.items():
             check_choice("rates", what, SAID, "what is published")
@@ -127,8 +125,7 @@ class Publisher:
     ) -> None:
         zenoh = load_zenoh()
         self._kinds = kinds
-        self._outlets: dict[str, tuple[Publication, Any]] = {}
-        self._sent: dict[str, int] = {}
+        self._outlets: dict[str, tuple[Publication, Any, Iterator[int]]] = {}
         self._token(session, node.token, ends)
         for number, channel in enumerate(channels, 1):
             told = kinds.hash_of(channel.kind) if hashed else NO_HASH
@@ -140,20 +137,17 @@ class Publisher:
             )
             ends.callback(outlet.undeclare)
             self._token(session, each.token, ends)
-            self._outlets[channel.topic] = each, outlet
-            self._sent[channel.topic] = 0
+            self._outlets[channel.topic] = each, outlet, itertools.count(1)
 
     def _token(self, session: Any, key: str, ends: ExitStack) -> None:
         ends.callback(session.liveliness().declare_token(key).undeclare)
 
     def send(self, out: Outgoing) -> None:
         """Send a message to whoever listens."""
-        publication, outlet = self._outlets[out.topic]
-        self._sent[out.topic] += 1
-        number = self._sent[out.topic]
+        publication, outlet, numbers = self._outlets[out.topic]
         outlet.put(
             self._kinds.bytes_of(out.kind, out.message),
-            attachment=attachment(number, time.time_ns(), publication.gid),
+            attachment=attachment(next(numbers), time.time_ns(), publication.gid),
         )
 
 

@@ -8,13 +8,9 @@ its form since 0.1.2 (Humble), 0.2.4 (Jazzy) and 0.6.0 (Kilted, Rolling); those 
 and drop messages or end when they meet this one.
 """
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 from struct import Struct
-
-from skinfield.errors import InputError, check_count
-from skinfield.files.ros.names import TOKEN, check_prefix
 
 TOKENS = "@ros2_lv"  # where liveliness tokens are
 NO_HASH = "TypeHashNotSupported"  # Humble's, in place of a type's hash
@@ -22,7 +18,6 @@ ATTACHMENT = Struct("<qqB16s")  # number, stamp in ns since the epoch, 16, the p
 GID = 16  # bytes
 DOMAINS = 232  # the last
 DEPTH = 42  # rmw_zenoh's own, which is left out
-KIND = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
 
 
 @dataclass(frozen=True)
@@ -45,15 +40,6 @@ class Node:
     session: str
     domain: int = 0
     namespace: str = ""
-
-    def __post_init__(self) -> None:
-        check_count("domain", self.domain, 0, DOMAINS, "the ROS_DOMAIN_ID")
-        if not TOKEN.fullmatch(self.name):
-            raise InputError(f"name is {self.name!r:.80}, expected letters, digits, underscores")
-        if not re.fullmatch("[0-9a-f]{1,32}", self.session):
-            raise InputError(f"session is {self.session!r:.80}, expected up to 32 digits 0-9a-f")
-        if self.namespace:
-            check_prefix(self.namespace)
 
     @property
     def token(self) -> str:
@@ -126,10 +112,8 @@ def mangled(name: str) -> str:
 
 def type_name(kind: str) -> str:
     """Name of a message's type as DDS has it: `std_msgs::msg::dds_::String_`."""
-    found = KIND.fullmatch(kind)
-    if not found:
-        raise InputError(f"kind is {kind!r:.80}, expected such as std_msgs/msg/String")
-    return f"{found[1]}::msg::dds_::{found[2]}_"
+    package, _, name = kind.split("/")
+    return f"{package}::msg::dds_::{name}_"
 
 
 def attachment(number: int, stamp_ns: int, gid: bytes) -> bytes:

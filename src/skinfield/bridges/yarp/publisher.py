@@ -3,7 +3,6 @@
 import threading
 import time
 from contextlib import ExitStack, suppress
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from skinfield.errors import InputError
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
+from skinfield.skin import Patch
 from skinfield.wire.yarp import Port, envelope
 
 HERE = 10.0  # s to wait for the ring
@@ -81,21 +81,22 @@ class Publisher:
             self.events.write([each.values for each in self._list.of(snapshot, rows)], stamp)
         for name, port in self.taxels.items():
             if port.readers:
-                port.write(self._compensated(snapshot, name), stamp)
-
-    def _compensated(self, snapshot: Snapshot, name: str) -> list[Any]:
-        """What taxels read beyond their baseline, by channel; nan where one has no reading."""
-        patch = next(patch for patch in self._live.skin if patch.name == name)
-        values, valid, _ = snapshot.taxels(name)
-        channels = np.zeros(patch.n_channels)
-        channels[patch.channel] = np.where(valid, values, np.nan)
-        return [float(value) for value in channels]
+                port.write(compensated(snapshot, self._live.skin[name]), stamp)
 
     def close(self) -> None:
         """Let go of the ports."""
         for port in self.ports:
             port.close()
         self._fit.close()
+
+
+def compensated(snapshot: Snapshot, patch: Patch) -> list[float]:
+    """What taxels read beyond their baseline, by channel; nan where one has no reading."""
+    values, valid, _ = snapshot.taxels(patch.name)
+    channels = np.zeros(patch.n_channels)
+    channels[patch.channel] = np.where(valid, values, np.nan)
+    found: list[float] = channels.tolist()
+    return found
 
 
 def keep_registered(ports: tuple[Port, ...], stop: threading.Event) -> None:

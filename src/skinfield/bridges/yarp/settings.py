@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from skinfield.errors import check_range, check_type
+from skinfield.errors import check_range
 from skinfield.wire.can.bus import host_and_port
 from skinfield.wire.yarp import PORT, NameServer, checked_name
 
@@ -46,13 +46,8 @@ class YarpSettings:
     taxels: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("robot", "host"):
-            check_type(name, getattr(self, name), str, "text")
-        check_type("parts", self.parts, Mapping, "three numbers by the names of patches")
-        check_type("taxels", self.taxels, bool, "whether they are published")
         check_range("rate", self.rate, 0.1, 10_000.0, "messages per second")
         if self.port is not None:
-            check_type("port", self.port, str, "a name such as /skinManager/skin_events:o")
             checked_name(self.port)
         self.server  # noqa: B018 - refuses an address that cannot be read
 
@@ -60,7 +55,6 @@ class YarpSettings:
     def server(self) -> NameServer | None:
         """The name server; None for none."""
         text = self.name_server or HERE
-        check_type("name_server", text, str, "an address such as 192.0.2.7:10000")
         return None if text == NONE else NameServer(*host_and_port(text, HERE, PORT))
 
     def prefix(self, name: str) -> str:

@@ -3,7 +3,8 @@
 import sys
 
 from skinfield.bridges.child import run_child
-from skinfield.bridges.zenoh.publisher import PublisherSettings, serve
+from skinfield.bridges.zenoh.publisher import serve
+from skinfield.settings import BridgeSettings
 
 if __name__ == "__main__":
-    sys.exit(run_child(PublisherSettings, serve))
+    sys.exit(run_child(BridgeSettings, serve))

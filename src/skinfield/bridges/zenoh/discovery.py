@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import Any
 
 from skinfield.bridges.zenoh.messages import MOST_JSON, Calibration, Plan
@@ -17,15 +18,15 @@ PATIENCE = 10.0  # s for an answer: layouts may be large
 MOST_PARTS = 256  # engines
 
 
+@dataclass(eq=False)
 class _Engine:
     """An engine that was heard of."""
 
-    def __init__(self, part: Part) -> None:
-        self.part = part
-        self.alive = True
-        self.source: ZenohSource | None = None
-        self.subscribers: list[Any] = []
-        self.next = 0.0  # when it may be asked again
+    part: Part
+    alive: bool = True
+    source: ZenohSource | None = None
+    subscribers: list[Any] = field(default_factory=list)
+    next: float = 0.0  # when it may be asked again
 
     def leave(self) -> None:
         """Hear no more of it."""
@@ -149,13 +150,13 @@ class ZenohSources:
         if engine.source is not None and engine.source.plan.fingerprint == plan.fingerprint:
             engine.source.outdated = False  # it was asked while it changed
             return
-        source = ZenohSource(part, plan, self._calibration(part, plan))
-        source.take_status(self._ask(part, "status"))
+        source = ZenohSource(part, plan, self._calibration(part, plan), self._ask(part, "status"))
         engine.leave()
         zenoh = load_zenoh()
         takes = {
             "estimate": lambda sample: source.take_estimate(
-                b"" if sample.attachment is None else sample.attachment.to_bytes(), sample.payload
+                b"" if sample.attachment is None else sample.attachment.to_bytes(),
+                sample.payload.to_bytes(),
             ),
             "status": lambda sample: source.take_status(sample.payload.to_bytes()),
             "contacts": lambda sample: source.take_contacts(sample.payload.to_bytes()),

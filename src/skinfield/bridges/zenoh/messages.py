@@ -1,24 +1,28 @@
-"""Messages of the zenoh bridge: estimates, descriptions, calibrations and contacts as bytes."""
+"""Messages of the zenoh bridge: estimates, contacts, status and descriptions as bytes."""
 
 import hashlib
 import struct
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
-from msgspec import Meta, Struct
+from msgspec import Meta, Struct, field
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.files.layouts.load import save_layout
 from skinfield.loop import Answer
-from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.model_config import Configuration, ModelConfig
+from skinfield.loop.realtime.timing import TIMES, TOTALS
 from skinfield.loop.slots import CONTACT, Sizes, Slot
-from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
+from skinfield.loop.snapshot import Snapshot
 from skinfield.ring import Field
 from skinfield.ring.layout import LINE, Placed, place
 from skinfield.ring.reader import Slot as Copy
-from skinfield.skin import Skin
+from skinfield.skin import Patch, Skin
 
 VERSION = 1
 MAGIC = b"SKE1"
@@ -84,11 +88,6 @@ class EstimateHead(NamedTuple):
         return cls(*_HEAD.unpack(data)[1:])
 
 
-def newest_stamp(slot: Slot) -> int:
-    """Of the newest reading in a cycle, ns since the epoch; 0 where none came yet."""
-    return int(slot.patches["stamp_ns"].max(initial=0))
-
-
 def strict_json(plain: Any) -> bytes:
     """JSON as others read it: what is not finite becomes null."""
     return msgspec.json.encode(plain)
@@ -130,15 +129,7 @@ def described(robot: str, part: str, ring: Mapping[str, Any], fields: tuple[Fiel
             "robot": robot,
             "part": part,
             "slot_bytes": size,
-            "slot": [
-                {
-                    "name": each.field.name,
-                    "dtype": each.field.dtype,
-                    "shape": list(each.field.shape),
-                    "offset": each.offset,
-                }
-                for each in placed
-            ],
+            "slot": [_PlacedField.of(each) for each in placed],
             "ring": {key: value for key, value in ring.items() if key != "source_settings"},
         }
     )
@@ -146,8 +137,13 @@ def described(robot: str, part: str, ring: Mapping[str, Any], fields: tuple[Fiel
 
 class _PlacedField(Struct):
     name: str
-    offset: int
     dtype: str
+    shape: tuple[int, ...]
+    offset: int
+
+    @classmethod
+    def of(cls, placed: Placed) -> "_PlacedField":
+        return cls(*placed.field, placed.offset)
 
 
 class _Ring(Struct):
@@ -197,7 +193,7 @@ class Plan(NamedTuple):
             )
         model_config = ModelConfig.from_json(message.ring.model_config)
         fields, size = place("slot", _sizes(model_config).fields(), LINE)
-        own = [_PlacedField(each.field.name, each.offset, each.field.dtype) for each in fields]
+        own = [_PlacedField.of(each) for each in fields]
         if message.slot_bytes != size or message.slot != own:
             raise InputError(
                 f"slots have {message.slot_bytes} bytes, expected {size} of "
@@ -265,31 +261,36 @@ def _check(what: str, good: Array) -> None:
         raise InputError(f"{what} of an estimate cannot be, expected those of a live skin")
 
 
-class Calibration(Struct, frozen=True, eq=False):
+class _Calibration(Struct):
+    """What `Calibration` makes, as far as it is read."""
+
+    tares: Whole
+    generation: Whole
+    solver: dict[str, Any]
+    noise_std: list[Annotated[float, Meta(ge=0.0, lt=1e30)]]
+    tuning: dict[str, Any] = {}
+
+
+class Calibration(NamedTuple):
     """What changes while a ring stays, and decides what follows from a pressure.
 
     Attributes
     ----------
     tares : int
         Baselines taken so far.
-    generation : int
-        Of the engine's process.
-    solver : Solver or None
-        None: that of the model configuration.
+    configuration : Configuration
     noise_std : (L,) array
         In the quantity's unit.
     """
 
     tares: int
-    generation: int
-    solver: Any
+    configuration: Configuration
     noise_std: Floats
 
     def packed(self) -> bytes:
         """As JSON."""
-        solver = None if self.solver is None else plain_from_value("solver", self.solver)
-        plain = {"tares": self.tares, "generation": self.generation, "solver": solver}
-        return strict_json(plain | {"noise_std": self.noise_std.tolist()})
+        plain = {"tares": self.tares, "noise_std": self.noise_std.tolist()}
+        return strict_json(self.configuration.as_dict() | plain)
 
     @classmethod
     def of(cls, data: bytes, taxels: int) -> "Calibration":
@@ -303,19 +304,8 @@ class Calibration(Struct, frozen=True, eq=False):
         message = decoded(_Calibration, data, MOST_JSON)
         if len(message.noise_std) != taxels:
             raise InputError(f"a calibration has no noise of {taxels} taxels, expected that")
-        solver = value_from_plain("solver", message.solver)
-        good = isinstance(message.solver, dict) and callable(getattr(solver, "prepare", None))
-        if not good and message.solver is not None:
-            raise InputError(f"a solver is {message.solver!r:.60}, expected one of skinfield's")
-        noise_std = np.array(message.noise_std, np.float64)
-        return cls(message.tares, message.generation, solver, noise_std)
-
-
-class _Calibration(Struct):
-    tares: Whole
-    generation: Whole
-    solver: Any
-    noise_std: list[Annotated[float, Meta(ge=0.0, lt=1e30)]]
+        configuration = Configuration.from_dict(msgspec.structs.asdict(message))
+        return cls(message.tares, configuration, np.array(message.noise_std, np.float64))
 
 
 RECENT_NS = 250_000_000  # that contacts may be of another time than an estimate
@@ -385,3 +375,119 @@ def contacts_from(data: bytes, skin: Skin) -> Contacts:
         for name in PLAIN:
             row[name] = np.array(getattr(each, name), row[name].dtype)
     return Contacts(message.stamp_ns, rows, [str(each.by) for each in message.contacts])
+
+
+BLANK_TIMING = dict.fromkeys(TOTALS, 0) | {f"{name}_us": None for name in TIMES}
+
+
+class PatchStatus(Struct):
+    """Of one patch, as `Status.patches` has it."""
+
+    name: str
+    answer: Literal["missing", "idle", "linear", "feasible"] = "missing"
+    age: float | None = None
+    stale: bool = False
+    force: float = 0.0
+    contacts: Whole = 0
+    invalid: Whole = 0
+    rung: Whole = 0
+    gap: float | None = None
+
+
+class StatusMessage(Struct):
+    """As `Status.as_dict` has it, and how many baselines were taken."""
+
+    name: str
+    state: Literal["starting", "calibrating", "running", "stopped", "failed"] = "starting"
+    pid: Whole = 0
+    generation: Whole = 0
+    seconds: float = 0.0
+    rate: float = 0.0
+    sources: dict[str, dict[str, int]] = {}
+    sources_lately: dict[str, dict[str, int]] = {}
+    patches: list[PatchStatus] = []
+    contacts: list[ContactMessage] = []
+    notes: dict[str, Any] = {}
+    sidecars: dict[str, Any] = field(default_factory=dict, name="beside")
+    memory: dict[str, Whole] = {}
+    tuning: dict[str, Any] = {}
+    since_start: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
+    lately: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
+    lost: Whole = 0
+    tares: Whole = 0
+
+
+def status_from(data: bytes, skin: Skin) -> dict[str, Any]:
+    """The status of an engine with this skin, with every member that `Status.as_dict` has.
+
+    What the message does not say is as of an engine that said nothing yet.
+
+    Raises
+    ------
+    InputError
+        If a member cannot be: another state, a patch that the skin has not, a count below zero,
+        text or nesting without end.
+    """
+    status = decoded(StatusMessage, data, MOST_STATUS)
+    names = [patch.name for patch in skin]
+    if [each.name for each in status.patches] not in ([], names):
+        raise InputError(
+            f"patches of a status are {[each.name for each in status.patches]!r:.80}, expected "
+            f"those of the skin: {', '.join(names)}"
+        )
+    status.patches = status.patches or [PatchStatus(name) for name in names]
+    status.contacts = [each for each in status.contacts if each.patch in names]
+    plain: dict[str, Any] = msgspec.to_builtins(status)
+    return plain
+
+
+def status_and_health(plain: dict[str, Any], tares: int) -> tuple[bytes, bytes]:
+    """What `skinfield status --json` tells, and counters of what goes wrong.
+
+    Parameters
+    ----------
+    plain : dict
+        As `Status.as_dict` has it.
+    tares : int
+        How many baselines were taken.
+    """
+    recorder = (plain.get("beside") or {}).get("recorder")
+    if isinstance(recorder, dict):  # where it writes to is nobody's business elsewhere
+        recorder.pop("path", None)
+    patches, totals = plain["patches"], plain["since_start"]
+    health = {
+        "state": plain["state"],
+        "rate": plain["rate"],
+        **{name: totals[name] for name in ("cycles", "late", "skipped")},
+        "lost": plain["lost"],
+        "sources": plain["sources"],
+        "invalid": {each["name"]: each["invalid"] for each in patches if each["invalid"]},
+        "stale": [each["name"] for each in patches if each["stale"]],
+        "missing": [each["name"] for each in patches if each["answer"] == "missing"],
+        "tares": tares,
+        "restarts": plain["generation"] - 1,
+    }
+    return strict_json(plain | {"tares": tares}), strict_json(health)
+
+
+def contacts_of(snapshot: Snapshot, plain: list[dict[str, Any]]) -> bytes:
+    """Contacts of a cycle, each as `contact_plain` makes it."""
+    return strict_json(
+        {"number": snapshot.number, "stamp_ns": snapshot.stamp_ns, "contacts": plain}
+    )
+
+
+def contact_plain(row: Any, patches: list[Patch], by: str) -> dict[str, Any]:
+    """A contact in plain values, SI units; force is a vector in the patch's frame."""
+    plain = {name: row[name].tolist() for name in PLAIN}
+    patch = patches[int(row["patch"])]
+    force = (-row["normal_force"] * row["normal"]).tolist()  # onto the skin, against its normal
+    return plain | {"patch": patch.name, "link": patch.link, "force": force, "by": by}
+
+
+def layout_text(skin: Skin | Patch) -> bytes:
+    """A layout as skinfield writes it to a TOML file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "layout.toml"
+        save_layout(skin, path)
+        return path.read_bytes()

@@ -5,36 +5,30 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
-
-import numpy as np
 
 from skinfield.bridges.child import say_ready
 from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
-    described,
-    fingerprint_of,
-    newest_stamp,
-)
-from skinfield.bridges.zenoh.session import Part, ZenohSettings, load_zenoh, open_session
-from skinfield.bridges.zenoh.status_messages import (
     contact_plain,
     contacts_of,
+    described,
+    fingerprint_of,
     layout_text,
     status_and_health,
 )
-from skinfield.errors import InputError, check_positive, check_type
+from skinfield.bridges.zenoh.session import Part, load_zenoh, open_session, zenoh_session
+from skinfield.errors import InputError
+from skinfield.loop import State
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.model_config import configuration_of
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import Head
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
-from skinfield.ring import State
-from skinfield.ring.reader import Slot as Copy
+from skinfield.settings import BridgeSettings
 
 JSON, BYTES = "application/json", "application/octet-stream"
 WHOLE = {  # what is published of an engine: kind of bytes, and priority
@@ -57,14 +51,14 @@ class Outlets:
     def __init__(self, session: Any, part: Part, patches: Sequence[str]) -> None:
         self._session, self._part = session, part
         self._token: Any = None
-        self._publishers: dict[str, Any] = {}
         self._answers: list[Any] = []
-        self._patches = {
-            what: [self._declare(part.patch_key(name, what), what) for name in patches]
-            for what in OF_PATCH
+        self._publishers: dict[tuple[str, int | None], Any] = {
+            (what, None): self._declare(part.key(what), what) for what in WHOLE
         }
-        for what in WHOLE:
-            self._publishers[what] = self._declare(part.key(what), what)
+        for place, name in enumerate(patches):
+            for what in OF_PATCH:
+                made = self._declare(part.patch_key(name, what), what)
+                self._publishers[what, place] = made
 
     def _declare(self, key: str, what: str) -> Any:
         zenoh = load_zenoh()
@@ -79,16 +73,13 @@ class Outlets:
 
     def wanted(self, what: str, patch: int | None = None) -> bool:
         """Whether somebody reads this."""
-        return bool(self._of(what, patch).matching_status.matching)
-
-    def _of(self, what: str, patch: int | None) -> Any:
-        return self._publishers[what] if patch is None else self._patches[what][patch]
+        return bool(self._publishers[what, patch].matching_status.matching)
 
     def put(
         self, what: str, data: bytes, head: bytes | None = None, patch: int | None = None
     ) -> None:
         """Send."""
-        self._of(what, patch).put(data, attachment=head)
+        self._publishers[what, patch].put(data, attachment=head)
 
     def live(self, alive: bool) -> None:
         """Show that the engine lives, or take that back."""
@@ -116,9 +107,8 @@ class Outlets:
         """Take everything back."""
         zenoh = load_zenoh()
         self.live(False)
-        several = [each for row in self._patches.values() for each in row]
         with suppress(zenoh.ZError):  # of a session that is closed already
-            for each in (*self._answers, *self._publishers.values(), *several):
+            for each in (*self._answers, *self._publishers.values()):
                 each.undeclare()
 
 
@@ -126,32 +116,9 @@ SLICE = 0.1  # s at most without a look whether to stop
 RECENT = 1.0  # s that the status calls the last
 STATUS = 0.5  # s between what is said of the state
 QUIET = 0.25  # s after which a cycle goes out though it has no new reading
-BACK = 20  # cycles that are looked through for one with a new reading
 TAKEN = 12.0  # s until a name is free of which the computer went away without a word
 HERE = 10.0  # s to wait for the ring
 RATE = 100.0  # estimates per second at most
-
-
-@dataclass(frozen=True, kw_only=True)
-class PublisherSettings:
-    """What is published, and how often.
-
-    Parameters
-    ----------
-    robot : str
-        First name in the keys.
-    session : ZenohSettings
-    rate : float, 1/s
-        Of estimates and raw readings at most; the newest wins. Contacts have no limit.
-    """
-
-    robot: str = "robot"
-    session: ZenohSettings = field(default_factory=ZenohSettings)
-    rate: float = RATE
-
-    def __post_init__(self) -> None:
-        check_type("robot", self.robot, str, "a name in keys")
-        check_positive("rate", self.rate, "estimates per second")
 
 
 class Publisher:
@@ -163,7 +130,7 @@ class Publisher:
     live : Live
     part : Part
     rate : float, 1/s
-        See `PublisherSettings`.
+        Of estimates and raw readings at most; the newest wins. Contacts have no limit.
     """
 
     def __init__(self, session: Any, live: Live, part: Part, rate: float = RATE) -> None:
@@ -177,15 +144,12 @@ class Publisher:
         self._outlets = Outlets(session, part, [patch.name for patch in live.skin])
         self._part, self._every = part, 1.0 / rate
         self._instance = secrets.randbits(64)
-        self._taken, self._spare = (self._room() for _ in range(2))
+        self._taken: Snapshot | None = None
+        self._octets = live.octets
         self._said = b"", b""  # status and health
         self._seen = 0
         self._owed = False  # whether what was taken is held back for the rate's sake
         self._next = self._status = self._sent = 0.0
-
-    def _room(self) -> tuple[Copy, Slot]:
-        copy = self._reader.slot()
-        return copy, Slot.of(copy.arrays)
 
     @contextmanager
     def there(self) -> Iterator[None]:
@@ -214,82 +178,61 @@ class Publisher:
         """Wait for a cycle, and send what is due."""
         now = time.monotonic()
         due = min(self._next if self._owed else now + SLICE, self._status)
-        number = self._reader.wait(self._seen, min(max(due - now, 0.0), SLICE))
+        self._reader.wait(self._seen, min(max(due - now, 0.0), SLICE))
         now = time.monotonic()
         if now >= self._status:
             self._tell(now)
-        if number > self._seen and self._take(number, now):
-            self._owed = True
-            self._send_contacts()
-        if self._owed and now >= self._next:
+        if (found := self._live.next_answered()) is not None:
+            self._seen = found.number
+            if found.fresh or now - self._sent > QUIET:
+                self._taken, self._octets, self._owed = found, self._live.octets, True
+                self._send_contacts(found)
+        if self._taken is not None and self._owed and now >= self._next:
             self._owed, self._sent = False, now
             self._next = max(self._next + self._every, now)
-            self._send_estimate()
+            self._send_estimate(self._taken)
 
     def _tell(self, now: float) -> None:
         self._status = now + STATUS
         self._outlets.live(self._reader.alive and self._reader.state < State.STOPPED)
-        self._said = status_and_health(self._observer.look().as_dict(), self._tares())
+        self._said = status_and_health(self._observer.look().as_dict(), self._live.tares)
         for what, data in zip(("status", "health"), self._said, strict=True):
             self._outlets.put(what, data)
 
-    def _tares(self) -> int:
-        return int(self._reader.status_view["tares"][0])
-
     def _calibration(self) -> bytes:
         """Noise of all taxels and solver, by which a reader makes uncertainties."""
-        reader, told = self._reader, configuration_of(self._reader)
-        return Calibration(
-            tares=self._tares(),
-            generation=reader.generation if told is None else told.generation,
-            solver=None if told is None else told.solver,
-            noise_std=np.asarray(self._live.models.noise_std),
-        ).packed()
+        known = configuration_of(self._reader)
+        if known is None:
+            raise InputError("the engine's settings are being written, expected them soon")
+        return Calibration(self._live.tares, known, self._live.models.noise_std).packed()
 
-    def _take(self, number: int, now: float) -> bool:
-        """Take the newest cycle with a new reading; another only if none went out for long."""
-        quiet = now - self._sent > QUIET
-        first, self._seen = max(self._seen, number - BACK), number
-        for each in range(number, first, -1):
-            copy, slot = self._spare
-            if self._reader.get(each, copy) is None:
-                return False  # this process was held up: a newer one is coming
-            if slot.head[Head.FRESH] or (quiet and each == number):
-                self._taken, self._spare = self._spare, self._taken
-                return True
-        return False
-
-    def _head(self) -> bytes:
-        copy, slot = self._taken
+    def _head(self, cycle: Snapshot) -> bytes:
         return EstimateHead(
-            generation=copy.generation,
-            number=copy.number,
-            stamp_ns=newest_stamp(slot),
+            generation=int(cycle.slot.head[Head.GENERATION]),
+            number=cycle.number,
+            stamp_ns=cycle.stamp_ns,
             sent_ns=time.time_ns(),
-            tares=self._tares(),
+            tares=self._live.tares,
             instance=self._instance,
             fingerprint=self._fingerprint,
         ).packed()
 
-    def _send_contacts(self) -> None:
+    def _send_contacts(self, cycle: Snapshot) -> None:
         several = [p for p in self._patches if self._outlets.wanted("contacts", p)]
         if not several and not self._outlets.wanted("contacts"):
             return
-        copy, slot = self._taken
-        snapshot = Snapshot(slot, copy.number, self._live.models, time.time_ns())
-        rows, by = best_contacts(snapshot, self._fit)
-        head, skin = self._head(), list(self._live.skin)
+        rows, by = best_contacts(cycle, self._fit)
+        head, skin = self._head(cycle), list(self._live.skin)
         plain = [contact_plain(row, skin, who) for row, who in zip(rows, by, strict=True)]
-        self._outlets.put("contacts", contacts_of(snapshot, plain), head)
+        self._outlets.put("contacts", contacts_of(cycle, plain), head)
         for patch in several:
             its = [each for each in plain if each["patch"] == skin[patch].name]
-            self._outlets.put("contacts", contacts_of(snapshot, its), head, patch)
+            self._outlets.put("contacts", contacts_of(cycle, its), head, patch)
 
-    def _send_estimate(self) -> None:
-        head = self._head()
+    def _send_estimate(self, cycle: Snapshot) -> None:
+        head, counts = self._head(cycle), cycle.readings
         if self._outlets.wanted("estimate"):
-            self._outlets.put("estimate", self._taken[0].octets.tobytes(), head)
-        counts = self._taken[1].counts
+            self._outlets.put("estimate", self._octets.tobytes(), head)
         if self._outlets.wanted("raw"):
             self._outlets.put("raw", counts.tobytes(), head)
         for patch in self._patches:
@@ -310,7 +253,7 @@ def check_free(session: Any, part: Part) -> None:
         time.sleep(0.2)
 
 
-def serve(name: str, settings: PublisherSettings, stop: threading.Event) -> None:
+def serve(name: str, settings: BridgeSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`.
 
     Raises
@@ -319,9 +262,9 @@ def serve(name: str, settings: PublisherSettings, stop: threading.Event) -> None
         If zenoh cannot start, or there is no such skin.
     """
     part = Part(settings.robot, name)
-    with open_session(settings.session) as session, connect(name, timeout=HERE) as live:
+    with open_session(zenoh_session(settings)) as session, connect(name, timeout=HERE) as live:
         check_free(session, part)
-        publisher = Publisher(session, live, part, settings.rate)
+        publisher = Publisher(session, live, part)
         with publisher.there():
             say_ready(key=part.key("**"), id=str(session.info.zid()))
             while not stop.is_set():

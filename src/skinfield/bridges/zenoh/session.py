@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote, unquote
 
 from skinfield.errors import InputError
+from skinfield.settings import ZenohAddresses
 
 ROOT = "skinfield"
 ALL_ALIVE = f"{ROOT}/*/*/alive"
@@ -106,6 +107,15 @@ class ZenohSettings:
     def local(self) -> bool:
         """Whether nothing says where to meet others: on this machine then."""
         return not (self.listen or self.connect or self.config)
+
+
+def zenoh_session(given: ZenohAddresses) -> ZenohSettings:
+    """How to meet others, of the settings of a command."""
+    return ZenohSettings(
+        listen=given.zenoh_listen,
+        connect=given.zenoh_connect,
+        config=None if given.zenoh_config is None else Path(given.zenoh_config),
+    )
 
 
 def _endpoint(name: str, text: object) -> str:

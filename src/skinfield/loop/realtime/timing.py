@@ -20,11 +20,8 @@ from numpy.typing import NDArray
 from skinfield.errors import InputError, check_count
 from skinfield.loop.realtime.layout import (
     BINS,
-    CYCLES,
-    LATE,
     LONGEST,
     OCTAVE_BITS,
-    OVERRUN,
     SKIPPED,
     SUM,
     WORDS,
@@ -59,9 +56,8 @@ class Quantiles:
 
     def as_micros(self) -> dict[str, float]:
         """Such as {"p50": 12.3, ..., "count": 1000}, times in µs to a ns, for JSON."""
-        names = ("p50", "p99", "p999", "max", "mean")
-        times = {name: round(1e6 * float(getattr(self, name)), 3) for name in names}
-        return {**times, "count": self.count}
+        times = {name: round(1e6 * each, 3) for name, each in vars(self).items()}
+        return times | {"count": self.count}
 
 
 def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
@@ -221,11 +217,10 @@ class Timing(NamedTuple):
         wake, acquired, ready, latency, cycle = (
             quantiles(row, earlier) for row, earlier in zip(times, earliers, strict=True)
         )
-        gone = np.zeros_like(totals) if before is None else before[1]
-        cycles, late, overrun, skipped = (
-            int(totals[at]) - int(gone[at]) for at in (CYCLES, LATE, OVERRUN, SKIPPED)
-        )
-        return cls(wake, acquired, ready, latency, cycle, cycles, late, overrun, skipped)
+        counted = totals.astype(np.int64)
+        if before is not None:
+            counted -= before[1].astype(np.int64)
+        return cls(wake, acquired, ready, latency, cycle, *counted.tolist())
 
     def as_dict(self) -> dict[str, object]:
         """Plain numbers in µs, for JSON: `wake_us` and so on, each of p50, p99, p999, max, mean."""

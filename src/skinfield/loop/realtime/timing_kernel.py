@@ -8,7 +8,6 @@ from skinfield.loop.realtime.layout import CYCLES, LATE, LONGEST, OCTAVE_BITS, O
 
 Counts = NDArray[np.uint64]
 ONE = np.uint64(1)
-OCTAVE = 6  # as `layout.OCTAVE_BITS`: Numba takes globals as constants
 
 
 @njit
@@ -22,11 +21,11 @@ def add_time(counts: Counts, time_ns: int) -> None:
     """
     time = max(time_ns, 0)
     rest, octave = min(time, TOP), 0
-    while rest >= 2 << OCTAVE:
+    while rest >= 2 << OCTAVE_BITS:
         rest >>= 1
         octave += 1
     exact = np.uint64(time)
-    counts[(octave << OCTAVE) + rest] += ONE
+    counts[(octave << OCTAVE_BITS) + rest] += ONE
     counts[SUM] += exact
     if exact > counts[LONGEST]:
         counts[LONGEST] = exact
@@ -67,6 +66,3 @@ def add_cycle(
         totals[LATE] += ONE
     if done_ns - due_ns > period_ns:
         totals[OVERRUN] += ONE
-
-
-assert OCTAVE == OCTAVE_BITS
