@@ -177,7 +177,6 @@ def test_rows_lie_as_in_python(tmp_path: Path) -> None:
     source.write_text(f"#include <skinfield_live.h>\nint main(void) {{ {code} return 0; }}\n")
     wanted = []
     for struct, dtype in ROWS:
-        assert dtype.fields is not None
         wanted.append(f"{struct} {dtype.itemsize}")
         wanted += [f"{place} {part.itemsize}" for part, place in dtype.fields.values()]
     assert ran(compiled(source, tmp_path, "-std=c11")).stdout.splitlines() == wanted
@@ -228,7 +227,6 @@ def test_the_example_prints_the_contacts_of_each_cycle(tmp_path: Path) -> None:
         ring.set_state(State.RUNNING)
         wanted = lines_of(1, publish(ring, 2))
         with subprocess.Popen([program, ring.name], stdout=subprocess.PIPE, text=True) as found:
-            assert found.stdout is not None
             try:
                 assert [found.stdout.readline() for _ in wanted] == wanted
                 publish(ring, 1, fresh=0)  # repeats an earlier answer: not told

@@ -1,11 +1,13 @@
-"""The engine in its own process, which is watched and dies, and the readers of its ring."""
+"""The engine in its own process, what starts processes again, and the readers of its ring."""
 
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,20 +19,24 @@ from live_skins import Ticking, fill, settings, skin_ring, unique_name, wait_for
 from numpy.testing import assert_array_equal
 
 import skinfield as sf
+from skinfield.bridges.launch import Bridge
 from skinfield.errors import InputError
 from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop import process_supervisor
 from skinfield.loop.baseline import Baseline
 from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
 from skinfield.loop.engine_process import EngineProcess
 from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import Head
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
-from skinfield.ring import Ring, State
+from skinfield.ring import Field, Ring, State
 from skinfield.ring.files import sidecar
+from skinfield.settings import BridgeSettings
 from skinfield.signal import Count
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -68,9 +74,6 @@ def test_estimates_arrive_and_their_age_is_true(live) -> None:
     assert np.abs(found.readings - 240.0).max() <= 1.0
     with pytest.raises(InputError, match="no patch is named 'other'"):
         found["other"]
-
-
-def test_no_old_estimate_is_given_for_a_new_one(live) -> None:
     with pytest.raises(Stale, match="expected 1e-09 s at most"):
         live.latest(max_age=1e-9, timeout=0.1)
 
@@ -118,8 +121,6 @@ def test_a_new_baseline_is_taken_on_order(live) -> None:
 
 
 def test_orders_that_are_none_change_nothing(live) -> None:
-    import socket
-
     address = str(sidecar(live.name, "control"))
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
         for data in (b"", b"{", b"[]", b'{"do": 3}', b'{"do": "fly"}', b"\xff" * 2000):
@@ -133,7 +134,6 @@ def test_a_reader_that_dies_disturbs_nobody(live, running) -> None:
     loop = f"for each in sf.connect({live.name!r}): print('x', flush=True)"
     code = f"import skinfield as sf\n{loop}"
     child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
-    assert child.stdout is not None
     assert child.stdout.readline() == b"x\n"
     child.kill()
     child.wait()
@@ -186,7 +186,6 @@ def test_it_ends_with_its_parent() -> None:
     )
     folder = str(Path(__file__).parent)
     child = subprocess.Popen([sys.executable, "-c", code, folder], stdout=subprocess.PIPE)
-    assert child.stdout is not None
     engine = int(child.stdout.readline())
     child.kill()
     child.wait()
@@ -199,14 +198,9 @@ def test_it_ends_with_its_parent() -> None:
 
 
 def test_without_a_skin_it_is_said() -> None:
-    with pytest.raises(NotRunning, match="is not there"):
-        connect(unique_name())
-
-
-def test_live_refuses_rings_of_something_else() -> None:
-    from skinfield.ring import Field
-
     name = unique_name()
+    with pytest.raises(NotRunning, match="is not there"):
+        connect(name)
     with Ring.create(name, [Field("x", "<f8", (1,))]) as ring:
         with pytest.raises(NotRunning, match="something else"):
             Live(name)
@@ -245,7 +239,6 @@ def test_the_cycle_of_the_contact_is_the_one_that_is_returned(ring: Ring) -> Non
         wanted = publish(ring, 0.25, 1.5)
         waiting.join()
     (snapshot,) = found
-    assert snapshot is not None
     assert snapshot.number == wanted
     assert_array_equal(snapshot.contacts["normal_force"], [0.25, 1.5])
 
@@ -254,7 +247,6 @@ def test_what_was_returned_does_not_change_later(ring: Ring) -> None:
     publish(ring, 2.0)
     with Live(ring.name) as live:
         first = live.wait_contact(60.0)
-        assert first is not None
         readings = first.readings.copy()
         publish(ring, 3.0)
         second = live.wait_contact(60.0)
@@ -360,3 +352,104 @@ def test_the_watch_goes_on_where_its_events_cannot_be_written(
     )
     supervisor.report("failed", "text")
     assert supervisor.events[-1].text == "text"
+
+
+LONG = 600.0  # s: on a busy machine
+SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"
+
+
+class Script(SupervisedProcess):
+    def __init__(self, *scripts: str) -> None:
+        super().__init__("the script")
+        self.scripts = list(scripts)
+
+    def spawn(self) -> Child:
+        script = self.scripts.pop(0) if len(self.scripts) > 1 else self.scripts[0]
+        if not script:
+            raise OSError("no process is left")
+        return subprocess.Popen([sys.executable, "-c", script], process_group=0)
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SupervisedProcess, "poll", 0.01)
+    monkeypatch.setattr(SupervisedProcess, "pauses", (0.0, 0.01))
+
+
+def test_what_ends_is_started_again_and_told_once(impatient: None) -> None:
+    with Script(FAILS, "", FAILS, SLEEPS) as script:
+        script.begin()
+        script.watch()
+        wait_for(lambda: script.restarts == 3 and not script.failure, LONG)
+        assert script.child is not None
+        child = script.child
+        assert script.notices() == [
+            "the script ended with status 3; it is started again",
+            "the script could not be started: no process is left; it is tried again every 0.01 s",
+        ]
+        assert script.notices() == []
+    assert child.returncode == -15
+    assert not script._thread.is_alive()
+
+
+def test_what_goes_well_for_long_is_told(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process_supervisor, "SETTLED", 0.0)
+    said: list[str] = []
+    with Script("", "", SLEEPS) as script:
+        with pytest.raises(InputError, match="no process is left"):
+            script.begin()
+        script.failure = "it was not there"
+        script.watch()
+
+        def is_there() -> bool:
+            said.extend(script.notices())
+            return bool(said) and said[-1] == "the script is there again"
+
+        wait_for(is_there, LONG)
+        assert script.restarts == 2
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [(1, "status 1"), (-9, "signal SIGKILL"), (-99, "signal 99")]
+)
+def test_how_a_process_ended(code: int, said: str) -> None:
+    assert exit_text(code) == said
+
+
+def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
+    class Silent(Bridge):
+        def spawn(self) -> Child:
+            pipe = subprocess.PIPE
+            return subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=pipe, stdout=pipe)
+
+    bridge = Silent("zenoh", "nobody", BridgeSettings())
+    failures: list[str] = []
+
+    def begin() -> None:
+        try:
+            bridge.begin()
+        except InputError as error:
+            failures.append(str(error))
+
+    thread = threading.Thread(target=begin)
+    with bridge:
+        thread.start()
+        wait_for(lambda: bridge.child is not None, LONG)
+        child = bridge.child
+        began = time.monotonic()
+        bridge.stopping.set()
+        thread.join(LONG)
+        assert time.monotonic() - began < 90.0  # half of what it would be waited for
+    assert child.returncode is not None
+    assert failures == ["the bridge to zenoh did not start: all was told to end"]
+
+
+def test_a_fit_that_dies_is_started_again(impatient: None) -> None:
+    with FitProcess(unique_name()) as fit:
+        first = fit.child
+        first.kill()
+        wait_for(lambda: fit.restarts == 1 and fit.child is not None, LONG)
+        second = fit.child
+        assert fit.notices() == ["the contact fit ended with signal SIGKILL; it is started again"]
+    assert first.returncode == -9
+    assert second.returncode is not None

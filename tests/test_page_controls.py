@@ -234,16 +234,14 @@ def recordings(recorder: Recorder, tmp_path: Path) -> Recordings:
 
 def kill_recorder(recorder: Recorder) -> None:
     """Kill it, and leave it to be asked for how it ended."""
-    assert recorder.child is not None
     recorder.child.kill()
     os.waitid(os.P_PID, recorder.child.pid, os.WEXITED | os.WNOWAIT)
 
 
-def test_one_is_begun_and_ended(recordings: Recordings, recorder: Recorder) -> None:
+def test_one_is_begun_and_ended(recordings, recorder) -> None:
     assert recordings.state() is None
     file = recordings.begin()["file"]
     told = recordings.state()
-    assert told is not None
     assert (told["file"], told["mine"]) == (file, True)
     with pytest.raises(InputError, match="a recording is going on"):
         recordings.begin()
@@ -254,9 +252,7 @@ def test_one_is_begun_and_ended(recordings: Recordings, recorder: Recorder) -> N
         recordings.end()
 
 
-def test_a_killed_recorder_is_told_and_another_may_begin(
-    recordings: Recordings, recorder: Recorder
-) -> None:
+def test_a_killed_recorder_is_told_and_another_may_begin(recordings, recorder) -> None:
     file = recordings.begin()["file"]
     kill_recorder(recorder)
     assert recordings.state() is None
@@ -270,9 +266,7 @@ def test_a_killed_recorder_is_told_and_another_may_begin(
     assert recordings.names == [file, again]
 
 
-def test_the_end_of_a_killed_recorder_says_how_to_save_the_file(
-    recordings: Recordings, recorder: Recorder
-) -> None:
+def test_the_end_of_a_killed_recorder_says_how_to_save_the_file(recordings, recorder) -> None:
     file = recordings.begin()["file"]
     kill_recorder(recorder)
     with pytest.raises(InputError, match="skinfield recover"):
@@ -283,13 +277,10 @@ def test_the_end_of_a_killed_recorder_says_how_to_save_the_file(
     recordings.end()
 
 
-def test_what_others_record_counts_as_long_as_they_say_so(
-    recordings: Recordings, recorder: Recorder
-) -> None:
+def test_what_others_record_counts_as_long_as_they_say_so(recordings, recorder) -> None:
     other = RecorderState(pid=os.getppid(), path="x.mcap", told_ns=time.time_ns())
     other.write(recorder.name)
     found = recordings.state()
-    assert found is not None
     assert (found["file"], found["mine"]) == ("x.mcap", False)
     with pytest.raises(InputError, match="a recording is going on"):
         recordings.begin()
@@ -299,9 +290,7 @@ def test_what_others_record_counts_as_long_as_they_say_so(
     assert recordings.state() is None
 
 
-def test_one_stands_ready_from_the_first_browser_on(
-    recordings: Recordings, recorder: Recorder
-) -> None:
+def test_one_stands_ready_from_the_first_browser_on(recordings, recorder) -> None:
     controller = LiveController(lambda: LiveSource("nonesuch"), recordings=recordings)
     controller.controls()
     assert recorder.asked == ["tend"]  # which does nothing until one is wanted

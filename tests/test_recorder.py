@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fit_rings import FakeFit, contact
 from live_skins import unique_name, wait_for
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine, missing_bytes, record, recorder_of, whole
+from recorder_ring import FakeEngine, FakeFit, contact, missing_bytes, record, recorder_of, whole
 
 import skinfield as sf
 from skinfield.files import open_recording
@@ -35,6 +34,11 @@ from skinfield.signal import Kind
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "a.mcap"
+
+
+@pytest.fixture
+def recorder(engine, path):
+    return recorder_of(engine, path)
 
 
 def step(engine, recorder):
@@ -160,8 +164,7 @@ def test_sources_that_come_and_go_are_told(engine, path):
     assert events[4]["text"] == "NoSource: 7 messages were lost"
 
 
-def test_an_engine_that_is_started_again(engine, path):
-    recorder = recorder_of(engine, path)
+def test_an_engine_that_is_started_again(engine, recorder, path):
     step(engine, recorder)
     engine.reopen()
     engine.cycle()
@@ -194,8 +197,7 @@ def test_an_overrun_is_counted_to_the_byte(path):
         assert missing_bytes(found) == len(log) - saved
 
 
-def test_its_state_is_told(engine, path):
-    recorder = recorder_of(engine, path)
+def test_its_state_is_told(engine, recorder):
     stop = threading.Event()
     thread = threading.Thread(target=recorder.run, args=(stop,))
     thread.start()
@@ -210,8 +212,7 @@ def test_its_state_is_told(engine, path):
     assert state.ended == "it was told to stop"
 
 
-def test_it_ends_with_the_ring(engine, path):
-    recorder = recorder_of(engine, path)
+def test_it_ends_with_the_ring(engine, recorder, path):
     engine.cycle()
     engine.ring.unlink()
     state = recorder.run(threading.Event(), 30.0)
@@ -219,8 +220,7 @@ def test_it_ends_with_the_ring(engine, path):
     assert len(list(LiveRecording.open(path).cycles())) == 1
 
 
-def test_a_new_baseline_is_enclosed(engine, path):
-    recorder = recorder_of(engine, path)
+def test_a_new_baseline_is_enclosed(engine, recorder, path):
     step(engine, recorder)
     engine.ring.status["calibration"][:, 0] = 199.0
     engine.ring.status["tares"][0] = 2
@@ -254,8 +254,7 @@ def ended(engine: FakeEngine, recorder: Recorder, path: Path) -> list[FitRecord]
     return told
 
 
-def test_each_answer_is_in_the_file_to_the_last_bit(engine, fit, path):
-    recorder = recorder_of(engine, path)
+def test_each_answer_is_in_the_file_to_the_last_bit(engine, recorder, fit, path):
     field = [0.0, 3.5, 0.0, 1e-30]
     fit.tell(contact(1e-3, force=2.0, track=4), contact(9e-3, track=7), pressure=field)
     fit.tell(contact(2e-3, force=1.0, track=4), pressure=[1.0])
@@ -277,8 +276,7 @@ def test_each_answer_is_in_the_file_to_the_last_bit(engine, fit, path):
     assert len(third.nodes) == len(third.contacts) == 0
 
 
-def test_what_says_nothing_new_is_left_out(engine, fit, path):
-    recorder = recorder_of(engine, path)
+def test_what_says_nothing_new_is_left_out(engine, recorder, fit, path):
     for _ in range(3):
         fit.tell(state=Fitted.NOTHING)  # an untouched skin, looked at again
         step(engine, recorder)
@@ -291,8 +289,7 @@ def test_what_says_nothing_new_is_left_out(engine, fit, path):
     assert [len(each.places) for each in told] == [1, 0]
 
 
-def test_a_fit_may_come_go_and_come_again(engine, path):
-    recorder = recorder_of(engine, path)
+def test_a_fit_may_come_go_and_come_again(engine, recorder, path):
     step(engine, recorder)
     for force in (1.0, 2.0):
         with FakeFit(engine.ring.name) as fit:
@@ -312,8 +309,7 @@ def test_one_that_runs_already_is_known_from_the_beginning(engine, fit, path):
     assert told[-1].contacts["normal_force"].tolist() == [39.0]
 
 
-def test_one_of_another_skin_is_left_out(engine, path):
-    recorder = recorder_of(engine, path)
+def test_one_of_another_skin_is_left_out(engine, recorder, path):
     for other in ({"patches": ("leg",)}, {"nodes": 25}):
         with FakeFit(engine.ring.name, **other) as fit:
             fit.tell(contact())
@@ -321,8 +317,7 @@ def test_one_of_another_skin_is_left_out(engine, path):
     assert ended(engine, recorder, path) == []
 
 
-def test_too_many_for_the_recorder_are_counted(engine, fit, path):
-    recorder = recorder_of(engine, path)
+def test_too_many_for_the_recorder_are_counted(engine, recorder, fit, path):
     fit.tell(contact(force=0.5))
     step(engine, recorder)
     for force in range(1, 60):
@@ -361,8 +356,7 @@ def test_a_queue_keeps_half_of_its_room_for_readings():
     assert not queue.offer(item(1))
 
 
-def test_wrong_numbers_in_the_ring_end_nothing(engine, fit, path):
-    recorder = recorder_of(engine, path)
+def test_wrong_numbers_in_the_ring_end_nothing(engine, recorder, fit, path):
     for wrong in (-1, 9, 1 << 30):
         fit.master.patches["contacts"] = wrong
         slot = fit.ring.begin()
@@ -469,7 +463,6 @@ def test_one_that_stands_by_records_from_the_click_on(recorders, engine, path):
     cycles(engine, 5)
     with recorders(path):
         state = read_state(engine.ring.name)
-        assert state is not None
         assert (state.pid, Path(state.path)) == (pid, path)
         cycles(engine, 5)
         recorders.tend()

@@ -112,7 +112,6 @@ def test_yarp_log_may_have_brackets_two_times_and_an_old_preamble(tmp_path: Path
 def test_cyskin_text_has_uids_and_seconds(tmp_path: Path) -> None:
     rec = opened(tmp_path, cyskin_text())
     np.testing.assert_array_equal(rec.counts, COUNTS)
-    assert rec.uid is not None
     assert rec.uid.tolist() == UIDS
     assert rec.stamp_ns[:2].tolist() == [600_000_000, 700_000_000]
 
@@ -140,7 +139,6 @@ def test_csv_uids_units_missing_values_and_an_index_column(tmp_path: Path) -> No
     text = "\ufeff# unit = dC/C0\n,time_s,uid_16,0x11,18\n0,0.5,0.1,,0.3\n1,0.6,0.4,inf,nan\n"
     rec = opened(tmp_path, text)
     np.testing.assert_array_equal(rec.counts, [[0.1, np.nan, 0.3], [0.4, np.nan, np.nan]])
-    assert rec.uid is not None
     assert rec.uid.tolist() == [16, 17, 18]
     assert rec.unit == "dC/C0"
     assert rec.skipped == 0
@@ -307,20 +305,6 @@ def test_npz_of_another_kind_is_refused(tmp_path: Path, keys, message) -> None:
         open_recording(tmp_path / "rec.npz")
 
 
-def test_blocks_do_not_change_what_is_read(tmp_path: Path, monkeypatch) -> None:
-    text = yarp().splitlines(keepends=True)
-    text[17] = "17 bad\n"
-    whole = opened(tmp_path, "".join(text))
-    calls: list[tuple[int, int]] = []
-    monkeypatch.setattr(lines_module, "BLOCK", 97)  # no line ends with a block
-    parts = open_recording(tmp_path / "rec", progress=lambda *done: calls.append(done))
-    np.testing.assert_array_equal(whole.counts, parts.counts)
-    assert whole.notes == parts.notes
-    size = (tmp_path / "rec").stat().st_size
-    assert calls[-1] == (size, size)
-    assert calls == sorted(calls)
-
-
 # ---- fuzz: only FileError or InputError may come out, and what comes in is sound
 
 
@@ -380,7 +364,6 @@ def test_columns_are_matched_by_uid(tmp_path: Path) -> None:
     got = readings_for(rec, patch_of(wanted))
     np.testing.assert_array_equal(got.counts[:, [0, 2, 3]], COUNTS[:, [5, 1, 6]])
     assert np.isnan(got.counts[:, 1]).all()
-    assert got.uid is not None
     assert got.uid.tolist() == wanted
     notes = " ".join(got.notes)
     assert "1 taxels of 'patch' have no column: 4242" in notes
@@ -423,13 +406,6 @@ def test_foot_logs_are_read_whole(shared_data: Path) -> None:
 
 
 PATCH = sf.layouts.hexagon72()
-
-
-@pytest.fixture(params=[50, 700, 1 << 20])
-def block(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
-    """Bytes that are read at once."""
-    monkeypatch.setattr(lines_module, "BLOCK", request.param)
-    return request.param
 
 
 def yarp_with_gaps(count: int) -> str:
@@ -475,21 +451,26 @@ STREAMS = {  # what is written, the rate, and what is noted
 
 
 @pytest.mark.parametrize("name", STREAMS)
-def test_blocks_are_the_recording(name: str, block: int, tmp_path: Path) -> None:
-    path = tmp_path / "data.log"
+@pytest.mark.parametrize("block", [50, 97, 700, 1 << 20])  # bytes that are read at once
+def test_blocks_are_the_recording(name: str, block: int, tmp_path: Path, monkeypatch) -> None:
     text, rate, notes = STREAMS[name]
-    path.write_text(text)
-    stream = stream_recording(path)
+    whole, size = opened(tmp_path, text, "data.log"), len(text.encode())
+    monkeypatch.setattr(lines_module, "BLOCK", block)
+    calls: list[tuple[int, int]] = []
+    parts = open_recording(tmp_path / "data.log", progress=lambda *done: calls.append(done))
+    stream = stream_recording(tmp_path / "data.log")
     assert isinstance(stream, RecordingStream)
     blocks = list(stream.blocks())
     assert len(blocks) > 5 or block > 60
-    whole = open_recording(path)
     for part in ("counts", "stamp_ns"):
         joined = np.concatenate([getattr(each, part) for each in blocks])
         np.testing.assert_array_equal(getattr(whole, part), joined)
+        np.testing.assert_array_equal(getattr(whole, part), getattr(parts, part))
     assert (whole.notes, whole.skipped) == (stream.notes, stream.skipped)
-    assert list(whole.notes) == notes
+    assert list(whole.notes) == list(parts.notes) == notes
     assert whole.rate == pytest.approx(rate, rel=0.05)
+    assert calls[-1] == (size, size)
+    assert calls == sorted(calls)
 
 
 def test_npz_is_read_as_a_whole_and_errors_come_at_the_end(tmp_path: Path) -> None:

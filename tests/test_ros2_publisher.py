@@ -21,7 +21,6 @@ from skinfield.bridges.ros2.rmw_zenoh import (
     Publication,
     attachment,
     gid_of,
-    type_name,
 )
 from skinfield.errors import InputError
 from skinfield.files.ros import RosbagKinds, Topics, interface_package
@@ -344,10 +343,6 @@ def test_topics_of_a_skin():
     for prefix in ("skin", "/a//b", "/skin/", "/2", "/" + 99 * "a"):
         with pytest.raises(InputError, match="prefix is"):
             check_prefix(prefix)
-
-
-def test_type_names():
-    assert type_name(CONTACTS) == "skinfield_msgs::msg::dds_::ContactArray_"
 
 
 def test_settings(monkeypatch):

@@ -3,6 +3,7 @@
 import io
 import re
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -37,7 +38,7 @@ def counted(**changes: int) -> dict[str, int]:
     return {each.name.lower(): 0 for each in Count} | changes
 
 
-def idle(names: list[str]) -> Status:
+def idle(names: Sequence[str] = NAMES) -> Status:
     return Status(
         name="skin",
         state="running",
@@ -66,14 +67,14 @@ def many_contacts() -> Status:
         patch(name, answer="feasible", force=2.5, contacts=3, rung=40) if at < 5 else patch(name)
         for at, name in enumerate(NAMES)
     ]
-    return replace(idle(NAMES), patches=patches, contacts=rows)
+    return replace(idle(), patches=patches, contacts=rows)
 
 
 def dead_source() -> Status:
     patches = [patch(name, answer="missing", age=12.3, rung=0) for name in NAMES]
     counts = counted(received=186_720, lost=12, reopened=2, down_ns=3_400_000_000)
     lately = {"ICubCan": counted()}
-    return replace(idle(NAMES), patches=patches, sources={"ICubCan": counts}, sources_lately=lately)
+    return replace(idle(), patches=patches, sources={"ICubCan": counts}, sources_lately=lately)
 
 
 def calibrating() -> Status:
@@ -109,10 +110,6 @@ def failed() -> Status:
 SCENES = (idle, one_contact, many_contacts, dead_source, calibrating, restarted, failed)
 
 
-def scene(made: Any) -> Status:
-    return made(NAMES) if made is idle else made()
-
-
 def text_of(status: Status, width: int, height: int | None = None, styles: bool = False) -> str:
     console = Console(record=True, width=width, force_terminal=True, file=io.StringIO())
     console.print(status_table(status, width, height))
@@ -122,7 +119,7 @@ def text_of(status: Status, width: int, height: int | None = None, styles: bool 
 @pytest.mark.parametrize("made", SCENES)
 @pytest.mark.parametrize("width", [80, 120])
 def test_it_fits_and_nothing_is_left_out(made: Any, width: int) -> None:
-    status = scene(made)
+    status = made()
     text = text_of(status, width)
     assert "…" not in text
     assert max(map(len, text.splitlines())) <= width
@@ -135,7 +132,7 @@ def test_it_fits_and_nothing_is_left_out(made: Any, width: int) -> None:
 
 @pytest.mark.parametrize("made", SCENES)
 def test_it_keeps_to_a_low_screen(made: Any) -> None:
-    text = text_of(scene(made), 80, 24)
+    text = text_of(made(), 80, 24)
     assert len(text.splitlines()) <= 24
     assert " patch" in text.splitlines()[-3] or "cycles," in text
 
