@@ -11,16 +11,7 @@ from live_skins import unique_name
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop import fit_ring
-from skinfield.loop.fit_ring import (
-    LOG_BYTES,
-    SLOTS,
-    FitSlot,
-    Fitted,
-    describe,
-    fit_name,
-    write_engine,
-)
+from skinfield.loop.fit_ring import FitSlot, Fitted, create_fit_ring, write_engine
 from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.ring_fields import description_of, status_fields
 from skinfield.loop.runtime_parameters import Tuning
@@ -169,9 +160,7 @@ class FakeFit:
 
     def __init__(self, name: str, patches: tuple[str, ...] = ("arm",), nodes: int = 16) -> None:
         self.master = FitSlot.empty(len(patches), nodes, ROWS)
-        fields = fit_ring.slot_fields(len(patches), nodes, ROWS), fit_ring.status_fields()
-        self.ring = Ring.create(fit_name(name), *fields, describe(name, patches), SLOTS, LOG_BYTES)
-        self.ring.set_state(State.RUNNING)
+        self.ring = create_fit_ring(name, patches, nodes, ROWS)
 
     def tell(
         self,

@@ -348,7 +348,7 @@ def test_the_watch_goes_on_where_its_events_cannot_be_written(
 ) -> None:
     supervisor = Supervisor(settings())
     monkeypatch.setattr(
-        "skinfield.loop.supervisor.sidecar", lambda name, what: tmp_path / "not there" / name
+        "skinfield.ring.files.sidecar", lambda name, what: tmp_path / "not there" / name
     )
     supervisor.report("failed", "text")
     assert supervisor.events[-1].text == "text"

@@ -179,7 +179,7 @@ PRESS_AT = (0.0, 7.5e-3)
 @pytest.fixture
 def updater(made: Updater) -> Updater:
     made.forget()
-    made.filters.tune(Tuning())
+    made.tune(Tuning())
     return made
 
 
@@ -264,7 +264,7 @@ def test_smoothing_is_a_low_pass_of_first_order(updater: Updater) -> None:
     readings = np.random.default_rng(4).integers(200, 241, (30, 72)).astype(float)
     plain = np.array([slot.values for slot in answered(updater, readings)])
     updater.forget()
-    updater.filters.tune(Tuning(smoothing=0.03))
+    updater.tune(Tuning(smoothing=0.03))
     smooth = np.array([slot.values for slot in answered(updater, readings)])
     part = 0.01 / (0.03 + 0.01)
     start = (1 - part) * plain[:1]
@@ -276,7 +276,7 @@ def test_a_low_pass_begins_anew_after_a_pause_and_a_baseline(updater: Updater) -
     readings = np.full((2, 72), 230.0)
     readings[1] = 210.0
     (raw,) = answered(updater, readings[1:])
-    updater.filters.tune(Tuning(smoothing=0.5))
+    updater.tune(Tuning(smoothing=0.5))
     assert abs(answered(updater, readings)[1].values - raw.values).min() > 0.05
     later = answered(updater, readings[1:], first=1000)[0]  # 10 s; readings count for 0.1 s
     assert_array_equal(later.values, raw.values)
@@ -294,7 +294,7 @@ def test_weak_contacts_are_not_told(updater: Updater) -> None:
     forces = rows["normal_force"]
     for threshold in (0.5 * (forces.min() + forces.max()), 2 * forces.max()):
         updater.forget()
-        updater.filters.tune(Tuning(threshold=threshold))
+        updater.tune(Tuning(threshold=threshold))
         told = answered(updater, both)[0]
         names = ["x", "y", "normal_force", "area", "peak_pressure"]
         assert_array_equal(told.used_contacts()[names], rows[names][forces >= threshold])
@@ -309,7 +309,7 @@ def test_a_resolution_is_the_finest_there_is_and_a_focus_goes_beyond(updater: Up
     there = Focus(patch="hexagon72", low=(-5e-3, -12e-3), high=(5e-3, -3e-3))
     for focus, expected in ((None, 10), (there, 10), (here, 20)):
         updater.forget()
-        updater.filters.tune(Tuning(resolution=10, focus=focus))
+        updater.tune(Tuning(resolution=10, focus=focus))
         rungs = [slot.patches["rung"][0] for slot in answered(updater, pressed)]
         assert rungs == [10, expected, expected]
 
