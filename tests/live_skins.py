@@ -21,7 +21,7 @@ from skinfield.loop.slots import Head, Slot
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, State
-from skinfield.signal import Blocks, Kind, Port, counters
+from skinfield.signal import Blocks, ICubByte, Kind, Port, counters
 from skinfield.simulate import Sphere, press
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
@@ -105,7 +105,7 @@ def settings(**changes: object) -> LiveSettings:
         "sources": (Ticking(),),
         "name": unique_name(),
         "layer": LAYER,
-        "board": sf_board(),
+        "board": ICubByte(),
         "rungs": (10, 20),
         "rate": 200.0,
         "tare_seconds": 0.3,
@@ -113,13 +113,6 @@ def settings(**changes: object) -> LiveSettings:
         "log_bytes": 1 << 22,
     }
     return LiveSettings(**(known | changes))  # type: ignore[arg-type]
-
-
-def sf_board() -> object:
-    """iCub's bytes."""
-    from skinfield.signal import ICubByte
-
-    return ICubByte()
 
 
 def cycle_of(made: LiveSettings, noise: float = 0.004) -> Updater:
@@ -153,11 +146,11 @@ def wait_for(condition, seconds: float = 60.0):  # type: ignore[no-untyped-def]
 
 
 @contextmanager
-def skin_ring(made: LiveSettings | None = None) -> Iterator[Ring]:
+def skin_ring(made: LiveSettings | None = None, unit: str = "count") -> Iterator[Ring]:
     """A ring of a live skin, which tests fill."""
     made = settings() if made is None else made
     taxels = sum(len(patch) for patch in made.skin)
-    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", taxels),)))
+    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", taxels, unit),)))
     try:
         with ring:
             begin(ring, made)

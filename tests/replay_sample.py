@@ -57,7 +57,6 @@ def write(
     without: range = range(0),
     tared_at: int = -1,
     every: int = 1,
-    close: bool = True,
     beside: Callable[[RecordingWriter, Slot, int], None] | None = None,
 ) -> list[Known]:
     """Write `cycles` cycles of a press that comes and goes.
@@ -113,8 +112,7 @@ def write(
             if beside is not None:
                 beside(writer, slot, number)
         made.append(_known(told, slot))
-    if close:
-        writer.close()
+    writer.close()
     return made
 
 

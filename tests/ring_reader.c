@@ -1,4 +1,4 @@
-/* What C sees of a ring, for tests/test_ring_c.py, as lines:
+/* What C sees of a ring, for tests/test_c_headers.py, as lines:
  *   ring_reader PATH              everything
  *   ring_reader PATH COUNT        reads until slot COUNT: whole, torn, overtaken; log: bytes, lost, wrong
  */

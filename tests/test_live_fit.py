@@ -5,16 +5,17 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from itertools import count
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from fit_rings import contact
-from live_skins import LAYER, settings, wait_for
+from live_skins import LAYER, settings, skin_ring, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
+from recorder_ring import contact
 from scipy.stats import norm
 
 import skinfield as sf
@@ -32,13 +33,11 @@ from skinfield.loop.fit_ring import (
     write_engine,
 )
 from skinfield.loop.fit_worker import FIRST, FitTracks, deviation_of, rounding_of
-from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import PATCH, Head, Slot
 from skinfield.loop.stationary_mean import GAP_NS, MOST, Mean, StationaryMean
 from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, RingReader
-from skinfield.signal import Convention, CySkinCount, ICubByte, PlainCount, Port
+from skinfield.signal import Convention, CySkinCount, ICubByte, PlainCount
 from skinfield.simulate import Sphere, press
 
 TAXELS, PERIOD_NS = 20, 10_000_000
@@ -46,6 +45,7 @@ NOISES = np.full(TAXELS, 0.002)
 ALL = np.ones(TAXELS)
 PRESSED = np.zeros(TAXELS)
 PRESSED[:3] = 0.03, 0.02, 0.01
+FAINT = np.where(np.arange(TAXELS) < 8, 3.0 * NOISES, 0.0)  # no taxel stands out of one reading
 
 
 def readings(level: np.ndarray, count: int, seed: int) -> np.ndarray:
@@ -64,37 +64,25 @@ def mean_of(stationary: StationaryMean) -> Mean:
     return found
 
 
-@pytest.mark.parametrize("count", [1, 2, 7, 32, 100])
+@pytest.mark.parametrize("count", [1, 2, 7, 32, 100, 500])
 def test_what_rests_is_averaged(count: int) -> None:
     stationary, rows = StationaryMean(TAXELS), readings(PRESSED, count, 1)
+    assert stationary.mean(NOISES) is None  # before the first reading
     fed(stationary, rows)
     found = mean_of(stationary)
-    assert found.readings == count
+    assert found.readings == min(count, MOST)
     assert found.stamp_ns == count * PERIOD_NS
-    assert_allclose(found.values, rows.mean(axis=0), atol=1e-12)
+    assert_allclose(found.values, rows[-MOST:].mean(axis=0), atol=1e-12)
 
 
-def test_no_more_readings_are_kept_than_asked_for() -> None:
-    stationary, rows = StationaryMean(TAXELS), readings(PRESSED, 500, 2)
-    fed(stationary, rows)
-    assert_allclose(mean_of(stationary).values, rows[-MOST:].mean(axis=0), atol=1e-12)
-
-
-@pytest.mark.parametrize("after", [1, 2, 3, 5, 11, 40])
-def test_an_average_ends_where_the_touch_began(after: int) -> None:
+@pytest.mark.parametrize(
+    ("touch", "after"), [*((PRESSED, after) for after in (1, 2, 3, 5, 11, 40)), (FAINT, 24)]
+)
+def test_an_average_ends_where_the_touch_began(touch: np.ndarray, after: int) -> None:
     stationary = StationaryMean(TAXELS)
     start = fed(stationary, readings(np.zeros(TAXELS), 64, 3))
-    fed(stationary, readings(PRESSED, after, 4), start)
+    fed(stationary, readings(touch, after, 4), start)
     assert mean_of(stationary).readings == after
-
-
-def test_a_faint_touch_is_seen_to_begin_by_all_of_its_taxels_together() -> None:
-    faint = np.zeros(TAXELS)
-    faint[:8] = 3.0 * NOISES[:8]  # no taxel stands out of a single reading
-    stationary = StationaryMean(TAXELS)
-    start = fed(stationary, readings(np.zeros(TAXELS), 64, 8))
-    fed(stationary, readings(faint, 24, 9), start)
-    assert mean_of(stationary).readings == 24
 
 
 def test_readings_before_a_gap_do_not_count() -> None:
@@ -118,10 +106,6 @@ def test_a_taxel_that_is_left_out_now_and_then_is_the_mean_of_its_own() -> None:
     assert not found.valid[5]
     assert found.values[5] == 0.0
     assert np.isinf(deviation_of(found, NOISES, 0.0 * NOISES)[5])
-
-
-def test_nothing_is_known_before_the_first_reading() -> None:
-    assert StationaryMean(TAXELS).mean(NOISES) is None
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.2, 0.35, 0.5, 1.0])
@@ -249,10 +233,9 @@ def test_what_only_the_fit_sees_is_shown_while_the_engine_sees_nothing() -> None
 
 
 def test_a_fit_that_is_not_there_says_nothing() -> None:
-    reader = FitReader("no-such-skin")
-    assert reader.latest() is None
-    assert reader.status() == {}
-    reader.close()
+    with closing(FitReader("no-such-skin")) as reader:
+        assert reader.latest() is None
+        assert reader.status() == {}
     assert is_fit(fit_name("skin"))
     assert not is_fit("skin")
 
@@ -268,14 +251,9 @@ Floats = NDArray[np.float64]
 
 @pytest.fixture(scope="module", name="ring")
 def _ring() -> Iterator[Ring]:
-    made = settings()
-    found, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON), "dC/C0"),)))
-    try:
-        with found:
-            tare(found)
-            yield found
-    finally:
-        Ring.remove(made.name)
+    with skin_ring(unit="dC/C0") as found:
+        tare(found)
+        yield found
 
 
 def tare(ring: Ring, noise: float = NOISE) -> None:
@@ -319,11 +297,8 @@ def _fit(ring: Ring) -> Iterator[SkinFit]:
 
 def busy(fit: SkinFit) -> bool:
     fit.tell()
-    with_name = FitReader(fit.ring.name.removesuffix(".fit"))
-    try:
-        return bool(with_name.status()["phase"] != "ready")
-    finally:
-        with_name.close()
+    with closing(FitReader(fit.ring.name.removesuffix(".fit"))) as reader:
+        return bool(reader.status()["phase"] != "ready")
 
 
 class Answered(NamedTuple):
@@ -337,14 +312,11 @@ class Answered(NamedTuple):
 
 
 def answered(ring: Ring) -> Answered:
-    reader = FitReader(ring.name)
-    with Live(ring.name) as live:
+    with closing(FitReader(ring.name)) as reader, Live(ring.name) as live:
         rows, by = best_contacts(live.latest(), reader)
-    newest = reader.latest()
-    patches = None if newest is None else newest.patches.copy()
-    found = Answered(rows, by, reader.pressure(0), patches, reader.status())
-    reader.close()
-    return found
+        newest = reader.latest()
+        patches = None if newest is None else newest.patches.copy()
+        return Answered(rows, by, reader.pressure(0), patches, reader.status())
 
 
 def test_force_and_place_are_true_where_the_engine_is_far_off(ring: Ring, fit: SkinFit) -> None:
@@ -394,9 +366,8 @@ def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: Ski
 
 def test_the_page_tells_what_the_fit_does(ring: Ring, fit: SkinFit) -> None:
     fit.tell()
-    feed = LiveSource(ring.name)
-    told = feed.status()["fit"]
-    feed.close()
+    with closing(LiveSource(ring.name)) as feed:
+        told = feed.status()["fit"]
     assert told["phase"] == "ready"
     assert told["failed"] == ""
     assert told["fits"] == fit.ring.status["fits"][0]
@@ -416,21 +387,21 @@ def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:
 
 
 def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
-    made = settings(board=CySkinCount())
-    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON)),)))
-    try:
-        with ring, RingReader(made.name) as source, SkinFit(made.name, source) as own:
-            assert not own.look()  # before there is a baseline
-            tare(ring)
-            play(ring, np.maximum(pressed(Sphere(radius=10e-3, force=1.0, position=PLACE)), 0), 20)
-            assert own.look()
-            assert not own.look()
-            own.tell()
-            found = answered(ring)
-            assert (found.by, found.rows["normal_force"][0]) == (["engine"], 1.6)
-            assert found.status["left_to_engine"] == [HEXAGON.name]
-    finally:
-        Ring.remove(made.name)
+    press_now = np.maximum(pressed(Sphere(radius=10e-3, force=1.0, position=PLACE)), 0)
+    with (
+        skin_ring(settings(board=CySkinCount())) as ring,
+        RingReader(ring.name) as source,
+        SkinFit(ring.name, source) as own,
+    ):
+        assert not own.look()  # before there is a baseline
+        tare(ring)
+        play(ring, press_now, 20)
+        assert own.look()
+        assert not own.look()
+        own.tell()
+        found = answered(ring)
+        assert (found.by, found.rows["normal_force"][0]) == (["engine"], 1.6)
+        assert found.status["left_to_engine"] == [HEXAGON.name]
 
 
 @pytest.mark.parametrize(
@@ -452,23 +423,16 @@ def test_a_skin_is_told_from_its_fit(
 
 
 def test_the_process_ends_when_it_is_told_to_and_takes_its_ring_away() -> None:
-    made = settings()
-    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON)),)))
-    command = [sys.executable, "-m", "skinfield.loop.fit_process", made.name]
-    try:
-        with ring:
-            child = subprocess.Popen([*command, "--parent", str(os.getpid())])
-            try:
-                reader = FitReader(made.name)
-                told = wait_for(lambda: reader.status() or None, LONG)
-                assert told["phase"] in ("preparing", "ready")
-                assert told["pid"] == child.pid
-                reader.close()
-                child.send_signal(signal.SIGTERM)
-                assert child.wait(LONG) == 0
-            finally:
-                child.kill()
-                child.wait()
-        assert fit_name(made.name) not in [each.name for each in Ring.names()]
-    finally:
-        Ring.remove(made.name)
+    with skin_ring() as ring, closing(FitReader(ring.name)) as reader:
+        command = [sys.executable, "-m", "skinfield.loop.fit_process", ring.name]
+        child = subprocess.Popen([*command, "--parent", str(os.getpid())])
+        try:
+            told = wait_for(lambda: reader.status() or None, LONG)
+            assert told["phase"] in ("preparing", "ready")
+            assert told["pid"] == child.pid
+            child.send_signal(signal.SIGTERM)
+            assert child.wait(LONG) == 0
+        finally:
+            child.kill()
+            child.wait()
+        assert fit_name(ring.name) not in [each.name for each in Ring.names()]

@@ -1,26 +1,42 @@
-"""The engine in its own process: it starts, is watched, dies, and goes on."""
+"""The engine in its own process, what starts processes again, and the readers of its ring."""
 
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
+import time
+from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from command_line import invoke
-from live_skins import LAYER, Ticking, settings, sf_board, unique_name, wait_for
+from live_skins import Ticking, fill, settings, skin_ring, unique_name, wait_for
 from numpy.testing import assert_array_equal
 
 import skinfield as sf
+from skinfield.bridges.launch import Bridge
 from skinfield.errors import InputError
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop import process_supervisor
+from skinfield.loop.baseline import Baseline
 from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
+from skinfield.loop.engine_process import EngineProcess
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
+from skinfield.loop.realtime import TimingTable
+from skinfield.loop.ring_fields import open_ring
+from skinfield.loop.slots import Head
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
-from skinfield.ring import Ring, State
+from skinfield.ring import Field, Ring, State
 from skinfield.ring.files import sidecar
+from skinfield.settings import BridgeSettings
 from skinfield.signal import Count
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -37,55 +53,53 @@ def running():
     assert not sidecar(made.name, "control").exists()
 
 
-def name_of(supervisor: Supervisor) -> str:
-    return supervisor.settings.name
+@pytest.fixture(scope="module")
+def live(running):
+    with connect(running.settings.name) as found:
+        yield found
 
 
-def test_estimates_arrive_and_their_age_is_true(running) -> None:
-    with connect(name_of(running)) as live:
-        found = live.latest(max_age=0.5, timeout=20.0)
-        assert 0.0 <= found.age <= 0.5
-        assert list(found) == ["hexagon72"]
-        estimate = found["hexagon72"]
-        assert estimate.pressure.shape == (len(estimate.grid),)
-        assert estimate.stamp_ns == found.stamp_ns
-        assert np.abs(found.readings - 240.0).max() <= 1.0
-        with pytest.raises(InputError, match="no patch is named 'other'"):
-            found["other"]
+def goes_on(live: Live, cycles: int) -> None:
+    number = live.latest(timeout=20.0).number
+    wait_for(lambda: live.latest(timeout=20.0).number > number + cycles)
 
 
-def test_no_old_estimate_is_given_for_a_new_one(running) -> None:
-    with connect(name_of(running)) as live, pytest.raises(Stale, match="expected 1e-09 s at most"):
+def test_estimates_arrive_and_their_age_is_true(live) -> None:
+    found = live.latest(max_age=0.5, timeout=20.0)
+    assert 0.0 <= found.age <= 0.5
+    assert list(found) == ["hexagon72"]
+    estimate = found["hexagon72"]
+    assert estimate.pressure.shape == (len(estimate.grid),)
+    assert estimate.stamp_ns == found.stamp_ns
+    assert np.abs(found.readings - 240.0).max() <= 1.0
+    with pytest.raises(InputError, match="no patch is named 'other'"):
+        found["other"]
+    with pytest.raises(Stale, match="expected 1e-09 s at most"):
         live.latest(max_age=1e-9, timeout=0.1)
 
 
-def test_a_loop_gets_new_readings_only_and_each_once(running) -> None:
-    with connect(name_of(running)) as live:
-        stamps = [found.stamp_ns for found, _ in zip(live, range(10), strict=False)]
+def test_a_loop_gets_new_readings_only_and_each_once(live) -> None:
+    stamps = [found.stamp_ns for found, _ in zip(live, range(10), strict=False)]
     assert (np.diff(stamps) > 0).all()
 
 
-def test_the_deformation_of_an_estimate_is_made_when_it_is_asked_for(running) -> None:
-    with connect(name_of(running)) as live:
-        estimate = live.latest(timeout=20.0)["hexagon72"]
+def test_the_deformation_of_an_estimate_is_made_when_it_is_asked_for(live) -> None:
+    estimate = live.latest(timeout=20.0)["hexagon72"]
     assert estimate.displacement.shape == (len(estimate.grid), 3)
     assert np.isfinite(estimate.displacement).all()
     assert estimate.residual.shape == (72,)
 
 
-def test_nothing_touches_a_still_skin(running) -> None:
-    with connect(name_of(running)) as live:
-        assert live.wait_contact(0.3, force=0.5) is None
-        with pytest.raises(InputError, match="patch is 'other'"):
-            live.wait_contact(0.1, patch="other")
+def test_nothing_touches_a_still_skin(live) -> None:
+    assert live.wait_contact(0.3, force=0.5) is None
+    with pytest.raises(InputError, match="patch is 'other'"):
+        live.wait_contact(0.1, patch="other")
 
 
-def test_times_are_published(running) -> None:
-    with connect(name_of(running)) as live:
-        observer = Observer(live.reader)
-        number = live.latest(timeout=20.0).number
-        wait_for(lambda: live.latest(timeout=20.0).number > number + 20)
-        found = observer.look()
+def test_times_are_published(live) -> None:
+    observer = Observer(live.reader)
+    goes_on(live, 20)
+    found = observer.look()
     plain = json.loads(json.dumps(found.as_dict()))
     assert plain["state"] == "running"
     assert plain["lately"]["cycles"] > 10
@@ -97,68 +111,58 @@ def test_times_are_published(running) -> None:
     assert plain["memory"]["resident"] > 10**6
 
 
-def test_a_new_baseline_is_taken_on_order(running) -> None:
-    with connect(name_of(running)) as live:
-        before = int(live.reader.status["tares"][0])
-        done = invoke(["tare", name_of(running)])
-        assert "leave the skin untouched" in done.output
-        wait_for(lambda: live.reader.status["tares"][0] == before + 1)
-        assert_array_equal(live.reader.status["calibration"][:, 3], 1.0)
-        assert live.state == State.RUNNING
+def test_a_new_baseline_is_taken_on_order(live) -> None:
+    before = int(live.reader.status["tares"][0])
+    done = invoke(["tare", live.name])
+    assert "leave the skin untouched" in done.output
+    wait_for(lambda: live.reader.status["tares"][0] == before + 1)
+    assert_array_equal(live.reader.status["calibration"][:, 3], 1.0)
+    assert live.state == State.RUNNING
 
 
-def test_orders_that_are_none_change_nothing(running) -> None:
-    import socket
-
-    address = str(sidecar(name_of(running), "control"))
+def test_orders_that_are_none_change_nothing(live) -> None:
+    address = str(sidecar(live.name, "control"))
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
         for data in (b"", b"{", b"[]", b'{"do": 3}', b'{"do": "fly"}', b"\xff" * 2000):
             sender.sendto(data, address)
     with pytest.raises(InputError, match="order is 'fly'"):
-        order(name_of(running), "fly")
-    with connect(name_of(running)) as live:
-        number = live.latest(timeout=20.0).number
-        wait_for(lambda: live.latest(timeout=20.0).number > number + 5)
+        order(live.name, "fly")
+    goes_on(live, 5)
 
 
-def test_a_reader_that_dies_disturbs_nobody(running) -> None:
-    loop = f"for each in sf.connect({name_of(running)!r}): print('x', flush=True)"
+def test_a_reader_that_dies_disturbs_nobody(live, running) -> None:
+    loop = f"for each in sf.connect({live.name!r}): print('x', flush=True)"
     code = f"import skinfield as sf\n{loop}"
     child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
-    assert child.stdout is not None
     assert child.stdout.readline() == b"x\n"
     child.kill()
     child.wait()
     child.stdout.close()
     restarts = running.restarts
-    with connect(name_of(running)) as live:
-        number = live.latest(timeout=20.0).number
-        wait_for(lambda: live.latest(timeout=20.0).number > number + 5)
+    goes_on(live, 5)
     assert running.restarts == restarts
 
 
-def test_a_source_that_falls_over_is_opened_again(running) -> None:
+def test_a_source_that_falls_over_is_opened_again(live, running) -> None:
     restarts = running.restarts
-    with connect(name_of(running)) as live:
-        wait_for(lambda: live.reader.status["sources"][0, Count.REOPENED] > 0)
-        assert live.reader.status["sources"][0, Count.DOWN_NS] > 0
-        wait_for(lambda: live.latest(timeout=20.0).age < 0.3)
+    wait_for(lambda: live.reader.status["sources"][0, Count.REOPENED] > 0)
+    assert live.reader.status["sources"][0, Count.DOWN_NS] > 0
+    wait_for(lambda: live.latest(timeout=20.0).age < 0.3)
     assert running.restarts == restarts
 
 
-def test_the_engine_comes_back_after_a_kill_on_the_same_ring(running) -> None:
-    with connect(name_of(running)) as live:
-        before = live.latest(timeout=20.0)
-        pid, generation = live.reader.pid, live.reader.generation
-        calibration = live.reader.status["calibration"]
-        os.kill(pid, signal.SIGKILL)
-        wait_for(lambda: live.reader.generation > generation and live.state == State.RUNNING)
-        after = wait_for(lambda: (found := live.latest(timeout=60.0)).fresh and found)
-        assert after.number > before.number
-        assert_array_equal(live.reader.status["calibration"], calibration)  # no new baseline
-        assert not live.reader.replaced()
+def test_the_engine_comes_back_after_a_kill_on_the_same_ring(live, running) -> None:
+    before = live.latest(timeout=20.0)
+    pid, generation = live.reader.pid, live.reader.generation
+    calibration = live.reader.status["calibration"]
+    os.kill(pid, signal.SIGKILL)
+    wait_for(lambda: live.reader.generation > generation and live.state == State.RUNNING)
+    after = wait_for(lambda: (found := live.latest(timeout=60.0)).fresh and found)
+    assert after.number > before.number
+    assert_array_equal(live.reader.status["calibration"], calibration)  # no new baseline
+    assert not live.reader.replaced()
     assert any(each.what == "failed" and "SIGKILL" in each.text for each in running.events)
-    told = json.loads(sidecar(name_of(running), "supervisor").read_text())
+    told = json.loads(sidecar(live.name, "supervisor").read_text())
     assert told["restarts"] >= 1
 
 
@@ -182,7 +186,6 @@ def test_it_ends_with_its_parent() -> None:
     )
     folder = str(Path(__file__).parent)
     child = subprocess.Popen([sys.executable, "-c", code, folder], stdout=subprocess.PIPE)
-    assert child.stdout is not None
     engine = int(child.stdout.readline())
     child.kill()
     child.wait()
@@ -195,25 +198,258 @@ def test_it_ends_with_its_parent() -> None:
 
 
 def test_without_a_skin_it_is_said() -> None:
-    with pytest.raises(NotRunning, match="is not there"):
-        connect(unique_name())
-
-
-def test_live_refuses_rings_of_something_else() -> None:
-    from skinfield.ring import Field
-
     name = unique_name()
+    with pytest.raises(NotRunning, match="is not there"):
+        connect(name)
     with Ring.create(name, [Field("x", "<f8", (1,))]) as ring:
         with pytest.raises(NotRunning, match="something else"):
             Live(name)
         ring.unlink()
 
 
-def test_layers_and_boards_are_those_of_the_settings() -> None:
-    made = settings()
-    assert made.layer == LAYER
-    assert made.board == sf_board()
-    with pytest.raises(InputError, match="sources is empty"):
-        settings(sources=())
-    with pytest.raises(InputError, match="rate is -1"):
-        settings(rate=-1)
+@pytest.mark.parametrize(
+    ("wrong", "why"), [({"sources": ()}, "sources is empty"), ({"rate": -1}, "rate is -1")]
+)
+def test_settings_that_no_engine_can_have_are_refused(wrong: dict[str, object], why: str) -> None:
+    with pytest.raises(InputError, match=why):
+        settings(**wrong)
+
+
+SECOND = 10**9
+
+
+@pytest.fixture
+def ring() -> Iterator[Ring]:
+    with skin_ring() as found:
+        yield found
+
+
+def publish(ring: Ring, *forces: float, fresh: int = 1) -> int:
+    """A cycle with contacts of these forces."""
+    return fill(ring, np.random.default_rng(ring.number), SECOND, *forces, fresh=fresh)
+
+
+def test_the_cycle_of_the_contact_is_the_one_that_is_returned(ring: Ring) -> None:
+    publish(ring)
+    found = []
+    with Live(ring.name) as live:
+        waiting = threading.Thread(target=lambda: found.append(live.wait_contact(60.0, force=1.0)))
+        waiting.start()
+        publish(ring, 0.5)
+        wanted = publish(ring, 0.25, 1.5)
+        waiting.join()
+    (snapshot,) = found
+    assert snapshot.number == wanted
+    assert_array_equal(snapshot.contacts["normal_force"], [0.25, 1.5])
+
+
+def test_what_was_returned_does_not_change_later(ring: Ring) -> None:
+    publish(ring, 2.0)
+    with Live(ring.name) as live:
+        first = live.wait_contact(60.0)
+        readings = first.readings.copy()
+        publish(ring, 3.0)
+        second = live.wait_contact(60.0)
+        assert second is not None
+        assert_array_equal(first.readings, readings)
+        assert first.patches["contacts"][0] == 1
+        assert first.contacts["normal_force"][0] == 2.0
+        assert second.contacts["normal_force"][0] == 3.0
+        assert not np.array_equal(second.readings, readings)
+
+
+def test_a_loop_passes_over_cycles_without_a_new_reading(ring: Ring) -> None:
+    first = publish(ring)
+    with Live(ring.name) as live:
+        loop = iter(live)
+        assert next(loop).number == first
+        publish(ring, fresh=0)
+        found = []
+        waiting = threading.Thread(target=lambda: found.append(next(loop)))
+        waiting.start()
+        third = publish(ring)
+        waiting.join()
+    assert [each.number for each in found] == [third]
+
+
+def test_a_log_that_one_poll_could_overfill_is_refused() -> None:
+    made = settings(log_bytes=1 << 20)
+    with pytest.raises(InputError, match="log_bytes is 1048576, expected at least 4194304"):
+        open_ring(made, ModelConfig.of(made, ()))
+
+
+def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
+    def finish() -> Baseline:
+        raise InputError("counts reach 300")
+
+    notes: dict[str, object] = {}
+    engine = SimpleNamespace(again=SimpleNamespace(finish=finish), _note=notes.update)
+    EngineProcess._finish_tare(engine, SimpleNamespace())  # type: ignore[arg-type]
+    assert engine.again is None
+    assert notes == {"tare": ["the baseline stays as it was: counts reach 300"]}
+
+
+@pytest.mark.parametrize(
+    ("due", "flags"),
+    [
+        (0, CycleFlag(0)),
+        (6, CycleFlag.LATE),
+        (40, CycleFlag.LATE | CycleFlag.OVERRUN),
+    ],
+)
+def test_cycles_say_that_they_were_late(
+    monkeypatch: pytest.MonkeyPatch, due: int, flags: CycleFlag
+) -> None:
+    def nothing(*_: object, **__: object) -> bool:
+        return False
+
+    slot = SimpleNamespace(head=np.zeros(len(Head), np.int64))
+    slot.head[Head.DUE_NS] = (100 - due) * SECOND
+    clock = SimpleNamespace(monotonic_ns=lambda: 100 * SECOND)
+    monkeypatch.setattr("skinfield.loop.engine_process.time", clock)
+    engine = SimpleNamespace(
+        reset=True,
+        budget_ns=400_000,
+        flags=0,
+        intake=SimpleNamespace(channels=None),
+        timing=TimingTable(20 * SECOND, 5 * SECOND),
+        ring=SimpleNamespace(publish=nothing, heartbeat=nothing),
+        waiter=SimpleNamespace(skipped=0),
+    )
+    cycle = SimpleNamespace(answer=nothing)
+    EngineProcess._answer(engine, cycle, slot, int(slot.head[Head.DUE_NS]), 0)  # type: ignore[arg-type]
+    assert CycleFlag(int(slot.head[Head.FLAGS])) == flags
+    assert not engine.reset
+
+
+def test_an_engine_that_cannot_be_started_now_is_started_later(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    supervisor, tries = Supervisor(settings()), []
+
+    def spawn() -> subprocess.Popen[bytes]:
+        tries.append(1)
+        if len(tries) < 3:
+            raise OSError(11, "Resource temporarily unavailable")
+        supervisor.stopping.set()
+        return subprocess.Popen([sys.executable, "-c", ""])
+
+    monkeypatch.setattr(supervisor, "spawn", spawn)
+    monkeypatch.setattr(supervisor, "pauses", (0.01,))
+    supervisor._watch()
+    supervisor.end()
+    assert [each.what for each in supervisor.events] == ["failed", "failed", "started"]
+    assert "temporarily unavailable" in supervisor.failure
+    supervisor.status_path.unlink()
+
+
+def test_the_watch_goes_on_where_its_events_cannot_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    supervisor = Supervisor(settings())
+    monkeypatch.setattr(
+        "skinfield.ring.files.sidecar", lambda name, what: tmp_path / "not there" / name
+    )
+    supervisor.report("failed", "text")
+    assert supervisor.events[-1].text == "text"
+
+
+LONG = 600.0  # s: on a busy machine
+SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"
+
+
+class Script(SupervisedProcess):
+    def __init__(self, *scripts: str) -> None:
+        super().__init__("the script")
+        self.scripts = list(scripts)
+
+    def spawn(self) -> Child:
+        script = self.scripts.pop(0) if len(self.scripts) > 1 else self.scripts[0]
+        if not script:
+            raise OSError("no process is left")
+        return subprocess.Popen([sys.executable, "-c", script], process_group=0)
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SupervisedProcess, "poll", 0.01)
+    monkeypatch.setattr(SupervisedProcess, "pauses", (0.0, 0.01))
+
+
+def test_what_ends_is_started_again_and_told_once(impatient: None) -> None:
+    with Script(FAILS, "", FAILS, SLEEPS) as script:
+        script.begin()
+        script.watch()
+        wait_for(lambda: script.restarts == 3 and not script.failure, LONG)
+        assert script.child is not None
+        child = script.child
+        assert script.notices() == [
+            "the script ended with status 3; it is started again",
+            "the script could not be started: no process is left; it is tried again every 0.01 s",
+        ]
+        assert script.notices() == []
+    assert child.returncode == -15
+    assert not script._thread.is_alive()
+
+
+def test_what_goes_well_for_long_is_told(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process_supervisor, "SETTLED", 0.0)
+    said: list[str] = []
+    with Script("", "", SLEEPS) as script:
+        with pytest.raises(InputError, match="no process is left"):
+            script.begin()
+        script.failure = "it was not there"
+        script.watch()
+
+        def is_there() -> bool:
+            said.extend(script.notices())
+            return bool(said) and said[-1] == "the script is there again"
+
+        wait_for(is_there, LONG)
+        assert script.restarts == 2
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [(1, "status 1"), (-9, "signal SIGKILL"), (-99, "signal 99")]
+)
+def test_how_a_process_ended(code: int, said: str) -> None:
+    assert exit_text(code) == said
+
+
+def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
+    class Silent(Bridge):
+        def spawn(self) -> Child:
+            pipe = subprocess.PIPE
+            return subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=pipe, stdout=pipe)
+
+    bridge = Silent("zenoh", "nobody", BridgeSettings())
+    failures: list[str] = []
+
+    def begin() -> None:
+        try:
+            bridge.begin()
+        except InputError as error:
+            failures.append(str(error))
+
+    thread = threading.Thread(target=begin)
+    with bridge:
+        thread.start()
+        wait_for(lambda: bridge.child is not None, LONG)
+        child = bridge.child
+        began = time.monotonic()
+        bridge.stopping.set()
+        thread.join(LONG)
+        assert time.monotonic() - began < 90.0  # half of what it would be waited for
+    assert child.returncode is not None
+    assert failures == ["the bridge to zenoh did not start: all was told to end"]
+
+
+def test_a_fit_that_dies_is_started_again(impatient: None) -> None:
+    with FitProcess(unique_name()) as fit:
+        first = fit.child
+        first.kill()
+        wait_for(lambda: fit.restarts == 1 and fit.child is not None, LONG)
+        second = fit.child
+        assert fit.notices() == ["the contact fit ended with signal SIGKILL; it is started again"]
+    assert first.returncode == -9
+    assert second.returncode is not None

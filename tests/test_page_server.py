@@ -9,15 +9,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from live_skins import wait_for
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from page_sources import NotingController, StillSource, unpacked
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
+import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.page import Page, serve_page
+from skinfield.page.scene_layout import PlacedPatch
+from skinfield.page.wire import packed, scaled
 from skinfield.settings import PageSettings
+from skinfield.skin import Grid
 
 LONG = 60.0  # s
 
@@ -208,7 +215,6 @@ def test_one_update_is_in_flight_and_the_newest_wins(page: Page, source: StillSo
 
 def test_each_browser_chooses_what_it_sees(page: Page, source: StillSource) -> None:
     snapshot = source.latest()
-    assert snapshot is not None
     snapshot.prepare()
     with socket(page) as one, socket(page) as other:
         assert ask(one, do="show", quantity="deformation")["ok"]
@@ -287,3 +293,47 @@ def test_browsers_learn_of_another_skin(source: StillSource) -> None:
         assert np.linalg.norm(apart) > 0.05  # side by side
         sources.pop()
         assert len(following(talk, "hello")["patches"]) == 1
+
+
+PATCHES = {
+    "flat": sf.layouts.hexagon72,
+    "cylinder": lambda: sf.layouts.cylinder(radius=30e-3),
+    "cap": lambda: sf.layouts.sphere_cap(radius=40e-3),
+}
+
+
+@given(
+    st.lists(
+        st.sampled_from(["<u1", "<u2", "<u4", "<f4"]).flatmap(
+            lambda kind: arrays(kind, st.integers(0, 9))
+        ),
+        max_size=5,
+    ),
+    st.text(max_size=9),
+)
+def test_a_message_is_what_its_bytes_say(given_arrays, name) -> None:
+    message = packed({"kind": name}, [(name, each) for each in given_arrays])
+    head, found = unpacked(message)
+    assert head["kind"] == name
+    for before, after in zip(given_arrays, found, strict=True):
+        assert_array_equal(before, after)
+
+
+def test_sixteen_bits_keep_a_field() -> None:
+    values = np.array([0.0, 1.0, 2.0, np.nan, 9.0, -1.0])
+    assert scaled(values, 0.0, 2.0).tolist() == [0, 32768, 65535, 0, 65535, 0]
+    assert scaled(values, 1.0, 1.0).tolist() == [0] * 6
+
+
+@pytest.mark.parametrize("kind", PATCHES)
+def test_a_place_of_the_picture_is_one_of_the_plane(kind) -> None:
+    patch = PATCHES[kind]()
+    pose = np.eye(4)
+    pose[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    pose[:3, 3] = 0.1, -0.2, 0.3
+    placed = PlacedPatch(None, 0, patch, pose)  # type: ignore[arg-type]
+    grid = Grid.square(patch, 23)  # none of its nodes is one of the fine grid's, but the corners
+    for node in np.flatnonzero(grid.covered)[::17]:
+        shown = placed.in_scene(grid.positions[node][None])[0]
+        x, y = placed.plane_of(shown)
+        assert_allclose((x, y), grid.plane[node], atol=2e-5)

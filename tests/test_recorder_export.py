@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import refused, result_of, run
-from fit_rings import FakeFit, contact
 from mcap.reader import make_reader
 from pyarrow import parquet
-from recorder_ring import FakeEngine, recorder_of
+from recorder_ring import FakeEngine, FakeFit, contact, recorder_of
 
 from skinfield.files import open_recording, readings_for
 from skinfield.signal import Blocks, Kind, Status

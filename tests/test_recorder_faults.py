@@ -10,8 +10,10 @@ import threading
 import time
 
 import pytest
+from command_line import refused, run
 from live_skins import wait_for
 from mcap.reader import make_reader
+from mcap_sample import write
 from recorder_ring import missing_bytes, whole
 
 from skinfield.files.mcap.container import FileOutput
@@ -20,6 +22,7 @@ from skinfield.record.recorder import Recorder, read_state
 from skinfield.record.recover import recover
 
 PATIENCE = 60.0  # s, on a machine that is busy
+MODULE, MAIN = ("-m", "skinfield.record.recorder"), "from skinfield.cli import main; main()"
 
 
 def step(engine, recorder, cycles: int = 1) -> None:
@@ -29,12 +32,17 @@ def step(engine, recorder, cycles: int = 1) -> None:
 
 
 class Process:
-    """A recorder in a process of its own."""
+    """A recorder in a process of its own; as the command, if asked for so."""
 
-    def __init__(self, engine, path):
+    def __init__(self, engine, path, command=False):
         self.name, self.path = engine.ring.name, path
-        command = [sys.executable, "-m", "skinfield.record.recorder", self.name, str(path)]
-        self.child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        words = ["-c", MAIN, "record", self.name, "-o"] if command else [*MODULE, self.name]
+        self.child = subprocess.Popen(
+            [sys.executable, *words, str(path)],
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"COLUMNS": "200"},
+        )
         wait_for(lambda: read_state(self.name) or self.child.poll() is not None)
 
     def flushed(self) -> list[int]:
@@ -48,8 +56,8 @@ class Process:
 
 
 @pytest.fixture
-def process(engine, tmp_path):
-    made = Process(engine, tmp_path / "a.mcap")
+def process(request, engine, tmp_path):
+    made = Process(engine, tmp_path / "a.mcap", getattr(request, "param", False))
     yield made
     if made.child.poll() is None:
         made.child.kill()
@@ -73,13 +81,19 @@ def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
     whole(engine, good)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_told_to_stop_it_finishes_its_file(engine, process, number):
+@pytest.mark.parametrize(
+    ("process", "number", "says"),
+    [(False, signal.SIGTERM, ""), (False, signal.SIGINT, ""), (True, signal.SIGINT, "20 cycles")],
+    indirect=["process"],
+)
+def test_told_to_stop_it_finishes_its_file(engine, process, number, says):
     for _ in range(20):
         engine.cycle()
     code, said = process.end(number)
-    assert (code, said) == (0, "")
-    whole(engine, process.path)
+    assert code == 0
+    assert says in said if says else not said
+    assert "lost" not in said
+    assert len(list(whole(engine, process.path).cycles())) == 20
     assert read_state(process.name) is None
 
 
@@ -263,3 +277,28 @@ def test_half_a_piece_is_taken_back(tmp_path, monkeypatch):
     output.append(b"xy")
     output.close()
     assert (tmp_path / "a").read_bytes() == b"12345678xy"
+
+
+def test_record_what_cannot_be(tmp_path):
+    path = tmp_path / "a.mcap"
+    assert "expected a ring" in refused("record", "nonesuch-ring", "-o", path)
+    assert "ends in .mcap" in refused("record", "-o", tmp_path / "a.bag")
+    assert "--duration" in refused("record", "-o", path, "--duration", "0")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_recover(tmp_path):
+    path, bad, good = (tmp_path / name for name in ("a.mcap", "bad.mcap", "good.mcap"))
+    write(path, close=False)
+    text = run("recover", path, "-o", good)
+    assert "saved 30 messages" in text
+    assert "had no end; nothing had to be left out" in text
+    bad.write_bytes(path.read_bytes()[:-10])
+    assert "expected a new file" in refused("recover", bad, "-o", good)
+    text = run("recover", bad, "-o", good, "--force")
+    assert "saved 28 messages" in text or "saved 30 messages" in text
+    assert "bytes at the end" in text
+    text = run("recover", good, "-o", tmp_path / "again.mcap")
+    assert "is whole: nothing was wrong with it" in text
+    bad.write_text("no recording")
+    assert "it is no MCAP file" in refused("recover", bad, "-o", good, "--force")

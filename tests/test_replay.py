@@ -3,20 +3,20 @@
 import json
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from command_line import invoke
-from fit_rings import FakeFit, contact
+from command_line import invoke, run
 from live_skins import settings, unique_name, wait_for
 from mcap_sample import write as write_other
 from numpy.testing import assert_array_equal
+from recorder_ring import FakeFit, contact
 from replay_sample import NOISE, PERIOD, ROWS, START, Known, level, write
 
 import skinfield as sf
@@ -43,6 +43,7 @@ from skinfield.record.replay import Moment, Published, Replay, ReplayFit, is_sou
 from skinfield.record.state import RecorderState
 from skinfield.signal import Port
 
+Made = tuple[Path, list[Known]]
 CYCLES, TARED = 320, 170
 COUNT = 340  # cycles, with a fit beside them
 WHOLE = 1e9 / PERIOD  # cycles in a second
@@ -51,18 +52,18 @@ NODES, LATER = 400, PERIOD // 2  # ns from a cycle to what the fit publishes aft
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Known]]:
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     path = tmp_path_factory.mktemp("feed") / "touch.mcap"
     return path, write(path, CYCLES, tared_at=TARED)
 
 
 @pytest.fixture(scope="module")
-def replay(made: tuple[Path, list[Known]]) -> Replay:
+def replay(made: Made) -> Replay:
     return Replay(made[0])
 
 
 @pytest.fixture(scope="module")
-def opened(made: tuple[Path, list[Known]]) -> Iterator[ReplaySource]:
+def opened(made: Made) -> Iterator[ReplaySource]:
     with closing(ReplaySource(made[0], playing=False)) as feed:
         assert not feed.playing
         yield feed
@@ -104,7 +105,7 @@ def assert_is(found: Snapshot, known: Known) -> None:
 # cycle by cycle
 
 
-def test_every_cycle_is_as_it_was(made: tuple[Path, list[Known]], replay: Replay) -> None:
+def test_every_cycle_is_as_it_was(made: Made, replay: Replay) -> None:
     count = 0
     for each, known in zip(replay, made[1], strict=True):
         assert each.cycle.number == known.number
@@ -137,8 +138,6 @@ def test_without_fields_contacts_are_shown_alone(tmp_path: Path) -> None:
 
 def test_calibration_and_settings_are_those_of_the_time(replay: Replay, tmp_path: Path) -> None:
     before, after = (replay.tare(START + place * PERIOD) for place in (TARED - 1, TARED))
-    assert before is not None
-    assert after is not None
     assert_array_equal(after.calibration[:, 0], before.calibration[:, 0] + 0.25)
     assert_array_equal(replay.models(START).noise_std, NOISE)
     path, solver = tmp_path / "tuned.mcap", sf.NonNegative(tolerance=0.5)
@@ -198,9 +197,7 @@ def test_what_is_no_recording_of_a_skin_says_so(tmp_path: Path) -> None:
 # for other programs
 
 
-def test_it_can_be_looked_at_as_a_running_skin(
-    made: tuple[Path, list[Known]], replay: Replay
-) -> None:
+def test_it_can_be_looked_at_as_a_running_skin(made: Made, replay: Replay) -> None:
     with closing(Published(unique_name(), replay)) as published:
         for each in replay.from_time(START + (TARED + 10) * PERIOD):
             published.put(each)
@@ -218,37 +215,29 @@ def test_it_can_be_looked_at_as_a_running_skin(
                 live.tune(threshold=0.1)
 
 
-def run(*words: str) -> str:
-    found = invoke(["replay", *words])
-    assert found.exit_code == 0, found.output
-    return found.stdout
-
-
-def test_lines_of_json_say_what_each_cycle_said(made: tuple[Path, list[Known]]) -> None:
-    lines = [json.loads(line) for line in run(str(made[0]), "--headless", "--json").splitlines()]
+def test_lines_of_json_say_what_each_cycle_said(made: Made) -> None:
+    done = invoke(["replay", made[0], "--headless", "--json"])
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert [each["cycle"] for each in lines] == list(range(CYCLES))
     assert [each["time_s"] for each in lines] == [round(k / WHOLE, 6) for k in range(CYCLES)]
     assert [each["force"] for each in lines] == [each.force for each in made[1]]
     contacts = np.frombuffer(made[1][118].contacts, ROWS.contact)
-    assert [each["normal_force"] for each in lines[118]["contacts"]] == contacts[
-        "normal_force"
-    ].tolist()
+    forces = [each["normal_force"] for each in lines[118]["contacts"]]
+    assert forces == contacts["normal_force"].tolist()
     assert lines[118]["contacts"][0]["patch"] == "hexagon72"
-    assert f"{CYCLES} cycles, {CYCLES} with new readings" in run(str(made[0]), "--headless")
+    assert f"{CYCLES} cycles, {CYCLES} with new readings" in run("replay", made[0], "--headless")
 
 
-def test_a_pace_is_kept(made: tuple[Path, list[Known]]) -> None:
+def test_a_pace_is_kept(made: Made) -> None:
     began = time.monotonic()
-    run(str(made[0]), "--headless", "--speed", "10", "--duration", "100")
+    run("replay", made[0], "--headless", "--speed", "10", "--duration", "100")
     assert time.monotonic() - began > (CYCLES - 1) / WHOLE / 10
 
 
 # as a feed of the page
 
 
-def test_a_seek_while_paused_shows_exactly_that_cycle(
-    made: tuple[Path, list[Known]], feed: ReplaySource
-) -> None:
+def test_a_seek_while_paused_shows_exactly_that_cycle(made: Made, feed: ReplaySource) -> None:
     known = made[1]
     for place in (118, 0, 51, 60, 149, 250, TARED, TARED - 1, 299, 319):
         assert_is(went(feed, place / WHOLE), known[place])
@@ -272,9 +261,7 @@ def test_it_says_what_happened(feed: ReplaySource) -> None:
     assert feed.status()["notes"] == {"replay": "0.90 s of 3.19 s"}
 
 
-def test_it_begins_to_play_at_once_and_closing_ends_its_thread(
-    made: tuple[Path, list[Known]],
-) -> None:
+def test_it_begins_to_play_at_once_and_closing_ends_its_thread(made: Made) -> None:
     opened = ReplaySource(made[0])
     wait_for(lambda: opened.sought)
     assert opened.playing
@@ -323,7 +310,7 @@ def test_pause_and_play_go_on_from_where_it_is(feed: ReplaySource) -> None:
     wait_for(lambda: feed.latest().number > number)  # type: ignore[union-attr]
 
 
-def test_the_newest_of_many_seeks_wins(made: tuple[Path, list[Known]], feed: ReplaySource) -> None:
+def test_the_newest_of_many_seeks_wins(made: Made, feed: ReplaySource) -> None:
     for place in range(60, 300, 3):
         feed.seek(place / WHOLE)
     assert_is(went(feed, 222 / WHOLE), made[1][222])
@@ -344,9 +331,7 @@ def test_what_makes_no_sense_is_refused(feed: ReplaySource) -> None:
 # files that are not whole
 
 
-def test_a_cut_file_is_shown_as_far_as_it_goes(
-    made: tuple[Path, list[Known]], tmp_path: Path
-) -> None:
+def test_a_cut_file_is_shown_as_far_as_it_goes(made: Made, tmp_path: Path) -> None:
     data = made[0].read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: len(data) * 6 // 10])
@@ -373,16 +358,13 @@ def test_other_recordings_are_for_reconstruct(tmp_path: Path) -> None:
     table.write_text("time_s,taxel_0,taxel_1\n" + rows + "\n")
     with pytest.raises(FileError, match="skinfield reconstruct"):
         ReplaySource(table)
-    nothing = tmp_path / "nothing.txt"
-    nothing.write_text("hello")
-    for wrong in (nothing, tmp_path / "absent.mcap"):
+    (tmp_path / "nothing.txt").write_text("hello")
+    for wrong in (tmp_path / "nothing.txt", tmp_path / "absent.mcap"):
         with pytest.raises(FileError, match=wrong.name):
             ReplaySource(wrong)
 
 
 def test_what_goes_wrong_later_is_told(feed: ReplaySource, monkeypatch: pytest.MonkeyPatch) -> None:
-    wait_for(lambda: feed.sought)
-
     def broken(time_ns: int) -> Iterator[Moment]:
         raise FileError("the disk is gone")
 
@@ -393,15 +375,13 @@ def test_what_goes_wrong_later_is_told(feed: ReplaySource, monkeypatch: pytest.M
     assert not feed.playing
 
 
-def test_a_clock_does_not_make_up_for_what_takes_longer(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_clock_does_not_make_up_for_what_takes_longer(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr("skinfield.page.replay.time.monotonic", lambda: now[0])
     clock = Clock(playing=True)
     clock.set_speed(2.0)
     clock.begin(START)
-    left: Callable[[float], float] = lambda seconds: clock.left(START + round(seconds * 1e9))
+    left = lambda seconds: clock.left(START + round(seconds * 1e9))
     assert left(1.0) == pytest.approx(0.5)
     now[0] += 0.5 + LATE / 2
     assert left(1.0) == pytest.approx(-LATE / 2)
@@ -476,10 +456,8 @@ def kept(seen: EngineView) -> EngineView:
     return seen._replace(contacts=np.array(seen.contacts))
 
 
-@dataclass(frozen=True)
-class Fit:
+class Fit(NamedTuple):
     path: Path
-    known: list[Known]
     seen: list[EngineView]
 
 
@@ -489,12 +467,11 @@ def _fit(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fit]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fit_ring, "AGAIN", 0.0)  # s between looks for a ring
         patch.setattr(recorder_drain, "time", page.clock)
-        known = write(path, COUNT, beside=page)
-    yield Fit(path, known, page.seen)
+        write(path, COUNT, beside=page)
+    yield Fit(path, page.seen)
     page.reader.close()
     page.drain.close()
-    if page.fit is not None:
-        page.fit.close()
+    page.fit.close()
 
 
 @pytest.fixture(scope="module", name="fitted")
@@ -508,13 +485,10 @@ def assert_same(found: EngineView, live: EngineView) -> None:
     """Contacts, who says them, and the fit's field, to the last bit."""
     assert found.contacts.tobytes() == live.contacts.tobytes()
     assert list(found.by) == list(live.by)
-    assert field_of(found) == field_of(live)
-
-
-def field_of(seen: EngineView) -> bytes | None:
-    """Of the fit, on the patch."""
-    field = None if seen.fit is None else seen.fit.get(PATCH.name)
-    return None if field is None else field.tobytes()
+    first, second = (
+        None if each.fit is None else each.fit.get(PATCH.name) for each in (found, live)
+    )
+    assert first is second is None or first.tobytes() == second.tobytes()
 
 
 def saw(feed: ReplaySource, number: int) -> EngineView:
@@ -556,7 +530,6 @@ def test_while_it_plays_ten_times_as_fast_the_same_is_seen(fit: Fit, fitted: Rep
 
     def plays() -> bool:
         found = fitted.view()
-        assert found.snapshot is not None
         seen[found.snapshot.number] = found
         return not fitted.playing
 
@@ -582,9 +555,8 @@ def test_a_recovered_file_has_the_answers_that_were_whole(fit: Fit, tmp_path: Pa
     cut.write_bytes(data[: len(data) * 6 // 10])
     report = recover(cut, good)
     assert report.messages["/skin/fit"] == len(list(LiveRecording.open(good).fits())) > 5
-    opened = ReplaySource(good, playing=False)
-    assert_same(saw(opened, 100), fit.seen[100])
-    opened.close()
+    with closing(ReplaySource(good, playing=False)) as opened:
+        assert_same(saw(opened, 100), fit.seen[100])
 
 
 def test_numbers_that_cannot_be_shown_are_told_from_those_that_can() -> None:
@@ -615,12 +587,11 @@ def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: 
     path = tmp_path / "bad.mcap"
     known = write(path, 80, beside=beside)
     fake.close()
-    opened = ReplaySource(path, playing=False)
-    found = saw(opened, 70)
+    with closing(ReplaySource(path, playing=False)) as opened:
+        found = saw(opened, 70)
+        said = str(opened.status()["notes"]["damage"])
     assert found.contacts.tobytes() == known[70].contacts
     assert set(found.by) == {"engine"}
-    said = str(opened.status()["notes"]["damage"])
-    opened.close()
     assert ("fit of 2 patches" if what == "another skin" else "record is of version 0") in said
     assert level(70) > 0
     assert ROWS.contact == found.contacts.dtype

@@ -1,20 +1,32 @@
-"""Layout of a ring's file: places of fields, files that are none, any bytes in its place."""
+"""Layout of a ring's file, files that are none, any bytes, and several processes on one ring."""
 
 import errno
 import gc
 import json
 import os
+import signal
 import struct
-import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
-from types import ModuleType
 
+import fuzz_ring
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from ring_scenes import SLOT, write
+from ring_scenes import (
+    LOG_BYTES,
+    SLOT,
+    SLOTS,
+    bytes_of,
+    go,
+    numbers,
+    own_name,
+    reopened,
+    worker,
+    write,
+)
 
 from skinfield.errors import FileError, InputError
 from skinfield.ring import Field, Ring, RingReader, State, files
@@ -182,7 +194,6 @@ def test_a_ring_that_is_forgotten_is_free(tmp_path: Path) -> None:
     assert slot["words"].sum() == 0  # its memory is not
 
 
-FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
 CHANGES = st.tuples(
     st.integers(0, 0xFFFF),
     st.integers(0, 7),
@@ -195,17 +206,6 @@ CHANGES = st.tuples(
 HEADER = st.tuples(st.integers(0, 15).map(lambda i: 8 * i), st.just(0), st.integers(0, 1 << 15))
 
 
-@pytest.fixture(scope="module")
-def fuzz() -> Iterator[ModuleType]:
-    sys.path.insert(0, str(FUZZ))
-    try:
-        import fuzz_ring
-
-        yield fuzz_ring
-    finally:
-        sys.path.remove(str(FUZZ))
-
-
 def octets(change: tuple[int, int, int]) -> bytes:
     place, part, word = change
     return place.to_bytes(2, "little") + bytes([part]) + word.to_bytes(8, "little")
@@ -216,17 +216,139 @@ def octets(change: tuple[int, int, int]) -> bytes:
 @example([(0xFFFF, 0, 4096)])
 @example([(0, 6, 1 << 40)])  # a head that nothing bears out
 @example([(128, 6, 1 << 63), (136, 6, (1 << 64) - 1)])  # a log that has no end
-def test_changed_files(fuzz: ModuleType, changes: list[tuple[int, int, int]]) -> None:
-    fuzz.read(fuzz.changed(b"".join(map(octets, changes))))
+def test_changed_files(changes: list[tuple[int, int, int]]) -> None:
+    fuzz_ring.read(fuzz_ring.changed(b"".join(map(octets, changes))))
 
 
 @given(st.binary(max_size=9000))
-def test_any_bytes(fuzz: ModuleType, data: bytes) -> None:
-    fuzz.one_input(data)
+def test_any_bytes(data: bytes) -> None:
+    fuzz_ring.one_input(data)
 
 
-def test_the_sample_itself_is_read(fuzz: ModuleType, tmp_path: Path) -> None:
-    (tmp_path / "skinfield.whole").write_bytes(fuzz.GOOD)
+def test_the_sample_itself_is_read(tmp_path: Path) -> None:
+    (tmp_path / "skinfield.whole").write_bytes(fuzz_ring.GOOD)
     with RingReader("whole", folder=tmp_path) as reader:
-        fuzz.look(reader)
+        fuzz_ring.look(reader)
         assert reader.latest()["words"].tolist() == [[7, 7]] * 3
+
+
+COUNT = 40_000
+
+
+@pytest.fixture
+def name() -> Iterator[str]:
+    """Of a ring that was made and is waiting for a writer."""
+    with own_name() as name:
+        Ring.create(name, SLOT, slots=SLOTS, log_bytes=LOG_BYTES).close()
+        yield name
+
+
+def test_readers_at_full_speed_see_nothing_torn(name: str) -> None:
+    reading = ("read", name, COUNT)
+    with (
+        worker("write", name, COUNT) as writer,
+        worker(*reading) as first,
+        worker(*reading) as second,
+        worker(*reading) as victim,
+    ):
+        everyone = (writer, first, second, victim)
+        assert [each.stdout.readline() for each in everyone] == ["ready\n"] * 4
+        with RingReader(name) as reader:
+            go(writer)
+            while reader.wait(0, 60) < COUNT // 10:
+                assert reader.alive
+        victim.send_signal(signal.SIGKILL)
+        assert victim.wait(60) == -signal.SIGKILL
+        assert writer.stdout.readline() == "done\n"  # all of them, though nobody waited
+        results = [json.loads(each.stdout.readline()) for each in (first, second)]
+    for result in results:
+        assert result["torn"] == 0
+        assert result["newest"] == COUNT
+        assert result["whole"] > 0
+        assert result["log"] + result["lost"] > 0
+    assert sum(result["whole"] + result["overtaken"] for result in results) > 1000
+
+
+@pytest.mark.parametrize("where", [0, 1], ids=["slot", "log"])
+def test_what_a_killed_writer_left_half_done_is_never_seen(name: str, where: int) -> None:
+    ring = reopened(name)
+    write(ring, 10)
+    ring.log(bytes_of(b"whole"))
+    ring.close()
+    with RingReader(name) as reader, worker("stop", name, where) as writer:
+        log = reader.log_reader(0)
+        assert [writer.stdout.readline() for _ in range(2)] == ["ready\n", "half\n"]
+        assert (reader.alive, reader.pid) == (True, writer.pid)
+        with pytest.raises(InputError, match=f"living process .process {writer.pid}"):
+            reopened(name)
+        before = numbers(reader)
+        assert before == ([8, 9, 10] if where == 0 else [7, 8, 9, 10])
+        writer.send_signal(signal.SIGKILL)
+        writer.wait(60)
+        assert not reader.alive
+        assert numbers(reader) == before
+        (found,) = (each for each in Ring.names() if each.name == name)
+        assert (found.alive, found.pid, found.state) == (False, writer.pid, State.STARTING)
+        with reopened(name) as ring:
+            assert (ring.number, ring.generation, ring.log_end) == (10, 4, 5)
+            assert numbers(reader) == before
+            write(ring)
+            ring.log(bytes_of(b"on"))
+            assert numbers(reader) == [8, 9, 10, 11]
+            assert log.read() == (b"wholeon", 0)
+            assert reader.latest().generation == ring.generation == reader.generation
+
+
+def test_a_writer_killed_anywhere_leaves_a_good_ring(name: str) -> None:
+    with RingReader(name) as reader:
+        for _ in range(2):
+            newest = reader.number
+            with worker("write", name, 10**9) as writer:
+                writer.stdout.readline()
+                go(writer)
+                while reader.wait(newest, 60) < newest + 1000:
+                    assert reader.alive
+                writer.send_signal(signal.SIGKILL)
+                writer.wait(60)
+            newest = reader.number
+            assert set(numbers(reader)[-3:]) >= {newest - 1, newest}
+            log = reader.log_reader(reader.log_end)
+            with reopened(name) as ring:
+                assert ring.number == newest
+                write(ring, 2 * SLOTS)
+                ring.log(bytes_of(b"12345678"))
+            assert numbers(reader) == list(range(newest + SLOTS + 1, newest + 2 * SLOTS + 1))
+            assert log.read() == (b"12345678", 0)
+
+
+def test_a_reader_cannot_write_even_past_python(name: str) -> None:
+    with worker("scribble", name) as process:
+        assert process.communicate(timeout=60)[0] == "ready\n"
+        assert process.returncode == -signal.SIGSEGV
+
+
+def test_a_child_that_outlives_the_writer_is_no_writer(name: str) -> None:
+    with worker("fork", name) as writer, RingReader(name) as reader:
+        assert writer.stdout.readline() == "ready\n"
+        child = int(writer.stdout.readline())
+        try:
+            assert reader.alive
+            writer.kill()
+            writer.wait(60)
+            assert not reader.alive
+            reopened(name).close()
+        finally:
+            os.kill(child, signal.SIGKILL)
+
+
+def test_of_many_makers_one_wins() -> None:
+    with own_name() as name, ExitStack() as stack:
+        makers = [stack.enter_context(worker("create", name)) for _ in range(3)]
+        assert [each.stdout.readline() for each in makers] == ["ready\n"] * 3
+        for each in makers:
+            go(each)
+        said = [each.stdout.readline() for each in makers]
+        assert sorted(said) == ["refused\n"] * 2 + ["won\n"]
+        with RingReader(name) as reader:
+            assert reader.pid == makers[said.index("won\n")].pid
+        stack.close()  # before the ring is removed

@@ -1,22 +1,35 @@
-"""Messages of a known skin, against values worked out by hand, and their bytes."""
+"""Messages of ROS 2 of a known skin: what they say, their bytes, when they go, and the node."""
 
+import ast
+import logging
 import struct
+import sys
+from array import array
+from collections import Counter
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from live_skins import wait_for
 from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
+from rosbags.interfaces import Nodetype
 
-from skinfield.bridges.ros2.messages import SAID, Speaker
+from skinfield.bridges.ros2 import messages
+from skinfield.bridges.ros2 import node as ros_node
+from skinfield.bridges.ros2.messages import LOOKS, SAID, Speaker, Talker
+from skinfield.errors import InputError
 from skinfield.files.ros import RosbagKinds
 from skinfield.files.ros.kinds import CONTACTS
 from skinfield.files.ros.messages import axes_at, quaternion
-from skinfield.loop.client import Live
+from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitSlot, Fitted
 from skinfield.loop.status import Observer
 from skinfield.ring import State
 
+BOTH = [contact(0, 7, 2.0, (0.01, 0.0, 0.0)), contact(1, 9, 1.0, (0.005, 0.005, 0.0))]
 STAMP = 1_700_000_000_000_000_123
 FIRST = contact(0, 7, 2.0, (0.01, 0.0, 0.0), (0.6, 0.0, 0.8))
 SECOND = contact(1, 9, 1.5, (0.005, 0.005, 0.0))
@@ -24,11 +37,21 @@ WHAT = ("contacts", "frames", "contact_wrench", "wrench", "taxels")
 
 
 @pytest.fixture
-def running():
-    with TwoPatches() as engine:
-        engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
-        with Live(engine.ring.name) as live:
-            yield engine, live, Speaker(live.skin, RosbagKinds())
+def engine():
+    with TwoPatches() as made:
+        yield made
+
+
+@pytest.fixture
+def live(engine):
+    with Live(engine.ring.name) as found:
+        yield found
+
+
+@pytest.fixture
+def speaker(engine, live):
+    engine.cycle([FIRST, SECOND], (STAMP, STAMP + 5), invalid=(2,))
+    return Speaker(live.skin, RosbagKinds())
 
 
 def said(live, speaker, what):
@@ -39,8 +62,7 @@ def xyz(message):
     return [message.x, message.y, message.z]
 
 
-def test_contacts(running):
-    _, live, speaker = running
+def test_contacts(live, speaker):
     (array,) = said(live, speaker, "contacts").values()
     first, second = array.contacts
     assert (array.header.stamp.sec, array.header.stamp.nanosec) == (1_700_000_000, 128)
@@ -57,9 +79,8 @@ def test_contacts(running):
     np.testing.assert_allclose(xyz(second.position), [0.005, 0.005, 0.0])
 
 
-def test_frames_and_wrenches_agree(running):
+def test_frames_and_wrenches_agree(live, speaker):
     """A contact's force, brought from its own frame to the link's, is the contacts' one."""
-    _, live, speaker = running
     (frames,) = said(live, speaker, "frames").values()
     wrenches = said(live, speaker, "contact_wrench")
     totals = said(live, speaker, "wrench")
@@ -82,8 +103,7 @@ def test_frames_and_wrenches_agree(running):
     assert xyz(totals["/skin/patch_2nd_finger/wrench"].wrench.force) == [0.0, 0.0, -1.5]
 
 
-def test_taxels(running):
-    engine, live, speaker = running
+def test_taxels(engine, live, speaker):
     clouds = said(live, speaker, "taxels")
     cloud = clouds["/skin/left_palm/taxels"]
     points = np.frombuffer(cloud.data.tobytes(), "<f4").reshape(6, 4)
@@ -97,8 +117,7 @@ def test_taxels(running):
     assert clouds["/skin/patch_2nd_finger/taxels"].is_dense
 
 
-def test_a_reading_is_told_once(running):
-    engine, live, speaker = running
+def test_a_reading_is_told_once(engine, live, speaker):
     assert len(list(speaker.of_snapshot(live.latest(), WHAT))) == 1 + 1 + 2 + 2 + 2
     assert list(speaker.of_snapshot(live.latest(), WHAT)) == []
     engine.cycle([FIRST, SECOND], (STAMP, STAMP + 9))  # the second patch only
@@ -114,8 +133,7 @@ def test_a_reading_is_told_once(running):
     }
 
 
-def test_a_patch_without_an_answer_says_nothing(running):
-    engine, live, speaker = running
+def test_a_patch_without_an_answer_says_nothing(engine, live, speaker):
     engine.cycle([FIRST, SECOND], (STAMP + 9, STAMP + 9), answers=(0, 2))
     out = list(speaker.of_snapshot(live.latest(), WHAT))
     assert not [each for each in out if "left_palm" in each.topic]
@@ -136,8 +154,7 @@ class Fit:
         return self.slot
 
 
-def test_the_fit_counts_where_it_is_recent(running):
-    _, live, speaker = running
+def test_the_fit_counts_where_it_is_recent(live, speaker):
     fit = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP)
     out = speaker.of_snapshot(live.latest(), WHAT, fit)
     of = {each.topic: each.message for each in out}
@@ -149,8 +166,7 @@ def test_the_fit_counts_where_it_is_recent(running):
     assert [c.fitted for c in next(out).message.contacts] == [False, False]
 
 
-def test_nothing_touches(running):
-    engine, live, speaker = running
+def test_nothing_touches(engine, live, speaker):
     engine.cycle([], (STAMP + 9, 0))
     out = {o.topic: o.message for o in speaker.of_snapshot(live.latest(), WHAT)}
     assert set(out) == {"/skin/contacts", "/skin/left_palm/wrench", "/skin/left_palm/taxels"}
@@ -179,9 +195,8 @@ class Cdr:
         return self.data[self.at - size : self.at - 1].decode()
 
 
-def test_bytes_of_contacts(running):
+def test_bytes_of_contacts(live, speaker):
     """Field by field in the order of the .msg files, by a reader that shares nothing."""
-    _, live, speaker = running
     kinds = RosbagKinds()
     (array,) = said(live, speaker, "contacts").values()
     cdr = Cdr(kinds.bytes_of(CONTACTS, array))
@@ -195,8 +210,7 @@ def test_bytes_of_contacts(running):
     assert cdr.take("?") is False
 
 
-def test_diagnostics(running):
-    engine, live, speaker = running
+def test_diagnostics(engine, live, speaker):
 
     def levels():
         out = speaker.of_status(Observer(live.reader).look(), STAMP)
@@ -244,3 +258,245 @@ def test_axes_of_any_normal(normal, side):
     for column, unit in zip(axes.T, np.eye(3), strict=True):
         turned = unit + 2 * np.cross(v, np.cross(v, unit) + w * unit)
         np.testing.assert_allclose(turned, column, atol=1e-9)
+
+
+def talker_of(live, rates, heard):
+    return Talker(live, Speaker(live.skin, RosbagKinds()), rates, heard.append)
+
+
+def test_each_reading_once(engine, live):
+    """Two cycles of three have no new reading; of the palm there is one each time."""
+    heard = []
+    talker = talker_of(live, {"wrench": 1e4, "contacts": 1e4, "taxels": 1e-3}, heard)
+    for number in range(30):
+        engine.cycle(BOTH[:1], (STAMP + number // 3, STAMP))
+        talker.step(LOOKS if number % 2 else 0.0)
+    for _ in range(3):
+        talker.step(0.0)
+    counts = Counter(out.topic for out in heard)
+    assert counts["/skin/left_palm/taxels"] == 1
+    assert counts["/skin/patch_2nd_finger/wrench"] == 1
+    palm = [out.stamp_ns - STAMP for out in heard if out.topic == "/skin/left_palm/wrench"]
+    assert palm == sorted(set(palm))
+    assert palm[-1] == 9
+    assert len(palm) == counts["/skin/contacts"]
+
+
+def test_without_answers_only_the_health_is_told(engine, live):
+    heard = []
+    talker = talker_of(live, {"wrench": 1e4, "diagnostics": 1e4}, heard)
+    engine.cycle(BOTH[:1])
+    engine.ring.set_state(State.FAILED)
+    for _ in range(3):
+        talker.step(0.0)
+    assert {out.topic for out in heard} == {"/diagnostics"}
+    assert heard[-1].message.status[0].level == 2
+
+
+def test_it_goes_on_after_a_crash_of_the_engine(engine, live):
+    heard = []
+    talker = talker_of(live, {"wrench": 1e4, "diagnostics": 1e4}, heard)
+    engine.cycle(BOTH[:1], (STAMP, STAMP))
+    talker.step(LOOKS)
+    engine.reopen()
+    engine.cycle(BOTH[:1], (STAMP + 1, STAMP + 1))
+    talker.step(LOOKS)
+    palm = [out.stamp_ns - STAMP for out in heard if out.topic == "/skin/left_palm/wrench"]
+    assert palm == [0, 1]
+    told = [out.message.status[0] for out in heard if out.topic == "/diagnostics"]
+    assert [{v.key: v.value for v in row.values}["restarts"] for row in told] == ["0", "1"]
+
+
+def test_another_skin_of_that_name(engine, live):
+    talker = talker_of(live, {"diagnostics": 1e4}, [])
+    talker.step()
+    name = engine.ring.name
+    engine.close()
+    other = TwoPatches(name)
+    try:
+        with pytest.raises(NotRunning, match="connect again"):
+            talker.step()
+    finally:
+        engine.ring = other.ring  # closed by the fixture
+
+
+@given(st.lists(st.floats(1e-4, 0.5), min_size=1, max_size=60), st.floats(0.5, 500.0))
+def test_pace(steps, rate):
+    """Never more than the rate over any time, but for one more; nothing due is forgotten."""
+    live = SimpleNamespace(
+        reader=SimpleNamespace(replaced=lambda: False), name="n", state=State.STOPPED
+    )
+    now, done = [100.0], []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(messages, "Observer", lambda *_, **__: SimpleNamespace(look=lambda: None))
+        patch.setattr(messages, "FitReader", lambda _: None)
+        patch.setattr(messages.time, "monotonic", lambda: now[0])
+        speaker = SimpleNamespace(of_status=lambda *_: now[0])
+        talker = Talker(live, speaker, {"diagnostics": rate, "wrench": 0.0}, done.append)
+        for step in steps:
+            assert 0.0 <= talker.wait() <= LOOKS
+            talker.step()
+            assert now[0] < done[-1] + 1.0 / rate + 1e-9
+            now[0] += step
+    times = np.array(done)
+    for first in range(len(times)):
+        passed = times[first:] - times[first]
+        assert (np.arange(len(passed)) <= passed * rate + 1 + 1e-6).all()
+
+
+NUMBERS = {"float32": float, "float64": float, "bool": bool, "string": str}
+PACKAGES = ("builtin_interfaces", "std_msgs", "geometry_msgs", "sensor_msgs", "tf2_msgs",
+            "diagnostic_msgs", "skinfield_msgs")  # fmt: skip
+
+
+def fits(node, value, classes) -> bool:
+    """Whether rclpy's generated classes take a value for a field of some type."""
+    kind, about = node
+    if kind == Nodetype.BASE:
+        if about[0] in ("byte", "octet"):
+            return isinstance(value, bytes) and len(value) == 1
+        return isinstance(value, NUMBERS.get(about[0], int))
+    if kind == Nodetype.NAME:
+        return isinstance(value, classes[about])
+    inner = about[0]
+    if inner[0] == Nodetype.BASE and inner[1][0] == "uint8":
+        return isinstance(value, array) and value.typecode == "B"
+    return isinstance(value, list) and all(fits(inner, each, classes) for each in value)
+
+
+def message_class(kind, fields, classes):
+    def init(self, **given):
+        assert set(given) == {name for name, _ in fields}, kind  # none is forgotten
+        for name, node in fields:
+            assert fits(node, given[name], classes), f"{kind}.{name} = {given[name]!r}"
+            setattr(self, name, given[name])
+
+    return type(kind.rpartition("/")[2], (), {"__init__": init})
+
+
+def message_modules(leave_out=()) -> dict[str, ModuleType]:
+    store, classes, found = RosbagKinds().store, {}, {}
+    for kind, (_, fields) in store.fielddefs.items():
+        classes[kind] = message_class(kind, fields, classes)
+    for package in PACKAGES:
+        if package not in leave_out:
+            module = ModuleType(f"{package}.msg")
+            for kind, made in classes.items():
+                if kind.startswith(f"{package}/"):
+                    setattr(module, kind.rpartition("/")[2], made)
+            found[package], found[f"{package}.msg"] = ModuleType(package), module
+    return found
+
+
+class StandIn:
+    """Keeps what is published."""
+
+    def __init__(self, name, parameters):
+        self.name, self.parameters = name, parameters
+        self.sent, self.made, self.timers, self.gone = [], {}, [], False
+
+    def declare_parameter(self, name, usual):
+        return SimpleNamespace(value=self.parameters.get(name, usual))
+
+    def create_publisher(self, kind, topic, depth):
+        def publish(message):
+            assert type(message) is kind
+            self.sent.append((topic, message))
+
+        self.made[topic] = (kind.__name__, depth)
+        return SimpleNamespace(publish=publish)
+
+    def create_timer(self, seconds, call):
+        self.timers.append((seconds, call))
+
+    def get_logger(self):
+        return logging.getLogger("stand-in")
+
+    def destroy_node(self):
+        self.gone = True
+
+
+def rclpy_modules(nodes, spin, parameters=None) -> dict[str, ModuleType]:
+    """`spin` is called with the node; nodes that are made are put into `nodes`."""
+    names = ("rclpy", "rclpy.utilities", "rclpy.executors")
+    found = {name: ModuleType(name) for name in names}
+    module = found["rclpy"]
+    module.init = lambda args=None: None
+    module.try_shutdown = lambda: None
+    module.spin = spin
+    found["rclpy.utilities"].remove_ros_args = lambda args: args
+    found["rclpy.executors"].ExternalShutdownException = type("Ended", (Exception,), {})
+
+    def create_node(name):
+        nodes.append(StandIn(name, parameters or {}))
+        return nodes[-1]
+
+    module.create_node = create_node
+    return found
+
+
+def put_in(monkeypatch, modules) -> None:
+    absent = {f"{package}{part}": None for package in PACKAGES for part in ("", ".msg")}
+    for name, module in (absent | modules).items():
+        monkeypatch.setitem(sys.modules, name, module)
+
+
+def spun(monkeypatch, engine, wanted: int, leave_out=(), parameters=None):
+    """The node, after its timer published on as many topics."""
+    nodes = []
+
+    def spin(node):
+        ((_, step),) = node.timers
+
+        def enough() -> bool:
+            engine.cycle(BOTH)
+            step()
+            return len({topic for topic, _ in node.sent}) >= wanted
+
+        wait_for(enough)
+        raise KeyboardInterrupt
+
+    modules = message_modules(leave_out) | rclpy_modules(nodes, spin, parameters)
+    put_in(monkeypatch, modules)
+    ros_node.main(["node", engine.ring.name])
+    (node,) = nodes
+    return node
+
+
+def test_it_publishes_all(monkeypatch, engine):
+    node = spun(monkeypatch, engine, 9)
+    assert node.name == "skinfield_" + engine.ring.name.replace("-", "_")
+    assert node.gone
+    ((seconds, _),) = node.timers
+    assert seconds == pytest.approx(0.01)
+    assert node.made["/tf"] == ("TFMessage", 100)
+    assert node.made["/skin/contacts"] == ("ContactArray", 10)
+    sent = dict(node.sent)
+    assert set(sent) == set(node.made)
+    assert [each.id for each in sent["/skin/contacts"].contacts] == [7, 9]
+    assert sent["/skin/left_palm/contact_wrench"].wrench.force.z == -2.0
+    assert sent["/skin/left_palm/contact_wrench"].header.frame_id == "left_palm_contact_7"
+    assert sent["/tf"].transforms[0].child_frame_id == "left_palm_contact_7"
+    assert sent["/skin/left_palm/taxels"].width == 6
+    assert len(sent["/skin/left_palm/taxels"].data) == 96
+    assert sent["/diagnostics"].status[0].level == b"\0"
+    assert sent["/diagnostics"].status[0].message == "running"
+
+
+def test_without_skinfield_msgs_all_else_is_published(monkeypatch, engine, caplog):
+    node = spun(monkeypatch, engine, 8, ("skinfield_msgs",), {"robot": "left"})
+    assert set(dict(node.sent)) == set(node.made)
+    assert "/left/skin/left_palm/wrench" in node.made
+    assert "/left/skin/contacts is not published" in caplog.text
+
+
+def test_without_ros_it_says_so(monkeypatch, engine):
+    put_in(monkeypatch, rclpy_modules([], lambda node: None))
+    with pytest.raises(InputError, match="a sourced ROS 2"):
+        ros_node.main(["node", engine.ring.name])
+
+
+def test_importing_it_needs_no_rclpy():
+    tree = ast.parse(Path(ros_node.__file__).read_text())
+    assert not [node for node in tree.body if "rclpy" in ast.dump(node) and hasattr(node, "names")]
+    assert "rclpy" not in sys.modules

@@ -1,9 +1,8 @@
 """Messages over zenoh: there and back, and any bytes refused."""
 
-import importlib.util
 import json
-from pathlib import Path
 
+import fuzz_zenoh
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -26,16 +25,7 @@ from skinfield.loop.model_config import Configuration
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.solve import NonNegative
 
-FUZZ = Path(__file__).resolve().parents[1] / "fuzz" / "fuzz_zenoh.py"
 words = st.integers(0, (1 << 62) - 1)
-
-
-@pytest.fixture(scope="module")
-def target():
-    spec = importlib.util.spec_from_file_location("fuzz_zenoh", FUZZ)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @settings(max_examples=50, deadline=None)
@@ -59,8 +49,8 @@ def test_any_name_is_one_chunk_of_a_key_and_comes_back(robot, name) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(data=st.binary(max_size=300))
-def test_any_bytes_are_refused_or_can_be_shown(target, data) -> None:
-    target.one_input(data)
+def test_any_bytes_are_refused_or_can_be_shown(data) -> None:
+    fuzz_zenoh.one_input(data)
 
 
 @settings(max_examples=60, deadline=None)
@@ -68,12 +58,12 @@ def test_any_bytes_are_refused_or_can_be_shown(target, data) -> None:
     kind=st.integers(0, 5),
     changes=st.lists(st.tuples(st.integers(0, 1 << 16), st.binary(min_size=8, max_size=8))),
 )
-def test_good_messages_with_changes_too(target, kind, changes) -> None:
+def test_good_messages_with_changes_too(kind, changes) -> None:
     data = b"".join(place.to_bytes(3, "little") + octets for place, octets in changes)
-    target.one_input(bytes([kind]) + data)
+    fuzz_zenoh.one_input(bytes([kind]) + data)
 
 
-def test_contacts_go_there_and_back(target) -> None:
+def test_contacts_go_there_and_back() -> None:
     rng = np.random.default_rng(4)
     rows = np.zeros(3, CONTACT)
     for name in CONTACT.names:
@@ -81,18 +71,20 @@ def test_contacts_go_there_and_back(target) -> None:
     rows["patch"], rows["cells"] = 0, 0  # how many cells it has is not told
     rows["place_std"][1] = np.nan
     by = ["fit", "engine", "fit"]
-    patches = list(target.MODEL_CONFIG.skin)
+    patches = list(fuzz_zenoh.MODEL_CONFIG.skin)
     plain = [contact_plain(row, patches, who) for row, who in zip(rows, by, strict=True)]
-    found = contacts_from(strict_json({"stamp_ns": 5, "contacts": plain}), target.MODEL_CONFIG.skin)
+    found = contacts_from(
+        strict_json({"stamp_ns": 5, "contacts": plain}), fuzz_zenoh.MODEL_CONFIG.skin
+    )
     assert (found.stamp_ns, found.by) == (5, by)
     for name in CONTACT.names:
         np.testing.assert_array_equal(found.rows[name], rows[name])
 
 
-def test_the_sample_is_good(target) -> None:
-    for read, good in zip(target.READS[:4], target.GOOD[:4], strict=True):
+def test_the_sample_is_good() -> None:
+    for read, good in zip(fuzz_zenoh.READS[:4], fuzz_zenoh.GOOD[:4], strict=True):
         read(good)
-    slot = target.PLAN.slot(target.CYCLE)
+    slot = fuzz_zenoh.PLAN.slot(fuzz_zenoh.CYCLE)
     assert slot.patches["answer"].tolist() == [2]
 
 
@@ -105,15 +97,15 @@ def test_the_sample_is_good(target) -> None:
         ({"slot": []}, "another skinfield"),
     ],
 )
-def test_descriptions_that_do_not_fit_say_why(target, change, match) -> None:
-    plain = json.loads(target.DESCRIPTION) | change
+def test_descriptions_that_do_not_fit_say_why(change, match) -> None:
+    plain = json.loads(fuzz_zenoh.DESCRIPTION) | change
     with pytest.raises(InputError, match=match):
         Plan.of(strict_json(plain))
 
 
 @pytest.mark.parametrize("rungs", [[100_000], [], [True], ["a"], list(range(2, 900))])
-def test_a_description_cannot_ask_for_all_memory(target, rungs) -> None:
-    plain = json.loads(target.DESCRIPTION)
+def test_a_description_cannot_ask_for_all_memory(rungs) -> None:
+    plain = json.loads(fuzz_zenoh.DESCRIPTION)
     model_config = json.loads(plain["ring"]["model_config"]) | {"rungs": rungs}
     plain["ring"]["model_config"] = json.dumps(model_config)
     with pytest.raises(InputError):
@@ -135,11 +127,11 @@ def test_what_is_not_finite_becomes_null() -> None:
     assert json.loads(text) == {"a": [None, 1.0], "b": {"c": None}}
 
 
-def test_a_status_is_of_this_skin(target) -> None:
-    plain, skin = json.loads(target.STATUS), target.MODEL_CONFIG.skin
-    assert status_from(target.STATUS, skin)["state"] == "running"
+def test_a_status_is_of_this_skin() -> None:
+    plain, skin = json.loads(fuzz_zenoh.STATUS), fuzz_zenoh.MODEL_CONFIG.skin
+    assert status_from(fuzz_zenoh.STATUS, skin)["state"] == "running"
     with pytest.raises(InputError, match="expected those of the skin"):
-        status_from(target.STATUS, sf.Skin((sf.layouts.hexagon72(),)))
+        status_from(fuzz_zenoh.STATUS, sf.Skin((sf.layouts.hexagon72(),)))
     for wrong, match in (
         ({"state": "fine"}, "'fine'"),
         ({"lost": -1}, r">= 0.*\$\.lost"),

@@ -337,7 +337,7 @@ class EngineProcess:
         """From here on nothing may wait."""
         settings = self.settings
         self.updater, self.reset, self.began = updater, True, True
-        updater.filters.tune(self.tuning)
+        updater.tune(self.tuning)
         granted = settings.real_time.apply()
         self._note(phase="running", progress={}, granted=granted.as_dict())
         if settings.rate is None:
@@ -402,7 +402,7 @@ class EngineProcess:
         known = Configuration(self.ring.generation, self.settings.solver, self.tuning)
         write_configuration(self.ring.status[CONFIGURATION.name], known)
         if self.updater is not None:
-            self.updater.filters.tune(self.tuning)
+            self.updater.tune(self.tuning)
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""

@@ -17,17 +17,7 @@ from typing import NoReturn, Self
 import numpy as np
 
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.loop.fit_ring import (
-    LOG_BYTES,
-    SLOTS,
-    FitSlot,
-    Fitted,
-    describe,
-    fit_name,
-    slot_fields,
-    status_fields,
-    write_engine,
-)
+from skinfield.loop.fit_ring import FitSlot, Fitted, create_fit_ring, write_engine
 from skinfield.loop.fit_worker import (
     FIRST,
     FitTracks,
@@ -42,7 +32,7 @@ from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import write_notes
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.ring import Ring, RingReader, State
+from skinfield.ring import RingReader
 from skinfield.signal import Convention
 from skinfield.solve.atoms.fitter import ContactFitter
 
@@ -139,15 +129,7 @@ class SkinFit:
         self.model_config = ModelConfig.from_json(str(reader.description["model_config"]))
         skin = self.model_config.skin
         nodes = max(self.model_config.rungs) ** 2
-        self.ring = Ring.create(
-            fit_name(name),
-            slot_fields(len(skin), nodes, ROWS),
-            status_fields(),
-            describe(name, [patch.name for patch in skin]),
-            SLOTS,
-            LOG_BYTES,
-        )
-        self.ring.set_state(State.RUNNING)
+        self.ring = create_fit_ring(name, [patch.name for patch in skin], nodes, ROWS)
         numbers = itertools.count(FIRST)
         self.patches = [PatchFit(n, patch, FitTracks(numbers)) for n, patch in enumerate(skin)]
         self._starts = np.cumsum([0, *(len(patch) for patch in skin)]).tolist()

@@ -17,13 +17,14 @@ from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status_text import FIELD as NOTES
 from skinfield.loop.status_text import read_notes
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.ring import Field, RingReader
+from skinfield.ring import Field, Ring, RingReader, State
 
 Array = NDArray[Any]
 VERSION = 2
 SUFFIX = ".fit"
 SLOTS = 16
 LOG_BYTES = 1 << 12  # nothing is logged
+COUNTERS = ("fits", "unhelpful", "cpu_ns")  # of its status, beside words: what it does now
 SHAPES = ("other", "sphere", "flat", "line")  # `shape` of a form is an index into this
 
 
@@ -84,23 +85,20 @@ def slot_fields(patches: int, nodes: int, rows: int) -> list[Field]:
     ]
 
 
-def status_fields() -> list[Field]:
-    """Counters, and words: what it does now."""
-    return [
-        Field("fits", "<i8", (1,)),
-        Field("unhelpful", "<i8", (1,)),
-        Field("cpu_ns", "<i8", (1,)),
-        NOTES,
-    ]
+def create_fit_ring(name: str, patches: Sequence[str], nodes: int, rows: int) -> Ring:
+    """The ring of a fit of the live skin `name`, which runs from now on.
 
-
-def describe(name: str, patches: Sequence[str]) -> dict[str, object]:
-    """What readers must know."""
-    return {
-        "skinfield_fit": VERSION,
-        "name": name,
-        "patches": list(patches),
-    }
+    Raises
+    ------
+    InputError
+        If another process fits this skin already.
+    """
+    status = [*(Field(each, "<i8", (1,)) for each in COUNTERS), NOTES]
+    description = {"skinfield_fit": VERSION, "name": name, "patches": list(patches)}
+    fields = slot_fields(len(patches), nodes, rows)
+    ring = Ring.create(fit_name(name), fields, status, description, SLOTS, LOG_BYTES)
+    ring.set_state(State.RUNNING)
+    return ring
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +248,7 @@ class FitReader:
         if reader is None:
             return {}
         view = reader.status_view
-        counts = {key: int(view[key][0]) for key in ("fits", "unhelpful", "cpu_ns")}
+        counts = {key: int(view[key][0]) for key in COUNTERS}
         return {**(read_notes(view["notes"]) or {}), **counts, "pid": reader.pid}
 
     def close(self) -> None:

@@ -39,7 +39,6 @@ class Binding:
         Where each patch's taxels begin.
     channels : int
         Of all ports together.
-    ports : tuple of Port
     unit : str
         Of the readings: that of the ports, which must have one in common.
     """
@@ -47,7 +46,6 @@ class Binding:
     channel: Ints
     starts: Ints
     channels: int
-    ports: tuple[Port, ...]
     unit: str
 
 
@@ -59,7 +57,6 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
     InputError
         If a patch has no port, one that is too short, or ports deliver different units.
     """
-    ports = tuple(ports)
     if not ports:
         raise InputError("there is no port, expected a source with at least one")
     first = np.cumsum([0, *(port.channels for port in ports)]).tolist()
@@ -90,7 +87,7 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
             "engine: run two engines"
         )
     channel = np.concatenate(rows).astype(np.int64)
-    return Binding(channel, np.array(starts, np.int64), first[-1], ports, units.pop())
+    return Binding(channel, np.array(starts, np.int64), first[-1], units.pop())
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError
 from skinfield.loop.model_config import configuration_of, state_of, tuning_of
-from skinfield.loop.realtime.system import read_text
+from skinfield.loop.realtime.system import values_of
 from skinfield.loop.realtime.timing import Timing
 from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.slots import Head, Slot
@@ -234,7 +234,5 @@ def _tuning(reader: RingReader) -> dict[str, Any]:
 
 def _memory(pid: int) -> dict[str, int]:
     """Resident bytes of a process, where the system tells."""
-    for line in read_text(f"/proc/{pid}/status").splitlines():
-        if line.startswith("VmRSS:"):
-            return {"resident": int(line.split()[1]) * 1024}
-    return {}
+    resident = values_of(f"/proc/{pid}/status").get("VmRSS")  # such as "1234 kB"
+    return {"resident": int(resident.split()[0]) * 1024} if resident else {}

@@ -4,7 +4,6 @@ An engine with another solver prepares itself beside the one that runs, and then
 """
 
 import contextlib
-import json
 import math
 import os
 import pickle
@@ -32,7 +31,7 @@ from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.ring import Ring, RingReader, State
-from skinfield.ring.files import sidecar
+from skinfield.ring.files import sidecar, write_sidecar
 from skinfield.solve import Solver
 
 READY, GO = b"ready\n", b"go\n"
@@ -261,15 +260,8 @@ class Supervisor(SupervisedProcess):
     def report(self, what: str, text: str) -> None:
         """Note what happened, for `events` and for others."""
         self.events.append(Event(time.time_ns(), what, text))
-        path, events = self.status_path, list(self.events)
-        new = path.with_suffix(f".{os.getpid()}.new")
-        text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": events})
-        try:
-            new.write_text(text_of_all)
-            new.chmod(0o600)
-            new.replace(path)
-        except OSError:  # no room: the watch goes on, and `events` has it
-            new.unlink(missing_ok=True)
+        told = {"pid": os.getpid(), "restarts": self.restarts, "events": list(self.events)}
+        write_sidecar(self.settings.name, "supervisor", told)
 
     @property
     def hopeless(self) -> bool:

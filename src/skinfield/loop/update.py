@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
@@ -67,77 +66,6 @@ def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
 CONTACT_WORDS = CONTACT.itemsize // 8
 
 
-class RuntimeFilters:
-    """Low-pass, threshold and focus of a cycle; nothing is allocated between changes.
-
-    It looks at the newest answers in `kept`. A `smoothing` (s) or `threshold` (N) of 0 is none,
-    and `watches` says whether there is a focus.
-    """
-
-    def __init__(self, engine: Engine, channel: Ints, stale_ns: int, kept: Slot) -> None:
-        from skinfield.loop import update_kernel
-
-        self._engine, self._stale_ns, self._kept = engine, stale_ns, kept
-        self._channel, self._kernel = channel, update_kernel
-        self._state: Floats = np.zeros(len(channel))
-        self._at_ns: Ints = np.zeros(len(channel), np.int64)
-        self.smoothing = self.threshold = 0.0
-        self._finest: int | None = None
-        self._window: tuple[int, float, float, float, float] | None = None
-        self._first: int | None = None
-        self.watches = False
-
-    def tune(self, tuning: Tuning) -> None:
-        """Go by this, which `Limits.check` has passed, from now on."""
-        engine, focus, window = self._engine, tuning.focus, None
-        if focus is not None:
-            window = (engine.names.index(focus.patch), *focus.low, *focus.high)
-        if tuning.smoothing == 0.0:
-            self.forget()
-        self.smoothing, self.threshold = tuning.smoothing, tuning.threshold
-        auto = tuning.resolution == AUTO
-        self._finest = None if auto else engine.rungs.index(int(tuning.resolution))
-        self._window, self._first, self.watches = window, None, window is not None
-        prefer(engine, self._finest, None)
-
-    def forget(self) -> None:
-        """Know of no reading."""
-        self._at_ns[:] = 0
-
-    def smooth(
-        self, stamps: Ints, valid: NDArray[np.bool_], given: NDArray[np.bool_], values: Floats
-    ) -> None:
-        """Low-pass of what was read; see `update_kernel.smooth`."""
-        how = self._stale_ns, self.smoothing, values, self._state, self._at_ns
-        self._kernel.smooth(self._channel, stamps, valid, given, *how)
-
-    def strong(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
-        """Drop a patch's contacts below the threshold; how many are left."""
-        return int(self._kernel.drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
-
-    def attend(self) -> None:
-        """Have what presses in the window come first, by the contacts of the newest answers."""
-        assert self._window is not None  # whoever calls has looked
-        patch, *corners = self._window
-        count = min(int(self._kept.patches["contacts"][patch]), self._kept.contacts.shape[1])
-        first = (
-            patch
-            if self._kernel.presses_within(self._kept.contacts[patch], count, *corners)
-            else None
-        )
-        if first != self._first:
-            self._first = first
-            prefer(self._engine, self._finest, first)
-
-    def load(self) -> None:
-        """Load what is compiled; nothing changes."""
-        rows = self._kept.contacts[0].copy()
-        self._kernel.drop_weak(rows, rows.view(np.int64).reshape(-1), CONTACT_WORDS, 0, 0.0)
-        self._kernel.presses_within(rows, 0, 0.0, 0.0, 0.0, 0.0)
-        nothing = np.zeros(len(self._state), np.bool_)
-        self.smooth(self._at_ns, nothing, nothing, self._state)
-
-
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 
@@ -153,11 +81,6 @@ class Updater:
         Contacts numbered so far; may lie where others see it.
     progress : function of two ints
         Called while it is prepared: patches that are ready, and how many there are.
-
-    Attributes
-    ----------
-    filters : RuntimeFilters
-        What can be changed while it answers.
     """
 
     def __init__(
@@ -192,7 +115,11 @@ class Updater:
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
         self._contacts = SkinContacts(self.engine, rows=model_config.rows, ids=self.tracks)
-        self.filters = RuntimeFilters(self.engine, self._binding.channel, self.stale_ns, self._kept)
+        self._smoothed, self._smoothed_ns = np.zeros(taxels), np.zeros(taxels, np.int64)
+        self._smoothing = self._threshold = 0.0  # s, N; 0: none
+        self._finest: int | None = None
+        self._window: tuple[int, float, float, float, float] | None = None
+        self._first: int | None = None
         self.calibrate(baseline.calibration)
         self._rehearse()
 
@@ -209,7 +136,7 @@ class Updater:
         limits = self._clamps, self._lowest_of(table[alive])
         how = self._how, self._scale
         self._calibrated: tuple[Any, ...] = baseline, per_gain, alive, *limits, *how
-        self.filters.forget()
+        self._smoothed_ns[:] = 0
 
     def _lowest_of(self, known: Floats) -> float:
         """What no taxel reads, in the quantity's unit, by the calibration (N, 4) of the living."""
@@ -222,6 +149,18 @@ class Updater:
         if self._how == STRAIN:
             change = change / (1.0 + change) if change > -1.0 else -np.inf
         return max(lowest, change * self._scale)
+
+    def tune(self, tuning: Tuning) -> None:
+        """Go by this, which `Limits.check` has passed, from now on."""
+        engine, focus, auto = self.engine, tuning.focus, tuning.resolution == AUTO
+        if tuning.smoothing == 0.0:
+            self._smoothed_ns[:] = 0
+        self._smoothing, self._threshold = tuning.smoothing, tuning.threshold
+        self._finest = None if auto else engine.rungs.index(int(tuning.resolution))
+        self._window, self._first = None, None
+        if focus is not None:
+            self._window = (engine.names.index(focus.patch), *focus.low, *focus.high)
+        prefer(engine, self._finest, None)
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
@@ -272,11 +211,11 @@ class Updater:
         head, kept = slot.head, self._kept
         head[Head.FLAGS] = 0
         head[Head.FRESH] = fresh
-        if self.filters.smoothing:
-            self.filters.smooth(channels.stamp_ns, self._valid, self._given, self._values)
+        if self._smoothing:
+            self._smooth(channels)
         if fresh:
-            if self.filters.watches:
-                self.filters.attend()
+            if self._window is not None:
+                self._attend(*self._window)
             self.engine.run(self._values, self._given, budget=budget)
         self._take_answers(now_ns)
         head[Head.CONTACTS] = self._kernel.sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
@@ -291,6 +230,21 @@ class Updater:
         known: tuple[Any, ...] = (*read, *self._calibrated, *when, *self._conditioned)
         return int(self._kernel.condition(self._binding.channel, *known))
 
+    def _smooth(self, channels: Channels) -> None:
+        """Low-pass of what was read; see `update_kernel.smooth`."""
+        read = self._binding.channel, channels.stamp_ns, self._valid, self._given
+        memory = self._values, self._smoothed, self._smoothed_ns
+        self._kernel.smooth(*read, self.stale_ns, self._smoothing, *memory)
+
+    def _attend(self, patch: int, *corners: float) -> None:
+        """Have what presses in a window come first, by the contacts of the newest answers."""
+        rows = self._kept.contacts[patch]
+        count = min(int(self._kept.patches["contacts"][patch]), len(rows))
+        first = patch if self._kernel.presses_within(rows, count, *corners) else None
+        if first != self._first:
+            self._first = first
+            prefer(self.engine, self._finest, first)
+
     def _take_answers(self, now_ns: int) -> None:
         """Keep the answers of the patches with a new reading, and drop what is too old."""
         results, kept = self.engine.results, self._kept
@@ -304,8 +258,9 @@ class Updater:
             kept.pressure[patch, : len(pressure)] = pressure
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
-            if self.filters.threshold:
-                count = self.filters.strong(patch, rows, self._kept_words, count)
+            if self._threshold:
+                words = self._kept_words[patch], CONTACT_WORDS
+                count = int(self._kernel.drop_weak(rows, *words, count, self._threshold))
             kept.patches["contacts"][patch] = count
 
     def _publish(self, channels: Channels, slot: Slot) -> None:
@@ -324,14 +279,17 @@ class Updater:
         before = int(self.tracks[0])
         self.answer(channels, self.stale_ns, slot, reset=True)
         self.answer(channels, self.stale_ns, slot)
-        self.filters.load()
+        self._smooth(channels)
+        rows, words = self._kept.contacts[0], self._kept_words[0]
+        self._kernel.drop_weak(rows, words, CONTACT_WORDS, 0, 0.0)
+        self._kernel.presses_within(rows, 0, 0.0, 0.0, 0.0, 0.0)
         self.forget()
         self.tracks[0] = before
 
     def forget(self) -> None:
         """Know of no reading and no contact."""
         self.engine.reset()
-        self.filters.forget()
+        self._smoothed_ns[:] = 0
         self._kept.patches[:] = np.zeros(1, PATCH)
         go_on_from(self._kept, self._contacts)
         self.tracks[0] = 0

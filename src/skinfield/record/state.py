@@ -5,7 +5,7 @@ import os
 from dataclasses import asdict, dataclass
 
 from skinfield.errors import FileError
-from skinfield.ring.files import sidecar
+from skinfield.ring.files import sidecar, write_sidecar
 
 
 @dataclass
@@ -78,13 +78,7 @@ class RecorderState:
 
     def write(self, name: str) -> None:
         """Tell others, in one step; quietly not where the folder is full."""
-        path = sidecar(name, "recorder")
-        new = path.with_name(f"{path.name}.{os.getpid()}")
-        try:
-            new.write_text(json.dumps(asdict(self)))
-            new.replace(path)
-        except OSError:
-            new.unlink(missing_ok=True)
+        write_sidecar(name, "recorder", asdict(self))
 
 
 def read_state(name: str) -> RecorderState | None:

@@ -6,6 +6,7 @@ writer, and two can never write the same one. Locks are kept by the kernel; read
 """
 
 import fcntl
+import json
 import mmap
 import os
 import re
@@ -54,6 +55,18 @@ def sidecar(name: str, what: str) -> Path:
     """
     path_of(name, None)
     return folder_of(None) / f"skinfield-{what}.{name}"
+
+
+def write_sidecar(name: str, what: str, plain: object) -> None:
+    """Write plain values as JSON into a sidecar, in one step; quietly not where it is full."""
+    path = sidecar(name, what)
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        new.write_text(json.dumps(plain))
+        new.chmod(0o600)
+        new.replace(path)
+    except OSError:
+        new.unlink(missing_ok=True)
 
 
 def open_ring(path: Path, write: bool) -> int:

@@ -16,7 +16,7 @@ from typing import Any
 
 from skinfield.errors import check_count
 from skinfield.loop.realtime import system
-from skinfield.loop.realtime.system import competitors, cpus_of, read_text
+from skinfield.loop.realtime.system import competitors, cpus_of, read_text, values_of
 
 
 @dataclass(frozen=True)
@@ -268,10 +268,7 @@ def _slack(outcome: Outcome) -> None:
 
 def capabilities() -> int:
     """Bits of the capabilities that this process has; 0 where that is not known."""
-    for line in read_text("/proc/self/status").splitlines():
-        if line.startswith("CapEff:"):
-            return int(line.split()[1], 16)
-    return 0
+    return int(values_of("/proc/self/status").get("CapEff", "0"), 16)
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,12 @@ def read_text(path: str) -> str:
         return ""
 
 
+def values_of(path: Path | str) -> dict[str, str]:
+    """Values by their names of a file such as /proc/self/status."""
+    rows = (line.partition(":") for line in read_text(str(path)).splitlines())
+    return {name: value.strip() for name, _, value in rows}
+
+
 PROCESSES = Path("/proc")
 KERNEL_THREAD = 0x0020_0000  # PF_KTHREAD of linux/sched.h
 FLAGS, PRIORITY = 6, 37  # fields of /proc/PID/stat behind the name, see proc(5)
@@ -78,19 +84,12 @@ def competitors() -> Iterator[Competitor]:
                 fields = rest.split()
                 if int(fields[FLAGS]) & KERNEL_THREAD or not int(fields[PRIORITY]):
                     continue
-                cpus = _allowed((thread / "status").read_text(errors="replace"))
+                cpus = cpus_of(values_of(thread / "status").get("Cpus_allowed_list", ""))
             except (OSError, ValueError, IndexError):  # it has ended meanwhile
                 continue
             if len(cpus) == 1:
                 name = name.partition("(")[2]
                 yield Competitor(int(process.name), name, int(fields[PRIORITY]), cpus.pop())
-
-
-def _allowed(status: str) -> set[int]:
-    for line in status.splitlines():
-        if line.startswith("Cpus_allowed_list:"):
-            return cpus_of(line.partition(":")[2])
-    return set()
 
 
 def kernel() -> str:
