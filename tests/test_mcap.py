@@ -337,14 +337,10 @@ def test_bytes_that_do_not_go_together_are_refused() -> None:
         (0, "<H", 2, "version 2 .* expected 1"),
         (2, "<H", 8, "head of 8 bytes"),
         (4, "<I", 2, "rising places"),
-        (24, "<I", 7, "rising places"),
-        (28, "<I", 1 << 30, "rising places"),
         (32, "<I", 1 << 31, "expected 42949"),
         (36, "<I", 11, "have \\(11, 32, 8\\) bytes"),
         (40, "<I", 2, "as its head says"),
         (52, "<I", 0xFFFFFFFF, "as its head says"),
-        (56, "<I", 9, "rising places"),
-        (72, "<i", 1, "rising places"),
     ]:
         wrong = bytearray(data)
         struct.pack_into(kind, wrong, at, value)

@@ -1,6 +1,6 @@
-"""Messages of a known skin, against values worked out by hand, and their bytes."""
+"""Messages of a known skin, against values worked out by hand."""
 
-import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +10,6 @@ from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 
 from skinfield.bridges.ros2.messages import SAID, Speaker
 from skinfield.files.ros import RosbagKinds
-from skinfield.files.ros.kinds import CONTACTS
 from skinfield.files.ros.messages import axes_at, quaternion
 from skinfield.loop.client import Live
 from skinfield.loop.fit_ring import FitSlot, Fitted
@@ -122,29 +121,25 @@ def test_a_patch_without_an_answer_says_nothing(running):
     assert [each.id for each in out[0].message.contacts] == [9]
 
 
-class Fit:
-    """The fit beside the engine, with one answer."""
-
-    def __init__(self, row, stamp_ns):
-        self.slot = FitSlot.empty(2, 16, 8)
-        told = self.slot.patches[int(row["patch"])]
-        told["state"], told["contacts"], told["touched"] = Fitted.DONE, 1, 1
-        told["stamp_ns"] = stamp_ns
-        self.slot.contacts[int(row["patch"]), 0] = row
-
-    def latest(self):
-        return self.slot
+def fit_of(row, stamp_ns):
+    """A fit beside the engine, with one answer."""
+    slot, patch = FitSlot.empty(2, 16, 8), int(row["patch"])
+    found = slot.patches[patch]
+    found["state"], found["contacts"], found["touched"] = Fitted.DONE, 1, 1
+    found["stamp_ns"] = stamp_ns
+    slot.contacts[patch, 0] = row
+    return SimpleNamespace(latest=lambda: slot)
 
 
 def test_the_fit_counts_where_it_is_recent(running):
     _, live, speaker = running
-    fit = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP)
+    fit = fit_of(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP)
     out = speaker.of_snapshot(live.latest(), WHAT, fit)
     of = {each.topic: each.message for each in out}
     told = [(c.id, c.normal_force, c.fitted) for c in of["/skin/contacts"].contacts]
     assert told == [(7, 2.5, True), (9, 1.5, False)]
     assert of["/skin/left_palm/wrench"].wrench.force.z == -2.5
-    old = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP - 10**10)
+    old = fit_of(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP - 10**10)
     out = Speaker(live.skin, RosbagKinds()).of_snapshot(live.latest(), ("contacts",), old)
     assert [c.fitted for c in next(out).message.contacts] == [False, False]
 
@@ -156,43 +151,6 @@ def test_nothing_touches(running):
     assert set(out) == {"/skin/contacts", "/skin/left_palm/wrench", "/skin/left_palm/taxels"}
     assert out["/skin/contacts"].contacts == []
     assert xyz(out["/skin/left_palm/wrench"].wrench.force) == [0.0, 0.0, 0.0]
-
-
-class Cdr:
-    """Reads CDR by hand: little-endian, each number at a multiple of its size."""
-
-    def __init__(self, data: bytes) -> None:
-        assert data[:4] == bytes([0, 1, 0, 0])
-        self.data, self.at = data[4:], 0
-
-    def take(self, form: str):
-        size = struct.calcsize(form)
-        self.at += -self.at % size
-        (value,) = struct.unpack_from("<" + form, self.data, self.at)
-        self.at += size
-        return value
-
-    def text(self) -> str:
-        size = self.take("I")
-        self.at += size
-        assert self.data[self.at - 1] == 0
-        return self.data[self.at - size : self.at - 1].decode()
-
-
-def test_bytes_of_contacts(running):
-    """Field by field in the order of the .msg files, by a reader that shares nothing."""
-    _, live, speaker = running
-    kinds = RosbagKinds()
-    (array,) = said(live, speaker, "contacts").values()
-    cdr = Cdr(kinds.bytes_of(CONTACTS, array))
-    assert (cdr.take("i"), cdr.take("I"), cdr.text(), cdr.take("I")) == (1_700_000_000, 128, "", 2)
-    assert (cdr.take("i"), cdr.take("I"), cdr.text()) == (1_700_000_000, 123, "l_hand")
-    assert (cdr.take("q"), cdr.text(), cdr.text()) == (7, "left palm", "left_palm_contact_7")
-    numbers = [cdr.take("d") for _ in range(3 + 3 + 6 + 7)]
-    wanted = [0.1, 0.21, 0.3, 0, 0.6, 0.8, 0, -1.2, -1.6, 0, 0, 0]
-    np.testing.assert_allclose(numbers[:12], wanted, atol=1e-15)
-    assert numbers[12:] == [2.0, 0.1, 2e-4, 3e-5, 4e4, 0.5, 1e-3]
-    assert cdr.take("?") is False
 
 
 def test_diagnostics(running):
@@ -207,13 +165,11 @@ def test_diagnostics(running):
         return {each.name.partition(": ")[2]: each for each in out.message.status}
 
     told = levels()
-    assert told["engine"].level == 0
-    assert told["engine"].hardware_id == engine.ring.name
-    assert told["patch left palm"].level == 1
-    assert told["patch left palm"].message == "1 taxels left out"
-    values = {each.key: each.value for each in told["patch left palm"].values}
-    assert values["taxels left out"] == "1"
-    assert values["force (N)"] == "2"
+    palm = told["patch left palm"]
+    assert (told["engine"].level, told["engine"].hardware_id) == (0, engine.ring.name)
+    assert (palm.level, palm.message) == (1, "1 taxels left out")
+    values = {each.key: each.value for each in palm.values}
+    assert (values["taxels left out"], values["force (N)"]) == ("1", "2")
     assert told["patch 2nd-finger"].level == 0
     engine.ring.status["stale_ns"][0] = 10**6
     engine.cycle([], (STAMP, 0), answers=(2, 0))
