@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from any_bytes import ANYTHING, damaged
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
@@ -107,6 +107,9 @@ def test_yarp_folder_names_its_port_and_a_force_log_its_unit(tmp_path: Path) -> 
     (folder / "info.log").write_text("Type: Image:png;\n")
     with pytest.raises(FileError, match="not pictures"):
         open_recording(folder)
+    for path in (tmp_path / "none", folder.parent, "a\0b", ""):
+        with pytest.raises(FileError, match="expected a"):
+            open_recording(path)
 
 
 def test_yarp_log_may_have_brackets_two_times_and_an_old_preamble(tmp_path: Path) -> None:
@@ -266,12 +269,6 @@ def test_what_is_no_recording_is_named(tmp_path: Path, data: bytes, message: str
         opened(tmp_path, data)
 
 
-def test_paths_that_cannot_be_opened(tmp_path: Path) -> None:
-    for path in (tmp_path / "none", tmp_path, "a\0b", ""):
-        with pytest.raises(FileError, match="expected a"):
-            open_recording(path)
-
-
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -308,27 +305,20 @@ def survives(path: Path, data: bytes) -> None:
     assert not np.isinf(rec.counts).any()
 
 
-FUZZ = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
 ALMOST = st.text("0123456789 .-e,\n()#xnatime_s", max_size=200).map(str.encode)
 
 
 @pytest.mark.parametrize("kind", [*TEXTS, "npz"])
-@FUZZ
+@settings(max_examples=80)
 @given(data=st.data())
-def test_mutated_files(tmp_path: Path, kind: str, data: st.DataObject) -> None:
-    seed = tmp_path / "seed.npz"
+def test_damaged_files_and_any_bytes(
+    tmp_path_factory: pytest.TempPathFactory, kind: str, data: st.DataObject
+) -> None:
+    seed = tmp_path_factory.getbasetemp() / "seed.npz"
     if kind == "npz":
         save_recording(Recording(STAMPS, COUNTS, np.array(UIDS, np.uint64)), seed)
     whole = seed.read_bytes() if kind == "npz" else TEXTS[kind].encode()
-    survives(tmp_path / "f", data.draw(damaged(whole)))
-
-
-@FUZZ
-@given(ANYTHING | ALMOST)
-def test_random_bytes_and_text(tmp_path: Path, data: bytes) -> None:
-    survives(tmp_path / "f", data)
+    survives(seed.with_name("f"), data.draw(damaged(whole) | ANYTHING | ALMOST))
 
 
 # ---- onto a patch
