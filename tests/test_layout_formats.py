@@ -124,7 +124,7 @@ def read(folder: Path, name: str, text: str) -> Skin:
 
 
 @pytest.mark.parametrize("as_list", [False, True])
-def test_cyskin_modules_poses_and_what_is_no_taxel(tmp_path: Path, as_list: bool) -> None:
+def test_cyskin_modules_poses_maps_and_what_is_no_taxel(tmp_path: Path, as_list: bool) -> None:
     body = {"parent_frames": [POSE], "taxels": CYSKIN_TAXELS}
     skin = read(tmp_path, "a.json", cyskin(skin=[body] if as_list else body))
     patch = skin[0]
@@ -135,14 +135,9 @@ def test_cyskin_modules_poses_and_what_is_no_taxel(tmp_path: Path, as_list: bool
     point = patch.link_from_patch @ [1, 0, 0, 1]  # +x of the patch is +y of the link
     np.testing.assert_allclose(point, [0.1, 1.2, 0.3, 1], atol=1e-12)
     assert sum("left out" in note for note in skin.notes) == 3
-
-
-@pytest.mark.parametrize("as_list", [False, True])
-def test_cyskin_maps_alone_are_flat_patches(tmp_path: Path, as_list: bool) -> None:
-    taxels = [{"id": t["id"], "x": t["x"][:2], "type": "pressure"} for t in CYSKIN_TAXELS[:3]]
-    body = {"name": "map", "type": "isomap", "taxels": taxels}
-    maps = cyskin(tactile_maps=[body, body] if as_list else body)
-    skin = read(tmp_path, "a.json", maps)
+    flat = [{"id": t["id"], "x": t["x"][:2], "type": "pressure"} for t in CYSKIN_TAXELS[:3]]
+    body = {"name": "map", "type": "isomap", "taxels": flat}
+    skin = read(tmp_path, "a.json", cyskin(tactile_maps=[body, body] if as_list else body))
     assert [p.name for p in skin] == (["map_0", "map_1"] if as_list else ["map"])
     np.testing.assert_array_equal(skin[0].normals, [[0, 0, 1]] * 3)
 

@@ -244,16 +244,15 @@ def test_places_that_cannot_be_written_are_named_at_once(tmp_path: Path, suffix:
 
 
 def test_a_device_is_not_replaced_and_the_file_behind_a_link_is_written(tmp_path: Path) -> None:
-    path, real = tmp_path / "x.csv", tmp_path / "real.csv"
-    path.symlink_to("/dev/null")
+    device, link, real = (tmp_path / f"{name}.csv" for name in ("device", "link", "real"))
+    device.symlink_to("/dev/null")
     with pytest.raises(FileError, match="cannot be replaced"):
-        sinks.open_contacts(path)
-    assert path.is_symlink()
-    path.unlink()
+        sinks.open_contacts(device)
     real.touch()
-    path.symlink_to(real)
-    sinks.write_contacts(path, estimates())
-    assert path.is_symlink()
+    link.symlink_to(real)
+    sinks.write_contacts(link, estimates())
+    assert device.is_symlink()
+    assert link.is_symlink()
     assert len(table(real)) == 8
 
 
