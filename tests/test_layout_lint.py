@@ -27,14 +27,10 @@ def codes(path: Path) -> dict[str, str]:
 
 
 def cyskin_file(folder: Path, patch: Patch, uids=None, tf=None, unit=1.0) -> Path:
-    taxels = [
-        {"id": int(uid), "x": x, "n": n, "type": "pressure", "cut": 0}
-        for uid, x, n in zip(
-            np.arange(len(patch)) * 16 + 1 if uids is None else uids,
-            (unit * patch.positions).tolist(), patch.normals.tolist(), strict=True,
-        )
-    ]  # fmt: skip
-    frame = {"name": "link", "tf_matrix": np.eye(4).T.ravel().tolist() if tf is None else tf}
+    uids = np.arange(len(patch)) * 16 + 1 if uids is None else uids
+    rows = zip(uids, (unit * patch.positions).tolist(), patch.normals.tolist(), strict=True)
+    taxels = [{"id": int(uid), "x": x, "n": n, "type": "pressure", "cut": 0} for uid, x, n in rows]
+    frame = {"name": "link", "tf_matrix": np.eye(4).ravel().tolist() if tf is None else tf}
     body = {"taxels": taxels, "parent_frames": [frame]}
     path = folder / "a.json"
     path.write_text(json.dumps({"info": {"file_version": "2", "name": "arm"}, "skin": body}))
@@ -87,17 +83,17 @@ def test_placeholder_normals_on_a_curved_part(tmp_path: Path, placeholder) -> No
     assert np.median(angles(read[0].normals, DOME.normals)) < 3
 
 
-def test_placeholder_normals_in_a_plane(tmp_path: Path) -> None:
+@pytest.mark.parametrize("height", [7.5e-3, -7.5e-3])
+def test_placeholder_normals_in_a_plane(tmp_path: Path, height: float) -> None:
     """A sole 7.5 mm above the origin of its link faces away from it."""
-    for height in (7.5e-3, -7.5e-3):
-        shift = np.array([0.02, 0, height])
-        path = icub_file(tmp_path, SHEET.positions + shift, np.tile([1.0, 0, 0], (len(SHEET), 1)))
-        assert codes(path)["placeholder-normals"] == "error"
-        expected = [[0, 0, np.sign(height)]] * len(SHEET)
-        np.testing.assert_allclose(load_layout(path)[0].normals, expected, atol=1e-12)
+    places = np.add(SHEET.positions, [0.02, 0, height])
+    path = icub_file(tmp_path, places, np.tile([1.0, 0, 0], (len(SHEET), 1)))
+    assert codes(path)["placeholder-normals"] == "error"
+    expected = [[0, 0, np.sign(height)]] * len(SHEET)
+    np.testing.assert_allclose(load_layout(path)[0].normals, expected, atol=1e-12)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     radius=st.floats(15e-3, 80e-3), share=st.sampled_from([1.0, 0.8, 0.2]), seed=st.integers(0, 999)
 )
@@ -124,10 +120,12 @@ def test_own_formats_are_told_but_not_changed(tmp_path: Path) -> None:
     np.testing.assert_allclose(read[0].normals, inside.normals, atol=1e-15)
 
 
-def test_missing_and_long_normals(tmp_path: Path) -> None:
-    normals = DOME.normals.copy()
+def test_missing_and_long_normals_repeated_positions_and_lonely_taxels(tmp_path: Path) -> None:
+    normals, places = DOME.normals.copy(), SHEET.positions.copy()
     normals[3] = 0.0
     normals[[5, 6]] *= 0.7
+    places[4] = places[3]
+    places[-1] += [0.2, 0, 0]
     path = icub_file(tmp_path, DOME.positions, normals)
     found = by_code(path)
     assert found["missing-normals"].rows == (3,)
@@ -135,12 +133,6 @@ def test_missing_and_long_normals(tmp_path: Path) -> None:
     read = load_layout(path)[0]
     np.testing.assert_allclose(read.normals[4:], DOME.normals[4:], atol=1e-8)
     assert angles(read.normals, DOME.normals)[3] < 15
-
-
-def test_repeated_positions_and_lonely_taxels(tmp_path: Path) -> None:
-    places = SHEET.positions.copy()
-    places[4] = places[3]
-    places[-1] += [0.2, 0, 0]
     path = icub_file(tmp_path, places, SHEET.normals)
     found = by_code(path)
     assert found["repeated-positions"].rows == (3, 4)

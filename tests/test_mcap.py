@@ -79,18 +79,25 @@ def test_the_newest_field_up_to_any_time_is_found(path):
     assert pressure[1].sum() == 9
 
 
-def test_mcap_itself_reads_it_in_both_ways(path):
+def mcaps_own(path: Path) -> tuple[Any, list[tuple[str, Any]]]:
+    """Summary of a file, and its messages with their topics, as mcap itself reads them."""
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        summary = reader.get_summary()
-        assert summary.statistics.message_count == 30
-        assert summary.statistics.channel_message_counts == {1: 12, 2: 12, 3: 4, 4: 1, 5: 1}
-        assert len(summary.chunk_indexes) == 5
-        messages = [(c.topic, m.data) for _, c, m in reader.iter_messages()]
-        some = list(reader.iter_messages(topics=[CYCLES]))
-        assert [m.sequence for _, _, m in some] == list(range(12))
+        return reader.get_summary(), [(c.topic, m) for _, c, m in reader.iter_messages()]
+
+
+def test_mcap_itself_reads_it_in_both_ways(path):
+    summary, messages = mcaps_own(path)
+    assert summary.statistics.message_count == 30
+    assert summary.statistics.channel_message_counts == {1: 12, 2: 12, 3: 4, 4: 1, 5: 1}
+    assert len(summary.chunk_indexes) == 5
+    cycles = [message for topic, message in messages if topic == CYCLES]
+    assert [message.data for message in cycles] == RECORDS
+    assert [message.sequence for message in cycles] == list(range(12))
+    with path.open("rb") as file:
+        reader = make_reader(file)
+        assert len(list(reader.iter_messages(topics=[CYCLES]))) == 12
         assert [each.name for each in reader.iter_attachments()] == ["configuration.json"]
-    assert [data for topic, data in messages if topic == CYCLES] == RECORDS
     with path.open("rb") as file:  # record by record, all checksums
         kinds = [type(each).__name__ for each in StreamReader(file, validate_crcs=True).records]
     assert kinds.count("Message") == 30
@@ -138,13 +145,8 @@ def test_cut_anywhere(tmp_path, monkeypatch):
     write(path, cycles=6)
     monkeypatch.setattr("os.fdatasync", lambda _: None)
     data = path.read_bytes()
-    with path.open("rb") as file:
-        summary = make_reader(file).get_summary()
-    chunks = sorted(
-        (each.chunk_start_offset + each.chunk_length, len(each.message_index_offsets))
-        for each in summary.chunk_indexes
-    )
-    ends = [end for end, _ in chunks]
+    chunks = mcaps_own(path)[0].chunk_indexes
+    ends = sorted(each.chunk_start_offset + each.chunk_length for each in chunks)
     counts = [0, 7, 14, 16]
     sizes = {*range(8, len(data), 29), *(end + i for end in ends for i in range(-30, 30))}
     for size in sorted(sizes):
@@ -155,10 +157,7 @@ def test_cut_anywhere(tmp_path, monkeypatch):
         assert not report.was_whole
         assert report.dropped_bytes <= size - 8
         if size % 3 == 0:  # mcap's reader takes its time
-            with good.open("rb") as file:
-                reader = make_reader(file, validate_crcs=True)
-                assert len(list(reader.iter_messages())) == expected
-                reader.get_summary()
+            assert len(mcaps_own(good)[1]) == expected
 
 
 @settings(max_examples=80, deadline=None)
@@ -170,8 +169,7 @@ def test_flipped_bytes(data):
         path, bad, good = (folder / each for each in ("a.mcap", "bad.mcap", "good.mcap"))
         write(path)
         octets = bytearray(path.read_bytes())
-        with path.open("rb") as file:
-            known = {m.data for _, _, m in make_reader(file).iter_messages()}
+        known = {message.data for _, message in mcaps_own(path)[1]}
         places = st.tuples(st.integers(8, len(octets) - 1), st.integers(1, 255))
         for at, what in data.draw(st.lists(places, min_size=1, max_size=4)):
             octets[at] ^= what
@@ -180,8 +178,7 @@ def test_flipped_bytes(data):
             report = recover(bad, good)
         except FileError:
             return
-        with good.open("rb") as file:
-            found = [m.data for _, _, m in make_reader(file, validate_crcs=True).iter_messages()]
+        found = [message.data for _, message in mcaps_own(good)[1]]
         assert len(found) == sum(report.messages.values())
         assert set(found) <= known
         read_all(good)
@@ -337,14 +334,10 @@ def test_bytes_that_do_not_go_together_are_refused() -> None:
         (0, "<H", 2, "version 2 .* expected 1"),
         (2, "<H", 8, "head of 8 bytes"),
         (4, "<I", 2, "rising places"),
-        (24, "<I", 7, "rising places"),
-        (28, "<I", 1 << 30, "rising places"),
         (32, "<I", 1 << 31, "expected 42949"),
         (36, "<I", 11, "have \\(11, 32, 8\\) bytes"),
         (40, "<I", 2, "as its head says"),
         (52, "<I", 0xFFFFFFFF, "as its head says"),
-        (56, "<I", 9, "rising places"),
-        (72, "<i", 1, "rising places"),
     ]:
         wrong = bytearray(data)
         struct.pack_into(kind, wrong, at, value)

@@ -19,9 +19,8 @@ import skinfield as sf
 from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
-from skinfield.files import fields, save_recording, tables
+from skinfield.files import fields, results, save_recording, tables
 from skinfield.files import manifest as manifest_module
-from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
 from skinfield.files.recordings import lines, spool
 from skinfield.files.results import read_results

@@ -39,10 +39,7 @@ def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
 def recorded(tmp_path_factory):
     with recording(tmp_path_factory, "touch.mcap") as (engine, recorder, path):
         for number in range(CYCLES):
-            if number == 7:
-                engine.cycle(extra=of_all_kinds)
-            else:
-                engine.cycle()
+            engine.cycle(**({"extra": of_all_kinds} if number == 7 else {}))
             if number % 5 == 0:
                 recorder.step()
     return path, np.array(engine.counts), engine
@@ -70,15 +67,15 @@ def test_parquet(recorded, tmp_path):
     assert table.column_names == ["stamp_ns", *(f"uid_{uid}" for uid in engine.skin[0].uid)]
     values = np.array([table[name].to_numpy() for name in table.column_names[1:]]).T
     np.testing.assert_array_equal(values, counts)
-    contacts = parquet.read_table(tmp_path / "a.contacts.parquet")
-    expected = np.repeat(np.arange(CYCLES), np.arange(CYCLES) % 3)
-    np.testing.assert_array_equal(contacts["track"].to_numpy(), expected)
-    cycles = parquet.read_table(tmp_path / "a.cycles.parquet")
-    np.testing.assert_array_equal(cycles["contacts"].to_numpy(), np.arange(CYCLES) % 3)
-    np.testing.assert_array_equal(cycles["cycle"].to_numpy(), np.arange(1, CYCLES + 1))
-    answers = parquet.read_table(tmp_path / "a.patch_cycles.parquet")
-    np.testing.assert_array_equal(answers["cycle"].to_numpy(), np.arange(1, CYCLES + 1))
-    np.testing.assert_array_equal(answers["force"].to_numpy(), np.arange(CYCLES))
+    cycles = np.arange(CYCLES)
+    for name, columns in {
+        "contacts": {"track": np.repeat(cycles, cycles % 3)},
+        "cycles": {"contacts": cycles % 3, "cycle": cycles + 1},
+        "patch_cycles": {"cycle": cycles + 1, "force": cycles},
+    }.items():
+        table = parquet.read_table(tmp_path / f"a.{name}.parquet")
+        for column, expected in columns.items():
+            np.testing.assert_array_equal(table[column].to_numpy(), expected)
     happened = json.loads((tmp_path / "a.events.json").read_text())
     kinds = ["recording_started", "settings", "source_up", "messages_lost", "recording_ended"]
     assert sorted(each["kind"] for each in happened["events"]) == sorted(kinds)
@@ -110,12 +107,9 @@ def test_contacts_of_a_fit(fitted, tmp_path):
     assert table["stamp_ns"].tolist() == [10, 11, 11]
     assert table["radius"].tolist() == [5e-3] * 3
     assert (np.diff(table["wall_ns"]) >= 0).all()
-
-
-def test_a_bag_has_the_engines_own(fitted, tmp_path):
-    run("export", fitted, "--format", "rosbag2", "-o", tmp_path / "bag")
-    assert (tmp_path / "bag" / "metadata.yaml").exists()
     assert result_of("info", fitted)["fit"]["answers"] == 3
+    run("export", fitted, "--format", "rosbag2", "-o", tmp_path / "bag")  # of the engine's own
+    assert (tmp_path / "bag" / "metadata.yaml").exists()
 
 
 def test_what_cannot_be(recorded, tmp_path):
@@ -132,17 +126,14 @@ def test_what_cannot_be(recorded, tmp_path):
 def test_info(recorded):
     path, _, _ = recorded
     said = result_of("info", path)
-    assert said["finished"]
-    assert said["cycles"] == CYCLES
-    assert said["late"] == CYCLES // 10
+    assert (said["finished"], said["cycles"], said["late"]) == (True, CYCLES, CYCLES // 10)
     assert said["fields"]["messages"] >= 1
     assert [each["cycle"] for each in said["settings"]] == [2]
     assert said["patches"][0]["readings"] == CYCLES
     assert said["contacts"] == {"cycles": 40, "most_at_once": 2, "tracks": 40}
     assert said["readings"]["missing_bytes"] == 0
     assert {name: count for name, count in said["lost"].items() if count} == {"messages": 3}
-    text = run("info", path)
-    assert "40 tracks in 40 cycles, at most 2 at once" in text
+    assert "40 tracks in 40 cycles, at most 2 at once" in run("info", path)
 
 
 def test_reconstruct_takes_it(recorded, tmp_path):
@@ -160,31 +151,24 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
 PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-@pytest.fixture
-def program(recorded, monkeypatch):
-    """One of the page's programs, run where the recording is: its names."""
-    monkeypatch.chdir(recorded[0].parent)
-
-    def ran(number: int) -> dict[str, object]:
-        found: dict[str, object] = {}
-        exec(compile(PROGRAMS[number], "recorder.md", "exec"), found)
-        return found
-
-    return ran
+def names_of(program: str) -> dict[str, object]:
+    """What one of the page's programs leaves behind, run where the recording is."""
+    found: dict[str, object] = {}
+    exec(compile(program, "recorder.md", "exec"), found)
+    return found
 
 
-def test_mcap_alone_is_enough(recorded, program):
-    _, counts, engine = recorded
+def test_programs_of_the_page(recorded, monkeypatch):
+    """With mcap alone, and with skinfield."""
+    path, counts, engine = recorded
+    monkeypatch.chdir(path.parent)
     assert "skinfield" not in PROGRAMS[0].replace("/skin/", "")
-    found = program(0)
+    found = names_of(PROGRAMS[0])
     np.testing.assert_array_equal([values for _, _, values in found["readings"]], counts)
     assert found["log"] == b"".join(engine.written)
     assert len(found["forces"]) == CYCLES
-
-
-def test_with_skinfield(recorded, program):
-    found = program(1)
-    np.testing.assert_array_equal(found["counts"].counts, recorded[1])
+    found = names_of(PROGRAMS[1])
+    np.testing.assert_array_equal(found["counts"].counts, counts)
     assert found["cycle"].number == CYCLES
     assert found["field"].sides.tolist() == [4]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from any_bytes import ANYTHING, damaged
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
@@ -107,6 +107,9 @@ def test_yarp_folder_names_its_port_and_a_force_log_its_unit(tmp_path: Path) -> 
     (folder / "info.log").write_text("Type: Image:png;\n")
     with pytest.raises(FileError, match="not pictures"):
         open_recording(folder)
+    for path in (tmp_path / "none", folder.parent, "a\0b", ""):
+        with pytest.raises(FileError, match="expected a"):
+            open_recording(path)
 
 
 def test_yarp_log_may_have_brackets_two_times_and_an_old_preamble(tmp_path: Path) -> None:
@@ -130,21 +133,15 @@ def test_cyskin_recorder_orders_columns_by_uid(tmp_path: Path) -> None:
     assert "rec:10 holds other uids" in rec.notes[0]
 
 
-def test_csv_uids_units_missing_values_and_an_index_column(tmp_path: Path) -> None:
+def test_csv_uids_units_missing_values_an_index_column_and_channels(tmp_path: Path) -> None:
     text = "\ufeff# unit = dC/C0\n,time_s,uid_16,0x11,18\n0,0.5,0.1,,0.3\n1,0.6,0.4,inf,nan\n"
     rec = opened(tmp_path, text)
     np.testing.assert_array_equal(rec.counts, [[0.1, np.nan, 0.3], [0.4, np.nan, np.nan]])
-    assert rec.uid is not None
-    assert rec.uid.tolist() == [16, 17, 18]
-    assert rec.unit == "dC/C0"
-    assert rec.skipped == 0
+    assert (rec.uid.tolist(), rec.unit, rec.skipped) == ([16, 17, 18], "dC/C0", 0)
     assert any("3 of 6 values" in note and "rec:3" in note for note in rec.notes)
-
-
-def test_csv_channels_stand_at_their_place(tmp_path: Path) -> None:
     rec = opened(tmp_path, "time_s,taxel_3,taxel_1\n0,30,10\n1,31,11\n")
-    np.testing.assert_array_equal(rec.counts[:, [1, 3]], [[10, 30], [11, 31]])
-    assert np.isnan(rec.counts[:, [0, 2]]).all()
+    none = np.nan
+    np.testing.assert_array_equal(rec.counts, [[none, 10, none, 30], [none, 11, none, 31]])
     assert any("taken as count" in note for note in rec.notes)
 
 
@@ -213,11 +210,8 @@ def test_truncation_at_every_byte_loses_the_last_line_at_most(tmp_path: Path, ki
         assert len(rec) + rec.skipped in (38, 39, 40)
         if not data[:end].endswith(b"\n") and len(rec) + rec.skipped > full:
             assert rec.notes  # never silent
-
-
-def test_a_cut_decimal_is_not_taken_for_a_number(tmp_path: Path) -> None:
     for cut in range(2, 5):  # "...240." "...240" "...24": all read as numbers
-        rec = opened(tmp_path, (yarp(COUNTS * 0 + 240))[:-cut])
+        rec = opened(tmp_path, yarp(COUNTS * 0 + 240)[:-cut])
         assert rec.skipped == 1
         assert (rec.counts == 240).all()
         assert "ends within the number" in rec.notes[0]
@@ -272,12 +266,6 @@ def test_what_is_no_recording_is_named(tmp_path: Path, data: bytes, message: str
         opened(tmp_path, data)
 
 
-def test_paths_that_cannot_be_opened(tmp_path: Path) -> None:
-    for path in (tmp_path / "none", tmp_path, "a\0b", ""):
-        with pytest.raises(FileError, match="expected a"):
-            open_recording(path)
-
-
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -314,27 +302,20 @@ def survives(path: Path, data: bytes) -> None:
     assert not np.isinf(rec.counts).any()
 
 
-FUZZ = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
 ALMOST = st.text("0123456789 .-e,\n()#xnatime_s", max_size=200).map(str.encode)
 
 
 @pytest.mark.parametrize("kind", [*TEXTS, "npz"])
-@FUZZ
+@settings(max_examples=80)
 @given(data=st.data())
-def test_mutated_files(tmp_path: Path, kind: str, data: st.DataObject) -> None:
-    seed = tmp_path / "seed.npz"
+def test_damaged_files_and_any_bytes(
+    tmp_path_factory: pytest.TempPathFactory, kind: str, data: st.DataObject
+) -> None:
+    seed = tmp_path_factory.getbasetemp() / "seed.npz"
     if kind == "npz":
         save_recording(Recording(STAMPS, COUNTS, np.array(UIDS, np.uint64)), seed)
     whole = seed.read_bytes() if kind == "npz" else TEXTS[kind].encode()
-    survives(tmp_path / "f", data.draw(damaged(whole)))
-
-
-@FUZZ
-@given(ANYTHING | ALMOST)
-def test_random_bytes_and_text(tmp_path: Path, data: bytes) -> None:
-    survives(tmp_path / "f", data)
+    survives(seed.with_name("f"), data.draw(damaged(whole) | ANYTHING | ALMOST))
 
 
 # ---- onto a patch
@@ -350,7 +331,6 @@ def test_columns_are_matched_by_uid(tmp_path: Path) -> None:
     got = readings_for(rec, patch_of(wanted))
     np.testing.assert_array_equal(got.counts[:, [0, 2, 3]], COUNTS[:, [5, 1, 6]])
     assert np.isnan(got.counts[:, 1]).all()
-    assert got.uid is not None
     assert got.uid.tolist() == wanted
     notes = " ".join(got.notes)
     assert "1 taxels of 'patch' have no column: 4242" in notes

@@ -44,28 +44,22 @@ def contact(rng: np.random.Generator) -> Contact:
     )
 
 
-def estimates(readings: int = len(CONTACTS)) -> Estimate:
+def estimates(readings: int = len(CONTACTS), first: int = 0) -> Estimate:
+    """Of readings, without the `first` of them."""
     rng = np.random.default_rng(1)
     nodes = len(GRID)
+    contacts = [tuple(contact(rng) for _ in range(CONTACTS[k % 5])) for k in range(readings)]
     return Estimate(
         grid=GRID,
-        pressure=rng.normal(size=(readings, nodes)) * 1e4,
-        traction=rng.normal(size=(readings, nodes, 3)),
-        displacement=rng.normal(size=(readings, nodes, 3)) * 1e-4,
-        pressure_std=np.full((readings, nodes), 50.0),
-        contacts=tuple(
-            tuple(contact(rng) for _ in range(CONTACTS[k % 5])) for k in range(readings)
-        ),
-        residual=np.zeros((readings, 12)),
-        valid=np.arange(12) > np.arange(readings)[:, None],
-        stamp_ns=START + np.arange(readings) * 20_000_000,
+        pressure=rng.normal(size=(readings, nodes))[first:] * 1e4,
+        traction=rng.normal(size=(readings, nodes, 3))[first:],
+        displacement=rng.normal(size=(readings, nodes, 3))[first:] * 1e-4,
+        pressure_std=np.full((readings - first, nodes), 50.0),
+        contacts=tuple(contacts[first:]),
+        residual=np.zeros((readings - first, 12)),
+        valid=np.arange(12) > np.arange(first, readings)[:, None],
+        stamp_ns=START + np.arange(first, readings) * 20_000_000,
     )
-
-
-def since(batch: Estimate, first: int) -> Estimate:
-    names = ("pressure", "traction", "displacement", "pressure_std", "contacts", "residual")
-    each = {name: getattr(batch, name)[first:] for name in (*names, "valid", "stamp_ns")}
-    return replace(batch, **each)
 
 
 def table(path: Path) -> list[dict[str, Any]]:
@@ -137,27 +131,25 @@ def test_one_by_one_in_batches_and_in_chunks_are_the_same(tmp_path: Path, suffix
     sinks.write_contacts(tmp_path / f"each{suffix}", iter(batch))
     with sinks.open_contacts(tmp_path / f"mixed{suffix}") as writer:
         writer.write(batch[0])
-        writer.write(since(batch, 1))
+        writer.write(estimates(23, 1))
     whole = table(tmp_path / f"all{suffix}")
     assert len(whole) == 36
     assert table(tmp_path / f"each{suffix}") == whole
     assert table(tmp_path / f"mixed{suffix}") == whole
 
 
-def test_no_estimate_makes_a_table_without_rows(tmp_path: Path, suffix: str) -> None:
-    sinks.write_contacts(tmp_path / f"c{suffix}", [])
-    assert table(tmp_path / f"c{suffix}") == []
+def test_no_estimate_makes_no_row_and_what_is_not_finite_is_left_empty(
+    tmp_path: Path, suffix: str
+) -> None:
+    path, batch = tmp_path / f"c{suffix}", estimates()
+    sinks.write_contacts(path, [])
+    assert table(path) == []
     if suffix == ".csv":
-        assert (tmp_path / "c.csv").read_text() == ",".join(COLUMNS) + "\n"
-
-
-def test_what_is_not_finite_is_left_empty(tmp_path: Path) -> None:
-    batch = estimates()
-    lone = replace(
-        batch.contacts[1][0], covariance=np.full((3, 3), np.nan), axes=np.array([1e-3, np.nan])
-    )
-    sinks.write_contacts(tmp_path / "c.csv", replace(batch[1], contacts=(lone,)))
-    (row,) = table(tmp_path / "c.csv")
+        assert path.read_text() == ",".join(COLUMNS) + "\n"
+    unknown = {"covariance": np.full((3, 3), np.nan), "axes": np.array([1e-3, np.nan])}
+    lone = replace(batch.contacts[1][0], **unknown)
+    sinks.write_contacts(path, replace(batch[1], contacts=(lone,)))
+    (row,) = table(path)
     assert (row["force_std_N"], row["axis_minor_m"], row["axis_major_m"]) == (None, None, 1e-3)
 
 
@@ -170,7 +162,7 @@ def test_fields_come_back(tmp_path: Path) -> None:
         writer.write(batch[0])
         for one in list(batch)[1:6]:
             writer.write(one)
-        writer.write(since(batch, 6))
+        writer.write(estimates(23, 6))
     with np.load(path) as archive:
         got = dict(archive)
     np.testing.assert_array_equal(got["stamp_ns"], batch.stamp_ns)
@@ -182,8 +174,7 @@ def test_fields_come_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(got["position"].reshape(16, 3), GRID.positions)
     assert (got["pressure_std"] == 50).all()
     said = json.loads(str(got["attributes"]))
-    assert said["units"]["displacement"] == "m"
-    assert said["patch"] == "palm"
+    assert (said["units"]["displacement"], said["patch"]) == ("m", "palm")
 
 
 def test_fields_of_another_grid_or_of_nothing_are_refused(tmp_path: Path) -> None:
@@ -253,37 +244,30 @@ def test_places_that_cannot_be_written_are_named_at_once(tmp_path: Path, suffix:
 
 
 def test_a_device_is_not_replaced_and_the_file_behind_a_link_is_written(tmp_path: Path) -> None:
-    path, real = tmp_path / "x.csv", tmp_path / "real.csv"
-    path.symlink_to("/dev/null")
+    device, link, real = (tmp_path / f"{name}.csv" for name in ("device", "link", "real"))
+    device.symlink_to("/dev/null")
     with pytest.raises(FileError, match="cannot be replaced"):
-        sinks.open_contacts(path)
-    assert path.is_symlink()
-    path.unlink()
+        sinks.open_contacts(device)
     real.touch()
-    path.symlink_to(real)
-    sinks.write_contacts(path, estimates())
-    assert path.is_symlink()
+    link.symlink_to(real)
+    sinks.write_contacts(link, estimates())
+    assert device.is_symlink()
+    assert link.is_symlink()
     assert len(table(real)) == 8
 
 
-def test_other_extensions_are_refused(tmp_path: Path) -> None:
+def test_other_extensions_and_missing_packages_are_refused(tmp_path: Path, monkeypatch) -> None:
     recording = Recording(np.arange(2), np.ones((2, 3)))
-    for call in (
-        lambda: sinks.open_contacts(tmp_path / "x.xlsx"),
-        lambda: sinks.save_recording(recording, tmp_path / "x.txt"),
-    ):
-        with pytest.raises(InputError, match=r"expected a name that ends in \.\w+ or \.\w+"):
-            call()
-    with pytest.raises(InputError, match=r"expected a name that ends in \.npz"):
-        sinks.open_fields(tmp_path / "x.zarr")
-    with pytest.raises(InputError, match="unit is 'V'"):
-        sinks.save_recording(replace(recording, unit="V"), tmp_path / "x.csv")
-
-
-def test_a_missing_package_names_its_extra(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[parquet\]'"):
-        sinks.open_contacts(tmp_path / "x.parquet")
+    for name, make, why in (
+        ("x.xlsx", sinks.open_contacts, r"expected a name that ends in \.\w+ or \.\w+"),
+        ("x.txt", lambda path: sinks.save_recording(recording, path), r"ends in \.\w+ or \.\w+"),
+        ("x.zarr", sinks.open_fields, r"expected a name that ends in \.npz"),
+        ("x.csv", lambda path: sinks.save_recording(replace(recording, unit="V"), path), "is 'V'"),
+        ("x.parquet", sinks.open_contacts, r"pip install 'skinfield\[parquet\]'"),
+    ):
+        with pytest.raises(SkinfieldError, match=why):
+            make(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -301,11 +285,7 @@ def test_summary_is_strict_json(tmp_path: Path) -> None:
             "nested": {"rate": float("inf"), "names": ("a", None)},
         },
     )
-
-    def refuse(name: str) -> None:
-        raise AssertionError(name)
-
-    assert json.loads((tmp_path / "s.json").read_text(), parse_constant=refuse) == {
+    assert json.loads((tmp_path / "s.json").read_text(), parse_constant=pytest.fail) == {
         "recording": str(tmp_path / "data.log"),
         "readings": 3,
         "force_N": [1.5, None],

@@ -26,10 +26,11 @@ from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.recordings.spool import Spool
-from skinfield.files.results import Results, read_results
-from skinfield.files.results_writer import (
+from skinfield.files.results import (
+    Results,
     ResultsWriter,
     create_fields,
+    read_results,
     write_contacts_at,
     write_fields_at,
 )

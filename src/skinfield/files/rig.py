@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from skinfield.files.archive_writer import save_recording, seconds
 from skinfield.files.layouts.load import save_layout
 from skinfield.files.pending import write_bytes, write_npz
+from skinfield.files.recordings.archive import save_recording, seconds
 from skinfield.signal import save_calibration
 from skinfield.simulate.rig import LoadSeries, RigRun
 
