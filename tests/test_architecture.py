@@ -36,7 +36,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "rich": {"cli"},
     "cyclopts": {"cli"},
     "msgspec": {"bridges", "files", "lab", "settings"},
-    "tomli_w": {"settings"},
+    "tomli_w": {"settings", "signal"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
     "contourpy": {"simulate"},

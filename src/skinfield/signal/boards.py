@@ -39,19 +39,6 @@ class Convention(Protocol):
         ...
 
 
-def _whole(name: str, values: ArrayLike) -> Floats:
-    """Float array of whole numbers; NaN passes, as it marks a taxel that did not answer."""
-    array = as_floats(name, values)
-    bad = np.argwhere(~(np.isnan(array) | (np.isfinite(array) & (array == np.floor(array)))))
-    if len(bad):
-        where = tuple(int(i) for i in bad[0])
-        raise InputError(
-            f"{name}{list(where) if where else ''} is {array[where]}, expected whole numbers "
-            f"({len(bad)} of {array.size} are not): a board counts in integers, round first"
-        )
-    return array
-
-
 @dataclass(frozen=True, kw_only=True)
 class ICubByte:
     """One byte per taxel, about 240 at rest, lower under pressure, clamped at 0 and 255.
@@ -100,14 +87,8 @@ class ICubByte:
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
 
     def counts_from_difference(self, difference: ArrayLike) -> Floats:
-        """Bytes from the converter's differences v, whole converter counts; bit-exact.
-
-        Raises
-        ------
-        InputError
-            If a difference is not a whole number.
-        """
-        v = _whole("difference", difference)
+        """Bytes from the converter's differences v, whole converter counts; bit-exact."""
+        v = as_floats("difference", difference)
         dropped = self.no_load - np.floor(v / (1 << self.shift))
         low_load, high_load = -((255 - self.no_load) << self.shift), self.no_load << self.shift
         byte = np.where(v <= low_load, 255.0, np.where(v >= high_load, 0.0, dropped))
@@ -241,12 +222,11 @@ def valid_from_counts(
         If the length is another, or no count is a number.
     """
     array = as_floats("counts", counts)
-    width = None if alive is None else len(alive)
-    if array.ndim not in (1, 2) or (width is not None and array.shape[-1] != width):
+    if array.ndim not in (1, 2) or (alive is not None and array.shape[-1] != len(alive)):
+        width = "taxels" if alive is None else len(alive)
         raise InputError(
-            f"counts has shape {array.shape}, expected "
-            f"({'taxels' if width is None else width},) or (readings, "
-            f"{'taxels' if width is None else width}): one column per taxel"
+            f"counts has shape {array.shape}, expected ({width},) or (readings, {width}): "
+            "one column per taxel"
         )
     valid = np.isfinite(array)
     if not valid.any():

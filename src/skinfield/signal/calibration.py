@@ -390,22 +390,10 @@ def _read_toml(path: Path) -> Mapping[str, Any]:
 
 
 def _toml_from_calibration(calibration: Calibration) -> str:
-    lines = [f'format = "{FORMAT}"', f"version = {VERSION}"]
-    lines += [f"{name} = {_toml_text(getattr(calibration, name))}" for name in _TEXTS]
-    lines += ["", "# counts = baseline + gain * relative change of capacitance; a row per taxel"]
-    for name in ("baseline", "gain", "noise_std"):
-        lines.append(_toml_list(name, [repr(float(v)) for v in getattr(calibration, name)]))
-    lines.append(_toml_list("alive", ["true" if v else "false" for v in calibration.alive]))
-    lines.append(_toml_list("uid", [f'"{int(v):#x}"' for v in calibration.uid]))
-    return "\n".join(lines) + "\n"
+    import tomli_w
 
-
-def _toml_list(name: str, items: list[str]) -> str:
-    rows = (", ".join(items[i : i + 12]) for i in range(0, len(items), 12))
-    return f"{name} = [\n  " + ",\n  ".join(rows) + ",\n]"
-
-
-def _toml_text(text: str) -> str:
-    """Basic string of TOML: quotes, backslashes and control characters escaped."""
-    safe = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}" for c in safe) + '"'
+    table: dict[str, Any] = {"format": FORMAT, "version": VERSION}
+    table |= {name: getattr(calibration, name) for name in _TEXTS}
+    table |= {name: getattr(calibration, name).tolist() for name in _COLUMNS}
+    table["uid"] = [f"{uid:#x}" for uid in table["uid"]]
+    return f"# counts = baseline + gain * relative change of capacitance\n{tomli_w.dumps(table)}"

@@ -56,15 +56,16 @@ class Quadrics:
 
     def positions(self, points: Floats) -> Floats:
         """Points of the plane (N, 2) m in space (N, 3) m."""
-        from skinfield.skin.quadrics_kernel import positions
-
-        return np.asarray(positions(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
+        return self._at(points)[0]
 
     def frames(self, points: Floats) -> Floats:
         """Tangent, tangent and outward normal (N, 3, 3) at points of the plane (N, 2) m."""
-        from skinfield.skin.quadrics_kernel import frames
+        return self._at(points)[1]
 
-        return np.asarray(frames(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
+    def _at(self, points: Floats) -> tuple[Floats, Floats]:
+        from skinfield.skin.quadrics_kernel import places_and_frames
+
+        return places_and_frames(_plain(points), self._parts, BLENDED, FLEX * self.pitch)
 
     @cached_property
     def _parts(self) -> "Parts":
