@@ -34,10 +34,6 @@ class Contact:
     height: Any  # of the body by r
     outside: Any  # displacement by r
 
-    @property
-    def mean_pressure(self) -> float:
-        return self.force / (np.pi * self.contact_radius**2)
-
     def pressure(self, r):
         share = np.minimum(np.abs(r) / self.contact_radius, 1.0)
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -4,8 +4,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 from closed_forms import square_displacement
-from hypothesis import given
-from hypothesis import strategies as st
 from layer_reference import mean_inverse_distance as by_rings
 
 from skinfield.elastic.cell_integrals import (
@@ -81,30 +79,6 @@ def test_integrals_keep_their_digits_near_and_far(name: str, cells: float, error
     for row, place in enumerate(offset):
         miss = getattr(got, name)[row] - reference(name, place, cell)
         assert abs(miss) < error * got.inverse[row]
-
-
-@given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 0.5), st.floats(0.1, 3.0))
-def test_displacement_is_reciprocal_and_made_of_parts(x, y, nu, side) -> None:
-    offset = np.array([[x, y], [-x, -y]])
-    u = square_displacement(offset, side, 1.0, nu)
-    np.testing.assert_allclose(u[0], u[1].T, rtol=0, atol=1e-13)
-    quarters = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]]) * side / 4
-    parts = sum(square_displacement(offset + shift, side / 2, 1.0, nu) for shift in quarters)
-    np.testing.assert_allclose(parts, u, rtol=0, atol=1e-13)
-
-
-def test_displacement_far_away_is_that_of_a_point_force() -> None:
-    offset, nu = np.array([[12.0, 16.0]]), 0.3
-    u = square_displacement(offset, 1e-3, 1.0, nu)[0] / 1e-6
-    x, y, r, scale = 12.0, 16.0, 20.0, 1.3 / np.pi
-    want = np.array(
-        [
-            [0.7 / r + nu * x * x / r**3, nu * x * y / r**3, 0.2 * x / r**2],
-            [nu * x * y / r**3, 0.7 / r + nu * y * y / r**3, 0.2 * y / r**2],
-            [-0.2 * x / r**2, -0.2 * y / r**2, 0.7 / r],
-        ]
-    )
-    np.testing.assert_allclose(u, scale * want, rtol=0, atol=1e-7)
 
 
 def test_bad_input_is_named() -> None:

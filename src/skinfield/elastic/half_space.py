@@ -319,11 +319,7 @@ class HalfSpace:
 
     def _spread(self, kernel: Radial, offset: Floats, cell: float) -> Floats:
         """Response to a cell: the kernel of a point force, times the area or integrated."""
-        if self.point_forces:
-            return cell**2 * kernel(np.hypot(*offset.T))
-        return integrate_over_cell(
-            lambda x, y: kernel(np.hypot(x, y)), offset, cell, depth=1.0, reach=np.inf
-        )
+        return self._spread_tensor(lambda x, y: kernel(np.hypot(x, y)), offset, cell)
 
     def _spread_tensor(
         self, kernel: Callable[[Floats, Floats], Floats], offset: Floats, cell: float

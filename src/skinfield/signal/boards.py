@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
 
 Bools = NDArray[np.bool_]
 
@@ -66,16 +66,9 @@ class ICubByte:
     direction = -1  # pressure lowers the byte
 
     def __post_init__(self) -> None:
-        if not 1 <= self.no_load <= 254 or self.no_load != int(self.no_load):
-            raise InputError(
-                f"no_load is {self.no_load!r}, expected a whole number from 1 to 254: "
-                "the byte of an unloaded taxel, 240 on most robots"
-            )
-        if not 0 <= self.shift <= 15 or self.shift != int(self.shift):
-            raise InputError(
-                f"shift is {self.shift!r}, expected a whole number from 0 to 15: "
-                "bits that the board drops, 2 on most robots"
-            )
+        why = "the byte of an unloaded taxel, 240 on most robots"
+        check_count("no_load", self.no_load, 1, 254, why)
+        check_count("shift", self.shift, 0, 15, "bits that the board drops, 2 on most robots")
 
     @property
     def rest(self) -> float:

@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,6 @@ from skinfield.errors import FileError, Floats, InputError, as_floats, check_sha
 from skinfield.signal.baseline import Baseline
 from skinfield.signal.boards import Bools, Convention
 from skinfield.skin import Patch
-
-
-def _first_row(bad: Bools) -> int:
-    return int(np.flatnonzero(bad)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +77,7 @@ class Calibration:
     def _check_usable(self, name: str, good: Bools, expected: str) -> None:
         bad = self.alive & ~good
         if bad.any():
-            row = _first_row(bad)
+            row = int(np.argmax(bad))
             raise InputError(
                 f"{name}[{row}] is {getattr(self, name)[row]}, expected {expected} "
                 f"({int(bad.sum())} of {len(bad)} are not): set alive[{row}] to False to leave "
@@ -270,7 +267,7 @@ class Calibration:
             )
         bad = patch.uid != self.uid
         if bad.any():
-            row = _first_row(bad)
+            row = int(np.argmax(bad))
             raise InputError(
                 f"uid[{row}] of the calibration of {self.patch_name!r} is {self.uid[row]}, "
                 f"expected {patch.uid[row]} as in patch {patch.name!r} ({int(bad.sum())} of "
@@ -355,7 +352,8 @@ def _check_head(path: Path, content: Mapping[str, Any]) -> None:
 def _column(name: str, values: Any) -> Any:
     if name == "uid":
         # hexadecimal text, as TOML's integers end at 63 bits
-        return np.array([_uid(value) for value in np.asarray(values).tolist()], dtype=np.uint64)
+        uids = np.asarray(values).tolist()
+        return np.array([int(u, 16) if isinstance(u, str) else index(u) for u in uids], np.uint64)
     array = np.asarray(values)
     wanted = "b" if name == "alive" else "if"
     if array.dtype.kind not in wanted:
@@ -364,12 +362,6 @@ def _column(name: str, values: Any) -> Any:
             f"{'true or false' if name == 'alive' else 'numbers'}, one per taxel"
         )
     return array
-
-
-def _uid(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        raise InputError(f"uid holds {value!r}, expected whole numbers or hexadecimal text")
-    return int(value, 16) if isinstance(value, str) else value
 
 
 def _read_npz(path: Path) -> Mapping[str, Any]:

@@ -11,14 +11,13 @@ import numpy as np
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
-Parts = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 TINY = 1e-12  # m
 SHORT = 1e-6  # blended normals that nearly cancel have no direction
 
 
 @njit
 def places_and_frames(
-    points: Floats, parts: Parts, blended: int, flex: float
+    points: Floats, parts: tuple[Floats, ...], blended: int, flex: float
 ) -> tuple[Floats, Floats]:
     """Points (N, 3) m in space, and there tangent, tangent and outward normal (N, 3, 3) as columns.
 
