@@ -72,12 +72,8 @@ def test_under_a_cover_against_plane_waves(nu: float, cell: float) -> None:
 @pytest.mark.parametrize(
     ("nu", "pad", "cell"),  # the pad's radius and the cell in thicknesses
     [
-        (0.3, 0.05, 0.25),
-        (0.45, 0.5, 2.5),
-        (0.5, 0.5, 0.75),
-        (0.0, 1.0, 0.75),
-        (0.5, 1.0, 0.25),
-        (0.5, 10.0, 2.5),
+        *((0.3, 0.05, 0.25), (0.45, 0.5, 2.5), (0.5, 0.5, 0.75)),
+        *((0.0, 1.0, 0.75), (0.5, 1.0, 0.25), (0.5, 10.0, 2.5)),
     ],
 )
 def test_pads_against_plane_waves(nu: float, pad: float, cell: float) -> None:

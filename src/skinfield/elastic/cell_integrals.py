@@ -267,26 +267,20 @@ def inverse_distance_integrals(offset: Floats, cell: float) -> InverseDistances:
     )
 
 
-def disc_potential(r: Floats, radius: float) -> Floats:
-    """Integral of 1/distance over a disc, at r from its centre in its plane; same unit as r."""
+def mean_inverse(r: Floats, radius: float) -> Floats:
+    """1/distance averaged over a disc, at r from its centre in its plane; radius 0 is a point."""
     from scipy.special import ellipe, hyp2f1
 
-    r = np.asarray(r, dtype=np.float64)
-    out = np.empty(r.shape)
-    inside = r < radius
-    out[inside] = 4 * radius * ellipe((r[inside] / radius) ** 2)
-    beyond = r[~inside]
-    out[~inside] = np.pi * radius**2 / beyond * hyp2f1(0.5, 0.5, 2, (radius / beyond) ** 2)
+    if radius == 0.0:
+        return 1.0 / r
+    inside, beyond = r < radius, np.maximum(r, radius)
+    out = np.asarray(hyp2f1(0.5, 0.5, 2, (radius / beyond) ** 2) / beyond)
+    out[inside] = 4 / (np.pi * radius) * ellipe((r[inside] / radius) ** 2)
     return out
 
 
-def mean_inverse(r: Floats, radius: float) -> Floats:
-    """1/distance averaged over a disc, at r from its centre; radius 0 is a point."""
-    return disc_potential(r, radius) / (np.pi * radius**2) if radius > 0.0 else 1.0 / r
-
-
 def _potential_within(r: Floats, radius: float) -> Floats:
-    """Integral of s * disc_potential(s) from 0 to r."""
+    """Integral of s times the disc's potential from 0 to r."""
     from scipy.special import hyp2f1
 
     inner, outer = np.minimum(r, radius), np.maximum(r, radius)

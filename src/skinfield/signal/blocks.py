@@ -1,12 +1,10 @@
 """Buffer that sources append blocks to, and the channels' newest counts."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_count
-from skinfield.signal.block import HEADER, LONGEST, WORD, Kind, Octets, Status, Words
+from skinfield.signal.block import DTYPES, HEADER, LONGEST, WORD, Kind, Octets, Status, Words
 
 
 class Full(InputError):
@@ -74,13 +72,7 @@ class Blocks:
         Full
             If it does not fit; nothing changed then.
         """
-        views: dict[Kind, NDArray[Any]] = {
-            Kind.BYTES: self.octets,
-            Kind.SHORTS: self.shorts,
-            Kind.FLOATS: self.singles,
-        }
-        view = views[kind]
-        values = np.asarray(values)
+        values, view = np.asarray(values), self.words.view(DTYPES[kind])
         check_count("values", len(values), 0, LONGEST, "channels in one block")
         start = self._begin(stamp_ns, channel, len(values), kind, status) // view.itemsize
         view[start : start + len(values)] = values

@@ -290,13 +290,14 @@ def save_calibration(calibration: Calibration, path: Path | str) -> None:
         If the ending is another, or the file cannot be written.
     """
     path = Path(path)
+    table: dict[str, Any] = {"format": FORMAT, "version": VERSION}
+    table |= {name: getattr(calibration, name) for name in (*_TEXTS, *_COLUMNS)}
     try:
         if _ending(path) == ".npz":
-            columns = {name: getattr(calibration, name) for name in (*_COLUMNS, *_TEXTS)}
             with path.open("wb") as file:
-                np.savez(file, format=FORMAT, version=VERSION, **columns)
+                np.savez(file, **table)
         else:
-            path.write_text(_toml_from_calibration(calibration), encoding="utf-8")
+            path.write_text(_toml(table), encoding="utf-8")
     except OSError as error:
         raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
@@ -381,11 +382,10 @@ def _read_toml(path: Path) -> Mapping[str, Any]:
         raise FileError(f"{path} is not TOML: {error}") from error
 
 
-def _toml_from_calibration(calibration: Calibration) -> str:
+def _toml(table: dict[str, Any]) -> str:
     import tomli_w
 
-    table: dict[str, Any] = {"format": FORMAT, "version": VERSION}
-    table |= {name: getattr(calibration, name) for name in _TEXTS}
-    table |= {name: getattr(calibration, name).tolist() for name in _COLUMNS}
-    table["uid"] = [f"{uid:#x}" for uid in table["uid"]]
-    return f"# counts = baseline + gain * relative change of capacitance\n{tomli_w.dumps(table)}"
+    lists = {name: table[name].tolist() for name in _COLUMNS}
+    lists["uid"] = [f"{uid:#x}" for uid in lists["uid"]]
+    head = "# counts = baseline + gain * relative change of capacitance\n"
+    return head + tomli_w.dumps(table | lists)

@@ -54,17 +54,14 @@ class NoFilter:
 
     def delay(self, rate: float) -> float:
         """0 s."""
-        check_positive("rate", rate, "readings per second")
         return 0.0
 
     def noise_factor(self, rate: float) -> float:
         """1."""
-        check_positive("rate", rate, "readings per second")
         return 1.0
 
     def prepare(self, taxels: int, rate: float) -> "NoFilter":
         """Itself: it has no memory."""
-        check_positive("rate", rate, "readings per second")
         return self
 
     def apply(self, reading: Floats, out: Floats) -> None:
