@@ -63,7 +63,7 @@ class Status(IntFlag):
 UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
 NUMBERS = int(Kind.SOURCE), int(Kind.LOST)  # kinds whose payload is one word
 # Of payload per channel, by kind; from 7 on of settings in older recordings.
-BITS = (0, 8, 16, 32, 1, 0, 0, 384, 64, 128, 8)
+BITS = np.array([0, 8, 16, 32, 1, 0, 0, 384, 64, 128, 8])
 DTYPES = ("", "<u1", "<u2", "<f4", "<u1", "<i8", "<i8")  # of the payload, by kind
 
 
@@ -98,7 +98,7 @@ def _payload_bytes(kind: int, count: int) -> int:
             f"{', '.join(str(int(each)) for each in Kind)}: the bytes are damaged, or of a newer "
             "version"
         )
-    return WORD if kind in NUMBERS else (BITS[kind] * count + 7) // 8
+    return WORD if kind in NUMBERS else (int(BITS[kind]) * count + 7) // 8
 
 
 def block_bytes(kind: int, count: int) -> int:

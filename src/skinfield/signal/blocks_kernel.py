@@ -24,7 +24,7 @@ def payload_words(kind: int, count: int) -> int:
     """Words of a payload; -1 for an unknown kind."""
     if kind in NUMBERS:
         return 1
-    return (BITS[kind] * count + 63) >> 6 if 0 < kind < len(BITS) else -1
+    return (int(BITS[kind]) * count + 63) >> 6 if 0 < kind < len(BITS) else -1
 
 
 @inner(inline="always")
