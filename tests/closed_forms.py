@@ -13,8 +13,8 @@ from skinfield.elastic.cell_integrals import inverse_distance_integrals, matrice
 from skinfield.elastic.half_space import displacement_kernel, traction_kernel
 
 
-def rectangle_displacement(offset, cell, modulus, nu):
-    """Of the half-space's surface under unit traction on a rectangle, (N, 3, 3)."""
+def square_displacement(offset, cell, modulus, nu):
+    """Of the half-space's surface under unit traction on a square, (N, 3, 3)."""
     return matrices(surface_tensor(nu, inverse_distance_integrals(offset, cell))) / modulus
 
 
@@ -33,10 +33,6 @@ class Contact:
     inside: Any  # pressure by r/a
     height: Any  # of the body by r
     outside: Any  # displacement by r
-
-    @property
-    def mean_pressure(self) -> float:
-        return self.force / (np.pi * self.contact_radius**2)
 
     def pressure(self, r):
         share = np.minimum(np.abs(r) / self.contact_radius, 1.0)

@@ -58,7 +58,6 @@ def _named(nu, alpha, top, base, antiplane, base_antiplane):
         "normal": normal * top[1, 1],
         "tangential": normal * top[0, 0],
         "coupling": mixed * top[0, 1],
-        "reciprocal": mixed * top[1, 0],
         "antiplane": antiplane,
         "base_normal": base[1, 1],
         "base_shear": base[0, 0],

@@ -82,7 +82,7 @@ def test_a_block_that_does_not_fit_changes_nothing() -> None:
     blocks = Blocks(48)
     blocks.put(1, 0, [1, 2], Kind.BYTES)
     before = blocks.data.tobytes()
-    with pytest.raises(InputError, match="do not fit"):
+    with pytest.raises(InputError, match="does not fit"):
         blocks.put(1, 0, np.zeros(20), Kind.SHORTS)
     assert blocks.data.tobytes() == before
 

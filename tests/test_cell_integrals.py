@@ -1,17 +1,13 @@
 """Integrals over square cells and round pads against quadrature and antiderivatives."""
 
-import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
-from closed_forms import rectangle_displacement
-from hypothesis import given
-from hypothesis import strategies as st
+from closed_forms import square_displacement
 from layer_reference import mean_inverse_distance as by_rings
 
 from skinfield.elastic.cell_integrals import (
     InverseDistances,
-    disc_potential,
     inverse_distance_integrals,
     mean_inverse,
     mean_inverse_distance,
@@ -29,16 +25,16 @@ KERNELS = {
 
 
 def antiderivative(name: str, x, y):
-    grow = lambda a, b: a * mpmath.asinh(b / abs(a)) if a else mpmath.mpf(0)
+    grow = lambda a, b: a * mp.asinh(b / abs(a)) if a else mp.mpf(0)
     match name:
         case "inverse":
             return grow(x, y) + grow(y, x)
         case "xx":
             return grow(y, x)
         case "xy":
-            return -mpmath.hypot(x, y)
+            return -mp.hypot(x, y)
         case "x":
-            return y * mpmath.log(mpmath.hypot(x, y) or 1) + (x * mpmath.atan(y / x) if x else 0)
+            return y * mp.log(mp.hypot(x, y) or 1) + (x * mp.atan(y / x) if x else 0)
         case "yy":
             return antiderivative("xx", y, x)
         case _:
@@ -46,8 +42,8 @@ def antiderivative(name: str, x, y):
 
 
 def reference(name: str, offset, cell: float):
-    half, centre = mpmath.mpf(cell) / 2, [mpmath.mpf(float(v)) for v in offset]
-    with mpmath.workdps(40):
+    half, centre = mp.mpf(cell) / 2, [mp.mpf(float(v)) for v in offset]
+    with mp.workdps(40):
         return sum(
             i * j * antiderivative(name, centre[0] + i * half, centre[1] + j * half)
             for i in (1, -1)
@@ -84,43 +80,11 @@ def test_integrals_keep_their_digits_near_and_far(name: str, cells: float, error
         assert abs(miss) < error * got.inverse[row]
 
 
-@given(
-    st.floats(-5.0, 5.0),
-    st.floats(-5.0, 5.0),
-    st.floats(0.0, 0.5),
-    st.tuples(st.floats(0.1, 3.0), st.floats(0.1, 3.0)),
-)
-def test_displacement_is_reciprocal_and_made_of_parts(x, y, nu, sides) -> None:
-    offset = np.array([[x, y], [-x, -y]])
-    u = rectangle_displacement(offset, sides, 1.0, nu)
-    np.testing.assert_allclose(u[0], u[1].T, rtol=0, atol=1e-13)
-    half = (sides[0] / 2, sides[1])
-    parts = [
-        rectangle_displacement(offset + np.array([shift * sides[0], 0.0]), half, 1.0, nu)
-        for shift in (0.25, -0.25)
-    ]
-    np.testing.assert_allclose(parts[0] + parts[1], u, rtol=0, atol=1e-13)
-
-
-def test_displacement_far_away_is_that_of_a_point_force() -> None:
-    offset, nu = np.array([[12.0, 16.0]]), 0.3
-    u = rectangle_displacement(offset, 1e-3, 1.0, nu)[0] / 1e-6
-    x, y, r, scale = 12.0, 16.0, 20.0, 1.3 / np.pi
-    want = np.array(
-        [
-            [0.7 / r + nu * x * x / r**3, nu * x * y / r**3, 0.2 * x / r**2],
-            [nu * x * y / r**3, 0.7 / r + nu * y * y / r**3, 0.2 * y / r**2],
-            [-0.2 * x / r**2, -0.2 * y / r**2, 0.7 / r],
-        ]
-    )
-    np.testing.assert_allclose(u, scale * want, rtol=0, atol=1e-7)
-
-
 def test_bad_input_is_named() -> None:
     with pytest.raises(InputError, match=r"cell is -1.0, expected"):
         inverse_distance_integrals(np.zeros((1, 2)), -1.0)
     with pytest.raises(InputError, match=r"offset has shape \(1, 3\)"):
-        rectangle_displacement(np.zeros((1, 3)), 1.0, 1.0, 0.5)
+        square_displacement(np.zeros((1, 3)), 1.0, 1.0, 0.5)
     with pytest.raises(InputError, match=r"offset\[\(0, 1\)\] is nan"):
         inverse_distance_integrals(np.array([[0.0, np.nan]]), 1.0)
 
@@ -164,8 +128,8 @@ def test_potential_of_a_disc() -> None:
             float(4 * mp.ellipe(mp.mpf(float(v)) ** 2) if v <= 1 else _outside(mp.mpf(float(v))))
             for v in r
         ]
-    np.testing.assert_allclose(disc_potential(r, 1.0), exact, rtol=2e-14)
-    np.testing.assert_allclose(disc_potential(2 * r, 2.0), 2 * disc_potential(r, 1.0), rtol=1e-14)
+    np.testing.assert_allclose(np.pi * mean_inverse(r, 1.0), exact, rtol=2e-14)
+    np.testing.assert_allclose(2 * mean_inverse(2 * r, 2.0), mean_inverse(r, 1.0), rtol=1e-14)
     np.testing.assert_allclose(mean_inverse(r[1:], 0.0), 1 / r[1:])
 
 

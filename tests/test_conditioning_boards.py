@@ -1,12 +1,18 @@
-"""Bytes of iCub's boards and words of CySkin's."""
+"""Bytes of iCub's boards, words of CySkin's, and parallel plates: eq. (1) and (2)."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from skinfield.elastic import Layer
 from skinfield.errors import InputError
-from skinfield.signal import CySkinCount, ICubByte
+from skinfield.signal import (
+    CySkinCount,
+    ICubByte,
+    rest_capacitance,
+    strain_from_relative_capacitance,
+)
 
 boards = st.builds(ICubByte, no_load=st.sampled_from([235, 240, 244, 245]), shift=st.integers(0, 5))
 
@@ -38,8 +44,6 @@ def test_pressure_lowers_the_byte_and_the_gain_says_so():
 
 
 def test_wrong_settings_are_refused_and_nan_is_kept():
-    with pytest.raises(InputError, match=r"difference is 239\.5"):
-        ICubByte().counts_from_difference(239.5)
     with pytest.raises(InputError, match="no_load is 255"):
         ICubByte(no_load=255)
     with pytest.raises(InputError, match="shift is -1"):
@@ -57,3 +61,23 @@ def test_words_clip_at_both_ends(difference):
 
 def test_zero_is_the_floor_of_a_word_and_valid():
     assert not CySkinCount().saturated(np.array([0.0]))
+
+
+def test_the_paper_pad_has_a_sixth_of_a_picofarad():
+    # 8.8541878128e-12 * 3 * pi * (2e-3)^2 / 2e-3, by hand
+    assert rest_capacitance(Layer(), 4e-3) == pytest.approx(1.66897e-13, rel=1e-5)
+    with pytest.raises(InputError, match="pad_diameter is -1"):
+        rest_capacitance(Layer(), -1)
+
+
+@given(st.floats(-5.0, 0.999))
+def test_strain_is_that_of_a_plate_that_came_nearer(strain):
+    rest, now = (rest_capacitance(Layer(thickness=h), 4e-3) for h in (0.1, 0.1 * (1 - strain)))
+    change = (now - rest) / rest
+    assert strain_from_relative_capacitance(change) == pytest.approx(strain, rel=1e-9, abs=1e-12)
+
+
+def test_invalid_stays_invalid_and_nonsense_is_refused():
+    assert np.isnan(strain_from_relative_capacitance([0.1, np.nan])).tolist() == [False, True]
+    with pytest.raises(InputError, match=r"relative_capacitance\[0\] is -1.0.*cannot lose"):
+        strain_from_relative_capacitance([-1.0])

@@ -117,11 +117,8 @@ def test_validity_of_one_reading():
     assert valid.tolist() == [True, False, False, False, False, False, False, True]
     alive = np.array([False] + [True] * 7)
     assert valid_from_counts(reading, ICubByte(), alive=alive).tolist() == [False] * 7 + [True]
-    assert valid_from_counts([0.0, 65535.0, 70000.0], CySkinCount()).tolist() == [
-        True,
-        False,
-        False,
-    ]
+    words = valid_from_counts([0.0, 65535.0, 70000.0], CySkinCount())
+    assert words.tolist() == [True, False, False]
     assert valid_from_counts([1.0, np.nan]).tolist() == [True, False]
 
 

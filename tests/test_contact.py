@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from closed_forms import rectangle_displacement
+from closed_forms import square_displacement
 
 import skinfield as sf
 from skinfield.elastic import LatticeConvolution
@@ -135,7 +135,7 @@ INSIDE = R < A
 @lru_cache(maxsize=4)
 def slide(nu: float):
     """Tangential traction on cells of the half-space to displacement there (Cerruti)."""
-    response = rectangle_displacement(lattice(COUNT - 1, COUNT - 1, CELL), CELL, E, nu)
+    response = square_displacement(lattice(COUNT - 1, COUNT - 1, CELL), CELL, E, nu)
     xx, xy, yy = (response[:, i, j].reshape(COUNT, COUNT) for i, j in [(0, 0), (0, 1), (1, 1)])
     mixed = mirrored(xy, odd_x=True, odd_y=True)
     along_x = LatticeConvolution(np.stack([mirrored(xx), mixed]))

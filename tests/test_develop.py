@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 import skinfield as sf
 from skinfield.errors import Floats
 from skinfield.skin.flattening import Surface
-from skinfield.skin.geometry import facing_from_positions, links_between, parts_of
+from skinfield.skin.geometry import facing_from_positions
 
 RADIUS, PITCH = 30e-3, 5e-3
 
@@ -196,16 +196,6 @@ def test_nodes_lie_on_the_cylinder() -> None:
         assert away.max() < 3 * percent / 100 * PITCH
 
 
-def test_grid_of_a_curved_patch_lies_on_the_skin() -> None:
-    patch = panel()
-    grid = sf.Grid.square(patch, nodes=30)
-    off = np.hypot(grid.positions[:, 0], grid.positions[:, 2]) - RADIUS
-    assert np.abs(off[grid.covered]).max() < 0.01 * PITCH
-    normal = true_cylinder(grid.plane) * [1, 0, 1] / RADIUS
-    cosine = np.einsum("ni,ni->n", grid.normals, normal)[grid.covered]
-    assert np.degrees(np.arccos(np.minimum(cosine, 1))).max() < 0.3
-
-
 def test_frames_follow_the_surface() -> None:
     surface = panel().surface
     nodes = nodes_within(surface, 0.9)
@@ -359,18 +349,6 @@ def test_any_cloud_is_laid_flat_without_a_crash(seed: int, taxels: int, extent: 
     patch = sf.Patch(positions, normals=normals)
     check_way_back(patch)
     assert np.isfinite(patch.plane).all()
-
-
-def test_links_join_everything_that_faces_the_same_way() -> None:
-    patch = panel(np.pi)
-    far = np.concatenate([patch.positions, [[0.3, 0, 0]], [[0.3, 0.1, 0]]])
-    normals = np.concatenate([patch.normals, [[0, 0, 1], [0, 0, -1]]])
-    links = links_between(far, normals)
-    assert [len(part) for part in parts_of(len(far), links.pairs)] == [len(patch) + 2]
-    back = links_between(far[-2:], normals[-2:])
-    assert [len(part) for part in parts_of(2, back.pairs)] == [1, 1]
-    check_way_back(sf.Patch(far, normals=normals))
-    check_way_back(sf.Patch(far[[0, 1, -2, -1]], normals=np.diag([1.0, -1, 1])[[0, 1, 2, 2]]))
 
 
 # --- real skins -----------------------------------------------------------------------------

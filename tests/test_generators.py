@@ -65,17 +65,9 @@ def test_icub_triangle_has_the_places_of_its_drawing() -> None:
     np.testing.assert_allclose(mine, expected, atol=6e-4)
 
 
-def test_icub_hexagon_is_as_far_from_its_taxels_as_published() -> None:
+def test_icub_hexagon_has_the_published_pitch() -> None:
     patch = sf.layouts.icub_hexagon()
     np.testing.assert_allclose(nearest(patch), 5e-3, rtol=1e-9)
-    point = np.random.default_rng(1).uniform(-30e-3, 30e-3, (400_000, 2))
-    apothem = 30e-3 * 0.75**0.5  # of the hexagon of six triangles of 30 mm
-    sides = np.radians(30 + 60 * np.arange(6))
-    inside = (point @ np.array([np.cos(sides), np.sin(sides)]) <= apothem).all(axis=1)
-    distance = cKDTree(patch.plane).query(point[inside])[0] * 1e3
-    assert np.median(distance) == pytest.approx(2.27, abs=0.02)
-    assert np.percentile(distance, 90) == pytest.approx(3.54, abs=0.03)
-    assert distance.max() == pytest.approx(5.77, abs=0.02)
 
 
 def test_ten_pad_triangle_leaves_the_thermal_pads_out() -> None:

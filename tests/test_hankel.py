@@ -3,7 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from layer_reference import propagate, ratios
 
@@ -20,13 +20,8 @@ from skinfield.elastic.hankel import (
 NUS = [0.0, 0.2, 0.3, 0.45, 0.499, 0.5]
 ALL = [1e-6, 1e-5, 1e-3, 0.01, 0.2, 0.499, 0.501, 1.0, 2.5, 5.0, 10.0, 20.0, 40.0]
 FREE = {"normal": 1.0, "tangential": 1.0, "coupling": None, "antiplane": 1.0}  # half-space limits
-BASE = [
-    "base_normal",
-    "base_shear",
-    "base_shear_from_normal",
-    "base_normal_from_shear",
-    "base_antiplane",
-]
+BASE = ["base_normal", "base_shear", "base_shear_from_normal", "base_normal_from_shear"]
+BASE += ["base_antiplane"]
 COVERED = ["normal", "base_normal", "base_shear_from_normal"]
 
 
@@ -73,20 +68,6 @@ def test_formulas_written_out_plainly_agree_in_their_own_range(nu: float) -> Non
     for name, values in plain.items():
         exact = [float(propagate(nu, a)[name]) for a in alpha]
         np.testing.assert_allclose(values, exact, rtol=1e-12, err_msg=name)
-
-
-@pytest.mark.parametrize("nu", NUS)
-def test_small_alpha_is_equilibrium_and_confined_compression(nu: float) -> None:
-    small = np.array([1e-4])
-    free, covered = LayerTransfer(nu), CoveredTransfer(nu)
-    assert free.base_normal(small)[0] == pytest.approx(1.0, rel=1e-7)
-    assert free.base_shear(small)[0] == pytest.approx(1.0, rel=1e-7)
-    assert free.base_normal_from_shear(small)[0] == pytest.approx(-1e-4, rel=1e-7)  # moment
-    # w = p h / M: 2 (1 - nu²) X / (E k) = h / M
-    inverse_modulus = (1 + nu) * (1 - 2 * nu) / (1 - nu)
-    for model in (free, covered):
-        sunk = 2 * (1 - nu**2) * model.normal(small)[0] / 1e-4
-        assert sunk == pytest.approx(inverse_modulus, abs=2e-8)
 
 
 @given(nu=st.floats(0.0, 0.5), log_alpha=st.floats(-9.0, 4.0))
@@ -138,13 +119,6 @@ def test_wide_pads_average_the_kernel(radius: float) -> None:
     s = np.sqrt(x**2 + np.outer(r, np.sin(angle)) ** 2 + 1.0)
     mean = (1 / (2 * np.pi * s**3)).mean(axis=-1) @ (weight * r) / radius
     np.testing.assert_allclose(pad(rho), mean, rtol=0.0, atol=2e-13 * mean[0])
-
-
-@settings(deadline=None, max_examples=30)
-@given(rho=st.lists(st.floats(1e-6, 31.0), min_size=1, max_size=20))
-def test_tables_repeat_the_quadrature(rho: list[float]) -> None:
-    at = np.array(rho)
-    np.testing.assert_allclose(TABLE(at), TABLE.quadrature(at), rtol=0.0, atol=2e-14)
 
 
 TABLE = RadialKernel(lambda a: a * LayerTransfer(0.45).base_normal(a) / (2 * np.pi), 0, 46.0, 32.0)

@@ -75,17 +75,6 @@ def test_a_pad_reads_the_mean_of_its_points(
     assert mean == pytest.approx(whole, abs=1e-3 * np.abs(whole).max())
 
 
-def test_the_matrix_of_a_finer_grid_sums_to_that_of_a_coarser() -> None:
-    coarse = Grid.window(DOT, (-0.006, -0.006), (0.006, 0.006), pitch=2e-3)
-    fine = Grid.window(DOT, (-0.006, -0.006), (0.006, 0.006), pitch=1e-3)
-    taxels = np.array([[1.3e-3, -2.1e-3], [5e-3, 4e-3]])
-    for quantity in (BaseStress(), Gap(), Capacitance()):
-        a = quantity.matrix(BondedLayer(), LAYER, coarse, taxels, 4e-3)
-        b = quantity.matrix(BondedLayer(), LAYER, fine, taxels, 4e-3)
-        joined = b.reshape(2, 6, 2, 6, 2).sum(axis=(2, 4)).reshape(2, -1)
-        assert joined == pytest.approx(a, rel=1e-9, abs=1e-12 * np.abs(a).max())
-
-
 def flat_strain(value: float) -> GapStrain:
     return GapStrain(np.full((181, 181), value), np.full(2, -18e-3), 0.2e-3)
 
@@ -169,10 +158,5 @@ def test_noise_must_be_positive_and_of_the_right_length() -> None:
         model(0.0)
     with pytest.raises(InputError, match=r"noise_std has shape \(3,\), expected \(72\)"):
         model(np.ones(3))
-    assert model(np.arange(1.0, 73.0)).subset(np.arange(72) < 5).noise_std.tolist() == [
-        1,
-        2,
-        3,
-        4,
-        5,
-    ]
+    part = model(np.arange(1.0, 73.0)).subset(np.arange(72) < 5)
+    assert part.noise_std.tolist() == [1, 2, 3, 4, 5]

@@ -113,10 +113,10 @@ def test_subset_keeps_identities_and_the_width_of_the_port() -> None:
     [
         ([], "at least one taxel"),
         (np.zeros(72, bool), "at least one taxel"),
-        (np.ones(71, bool), r"rows has shape \(71,\), expected \(72"),
-        ([72], "rows holds 72, expected rows below 72"),
-        ([0.5], "expected a mask or whole numbers"),
-        ([[1, 2]], "expected a mask or whole numbers"),
+        (np.ones(71, bool), r"rows has shape \(71,\) and type bool, expected a mask of 72 taxels"),
+        ([72], "expected .* below 72: index 72 is out of bounds"),
+        ([0.5], "expected a mask of 72 taxels or whole numbers below 72"),
+        ([[1, 2]], r"rows has shape \(1, 2\), expected \(any\): a mask, or one row"),
     ],
 )
 def test_wrong_subsets_say_what_is_wrong(rows: list[int], message: str) -> None:

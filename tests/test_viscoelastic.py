@@ -30,18 +30,6 @@ def test_a_step_of_force_creeps_as_the_standard_solid_does():
     assert SOLID.creep(time[1:]) * 2.0 == pytest.approx(closed[1:], rel=1e-13)
 
 
-def test_a_ramp_of_force_has_its_closed_form_at_any_sampling():
-    slow = 0.8 / 0.7
-
-    def closed(t):
-        return 3.0 * (t - 0.3 * slow * (1.0 - np.exp(-t / slow)))
-
-    coarse = np.array([0.0, 4.0])
-    fine = np.concatenate([[0.0], np.sort(np.random.default_rng(0).uniform(0, 4, 999)), [4.0]])
-    assert SOLID.effective_force(coarse, 3.0 * coarse)[-1] == pytest.approx(closed(4.0), rel=1e-13)
-    assert SOLID.effective_force(fine, 3.0 * fine) == pytest.approx(closed(fine), abs=1e-12)
-
-
 def test_a_step_of_depth_relaxes_to_the_relaxed_modulus():
     time = np.array([0.0, 0.5, 2.0, 50.0])
     expected = (1.0 - 0.3 * (1.0 - np.exp(-time / 0.8))) / 0.7

@@ -161,11 +161,8 @@ def _integrate_over_square(
     return out
 
 
-Sides = float | tuple[float, float]
-
-
 class InverseDistances(NamedTuple):
-    """The kernels of the half-space's surface, or their integrals over a rectangle in m."""
+    """The kernels of the half-space's surface, or their integrals over a square in m."""
 
     inverse: Floats  # 1/r
     xx: Floats  # x²/r³
@@ -211,46 +208,20 @@ def surface_tensor(poisson_ratio: float, kernels: InverseDistances) -> Floats:
     return scale * tensor([one + nu * kernels.xx, xy, xy, one + nu * kernels.yy, x, y, -x, -y, one])
 
 
-def corners(offset: Floats, cell: Sides) -> tuple[Floats, Floats, Floats]:
-    """Vectors from the four corners of a rectangle, and the signs of a double integral.
-
-    Parameters
-    ----------
-    offset : (N, 2) array, m
-        From the rectangle's centre to the point of observation.
-    cell : float or (float, float), m
-        Side of a square, or both sides of a rectangle.
-
-    Returns
-    -------
-    x, y, sign : (4, N), (4, N) and (4, 1) array
-        The integral over the rectangle is the sum of sign * antiderivative(x, y).
-    """
-    width, height = cell if isinstance(cell, tuple) else (cell, cell)
-    check_positive("cell", width, "the loaded rectangle's side along x, in metres")
-    check_positive("cell", height, "the loaded rectangle's side along y, in metres")
-    offset = as_floats("offset", offset)
-    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per point of observation")
-    check_finite("offset", offset, "a point without a place has no displacement")
-    half = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]]) * np.array([width, height]) / 2.0
-    x, y = np.moveaxis(offset[None] + half[:, None], -1, 0)
-    return x, y, np.array([[1.0], [-1.0], [-1.0], [1.0]])
-
-
 def _length_asinh(length: Floats, other: Floats) -> Floats:
     """`length` * asinh(`other` / abs(`length`)), with its limit 0 at `length` = 0."""
     return length * np.arcsinh(other / np.where(length == 0.0, 1.0, np.abs(length)))
 
 
-def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
-    r"""Integrals of 1/r, x²/r³, xy/r³, y²/r³, x/r², y/r² over a loaded rectangle.
+def inverse_distance_integrals(offset: Floats, cell: float) -> InverseDistances:
+    r"""Integrals of 1/r, x²/r³, xy/r³, y²/r³, x/r², y/r² over a loaded square.
 
     Parameters
     ----------
     offset : (N, 2) array, m
-        From the rectangle's centre to the point of observation, inside or outside of it.
-    cell : float or (float, float), m
-        Side of a square, or both sides of a rectangle.
+        From the square's centre to the point of observation, inside or outside of it.
+    cell : float, m
+        Side of the square.
 
     Returns
     -------
@@ -268,7 +239,13 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
         \frac{xy}{r^3} : -r, \quad
         \frac{x}{r^2} : \tfrac12 y \ln r^2 + x \arctan\frac yx
     """
-    x, y, sign = corners(offset, cell)
+    check_positive("cell", cell, "the loaded square's side, in metres")
+    offset = as_floats("offset", offset)
+    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per point of observation")
+    check_finite("offset", offset, "a point without a place has no displacement")
+    signs = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])  # of the four corners
+    x, y = np.moveaxis(offset[None] + signs[:, None] * cell / 2.0, -1, 0)
+    sign = signs.prod(axis=1)[:, None]
     square = x**2 + y**2
     # The unit of the logarithm cancels in the sum; near 1 it costs the fewest digits.
     log = 0.5 * np.log(np.where(square == 0.0, 1.0, square) / square.max(axis=0))
@@ -290,50 +267,24 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
     )
 
 
-# Gauss's 2F1(1/2, 1/2; 2; m), to 1e-16 for m < 1/9
-_MULTIPOLES = np.cumprod([1.0, *((n - 0.5) ** 2 / (n * (n + 1.0)) for n in range(1, 16))])
+def mean_inverse(r: Floats, radius: float) -> Floats:
+    """1/distance averaged over a disc, at r from its centre in its plane; radius 0 is a point."""
+    from scipy.special import ellipe, hyp2f1
 
-
-def _ratio_function(m: Floats) -> Floats:
-    """Gauss's 2F1(-1/2, 1/2; 2; m) for 0 <= m <= 1."""
-    from scipy.special import ellipe, ellipkm1
-
-    rest = np.maximum(1.0 - m, 1e-300)
-    large = np.maximum(m, 0.05)
-    closed = 4 / (3 * np.pi) * ((1 + large) * ellipe(large) - rest * ellipkm1(rest)) / large
-    series, term = np.ones_like(m), np.ones_like(m)
-    small = np.minimum(m, 0.05)
-    for n in range(10):
-        term = term * small * (n - 0.5) * (n + 0.5) / ((n + 2.0) * (n + 1.0))
-        series = series + term
-    return np.where(m < 0.05, series, closed)
-
-
-def disc_potential(r: Floats, radius: float) -> Floats:
-    """Integral of 1/distance over a disc, at r from its centre in its plane; same unit as r."""
-    from scipy.special import ellipe, ellipkm1
-
-    r = np.asarray(r, dtype=np.float64)
-    out = np.empty(r.shape)
-    inside, far = r < radius, r > 3 * radius
-    outside = ~(inside | far)
-    out[inside] = 4 * radius * ellipe((r[inside] / radius) ** 2)
-    near = r[outside]
-    rest = np.maximum((near - radius) * (near + radius) / near**2, 1e-300)
-    out[outside] = 4 * near * (ellipe((radius / near) ** 2) - rest * ellipkm1(rest))
-    out[far] = np.pi * radius**2 / r[far] * np.polyval(_MULTIPOLES[::-1], (radius / r[far]) ** 2)
+    if radius == 0.0:
+        return 1.0 / r
+    inside, beyond = r < radius, np.maximum(r, radius)
+    out = np.asarray(hyp2f1(0.5, 0.5, 2, (radius / beyond) ** 2) / beyond)
+    out[inside] = 4 / (np.pi * radius) * ellipe((r[inside] / radius) ** 2)
     return out
 
 
-def mean_inverse(r: Floats, radius: float) -> Floats:
-    """1/distance averaged over a disc, at r from its centre; radius 0 is a point."""
-    return disc_potential(r, radius) / (np.pi * radius**2) if radius > 0.0 else 1.0 / r
-
-
 def _potential_within(r: Floats, radius: float) -> Floats:
-    """Integral of s * disc_potential(s) from 0 to r."""
+    """Integral of s times the disc's potential from 0 to r."""
+    from scipy.special import hyp2f1
+
     inner, outer = np.minimum(r, radius), np.maximum(r, radius)
-    return np.pi * inner**2 * outer * _ratio_function((inner / outer) ** 2)
+    return np.asarray(np.pi * inner**2 * outer * hyp2f1(-0.5, 0.5, 2, (inner / outer) ** 2))
 
 
 def mean_inverse_distance(offset: Floats, cell: float, radius: float) -> Floats:

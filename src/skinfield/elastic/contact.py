@@ -478,18 +478,16 @@ def _balanced(
             break
         x, y = raw / size
         slips = short < 1.0
-        xx = problem.sums(np.stack([np.where(slips, short * y * y, 1.0),
-                                    np.where(slips, short * x * x, 1.0)]))  # fmt: skip
-        xy = problem.sums(np.stack([np.where(slips, -short * x * y, 0.0)] * 2))[:, 0]
-        floor = 1e-3 * problem.sums(np.ones_like(raw))[:, 0]
-        a, d = xx[:, 0] + floor, xx[:, 1] + floor
-        determinant = np.maximum(a * d - xy**2, 1e-300)
-        translation = translation + np.column_stack(
-            [
-                (d * missing[:, 0] - xy * missing[:, 1]) / determinant,
-                (a * missing[:, 1] - xy * missing[:, 0]) / determinant,
-            ]
-        ) / rate  # fmt: skip
+        slope = np.empty((len(missing), 2, 2))
+        slope[:, 0] = problem.sums(
+            np.stack([np.where(slips, short * y * y, 1.0), np.where(slips, -short * x * y, 0.0)])
+        )
+        slope[:, 1] = slope[:, 0, ::-1]
+        slope[:, 1, 1] = problem.sums(np.stack([np.where(slips, short * x * x, 1.0)] * 2))[:, 0]
+        floor = np.maximum(1e-3 * problem.sums(np.ones_like(raw))[:, 0], 1e-300)
+        slope += floor[:, None, None] * np.eye(2)
+        step = np.linalg.solve(slope, missing[..., None])[..., 0]
+        translation = translation + step / rate
     return translation
 
 

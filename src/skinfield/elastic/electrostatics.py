@@ -32,6 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from skinfield.elastic.hankel import electrostatic, jinc
 from skinfield.errors import Floats, InputError
@@ -116,8 +117,6 @@ class _Gap:
     @cached_property
     def waves(self) -> tuple[Spectra, Spectra]:
         """Factors of the derivatives along x and y; what alternates has none."""
-        from scipy import fft
-
         rows, columns = self.gap.shape
         kx, ky = fft.rfftfreq(columns, self.step), fft.fftfreq(rows, self.step)
         kx[columns // 2 :] *= columns % 2
@@ -136,13 +135,9 @@ class _Gap:
         return np.asarray((along**2 + across**2) / self.gap)
 
     def forward(self, values: Floats) -> Spectra:
-        from scipy import fft
-
         return np.asarray(fft.rfft2(values))
 
     def inverse(self, spectra: Spectra) -> Floats:
-        from scipy import fft
-
         return np.asarray(fft.irfft2(spectra, self.gap.shape))
 
     def divergence(self, along: Floats, across: Floats) -> Spectra:
@@ -270,7 +265,7 @@ def capacitance_change(
     InputError
         If a pad reaches beyond the mesh.
     """
-    from scipy import fft, ndimage
+    from scipy import ndimage
 
     place = (taxels - strain.origin) / strain.step
     reach = pad_diameter / 2 / strain.step
@@ -298,8 +293,6 @@ class _Waves:
 
     @classmethod
     def of(cls, strain: GapStrain, thickness: float) -> "_Waves":
-        from scipy import fft
-
         guard = int(np.ceil(GUARD * thickness / strain.step))
         rows, columns = (fft.next_fast_len(n + guard, real=True) for n in strain.values.shape)
         step = strain.step / thickness
@@ -308,8 +301,6 @@ class _Waves:
 
 
 def _series(v: Floats, order: int, waves: _Waves) -> Floats:
-    from scipy import fft
-
     kh = waves.kh
     coth = np.where(kh < 1e-6, 1.0, kh / np.tanh(np.maximum(kh, 1e-6)))
 
@@ -330,8 +321,6 @@ def _charge(
     strain: GapStrain, thickness: float, order: int | None
 ) -> tuple[NDArray[np.complex128], _Waves]:
     """Spectrum of the charge's density on the lower plane, relative to the plate's, less one."""
-    from scipy import fft
-
     waves = _Waves.of(strain, thickness)
     series = _series(strain.values, 3 if order is None else order, waves)
     spectrum = np.asarray(fft.rfft2(series, waves.shape) * electrostatic(waves.kh))
@@ -358,8 +347,6 @@ def _deep(strain: GapStrain, thickness: float) -> tuple[slice, slice] | None:
 
 def _beyond_series(strain: GapStrain, thickness: float, box: tuple[slice, slice]) -> Floats:
     """What the charge is more than its third order, on a part of the mesh."""
-    from scipy import fft
-
     width = TAPER * thickness / strain.step
     values = strain.values[box]
     part = GapStrain(values * _window(values.shape, width), strain.origin, strain.step)

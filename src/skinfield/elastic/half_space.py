@@ -14,10 +14,10 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.elastic.cell_integrals import (
-    disc_potential,
     integrate_over_cell,
     inverse_distance_integrals,
     matrices,
+    mean_inverse,
     mean_inverse_distance,
     surface_tensor,
 )
@@ -292,15 +292,12 @@ class HalfSpace:
             return scale * self._spread(_smoothed_gap(nu, pad), offset, cell)
         if self.point_forces and pad == 0.0:
             return self.surface_displacement(layer, offset * h, metres)[:, 2, 2]
+        if self.point_forces:
+            above = cell**2 * mean_inverse(np.hypot(*offset.T), pad)
+        else:
+            above = mean_inverse_distance(offset, cell, pad)
         sunk = self._spread(_depth(nu, pad), offset, cell)
-        return scale * (self._pad_mean_inverse_distance(offset, cell, pad) - sunk)
-
-    def _pad_mean_inverse_distance(self, offset: Floats, cell: float, pad: float) -> Floats:
-        """Mean over the pad of the integral of 1/(2 pi r) over the load."""
-        if not self.point_forces:
-            return mean_inverse_distance(offset, cell, pad) / (2.0 * np.pi)
-        potential = disc_potential(np.hypot(*offset.T), pad)
-        return np.asarray(cell**2 * potential / (2.0 * np.pi * np.pi * pad**2))
+        return scale * (above / (2.0 * np.pi) - sunk)
 
     def _of_point_forces(self, layer: Layer, offset: Floats, cell: float) -> Floats:
         """Effective displacement, m/N, with the coincident terms at and, if asked, near zero."""
@@ -319,11 +316,7 @@ class HalfSpace:
 
     def _spread(self, kernel: Radial, offset: Floats, cell: float) -> Floats:
         """Response to a cell: the kernel of a point force, times the area or integrated."""
-        if self.point_forces:
-            return cell**2 * kernel(np.hypot(*offset.T))
-        return integrate_over_cell(
-            lambda x, y: kernel(np.hypot(x, y)), offset, cell, depth=1.0, reach=np.inf
-        )
+        return self._spread_tensor(lambda x, y: kernel(np.hypot(x, y)), offset, cell)
 
     def _spread_tensor(
         self, kernel: Callable[[Floats, Floats], Floats], offset: Floats, cell: float

@@ -97,7 +97,7 @@ class BaseStress(Quantity):
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
         """See `Quantity.matrix`; Pa per Pa."""
-        pad = pad_diameter if self.pad_averaged else 0.0
+        pad = pad_diameter * self.pad_averaged
         return _response(mechanics.base_stress, layer, grid, taxels, pad)
 
 

@@ -1,12 +1,11 @@
 """Virtual taxels at the nodes of a grid, by Delaunay triangulation: section III-B of the paper."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.errors import Floats, InputError, check_finite, check_shape
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -14,24 +13,7 @@ if TYPE_CHECKING:
 FLAT = 1e-9  # of the taxels' extent: below it, places coincide and points lie on one line
 
 
-@dataclass(frozen=True, eq=False)
-class Resampling:
-    """From the readings of L taxels to those of N virtual taxels.
-
-    Attributes
-    ----------
-    matrix : (N, L) sparse CSR array
-        Convex combinations: no weight is negative, rows sum to 1 (or are empty, see `inside`).
-    inside : (N,) bool array
-        Which nodes lie in the convex hull of the taxels, border included. Elsewhere the paper's
-        construction has no answer, and the row is empty.
-    """
-
-    matrix: "csr_array"
-    inside: NDArray[np.bool_]
-
-
-def resampling_matrix(taxels: Floats, nodes: Floats) -> Resampling:
+def resampling_matrix(taxels: Floats, nodes: Floats) -> tuple["csr_array", NDArray[np.bool_]]:
     r"""Weights of the taxels around each node, built once for all readings.
 
     Parameters
@@ -44,7 +26,11 @@ def resampling_matrix(taxels: Floats, nodes: Floats) -> Resampling:
 
     Returns
     -------
-    Resampling
+    matrix : (N, L) sparse CSR array
+        Convex combinations: no weight is negative, rows sum to 1, or are empty outside.
+    inside : (N,) bool array
+        Which nodes lie in the convex hull of the taxels, border included. Elsewhere the paper's
+        construction has no answer.
 
     Raises
     ------
@@ -59,7 +45,9 @@ def resampling_matrix(taxels: Floats, nodes: Floats) -> Resampling:
     """
     from scipy.spatial import Delaunay
 
-    taxels, nodes = _places("taxels", taxels), _places("nodes", nodes)
+    for name, places in (("taxels", taxels), ("nodes", nodes)):
+        check_shape(name, places, (None, 2), "one (x, y) in metres per row, in the patch's plane")
+        check_finite(name, places, "an absent one is left out, not marked by NaN")
     distinct, owner, origin, extent = _distinct(taxels)
     triangulation = Delaunay(distinct)
     scaled = (nodes - origin) / extent
@@ -68,14 +56,7 @@ def resampling_matrix(taxels: Floats, nodes: Floats) -> Resampling:
     corners = triangulation.simplices[triangle]
     weights = np.zeros((len(nodes), 3))
     weights[inside] = _barycentric(triangulation.transform[triangle[inside]], scaled[inside])
-    return Resampling(_over_taxels(corners, weights, owner), inside)
-
-
-def _places(name: str, values: Floats) -> Floats:
-    places = as_floats(name, values)
-    check_shape(name, places, (None, 2), "one (x, y) in metres per row, in the patch's plane")
-    check_finite(name, places, "an absent one is left out, not marked by NaN")
-    return places
+    return _over_taxels(corners, weights, owner), inside
 
 
 def _distinct(taxels: Floats) -> tuple[Floats, NDArray[np.int64], Floats, float]:

@@ -126,15 +126,11 @@ class Viscoelastic(ABC):
 
     def relaxation(self, time: ArrayLike) -> Floats:
         """E(t) / E∞ at `time`, s, after a step of strain; E₀ / E∞ at 0, falling to 1."""
-        time = _elapsed(time)
-        lost = sum((part * -np.expm1(-time / tau) for part, tau in self.branches), np.zeros(()))
-        return np.asarray((1.0 - lost) / self.relaxed_modulus_fraction)
+        return (1.0 - _gone(time, self.branches)) / self.relaxed_modulus_fraction
 
     def creep(self, time: ArrayLike) -> Floats:
         """E∞ J(t) at `time`, s, after a step of stress; E∞ / E₀ at 0, rising to 1."""
-        time = _elapsed(time)
-        late = sum((part * -np.expm1(-time / tau) for part, tau in self.retardation), np.zeros(()))
-        return np.asarray((1.0 + late) * self.relaxed_modulus_fraction)
+        return (1.0 + _gone(time, self.retardation)) * self.relaxed_modulus_fraction
 
     def effective_force(self, time: ArrayLike, force: ArrayLike) -> Floats:
         """Load at which the elastic solution, with E∞, has the displacements of this moment.
@@ -156,10 +152,8 @@ class Viscoelastic(ABC):
             `relaxed_modulus_fraction`.
         """
         time, force = _history(time, force)
-        total = force.copy()
-        for part, tau in self.retardation:
-            total += part * lagged(time, force, tau)
-        return total * self.relaxed_modulus_fraction
+        late = sum(part * lagged(time, force, tau) for part, tau in self.retardation)
+        return (force + late) * self.relaxed_modulus_fraction
 
     def relaxing_force(self, time: ArrayLike, elastic_force: ArrayLike) -> Floats:
         """Force, N, while a depth is imposed: ∫ E(t - s)/E∞ dF∞(s).
@@ -172,10 +166,8 @@ class Viscoelastic(ABC):
             Exact while the contact area grows, as `effective_force` is.
         """
         time, elastic = _history(time, elastic_force)
-        total = elastic.copy()
-        for part, tau in self.branches:
-            total -= part * lagged(time, elastic, tau)
-        return total / self.relaxed_modulus_fraction
+        lost = sum(part * lagged(time, elastic, tau) for part, tau in self.branches)
+        return (elastic - lost) / self.relaxed_modulus_fraction
 
 
 @dataclass(frozen=True)
@@ -239,8 +231,9 @@ class PronySeries(Viscoelastic):
         return self.terms
 
 
-def _elapsed(time: ArrayLike) -> Floats:
+def _gone(time: ArrayLike, branches: Branches) -> Floats:
+    """Sum of part · (1 - exp(-t/τ)) over branches (part, τ)."""
     time = as_floats("time", time)
     if not (time >= 0).all():
         raise InputError(f"time is {time}, expected seconds from 0: nothing moves before the step")
-    return time
+    return np.asarray(sum(part * -np.expm1(-time / tau) for part, tau in branches))

@@ -119,7 +119,7 @@ def estimate_baseline(
         if quiet is None
         else _chosen(counts, quiet)
     )
-    window = counts[stretch.readings]
+    window = counts[stretch.start : stretch.stop]
     answers = (~np.isnan(window)).sum(axis=0)
     present = answers >= len(window) / 2
     x = np.where(present, window, np.nan)

@@ -25,7 +25,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from struct import unpack_from
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,16 +61,10 @@ class Status(IntFlag):
 
 
 UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
-RETIRED = {7: 48, 8: 8, 9: 16, 10: 1}  # bytes per channel of settings in older recordings
-WIDTH = {Kind.BYTES: 1, Kind.SHORTS: 2, Kind.FLOATS: 4}  # bytes per channel
-PAYLOAD: dict[Kind, np.dtype[Any]] = {
-    Kind.BYTES: np.dtype("<u1"),
-    Kind.SHORTS: np.dtype("<u2"),
-    Kind.FLOATS: np.dtype("<f4"),
-    Kind.STATUS: np.dtype("<u1"),
-    Kind.SOURCE: np.dtype("<i8"),
-    Kind.LOST: np.dtype("<i8"),
-}
+NUMBERS = int(Kind.SOURCE), int(Kind.LOST)  # kinds whose payload is one word
+# Of payload per channel, by kind; from 7 on of settings in older recordings.
+BITS = np.array([0, 8, 16, 32, 1, 0, 0, 384, 64, 128, 8])
+DTYPES = ("", "<u1", "<u2", "<f4", "<u1", "<i8", "<i8")  # of the payload, by kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,31 +90,26 @@ class Block:
     payload: NDArray[np.generic]
 
 
-def payload_bytes(kind: int, count: int) -> int:
-    """Bytes of a block's payload, without the zeros that fill it up.
+def _payload_bytes(kind: int, count: int) -> int:
+    """Bytes of a block's payload, without the zeros that fill it up."""
+    if not 0 < kind < len(BITS):
+        raise InputError(
+            f"kind of a block is {kind}, expected one of "
+            f"{', '.join(str(int(each)) for each in Kind)}: the bytes are damaged, or of a newer "
+            "version"
+        )
+    return WORD if kind in NUMBERS else (int(BITS[kind]) * count + 7) // 8
+
+
+def block_bytes(kind: int, count: int) -> int:
+    """Bytes of a whole block.
 
     Raises
     ------
     InputError
-        If `kind` is none of `Kind`.
+        If `kind` is none of `Kind`, nor of an older recording.
     """
-    if kind in WIDTH:
-        return WIDTH[Kind(kind)] * count
-    if kind == Kind.STATUS:
-        return (count + 7) // 8
-    if kind in (Kind.SOURCE, Kind.LOST):
-        return 8
-    if kind in RETIRED:
-        return RETIRED[kind] * count
-    raise InputError(
-        f"kind of a block is {kind}, expected one of {', '.join(str(int(each)) for each in Kind)}: "
-        "the bytes are damaged, or of a newer version"
-    )
-
-
-def block_bytes(kind: int, count: int) -> int:
-    """Bytes of a whole block."""
-    return HEADER + -(-payload_bytes(kind, count) // WORD) * WORD
+    return HEADER + -(-_payload_bytes(kind, count) // WORD) * WORD
 
 
 def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
@@ -146,12 +134,8 @@ def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
                 f"blocks end after {len(view) - at} bytes of the block at byte {at}, expected "
                 f"{size}: the data was cut"
             )
-        if kind not in RETIRED:
-            payload = _payload(view, at + HEADER, Kind(kind), count)
+        if kind < len(DTYPES):
+            end = at + HEADER + _payload_bytes(kind, count)
+            payload = view[at + HEADER : end].view(DTYPES[kind])
             yield Block(stamp, channel, count, Kind(kind), Status(status), payload)
         at += size
-
-
-def _payload(view: Octets, at: int, kind: Kind, count: int) -> NDArray[np.generic]:
-    payload: NDArray[Any] = view[at : at + payload_bytes(kind, count)]
-    return payload.view(PAYLOAD[kind])

@@ -1,12 +1,10 @@
 """Buffer that sources append blocks to, and the channels' newest counts."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_count
-from skinfield.signal.block import HEADER, LONGEST, WORD, Kind, Octets, Status, Words
+from skinfield.signal.block import DTYPES, HEADER, LONGEST, WORD, Kind, Octets, Status, Words
 
 
 class Full(InputError):
@@ -74,22 +72,9 @@ class Blocks:
         Full
             If it does not fit; nothing changed then.
         """
-        from skinfield.signal.blocks_kernel import begin_block
-
-        views: dict[Kind, NDArray[Any]] = {
-            Kind.BYTES: self.octets,
-            Kind.SHORTS: self.shorts,
-            Kind.FLOATS: self.singles,
-        }
-        view = views[kind]
-        values = np.asarray(values)
+        values, view = np.asarray(values), self.words.view(DTYPES[kind])
         check_count("values", len(values), 0, LONGEST, "channels in one block")
-        at = begin_block(
-            self.words, self.end, stamp_ns, channel, len(values), int(kind), int(status)
-        )
-        if at < 0:
-            raise self._full(len(values))
-        start = at // view.itemsize
+        start = self._begin(stamp_ns, channel, len(values), kind, status) // view.itemsize
         view[start : start + len(values)] = values
 
     def put_number(self, stamp_ns: int, source: int, kind: Kind, number: int) -> None:
@@ -100,16 +85,20 @@ class Blocks:
         Full
             If it does not fit.
         """
-        from skinfield.signal.blocks_kernel import put_number
+        self.words[self._begin(stamp_ns, source, 0, kind, Status.OK) // WORD] = number
 
-        if not put_number(self.words, self.end, stamp_ns, source, int(kind), number):
-            raise self._full(1)
+    def _begin(self, stamp_ns: int, channel: int, count: int, kind: Kind, status: Status) -> int:
+        """First octet of the payload of a new block."""
+        from skinfield.signal.blocks_kernel import begin_block
 
-    def _full(self, more: int) -> Full:
-        return Full(
-            f"blocks hold {int(self.end[0]) * WORD} of {self.octets.size} bytes and {more} more "
-            "values do not fit, expected room: poll more often, or make the buffer larger"
-        )
+        at = begin_block(self.words, self.end, stamp_ns, channel, count, int(kind), int(status))
+        if at < 0:
+            raise Full(
+                f"blocks hold {int(self.end[0]) * WORD} of {self.octets.size} bytes and a block of "
+                f"{count} channels does not fit, expected room: poll more often, or make the "
+                "buffer larger"
+            )
+        return int(at)
 
 
 class Channels:

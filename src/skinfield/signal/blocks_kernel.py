@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.signal.block import Octets, Words
+from skinfield.signal.block import BITS, NUMBERS, Octets, Words
 
 BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST = 1, 2, 3, 4, 5, 6  # as `Kind`
 OUT_OF_RANGE = 4  # as `Status`
@@ -22,25 +22,9 @@ FULL = -1
 @inner(inline="always")
 def payload_words(kind: int, count: int) -> int:
     """Words of a payload; -1 for an unknown kind."""
-    if kind == BYTES:
-        return (count + 7) >> 3
-    if kind == SHORTS:
-        return (count + 3) >> 2
-    if kind == FLOATS:
-        return (count + 1) >> 1
-    if kind == STATUS:
-        return (((count + 7) >> 3) + 7) >> 3
-    if kind in (SOURCE, LOST):
+    if kind in NUMBERS:
         return 1
-    if kind == 7:  # from here on as `RETIRED` of `block`
-        return 6 * count
-    if kind == 8:
-        return count
-    if kind == 9:
-        return 2 * count
-    if kind == 10:
-        return (count + 7) >> 3
-    return -1
+    return (int(BITS[kind]) * count + 63) >> 6 if 0 < kind < len(BITS) else -1
 
 
 @inner(inline="always")
@@ -88,18 +72,6 @@ def begin_block(
         words[i] = 0
     end[0] = at + HEADER_WORDS + size
     return int((at + HEADER_WORDS) * 8)
-
-
-@njit
-def put_number(
-    words: Words, end: Words, stamp_ns: int, source: int, kind: int, number: int
-) -> bool:
-    """Append a block of SOURCE or LOST; False if full."""
-    at = begin_block(words, end, stamp_ns, source, 0, kind, 0)
-    if at < 0:
-        return False
-    words[at >> 3] = number
-    return True
 
 
 @njit

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
 
 Bools = NDArray[np.bool_]
 
@@ -39,19 +39,6 @@ class Convention(Protocol):
         ...
 
 
-def _whole(name: str, values: ArrayLike) -> Floats:
-    """Float array of whole numbers; NaN passes, as it marks a taxel that did not answer."""
-    array = as_floats(name, values)
-    bad = np.argwhere(~(np.isnan(array) | (np.isfinite(array) & (array == np.floor(array)))))
-    if len(bad):
-        where = tuple(int(i) for i in bad[0])
-        raise InputError(
-            f"{name}{list(where) if where else ''} is {array[where]}, expected whole numbers "
-            f"({len(bad)} of {array.size} are not): a board counts in integers, round first"
-        )
-    return array
-
-
 @dataclass(frozen=True, kw_only=True)
 class ICubByte:
     """One byte per taxel, about 240 at rest, lower under pressure, clamped at 0 and 255.
@@ -79,16 +66,9 @@ class ICubByte:
     direction = -1  # pressure lowers the byte
 
     def __post_init__(self) -> None:
-        if not 1 <= self.no_load <= 254 or self.no_load != int(self.no_load):
-            raise InputError(
-                f"no_load is {self.no_load!r}, expected a whole number from 1 to 254: "
-                "the byte of an unloaded taxel, 240 on most robots"
-            )
-        if not 0 <= self.shift <= 15 or self.shift != int(self.shift):
-            raise InputError(
-                f"shift is {self.shift!r}, expected a whole number from 0 to 15: "
-                "bits that the board drops, 2 on most robots"
-            )
+        why = "the byte of an unloaded taxel, 240 on most robots"
+        check_count("no_load", self.no_load, 1, 254, why)
+        check_count("shift", self.shift, 0, 15, "bits that the board drops, 2 on most robots")
 
     @property
     def rest(self) -> float:
@@ -100,14 +80,8 @@ class ICubByte:
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
 
     def counts_from_difference(self, difference: ArrayLike) -> Floats:
-        """Bytes from the converter's differences v, whole converter counts; bit-exact.
-
-        Raises
-        ------
-        InputError
-            If a difference is not a whole number.
-        """
-        v = _whole("difference", difference)
+        """Bytes from the converter's differences v, whole converter counts; bit-exact."""
+        v = as_floats("difference", difference)
         dropped = self.no_load - np.floor(v / (1 << self.shift))
         low_load, high_load = -((255 - self.no_load) << self.shift), self.no_load << self.shift
         byte = np.where(v <= low_load, 255.0, np.where(v >= high_load, 0.0, dropped))
@@ -241,12 +215,11 @@ def valid_from_counts(
         If the length is another, or no count is a number.
     """
     array = as_floats("counts", counts)
-    width = None if alive is None else len(alive)
-    if array.ndim not in (1, 2) or (width is not None and array.shape[-1] != width):
+    if array.ndim not in (1, 2) or (alive is not None and array.shape[-1] != len(alive)):
+        width = "taxels" if alive is None else len(alive)
         raise InputError(
-            f"counts has shape {array.shape}, expected "
-            f"({'taxels' if width is None else width},) or (readings, "
-            f"{'taxels' if width is None else width}): one column per taxel"
+            f"counts has shape {array.shape}, expected ({width},) or (readings, {width}): "
+            "one column per taxel"
         )
     valid = np.isfinite(array)
     if not valid.any():

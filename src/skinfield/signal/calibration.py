@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,6 @@ from skinfield.errors import FileError, Floats, InputError, as_floats, check_sha
 from skinfield.signal.baseline import Baseline
 from skinfield.signal.boards import Bools, Convention
 from skinfield.skin import Patch
-
-
-def _first_row(bad: Bools) -> int:
-    return int(np.flatnonzero(bad)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +77,7 @@ class Calibration:
     def _check_usable(self, name: str, good: Bools, expected: str) -> None:
         bad = self.alive & ~good
         if bad.any():
-            row = _first_row(bad)
+            row = int(np.argmax(bad))
             raise InputError(
                 f"{name}[{row}] is {getattr(self, name)[row]}, expected {expected} "
                 f"({int(bad.sum())} of {len(bad)} are not): set alive[{row}] to False to leave "
@@ -270,7 +267,7 @@ class Calibration:
             )
         bad = patch.uid != self.uid
         if bad.any():
-            row = _first_row(bad)
+            row = int(np.argmax(bad))
             raise InputError(
                 f"uid[{row}] of the calibration of {self.patch_name!r} is {self.uid[row]}, "
                 f"expected {patch.uid[row]} as in patch {patch.name!r} ({int(bad.sum())} of "
@@ -293,13 +290,14 @@ def save_calibration(calibration: Calibration, path: Path | str) -> None:
         If the ending is another, or the file cannot be written.
     """
     path = Path(path)
+    table: dict[str, Any] = {"format": FORMAT, "version": VERSION}
+    table |= {name: getattr(calibration, name) for name in (*_TEXTS, *_COLUMNS)}
     try:
         if _ending(path) == ".npz":
-            columns = {name: getattr(calibration, name) for name in (*_COLUMNS, *_TEXTS)}
             with path.open("wb") as file:
-                np.savez(file, format=FORMAT, version=VERSION, **columns)
+                np.savez(file, **table)
         else:
-            path.write_text(_toml_from_calibration(calibration), encoding="utf-8")
+            path.write_text(_toml(table), encoding="utf-8")
     except OSError as error:
         raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
@@ -355,7 +353,8 @@ def _check_head(path: Path, content: Mapping[str, Any]) -> None:
 def _column(name: str, values: Any) -> Any:
     if name == "uid":
         # hexadecimal text, as TOML's integers end at 63 bits
-        return np.array([_uid(value) for value in np.asarray(values).tolist()], dtype=np.uint64)
+        uids = np.asarray(values).tolist()
+        return np.array([int(u, 16) if isinstance(u, str) else index(u) for u in uids], np.uint64)
     array = np.asarray(values)
     wanted = "b" if name == "alive" else "if"
     if array.dtype.kind not in wanted:
@@ -364,12 +363,6 @@ def _column(name: str, values: Any) -> Any:
             f"{'true or false' if name == 'alive' else 'numbers'}, one per taxel"
         )
     return array
-
-
-def _uid(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        raise InputError(f"uid holds {value!r}, expected whole numbers or hexadecimal text")
-    return int(value, 16) if isinstance(value, str) else value
 
 
 def _read_npz(path: Path) -> Mapping[str, Any]:
@@ -389,23 +382,10 @@ def _read_toml(path: Path) -> Mapping[str, Any]:
         raise FileError(f"{path} is not TOML: {error}") from error
 
 
-def _toml_from_calibration(calibration: Calibration) -> str:
-    lines = [f'format = "{FORMAT}"', f"version = {VERSION}"]
-    lines += [f"{name} = {_toml_text(getattr(calibration, name))}" for name in _TEXTS]
-    lines += ["", "# counts = baseline + gain * relative change of capacitance; a row per taxel"]
-    for name in ("baseline", "gain", "noise_std"):
-        lines.append(_toml_list(name, [repr(float(v)) for v in getattr(calibration, name)]))
-    lines.append(_toml_list("alive", ["true" if v else "false" for v in calibration.alive]))
-    lines.append(_toml_list("uid", [f'"{int(v):#x}"' for v in calibration.uid]))
-    return "\n".join(lines) + "\n"
+def _toml(table: dict[str, Any]) -> str:
+    import tomli_w
 
-
-def _toml_list(name: str, items: list[str]) -> str:
-    rows = (", ".join(items[i : i + 12]) for i in range(0, len(items), 12))
-    return f"{name} = [\n  " + ",\n  ".join(rows) + ",\n]"
-
-
-def _toml_text(text: str) -> str:
-    """Basic string of TOML: quotes, backslashes and control characters escaped."""
-    safe = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}" for c in safe) + '"'
+    lists = {name: table[name].tolist() for name in _COLUMNS}
+    lists["uid"] = [f"{uid:#x}" for uid in lists["uid"]]
+    head = "# counts = baseline + gain * relative change of capacitance\n"
+    return head + tomli_w.dumps(table | lists)

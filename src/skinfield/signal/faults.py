@@ -34,7 +34,11 @@ _MEANING = {
 
 
 LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
-LEAST_STEPS = 3  # the same of changes that rounding alone does not make, see `steps`
+# The same of steps, which are changes by two counts or more where all numbers are whole. A taxel
+# whose noise is less than half a count holds one value for as long as its level lies in the middle
+# of that count, and changes in every other reading where its level lies between two: neither how
+# often others change by one count, nor how often it did before, says how often it should.
+LEAST_STEPS = 3
 STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
@@ -105,7 +109,8 @@ def find_faults(
         )
     clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
     absent = np.isnan(counts).all(axis=0)
-    changed, stepped = _changes(counts), steps(counts)
+    step = np.abs(np.nan_to_num(np.diff(counts, axis=0)))  # never across NaN
+    changed, stepped = step > 0.0, step > (1.5 if whole_numbers(counts) else 0.0)
     varying = np.asarray(changed.any(axis=0))
     decided = _enough(changed, varying, LEAST_CHANGES)
     decided = decided and _enough(stepped, varying, LEAST_STEPS)
@@ -121,23 +126,6 @@ def find_faults(
     since = np.where(verdict == Verdict.STUCK, len(counts) - run, since)
     sentences = _sentences(verdict, since, counts, clamped, decided)
     return Faults(verdict, since, decided, sentences)
-
-
-def _changes(counts: Floats) -> Bools:
-    """Where a value differs from the one before, (T - 1, L); never across NaN."""
-    return np.asarray(np.nan_to_num(np.diff(counts, axis=0)) != 0)
-
-
-def steps(counts: Floats) -> Bools:
-    """Where a value differs from the one before by more than rounding hides, (T - 1, L).
-
-    By two counts or more where all numbers are whole, else at all. A taxel whose noise is less
-    than half a count holds one value for as long as its level lies in the middle of that count,
-    and changes in every other reading where its level lies between two: neither how often others
-    change by one count, nor how often it did before, says how often it should.
-    """
-    least = 1.5 if whole_numbers(counts) else 0.0
-    return np.asarray(np.abs(np.nan_to_num(np.diff(counts, axis=0))) > least)
 
 
 def _enough(seen: Bools, varying: Bools, least: int) -> bool:

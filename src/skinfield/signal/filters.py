@@ -54,17 +54,14 @@ class NoFilter:
 
     def delay(self, rate: float) -> float:
         """0 s."""
-        check_positive("rate", rate, "readings per second")
         return 0.0
 
     def noise_factor(self, rate: float) -> float:
         """1."""
-        check_positive("rate", rate, "readings per second")
         return 1.0
 
     def prepare(self, taxels: int, rate: float) -> "NoFilter":
         """Itself: it has no memory."""
-        check_positive("rate", rate, "readings per second")
         return self
 
     def apply(self, reading: Floats, out: Floats) -> None:
@@ -250,7 +247,7 @@ class MovingMedianState:
         self._ring = np.full((taxels, window), np.nan)
         self._sorted = np.empty((taxels, window))
         self._next = 0
-        self._there = np.zeros((taxels, window), np.int64)  # 1 where the ring holds a number
+        self._there = np.zeros((taxels, window), np.int64)  # 1 where there is a number
         self._first = np.arange(taxels) * window
         self._numbers = np.zeros(taxels, np.int64)
         self._index = np.zeros(taxels, np.int64)
@@ -259,9 +256,12 @@ class MovingMedianState:
 
     def apply(self, reading: Floats, out: Floats) -> None:
         """Write the median of the last readings into `out` (L,); NaN stays NaN."""
-        self._remember(reading)
+        np.copyto(self._ring[:, self._next], reading)
+        self._next = (self._next + 1) % self._ring.shape[1]
         np.copyto(self._sorted, self._ring)
         self._sorted.sort(axis=1)  # NaN comes last
+        np.equal(self._sorted, self._sorted, out=self._there)  # all but NaN
+        np.sum(self._there, axis=1, out=self._numbers)
         self._pick(-1, self._low)
         self._pick(0, self._high)
         np.add(self._low, self._high, out=self._low)
@@ -269,16 +269,6 @@ class MovingMedianState:
         np.isnan(reading, out=self._mask)
         np.copyto(out, self._low)
         np.copyto(out, np.nan, where=self._mask)
-
-    def _remember(self, reading: Floats) -> None:
-        """Put the reading in place of the oldest, and keep count of the numbers in the ring."""
-        ring, there = self._ring[:, self._next], self._there[:, self._next]
-        self._next = (self._next + 1) % self._ring.shape[1]
-        np.subtract(self._numbers, there, out=self._numbers)
-        np.equal(reading, reading, out=self._mask)  # all but NaN
-        np.copyto(there, self._mask)
-        np.add(self._numbers, there, out=self._numbers)
-        np.copyto(ring, reading)
 
     def _pick(self, offset: int, out: Floats) -> None:
         """Sorted number (numbers + offset) // 2 of each taxel."""
@@ -292,9 +282,6 @@ class MovingMedianState:
     def reset(self) -> None:
         """Forget all readings."""
         self._ring.fill(np.nan)
-        self._there.fill(0)
-        self._numbers.fill(0)
-        self._next = 0
 
 
 def filtered(settings: Filter, counts: ArrayLike, rate: float) -> Floats:

@@ -54,31 +54,21 @@ def counters() -> Ints:
 
 
 class Stream(Protocol):
-    """An open source. Used from one thread, inside the cycle: no call may wait.
-
-    Attributes
-    ----------
-    ports : sequence of Port
-        Their channels lie one after the other.
-    counters : (len(Count),) int64 array
-        Written in place.
-    up : bool
-        Whether it is connected, as far as is known.
-    """
+    """An open source. Used from one thread, inside the cycle: no call may wait."""
 
     @property
     def ports(self) -> Sequence[Port]:
-        """See above."""
+        """Their channels lie one after the other."""
         ...
 
     @property
     def counters(self) -> Ints:
-        """See above."""
+        """Of `Count`, (len(Count),); written in place."""
         ...
 
     @property
     def up(self) -> bool:
-        """See above."""
+        """Whether it is connected, as far as is known."""
         ...
 
     def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:

@@ -148,11 +148,6 @@ class QuietStretch:
     still: bool
     hold: float
 
-    @property
-    def readings(self) -> slice:
-        """The stretch, to index readings with."""
-        return slice(self.start, self.stop)
-
 
 def readings_per_value(counts: Floats) -> float:
     """Readings for which a port repeats one value, 1 where every reading is fresh.
@@ -249,5 +244,5 @@ def quiet_stretch(
     still = [stretch for stretch in found if stretch.still]
     if still and convention is not None:
         sign = convention.direction
-        return min(still, key=lambda s: sign * float(np.nanmean(counts[s.readings])))
+        return min(still, key=lambda s: sign * float(np.nanmean(counts[s.start : s.stop])))
     return min(still or found, key=lambda s: (s.moving.sum(), s.ratio))

@@ -192,8 +192,13 @@ def relax(plane: Floats, positions: Floats, links: Links, rounds: int = 4) -> Fl
 
 def holds(plane: Floats, links: Links) -> NDArray[np.bool_]:
     """Which links (E,) the plane keeps; the others are torn by the cut."""
-    ratio = _distance(plane, links.pairs)[0] / links.length
+    ratio = _stretch(plane, links)
     return np.asarray((ratio >= STRETCH[0]) & (ratio <= STRETCH[1]))
+
+
+def _stretch(plane: Floats, links: Links) -> Floats:
+    """Length of each link (E,) in the plane over that on the skin."""
+    return _distance(plane, links.pairs)[0] / links.length
 
 
 def _net(count: int, links: Links) -> Any:
@@ -413,7 +418,5 @@ def _aligned(plane: Floats, points: Floats, normals: Floats, root: int) -> Float
 
 
 def _distortion(plane: Floats, links: Links) -> float:
-    use = links.near & holds(plane, links)
-    ends = plane[links.pairs[use]]
-    ratio = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / links.length[use]
+    ratio = _stretch(plane, links)[links.near & holds(plane, links)]
     return float(np.percentile(np.abs(ratio - 1.0), 99)) if len(ratio) else 0.0

@@ -12,6 +12,7 @@ from skinfield.errors import (
     InputError,
     as_floats,
     check_choice,
+    check_count,
     check_finite,
     check_positive,
     check_range,
@@ -292,9 +293,8 @@ def rectangular(
         Between neighbours in a row and in a column.
     pad_diameter : float, m
     """
-    for name, value in (("rows", rows), ("columns", columns)):
-        if value < 1:
-            raise InputError(f"{name} is {value!r}, expected 1 or more taxels")
+    check_count("rows", rows, 1, MOST, "of taxels")
+    check_count("columns", columns, 1, MOST, "of taxels")
     check_positive("pitch", pitch, "between neighbouring taxels, in metres")
     _check_count(rows * columns)
     x, y = np.meshgrid(_centred(columns) * pitch, _centred(rows) * pitch)

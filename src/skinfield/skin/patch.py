@@ -154,14 +154,14 @@ class Patch:
         rows : (L,) bool array, or int array
             Mask over the taxels, or their rows in the order wanted.
         """
-        rows = np.asarray(rows)
-        if rows.dtype == np.bool_:
-            check_shape("rows", rows, (len(self),), "a mask has one entry per taxel")
-        elif rows.ndim != 1 or (rows.size and rows.dtype.kind not in "iu"):
-            raise InputError(f"rows is {rows!r}, expected a mask or whole numbers, one per taxel")
-        rows = rows if rows.size else rows.astype(np.int64)
-        if rows.dtype != np.bool_ and ((rows < -len(self)) | (rows >= len(self))).any():
-            raise InputError(f"rows holds {rows.max()}, expected rows below {len(self)}")
+        rows = np.asarray(rows) if np.size(rows) else np.zeros(0, np.int64)
+        try:
+            check_shape("rows", self.channel[rows], (None,), "a mask, or one row per taxel")
+        except IndexError as error:
+            raise InputError(
+                f"rows has shape {rows.shape} and type {rows.dtype}, expected a mask of "
+                f"{len(self)} taxels or whole numbers below {len(self)}: {error}"
+            ) from error
         return replace(self, **{name: getattr(self, name)[rows] for name in PER_TAXEL})
 
     @cached_property

@@ -1,16 +1,11 @@
 """The shape of a curved skin around each taxel: the way from its plane back into space."""
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.skin.geometry import flat_frames
-
-if TYPE_CHECKING:
-    from skinfield.skin.quadrics_kernel import Parts
 
 BLENDED = 8  # quadrics around a point that have a say in it
 FLEX = 2.5  # pitches from its taxel up to which a quadric bends; beyond, it runs on straight
@@ -27,16 +22,9 @@ class Quadrics:
 
     Parameters
     ----------
-    plane : (M, 2) array, m
-        Distinct.
-    position, normal : (M, 3) array
-        Of the taxels; m, and unit length.
-    slope : (M, 3, 2) array
-        A.
-    bend : (M, 3, 3) array, 1/m
-        B.
-    turn : (M, 3, 2) array, 1/m
-        Change of the normal with δ.
+    parts : tuple of six arrays
+        Of the M taxels: distinct places in the plane (M, 2) m, positions (M, 3) m, unit normals
+        (M, 3), A (M, 3, 2), B (M, 3, 3) 1/m, and the change of the normal with δ (M, 3, 2) 1/m.
     pitch : float, m
         Between neighbours.
 
@@ -46,31 +34,21 @@ class Quadrics:
        Int. J. Numer. Methods Eng. 15, 1980.
     """
 
-    plane: Floats
-    position: Floats
-    normal: Floats
-    slope: Floats
-    bend: Floats
-    turn: Floats
+    parts: tuple[Floats, ...]
     pitch: float
 
     def positions(self, points: Floats) -> Floats:
         """Points of the plane (N, 2) m in space (N, 3) m."""
-        from skinfield.skin.quadrics_kernel import positions
-
-        return np.asarray(positions(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
+        return self._at(points)[0]
 
     def frames(self, points: Floats) -> Floats:
         """Tangent, tangent and outward normal (N, 3, 3) at points of the plane (N, 2) m."""
-        from skinfield.skin.quadrics_kernel import frames
+        return self._at(points)[1]
 
-        return np.asarray(frames(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
+    def _at(self, points: Floats) -> tuple[Floats, Floats]:
+        from skinfield.skin.quadrics_kernel import places_and_frames
 
-    @cached_property
-    def _parts(self) -> "Parts":
-        """Of one layout, so that the kernels are compiled once."""
-        placed = _plain(self.plane), _plain(self.position), _plain(self.normal)
-        return *placed, _plain(self.slope), _plain(self.bend), _plain(self.turn)
+        return places_and_frames(_plain(points), self.parts, BLENDED, FLEX * self.pitch)
 
 
 def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: Ints) -> Quadrics:
@@ -97,7 +75,8 @@ def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: I
     frames = _rigid_frames(first, offset, rise, weight, normals)
     slope, bend = _fit(pairs, offset, rise, weight, normals, frames)
     turn = _fit_turn(pairs, offset, weight, normals)
-    return Quadrics(plane, positions, normals, slope, bend / pitch, turn / pitch, pitch)
+    parts = plane, positions, normals, slope, bend / pitch, turn / pitch
+    return Quadrics(tuple(_plain(part) for part in parts), pitch)
 
 
 def _squares(offset: Floats) -> Floats:
@@ -165,4 +144,5 @@ def _fit_turn(pairs: Ints, offset: Floats, weight: Floats, normals: Floats) -> F
 
 
 def _plain(array: Floats) -> Floats:
+    """Of one layout, so that the kernel is compiled once."""
     return np.require(array, np.float64, ("C", "W"))

@@ -11,21 +11,26 @@ import numpy as np
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
-Parts = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 TINY = 1e-12  # m
 SHORT = 1e-6  # blended normals that nearly cancel have no direction
 
 
 @njit
-def positions(points: Floats, parts: Parts, blended: int, flex: float) -> Floats:
-    """Points (N, 3) m in space; quadrics bend up to `flex` m from their taxel."""
-    plane, place, _, slope, bend, _ = parts
+def places_and_frames(
+    points: Floats, parts: tuple[Floats, ...], blended: int, flex: float
+) -> tuple[Floats, Floats]:
+    """Points (N, 3) m in space, and there tangent, tangent and outward normal (N, 3, 3) as columns.
+
+    Quadrics bend up to `flex` m from their taxel.
+    """
+    plane, place, normals, slope, bend, turn = parts
     rows, weights = np.empty(blended + 1, np.int64), np.empty(blended + 1)
-    out = np.zeros((len(points), 3))
+    out, frames = np.zeros((len(points), 3)), np.zeros((len(points), 3, 3))
     for n in range(len(points)):
+        mine = frames[n]
         count = weigh(points[n], plane, blended, rows, weights)
         for k in range(count):
-            row = rows[k]
+            row, weight = rows[k], weights[k]
             x, y = points[n, 0] - plane[row, 0], points[n, 1] - plane[row, 1]
             part = bending_part(x, y, flex)
             u, v = x * part, y * part
@@ -36,34 +41,14 @@ def positions(points: Floats, parts: Parts, blended: int, flex: float) -> Floats
                 bent = 0.5 * bent + bend[row, i, 1] * u * v
                 straight = along_x * (x - u) + along_y * (y - v)
                 flat = slope[row, i, 0] * u + slope[row, i, 1] * v
-                out[n, i] += weights[k] * (place[row, i] + flat + bent + straight)
-    return out
-
-
-@njit
-def frames(points: Floats, parts: Parts, blended: int, flex: float) -> Floats:
-    """Tangent, tangent and outward normal (N, 3, 3) as columns."""
-    plane, _, normals, slope, bend, turn = parts
-    rows, weights = np.empty(blended + 1, np.int64), np.empty(blended + 1)
-    out = np.zeros((len(points), 3, 3))
-    for n in range(len(points)):
-        mine = out[n]
-        count = weigh(points[n], plane, blended, rows, weights)
-        for k in range(count):
-            row, weight = rows[k], weights[k]
-            x, y = points[n, 0] - plane[row, 0], points[n, 1] - plane[row, 1]
-            part = bending_part(x, y, flex)
-            u, v = x * part, y * part
-            for i in range(3):
-                along_x = slope[row, i, 0] + bend[row, i, 0] * u + bend[row, i, 1] * v
-                along_y = slope[row, i, 1] + bend[row, i, 1] * u + bend[row, i, 2] * v
+                out[n, i] += weight * (place[row, i] + flat + bent + straight)
                 mine[i, 0] += weight * along_x
                 mine[i, 1] += weight * along_y
                 mine[i, 2] += weight * (normals[row, i] + turn[row, i, 0] * u + turn[row, i, 1] * v)
         if not math.sqrt(mine[0, 2] ** 2 + mine[1, 2] ** 2 + mine[2, 2] ** 2) > SHORT:
             mine[:, 2] = normals[rows[0]]
         stand_upright(mine)
-    return out
+    return out, frames
 
 
 @inner

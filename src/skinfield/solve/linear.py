@@ -76,15 +76,13 @@ def resampled(model: ObservationModel) -> tuple[Floats, Floats, NDArray[np.bool_
     inside : (K,) bool array
         Where the virtual taxels are.
     """
-    result = resampling_matrix(model.taxels, model.grid.plane)
-    inside = result.inside
+    matrix, inside = resampling_matrix(model.taxels, model.grid.plane)
     if not inside.any():
         raise InputError(
             f"none of the {len(model.grid)} nodes lies inside the hull of the {len(model.taxels)} "
             "taxels, expected some: use a finer grid or one that covers the taxels"
         )
-    weights = np.asarray(result.matrix[inside].toarray())
-    return weights, model.virtual_matrix(model.grid.plane[inside]), inside
+    return matrix[inside].toarray(), model.virtual_matrix(model.grid.plane[inside]), inside
 
 
 SINGULAR = 1e9  # condition number beyond which rounding alone is seen in the answer
