@@ -143,4 +143,6 @@ def test_errors_of_the_system_pass_by_or_break_the_bus(code: int, passes: bool) 
             wait_for(lambda: host.receive(CanMessages(4)))
         else:
             assert host.fault
+            assert host.filenos() == ()
+            assert not host.send(1, b"")
             assert host.reopen()

@@ -441,7 +441,7 @@ class SharedMemoryStream(LinkedStream):
         self._reader = SharedMemoryReader(source.boards, source.key)
         super().__init__((port_of(source.boards),), (self._reader,))
         nothing = np.zeros(0, np.uint32)
-        self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
+        self._reader.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
