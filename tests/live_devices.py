@@ -5,26 +5,29 @@ import os
 import socket
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from tempfile import gettempdir
 
 import numpy as np
+import pytest
 from bus_peers import free_port, rows_of, wait_for
 
-from skinfield.signal import Blocks, CanMessages, Channels, Count, Stream
+from skinfield.emulator import VirtualSettings
+from skinfield.emulator.packet import Ear
+from skinfield.emulator.transports import open_link
+from skinfield.signal import Blocks, CanMessages, Channels, Count, Source, Stream
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
+from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.cyskin import CySkinEncoder, on_boards, uids_of
 from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for
-from skinfield.wire.packet import encode_command, packets_of
 from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
 from skinfield.wire.sources import CySkinCan, ICubCan, PacketSerial, PacketTcp
 
-COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))
 ON_CYSKIN, CYSKIN_BOARDS = on_boards(HEXAGON)
 
@@ -160,95 +163,53 @@ class PacketSocket:
 class PacketServer:
     """A device behind a TCP server."""
 
+    bus, source_at = "tcp", lambda place: PacketTcp(72, port=int(place.rpartition(":")[2]))
+
     def __init__(self) -> None:
-        self.number, self.port = -1, 0
-        self.connections: list[socket.socket] = []
-        self.told: list[int] = []
+        self.place, self.number, self.told = self.new_place(), -1, list[int]()
         self.plug()
 
-    def plug(self) -> None:
-        self.server = socket.socket()
-        self.server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self.server.bind(("127.0.0.1", self.port))
-        self.server.listen()
-        self.server.setblocking(False)
-        self.port = self.server.getsockname()[1]
+    def new_place(self) -> str:
+        return "127.0.0.1:0"
 
-    def source(self) -> PacketTcp:
-        return PacketTcp(72, port=self.port)
+    def plug(self) -> None:
+        where = VirtualSettings(hardware="packet", bus=self.bus, channels=(self.place,))
+        self.link, self._ear = open_link(where), Ear()
+        self.place = self.link.address
+
+    def source(self) -> Source:
+        return type(self).source_at(self.place)
 
     def listen(self) -> list[int]:
-        """Kinds of all packets that it was told until now, over the newest connection."""
-        with suppress(BlockingIOError):
-            found, _ = self.server.accept()
-            found.setblocking(False)
-            self.connections.append(found)
-        with suppress(BlockingIOError):
-            self.told += [each.kind for each in packets_of(self.connections[-1].recv(1 << 16))]
+        """Kinds of all packets that it was told until now."""
+        self.told += [each.kind for each in self._ear.packets(self.link.receive())]
         return self.told
 
     def send(self, data: bytes | None = None) -> int:
         """Send one reading; blocks of counts that it makes."""
-        wait_for(self._accepted)
+        wait_for(lambda: (self.listen(), self.link.heard)[1])
         self.number += 1
-        self.connections[-1].sendall(packet(self.number) if data is None else data)
+        self.link.say(packet(self.number) if data is None else data)
+        assert not self.link.counts["refused"]
         return 1
 
-    def _accepted(self) -> bool:
-        with suppress(IndexError, OSError):
-            self.listen()
-        return bool(self.connections) and self.connections[-1].fileno() >= 0
-
     def unplug(self, stream: Stream | None = None) -> None:
-        self.close()
+        self.link.close()
 
-    def close(self) -> None:
-        for each in (*self.connections, self.server):
-            each.close()
+    close = unplug
 
 
-class SerialLine:
+class SerialLine(PacketServer):
     """A device at a pseudo-terminal, whose node keeps its name."""
 
-    def __init__(self) -> None:
-        self.path = Path(gettempdir()) / f"skinfield-{uuid.uuid4().hex}"
-        self.number, self.master = -1, -1
-        self.told: list[int] = []
-        self._heard = b""
-        self.plug()
+    bus, source_at = "serial", lambda place: PacketSerial(72, place)
 
-    def plug(self) -> None:
-        self.master, slave = os.openpty()
-        os.set_blocking(self.master, False)
-        self.path.symlink_to(os.ttyname(slave))
-        self._slave = slave
+    def new_place(self) -> str:
+        return f"{gettempdir()}/skinfield-{uuid.uuid4().hex}"
 
-    def unplug(self, stream: Stream | None = None) -> None:
-        os.close(self._slave)
-        os.close(self.master)
-        self.path.unlink()
-
-    def source(self) -> PacketSerial:
-        return PacketSerial(72, str(self.path))
-
-    def listen(self) -> list[int]:
-        """Kinds of all packets that it was told until now."""
-        with suppress(OSError):
-            self._heard += os.read(self.master, 4096)
-        while len(self._heard) >= COMMAND:
-            self.told += [each.kind for each in packets_of(self._heard[:COMMAND])]
-            self._heard = self._heard[COMMAND:]
-        return self.told
-
-    def send(self) -> int:
-        self.listen()
-        self.number += 1
-        os.write(self.master, packet(self.number))
-        return 1
-
-    def close(self) -> None:
-        if self.path.is_symlink():
-            self.unplug()
+    @property
+    def path(self) -> Path:
+        return Path(self.place)
 
 
 class SharedMemoryWriter:
@@ -307,3 +268,31 @@ class Memory:
 
     def close(self) -> None:
         self.writer.close()
+
+
+class WithDevice(SourceContract):
+    """A source with a device of its own, which sends and goes away when it is told to."""
+
+    made: type
+
+    def make(self) -> Source:
+        return self.device.source()  # type: ignore[no-any-return]
+
+    @pytest.fixture(autouse=True)
+    def _device(self) -> Iterator[None]:
+        self.device = self.made()
+        yield
+        self.device.close()
+
+    def provoke(self, stream: Stream) -> int:
+        return int(self.device.send())
+
+
+class Leaving(WithDevice):
+    """A device that can be unplugged, too."""
+
+    def unplug(self, stream: Stream) -> None:
+        self.device.unplug(stream)
+
+    def plug(self, stream: Stream) -> None:
+        self.device.plug()

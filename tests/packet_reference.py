@@ -1,5 +1,6 @@
 """Packets found and counted by plain Python, to compare the compiled decoder with."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,6 +33,15 @@ def decode(
     lengths = np.array([len(data)])
     taken = decoder.decode_many(octets, lengths, np.array([now_ns]), 0, 1, blocks, channel, seen)
     return int(seen[Count.RECEIVED] + seen[Count.FOREIGN]) - before if taken else None
+
+
+def packets_of(data: bytes) -> Iterator[Packet]:
+    """Packets that lie one after the other."""
+    at = 0
+    while at < len(data):
+        packet = packet_from_bytes(data, at)
+        yield packet
+        at += 26 + len(packet.payload)
 
 
 def raw_packet(kind: int, **fields: object) -> bytes:

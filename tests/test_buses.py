@@ -156,22 +156,6 @@ def test_a_peer_that_is_gone_breaks_nothing() -> None:
         assert board.up
 
 
-def test_a_broken_socket_is_down_until_it_is_opened_again() -> None:
-    with pair() as (host, board):
-        board.send(1, b"x")
-        receive(host, 1)
-        port = host.address[1]
-        host._socket.close()  # as ENETDOWN and such do
-        assert host.receive(CanMessages(4)) == 0
-        assert not host.up
-        assert host.fault
-        assert host.filenos() == ()
-        assert not host.send(1, b"")
-        assert host.reopen()
-        assert host.up
-        assert host.address[1] != port  # port 0: another free one
-
-
 def test_address_that_is_taken_is_no_error_but_down() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))

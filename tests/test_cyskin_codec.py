@@ -31,6 +31,7 @@ from skinfield.wire.cyskin import (
     stop_messages,
     uids_of,
 )
+from skinfield.wire.cyskin.wire import octets_behind
 
 MODULES = (CySkinModule(100), CySkinModule(101, 0b0111_1111_1110), CySkinModule(102))
 BOARDS = (CySkinBoard(5, MODULES[:2]), CySkinBoard(9, MODULES[2:], bus=1))
@@ -110,7 +111,7 @@ def test_identifiers_of_parts() -> None:
     ],
 )
 def test_check_values(checksum: Crc, expected: str) -> None:
-    assert checksum.of(b"123456789").hex() == expected
+    assert octets_behind(b"123456789", checksum).hex() == expected
 
 
 WIRES = st.builds(

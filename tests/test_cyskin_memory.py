@@ -15,7 +15,7 @@ from live_devices import SharedMemoryWriter
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
 from skinfield.wire.cyskin import CySkinBoard, CySkinModule, SharedMemoryReader, uids_of
-from skinfield.wire.cyskin.shared_memory import Area, SensorOrder
+from skinfield.wire.cyskin.shared_memory import Area
 
 MODULES = (CySkinModule(0x5678), CySkinModule(7, 0x7FE), CySkinModule(9))
 BOARD = CySkinBoard(300, MODULES)
@@ -134,7 +134,7 @@ def test_unknown_uids_are_left_out_and_counted(keys: tuple[int, int]) -> None:
         writer.write(np.arange(36), 0)
         assert reader.read(blocks, 0, seen, 5) == 1
         assert seen[Count.FOREIGN] == 1
-        assert reader.order.unknown == 2
+        assert reader.unknown == 2
         assert [int(b.payload[0]) for b in blocks_of(blocks.data)] == [0, 12, 22]
 
 
@@ -155,7 +155,7 @@ def test_areas_of_others_are_refused(keys: tuple[int, int]) -> None:
 def test_any_uids_find_their_channels(uids: list[int], known: bool) -> None:
     if known:
         uids = [int(UIDS[uid % len(UIDS)]) for uid in uids]
-    order, blocks, seen = SensorOrder([BOARD]), Blocks(1 << 14), counters()
+    order, blocks, seen = SharedMemoryReader([BOARD]), Blocks(1 << 14), counters()
     order.follow(np.array(uids, np.uint32))
     values = np.arange(len(uids), dtype=np.uint32)
     assert order.put(values, blocks, 0, seen, 5)

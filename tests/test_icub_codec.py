@@ -13,7 +13,6 @@ from skinfield.errors import InputError
 from skinfield.signal import (
     Blocks,
     CanMessages,
-    Channels,
     Count,
     ICubByte,
     Kind,
@@ -257,27 +256,6 @@ def test_a_triangle_becomes_counts_and_status():
     assert status.status == 2
     assert status.payload.tolist() == [0xFF, 0x0F]
     assert counts == Counter(RECEIVED=2, READINGS=2, BYTES=16)
-
-
-def test_encoded_triangles_come_back():
-    encoder = ICubEncoder([(13, t) for t in range(16)] + [(2, t) for t in range(16)])
-    rng = np.random.default_rng(0)
-    encoder.raw[:] = rng.integers(0x7F00, 0x8200, encoder.raw.shape)
-    encoder.raw[3] = 0xFFFF
-    assert ICubDecoder(BOARDS).channels == 576
-    messages = CanMessages(64)
-    count = encoder.encode(messages, 0, 5 * MS)
-    blocks, channels = Blocks(1 << 14), Channels(600)
-    ICubDecoder(BOARDS).decode(messages, count, blocks, 24, counters())
-    channels.apply(blocks)
-    places = 24 + 12 * np.concatenate([np.arange(16), 32 + np.arange(16)])
-    rows = places[:, None] + np.arange(12)
-    data = messages.data.reshape(32, 16)[:, [*range(1, 8), *range(9, 14)]]
-    np.testing.assert_array_equal(channels.counts[rows], data)
-    assert (channels.stamp_ns[rows] == 5 * MS).all()
-    assert (channels.status[rows[3]] & 2 == 2).all()
-    assert not (channels.status[rows[4]] & 2).any()
-    assert np.isnan(channels.counts[24 + 192 : 24 + 384]).all()  # the board of the other bus
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packet_reference import decode
+from packet_reference import decode, packets_of
 
 import skinfield
 from skinfield.signal import Blocks, Channels, Count, counters
@@ -17,7 +17,6 @@ from skinfield.wire.packet import (
     PacketEncoder,
     PacketKind,
     encode_command,
-    packets_of,
 )
 
 HEADER = Path(skinfield.__file__).parent / "wire" / "packet" / "skinfield_packet.h"

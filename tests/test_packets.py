@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from packet_reference import Reference, counts_packet, decode, raw_packet
+from packet_reference import Reference, counts_packet, decode, packets_of, raw_packet
 
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count, Kind, Status, blocks_of, counters
@@ -27,7 +27,6 @@ from skinfield.wire.packet import (
     encode_counts,
     encode_packet,
     packet_from_bytes,
-    packets_of,
 )
 from skinfield.wire.packet.kernel import RESTARTS, crc_ccitt
 

@@ -37,13 +37,7 @@ from skinfield.wire.icub import (
     configuration_for,
     load_configuration,
 )
-from skinfield.wire.sources import (
-    CySkinCan,
-    ICubCan,
-    NoReadingError,
-    PacketUdp,
-    StreamReader,
-)
+from skinfield.wire.sources import CySkinCan, ICubCan, NoReadingError, PacketUdp, StreamReader
 from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
 from skinfield.wire.sources.factory import source_from_options
 

@@ -5,58 +5,25 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import can
-import numpy as np
 import pytest
 from live_devices import (
     CYSKIN_BOARDS,
     HEXAGON,
     CySkinBoard,
     ICubBoard,
+    Leaving,
     Memory,
     PacketServer,
     PacketSocket,
     SerialLine,
+    WithDevice,
 )
 
 from skinfield.signal import Source, Stream
-from skinfield.skin.reading import Recording
 from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings
 from skinfield.wire.icub import configuration_for
-from skinfield.wire.sources import (
-    CySkinSharedMemory,
-    ICubCan,
-    PacketUdp,
-    ReplaySource,
-)
-
-
-class WithDevice(SourceContract):
-    """A source with a device of its own, which sends and goes away when it is told to."""
-
-    made: type
-
-    def make(self) -> Source:
-        return self.device.source()  # type: ignore[no-any-return]
-
-    @pytest.fixture(autouse=True)
-    def _device(self) -> Iterator[None]:
-        self.device = self.made()
-        yield
-        self.device.close()
-
-    def provoke(self, stream: Stream) -> int:
-        return int(self.device.send())
-
-
-class Leaving(WithDevice):
-    """A device that can be unplugged, too."""
-
-    def unplug(self, stream: Stream) -> None:
-        self.device.unplug(stream)
-
-    def plug(self, stream: Stream) -> None:
-        self.device.plug()
+from skinfield.wire.sources import CySkinSharedMemory, ICubCan, PacketUdp, ReplaySource
 
 
 class TestICubCan(Leaving):
@@ -113,12 +80,6 @@ class TestCySkinSharedMemory(Leaving):
     def plug(self, stream: Stream) -> None:
         super().plug(stream)
         self.device.send()
-
-
-class TestReadings(SourceContract):
-    source = ReplaySource(
-        Recording(2_000_000 * np.arange(5), np.arange(60.0).reshape(5, 12)), loop=True
-    )
 
 
 class TestReplaySource(SourceContract):

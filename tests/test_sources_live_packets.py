@@ -9,11 +9,12 @@ from pathlib import Path
 import pytest
 from bus_peers import pair, wait_for
 from live_devices import Host, PacketServer, SerialLine, packet
+from packet_reference import packets_of
 
 from skinfield.errors import InputError
 from skinfield.signal import CanMessages, Count
 from skinfield.wire.packet import PacketDevice
-from skinfield.wire.packet.packets import PacketKind, packets_of
+from skinfield.wire.packet.packets import PacketKind
 from skinfield.wire.sources import PacketSerial, PacketUdp
 
 
@@ -142,4 +143,6 @@ def test_errors_of_the_system_pass_by_or_break_the_bus(code: int, passes: bool) 
             wait_for(lambda: host.receive(CanMessages(4)))
         else:
             assert host.fault
+            assert host.filenos() == ()
+            assert not host.send(1, b"")
             assert host.reopen()

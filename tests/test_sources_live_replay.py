@@ -77,14 +77,6 @@ def test_a_reading_per_poll(tmp_path: Path) -> None:
     assert not stream.up
 
 
-def test_what_does_not_fit_comes_later() -> None:
-    stream = table()
-    found = polled(stream, START, 40)
-    for _ in range(6):
-        found += polled(stream, START + 99 * MS, 40)
-    assert [block.payload.tolist()[0] for block in found] == [0, 300, 600, 900, 0]
-
-
 @given(st.lists(st.floats(width=32), min_size=1, max_size=20))
 def test_numbers_keep_their_values(values: list[float]) -> None:
     counts = np.array([values], np.float64)

@@ -179,7 +179,8 @@ def test_faults_are_read_as_they_are_written(text, fault):
 @pytest.mark.parametrize(
     ("text", "read"),
     [
-        *((text, fault_from_text) for text in ("", "explode 3", "unplug 3@10", "dead 1+-2s")),
+        *((text, fault_from_text)
+          for text in ("", "explode 3", "unplug 3@10", "dead 1+-2s", "reboot 0@soon")),
         ("warm", temperature_from_text),
         *((text, lambda text: numbers_of(text, 6, "it"))
           for text in ("6", "-1", "4-2", "2-6", "x", "1-", "9" * 30)),

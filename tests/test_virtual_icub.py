@@ -205,7 +205,7 @@ def test_readings_that_are_too_late_are_skipped_and_counted():
 
 def test_a_whole_robot_needs_several_buses():
     skin = "rectangular:rows=40,columns=60"  # 2400 channels: 13 boards
-    with pytest.raises(InputError, match="expected 1, one for each bus"):
+    with pytest.raises(InputError, match="expected 1: one for each bus"):
         VirtualSkin(VirtualSettings(skin=skin, bus="udp", channels=("a", "b"), control=""))
     with Stepped(skin="rectangular:rows=60,columns=60", at_once=True) as stepped:  # 19 boards
         assert len(stepped.skin.hardware.addresses) == 2

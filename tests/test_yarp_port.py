@@ -205,17 +205,13 @@ class Reader(Peer):
     """A port that others connect to, by the carrier that they choose."""
 
     def talk(self, link: socket.socket, line: object) -> None:
-        head = b""
-        while len(head) < 8:
-            head += link.recv(8 - len(head))
+        head = link.recv(8, socket.MSG_WAITALL)
         if head.startswith(b"YA"):
             size = link.recv(4, socket.MSG_WAITALL)
             name = size + link.recv(struct.unpack("<i", size)[0], socket.MSG_WAITALL)
             link.sendall(yarp_number(self.port))
         else:
-            name = b""
-            while not name.endswith(b"\n"):
-                name += link.recv(1)
+            name = link.makefile("rb", buffering=0).readline()
             link.sendall(b"Welcome " + name)
         self.heard.append(head + name)
         self.got = b""

@@ -7,12 +7,11 @@ from contextlib import ExitStack, closing
 import numpy as np
 import pytest
 from bus_peers import wait_for
-from live_devices import HEXAGON
+from live_devices import HEXAGON, Leaving
 from yarp_peers import NameServer, Sender
 
 from skinfield.errors import InputError
-from skinfield.signal import Block, Blocks, Count, Kind, Source, Stream, blocks_of
-from skinfield.testing import SourceContract
+from skinfield.signal import Block, Blocks, Count, Kind, Stream, blocks_of
 from skinfield.wire.sources import YarpPort, YarpText, source_from_options
 
 FOREARM = "/icub/skin/left_forearm"
@@ -36,6 +35,17 @@ class Robot:
         wait_for(lambda: self.sender.readers)
         return stream
 
+    def send(self) -> int:
+        wait_for(lambda: self.sender.readers)
+        self.sender.send([240.0 - self.sender.number % 200] * 12)
+        return 1
+
+    def unplug(self, stream: Stream) -> None:
+        self.sender.close()
+
+    def plug(self) -> None:
+        self.sender.listen()
+
     def close(self) -> None:
         for each in (self.opened, self.server, self.sender):
             each.close()
@@ -48,26 +58,8 @@ def robot() -> Iterator[Robot]:
     made.close()
 
 
-class TestYarpText(SourceContract):
-    @pytest.fixture(autouse=True)
-    def _robot(self) -> Iterator[None]:
-        self.robot = Robot()
-        yield
-        self.robot.close()
-
-    def make(self) -> Source:
-        return self.robot.source()
-
-    def provoke(self, stream: Stream) -> int:
-        wait_for(lambda: self.robot.sender.readers)
-        self.robot.sender.send([240.0 - self.robot.sender.number % 200] * 12)
-        return 1
-
-    def unplug(self, stream: Stream) -> None:
-        self.robot.sender.close()
-
-    def plug(self, stream: Stream) -> None:
-        self.robot.sender.listen()
+class TestYarpText(Leaving):
+    made = Robot
 
 
 def blocks_when(stream: Stream, enough: int, kinds: tuple[Kind, ...] = ()) -> list[Block]:

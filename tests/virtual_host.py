@@ -1,8 +1,7 @@
 """A host for virtual skins in tests: plain Python, that shares no decoder with the package."""
 
-import time
-
 import numpy as np
+from bus_peers import rows_of, wait_for
 
 from skinfield.emulator import VirtualSettings, VirtualSkin, Wires
 from skinfield.signal import CanMessages
@@ -31,20 +30,13 @@ class Host:
         """All that has arrived, as (identifier, data)."""
         found = []
         while count := self.bus.receive(self.into):
-            for row in range(count):
-                data = self.into.data[row, : self.into.lengths[row]].tobytes()
-                found.append((int(self.into.ids[row]), data))
+            found += rows_of(self.into, count)
         return found
 
     def wait_for(self, count):
         """At least so many messages."""
-        found, until = [], time.monotonic() + LONG
-        while True:
-            found += self.messages()
-            if len(found) >= count or time.monotonic() > until:
-                break
-            time.sleep(0.001)
-        assert len(found) >= count, f"{len(found)} messages came, not {count}"
+        found = []
+        wait_for(lambda: (found.extend(self.messages()), len(found) >= count)[1])
         return found
 
     def close(self):
@@ -64,17 +56,13 @@ class Stepped:
 
     def meet(self, bus):
         """Wait until a bus knows its host, which said so with an empty datagram."""
-        until = time.monotonic() + LONG
-        while self.skin.hardware.wires[bus].bus._peer is None and time.monotonic() < until:
-            self.skin.hardware.listen(self.now_ns, 0.0)
+        wire = self.skin.hardware.wires[bus]
+        wait_for(lambda: (self.skin.hardware.listen(self.now_ns, 0.0), wire.bus._peer)[1])
 
     def hear(self):
         """Let the boards take in what the host has sent."""
-        until = time.monotonic() + LONG
-        before = self.skin.hardware.counts()["commands"]
-        while self.skin.hardware.counts()["commands"] == before:
-            self.skin.hardware.listen(self.now_ns, 0.0)
-            assert time.monotonic() < until
+        hardware, before = self.skin.hardware, self.skin.hardware.commands
+        wait_for(lambda: (hardware.listen(self.now_ns, 0.0), hardware.commands > before)[1])
 
     def tell(self, *messages, board=1):
         for message in messages:

@@ -13,8 +13,10 @@ from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.signal import CanMessages
 from skinfield.skin import Skin
-from skinfield.wire.can import Bus, BusSettings, open_bus
-from skinfield.wire.can.bus import can_interface, host_and_port
+from skinfield.wire.can import Bus, open_bus
+from skinfield.wire.can.adapters import UdpBus
+from skinfield.wire.can.bus import bus_settings
+from skinfield.wire.links import place_text
 
 if TYPE_CHECKING:
     from skinfield.wire.cyskin import CySkinBoardState
@@ -33,11 +35,9 @@ class CanWire(Wire[Message]):
     def __init__(self, bus: Bus, room: int, settings: VirtualSettings, number: int = 0) -> None:
         super().__init__(settings, number)
         self.bus, known = bus, bus.settings
-        place = getattr(bus, "address", None)
-        port = dict(known.options).get("port")
-        if place is None:
-            place = (known.channel,) if port is None else (known.channel, port)
-        self.address = ":".join(map(str, place))
+        own_port = dict(known.options).get("port")
+        host, port = bus.address if isinstance(bus, UdpBus) else (known.channel, own_port)
+        self.address = host if port is None else place_text(host, int(port))
         self.made = CanMessages(room)
         self._out = CanMessages(2 * room + 2)
 
@@ -77,16 +77,10 @@ def open_buses(settings: VirtualSettings, count: int) -> list[Bus]:
         If other channels are named than the boards need, or one cannot be opened; none is open
         then.
     """
-    channels = settings.channels or ("",) * count
-    if len(channels) != count:
-        raise InputError(
-            f"channels are {list(channels)}, expected {count}, one for each bus: the boards of "
-            f"this skin need {count} of them, with sixteen boards each"
-        )
     buses: list[Bus] = []
     with ExitStack() as undo:
-        for number, channel in enumerate(channels):
-            bus = undo.enter_context(closing(open_bus(_bus(settings, channel, number))))
+        for each in bus_settings(settings.bus, settings.channels, count, own_port=settings.port):
+            bus = undo.enter_context(closing(open_bus(each)))
             buses.append(bus)
             if not bus.up:
                 raise InputError(
@@ -95,13 +89,6 @@ def open_buses(settings: VirtualSettings, count: int) -> list[Bus]:
                 )
         undo.pop_all()
     return buses
-
-
-def _bus(settings: VirtualSettings, channel: str, number: int) -> BusSettings:
-    if settings.bus == "udp":
-        port = settings.port + number if settings.port else 0
-        return BusSettings(settings.bus, *host_and_port(channel, "127.0.0.1", port))
-    return can_interface(settings.bus, channel, number)
 
 
 StateT = TypeVar("StateT", "BoardState", "CySkinBoardState")  # what a host set a board to

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
-from skinfield.emulator.electronics import Converters, Others, manufacture
+from skinfield.emulator.electronics import Converters, manufacture
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
 from skinfield.skin import Skin
@@ -91,6 +91,7 @@ def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Convert
     """Responses of all taxels, clipped at 0 as the boards do, and the temperatures."""
     level = np.full(channels, TEMPERATURE)
     level[: sum(len(patch) for patch in skin)] = 0.0
-    others = Others(PER_KELVIN, PLAIN_NOISE * settings.noise)
-    arrays = manufacture(skin, settings)
-    return Converters(arrays, settings, level, (0.0, 65535.0), others=others)
+    return Converters(
+        manufacture(skin, settings), settings, level, (0.0, 65535.0),
+        drift=PER_KELVIN, white=PLAIN_NOISE * settings.noise,
+    )  # fmt: skip

@@ -3,7 +3,6 @@
 import random
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -48,23 +47,6 @@ def starts_of(skin: Skin) -> Ints:
     return np.cumsum([0, *(len(patch) for patch in skin)], dtype=np.int64)
 
 
-class Others(NamedTuple):
-    """Channels behind those of the taxels, which feel only warmth.
-
-    Attributes
-    ----------
-    drift : float, counts/K
-    white : float, counts
-        Standard deviation of their noise.
-    shared : int
-        How many are on one converter.
-    """
-
-    drift: float = 0.0
-    white: float = 0.0
-    shared: int = 1
-
-
 class Converters:
     """Channels of all patches one after the other, and what follows the taxels.
 
@@ -78,7 +60,11 @@ class Converters:
     limits : (lowest, highest), counts
     size : float
         Counts per count in which the electronics are given; below 0: a press lowers them.
-    others : Others
+    drift, white : float
+        Of what follows the taxels, and feels only warmth: counts/K, and standard deviation of the
+        noise in counts.
+    shared : int
+        How many of these are on one converter.
 
     Attributes
     ----------
@@ -100,7 +86,9 @@ class Converters:
         limits: tuple[float, float],
         *,
         size: float = 1.0,
-        others: Others = Others(),  # noqa: B008 - it never changes
+        drift: float = 0.0,
+        white: float = 0.0,
+        shared: int = 1,
     ) -> None:
         count = len(level)
         spare = count - sum(len(each.gain) for each in arrays)
@@ -112,14 +100,14 @@ class Converters:
 
         self.level, (self.low, self.high) = level, limits
         self.gain = size * joined("gain", 0.0)
-        self.drift = size * joined("drift", others.drift / size)
-        self._quiet = abs(size) * joined("white_noise", others.white / abs(size))
+        self.drift = size * joined("drift", drift / size)
+        self._quiet = abs(size) * joined("white_noise", white / abs(size))
         self.white = self._quiet.copy()
         converters, first = [], 0
         for each in arrays:
             converters.append(each.wiring.converter + first)
             first += each.wiring.converters
-        self._converter = np.concatenate([*converters, first + np.arange(spare) // others.shared])
+        self._converter = np.concatenate([*converters, first + np.arange(spare) // shared])
         self._common = abs(size) * settings.common_noise
         self.change: Floats = np.zeros(count)
         self.counts: Floats = np.zeros(count)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
-from skinfield.emulator.electronics import Converters, Others, manufacture, starts_of
+from skinfield.emulator.electronics import Converters, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
 from skinfield.simulate.electronics import ThermalPads
@@ -82,8 +82,10 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
     extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
     rng = np.random.default_rng([settings.seed, 3])
     level = np.rint(MIDDLE + rng.uniform(-APART, APART, int(starts[-1]) + extra))
-    others = Others(pads.per_kelvin, pads.noise * settings.noise, len(THERMAL))
-    made = Converters(arrays, settings, level, (LOW, HIGH), size=SIZE, others=others)
+    made = Converters(
+        arrays, settings, level, (LOW, HIGH), size=SIZE,
+        drift=pads.per_kelvin, white=pads.noise * settings.noise, shared=len(THERMAL),
+    )  # fmt: skip
     for number in {board.patch for board in boards if board.pads}:
         gains = np.array(pads.gains, float)[arrays[number].wiring.stage]
         made.drift[starts[number] : starts[number + 1]] = pads.per_kelvin * gains / 128.0

@@ -347,31 +347,25 @@ def _random(skin: Skin, rng: np.random.Generator) -> Scene:
 def scene_from_text(text: str, skin: Skin, seed: int) -> Scene:
     """A scene that is there by its name, or one from a ``.toml`` or ``.json`` file.
 
+    A file holds a list `press`, and `repeat_s` if it is played over and over.
+
     Raises
     ------
     InputError, FileError
-        If there is none, or the file cannot be used.
+        If there is none, or the file cannot be used; the message names the entry.
     """
-    if text in SCENES or Path(text).suffix.lower() not in (".toml", ".json"):
+    path = Path(text)
+    kind = path.suffix.lower()
+    if text in SCENES or kind not in (".toml", ".json"):
         return scene_by_name(text, skin, seed)
-    return scene_of_file(text_of_file(text), text, skin)
-
-
-def scene_of_file(text: str, path: str, skin: Skin) -> Scene:
-    """Scene of what a file holds: a list `press`, and `repeat_s` if it is played over and over.
-
-    Raises
-    ------
-    FileError
-        If an entry cannot be used; the message names it.
-    """
+    content = text_of_file(text)
     try:
-        if path.lower().endswith(".json"):
-            file = value_from_json(SceneFile, text)
+        if kind == ".json":
+            file = value_from_json(SceneFile, content)
         else:
-            file = value_from_toml(SceneFile, text, path)
-        return file.scene(Path(path).stem, skin)
+            file = value_from_toml(SceneFile, content, text)
+        return file.scene(path.stem, skin)
     except FileError:
         raise
     except InputError as error:
-        raise FileError(f"{path}: {error}") from error
+        raise FileError(f"{text}: {error}") from error

@@ -1,11 +1,10 @@
 """Virtual skin: boards as any hardware offers them, faults in time, and the loop of it all."""
 
-import heapq
-import itertools
 import math
 import os
 import select
 import time
+from bisect import insort
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,13 +37,13 @@ class FaultClock:
     ----------
     begun : Counter
         How many of each kind began.
+    active : list of Fault
     """
 
     hardware: Hardware
     begun: Counter[str] = field(default_factory=Counter)
     active: list[Fault] = field(default_factory=list)
-    _queue: list[tuple[float, int, bool, Fault]] = field(default_factory=list)
-    _order: "itertools.count[int]" = field(default_factory=itertools.count)
+    _coming: list[Fault] = field(default_factory=list)  # in the order of their beginnings
 
     def add(self, fault: Fault) -> None:
         """Take in a fault.
@@ -55,31 +54,30 @@ class FaultClock:
             If there is no such triangle, board, bus or taxel.
         """
         self.hardware.places(fault.kind, fault.what)
-        if len(self._queue) >= MOST:
+        if len(self._coming) + len(self.active) >= MOST:
             raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
-        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
+        insort(self._coming, fault, key=lambda each: each.start)
 
     @property
     def next_time(self) -> float:
         """When the next one begins or ends, s since the stream began."""
-        return self._queue[0][0] if self._queue else FOREVER
+        times = [fault.start for fault in self._coming[:1]] + [each.end for each in self.active]
+        return min(times, default=FOREVER)
 
     def advance(self, time: float, now_ns: int, warmth: float) -> None:
         """Begin and end what is due at a time, s since the stream began."""
-        while self._queue and self._queue[0][0] <= time:
-            _, _, begins, fault = heapq.heappop(self._queue)
-            if begins:
+        while (due := self.next_time) <= time:
+            if self._coming and self._coming[0].start <= due:
+                fault = self._coming.pop(0)
                 self.begun[fault.kind] += 1
                 self.active.append(fault)
                 self.hardware.begin(fault.kind, fault.what, now_ns)
-                heapq.heappush(self._queue, (fault.end, next(self._order), False, fault))
-            elif fault in self.active:
-                self._end(fault, now_ns, warmth)
+            else:
+                self._end(min(self.active, key=lambda each: each.end), now_ns, warmth)
 
     def clear(self, kind: str | None, now_ns: int, warmth: float) -> int:
         """End all faults of a kind, or all, and forget those to come; how many."""
-        self._queue = [entry for entry in self._queue if kind is not None and entry[3].kind != kind]
-        heapq.heapify(self._queue)
+        self._coming = [each for each in self._coming if kind not in (None, each.kind)]
         ending = [fault for fault in self.active if kind in (None, fault.kind)]
         for fault in ending:
             self._end(fault, now_ns, warmth)

@@ -17,7 +17,7 @@ from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.settings import from_plain
 from skinfield.settings.tree import Range
 from skinfield.wire.datagrams import bound_socket
-from skinfield.wire.links import host_and_port, resolved
+from skinfield.wire.links import host_and_port, place_text, resolved
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT
 
 LISTEN = "listen"
@@ -27,6 +27,8 @@ DATAGRAMS = 64
 
 class Link(Wire[bytes]):
     """The bus of devices that send packets; never waits.
+
+    It takes whole packets: what does not fit into a stream of bytes goes before the next.
 
     Parameters
     ----------
@@ -43,6 +45,7 @@ class Link(Wire[bytes]):
     """
 
     heard: bool
+    _rest = b""  # of a packet of which a part was taken
 
     def __init__(self, settings: VirtualSettings, channel: str) -> None:
         super().__init__(settings, 0)
@@ -66,6 +69,16 @@ class Link(Wire[bytes]):
 
     def _take(self, packet: bytes) -> bool:
         """Send a packet; False if it was not taken, and then none of it was."""
+        if self._rest:
+            self._rest = self._rest[self._write(self._rest) :]
+        if self._rest:
+            return False
+        taken = self._write(packet)
+        self._rest = packet[taken:] if taken else b""
+        return taken > 0
+
+    def _write(self, data: bytes) -> int:
+        """Bytes taken, 0 if none."""
         raise NotImplementedError
 
     def receive(self) -> bytes:
@@ -94,12 +107,6 @@ def open_link(settings: VirtualSettings) -> Link:
         ) from error
 
 
-def place_of(sock: socket.socket) -> str:
-    """Where a socket is bound, as host:port."""
-    host, port = sock.getsockname()[:2]
-    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
 class UdpLink(Link):
     """Datagrams to the host of the channel, ``host:port``; or to whoever asked last.
 
@@ -118,16 +125,16 @@ class UdpLink(Link):
             if self._peer[0] in ("127.0.0.1", "localhost"):
                 own = ("127.0.0.1", 0)
         self._socket = bound_socket(resolved(*own, "channel"))
-        self.address, self.heard = place_of(self._socket), self._peer is not None
+        self.address, self.heard = (
+            place_text(*self._socket.getsockname()[:2]),
+            self._peer is not None,
+        )
 
-    def _take(self, packet: bytes) -> bool:
-        if self._peer is None:
-            return False
+    def _write(self, data: bytes) -> int:
         try:
-            self._socket.sendto(packet, self._peer)
+            return 0 if self._peer is None else self._socket.sendto(data, self._peer)
         except OSError:
-            return False
-        return True
+            return 0
 
     def receive(self) -> bytes:
         """See `Link`."""
@@ -149,28 +156,7 @@ class UdpLink(Link):
         self._socket.close()
 
 
-class _Bytes(Link):
-    """A stream of bytes that takes whole packets; what does not fit goes before the next."""
-
-    _rest = b""
-
-    def _write(self, data: bytes) -> int:
-        """Bytes taken, 0 if none; raises BrokenPipeError when the other side is gone."""
-        raise NotImplementedError
-
-    def _take(self, packet: bytes) -> bool:
-        if self._rest:
-            self._rest = self._rest[self._write(self._rest) :]
-        if self._rest:
-            return False
-        taken = self._write(packet)
-        if taken == 0:
-            return False
-        self._rest = packet[taken:]
-        return True
-
-
-class TcpLink(_Bytes):
+class TcpLink(Link):
     """A server with one host at a time; who comes later takes over."""
 
     _client: socket.socket | None = None
@@ -179,7 +165,7 @@ class TcpLink(_Bytes):
         place = host_and_port(channel, "127.0.0.1", TCP_PORT)
         self._server = socket.create_server(place, backlog=1)
         self._server.setblocking(False)
-        self.address, self.heard = place_of(self._server), False
+        self.address, self.heard = place_text(*self._server.getsockname()[:2]), False
 
     def _write(self, data: bytes) -> int:
         if self._client is None:
@@ -227,7 +213,7 @@ class TcpLink(_Bytes):
         self._server.close()
 
 
-class TerminalLink(_Bytes):
+class TerminalLink(Link):
     """A pseudo-terminal, as a microcontroller at USB looks.
 
     The channel is the path of a link to it, which must not be there; empty for none.
@@ -364,7 +350,7 @@ class Control:
             raise InputError(
                 f"control is {address!r}, expected an address of this machine that is free: {error}"
             ) from error
-        self.address = place_of(self._socket)
+        self.address = place_text(*self._socket.getsockname()[:2])
 
     def fileno(self) -> int:
         """Of the socket."""

@@ -58,6 +58,11 @@ def host_and_port(text: str, host: str, port: int) -> tuple[str, int]:
     return before.strip("[]") or host, int(after) if after else port
 
 
+def place_text(host: str, port: int) -> str:
+    """As `host_and_port` reads it."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
 def peer_from_text(text: str) -> Place | None:
     """Address of a peer; None where the text is empty."""
     host, port = host_and_port(text, "", 0)

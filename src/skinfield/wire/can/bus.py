@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal.can import CanMessages
-from skinfield.wire.links import BreakingLink
+from skinfield.wire.links import BreakingLink, place_text
 from skinfield.wire.links import host_and_port as host_and_port
 
 PORT = 43113  # of UDP, as python-can's bus over multicast has it
@@ -103,7 +103,14 @@ HERE = "127.0.0.1"
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
 
 
-def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) -> list[BusSettings]:
+def bus_settings(
+    bus: str,
+    channels: Sequence[str],
+    count: int,
+    bitrate: int = 0,
+    *,
+    own_port: int | None = None,
+) -> list[BusSettings]:
     """Settings of `count` CAN buses of one interface.
 
     Parameters
@@ -116,6 +123,11 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
         machines, too. Of `udp_multicast`: ``group:port``. Of others: the name of the channel.
     count : int
         Buses that the boards are on.
+    bitrate : int, bit/s
+        See `BusSettings`.
+    own_port : int, optional
+        Of boards in software, whose channels of `udp` are where they are reached: the port of the
+        first bus that has no channel, the next ones follow; 0 takes those that are free.
 
     Raises
     ------
@@ -127,21 +139,21 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
             f"channels are {', '.join(channels)}, expected {count}: one for each bus that the "
             "boards are on"
         )
-    names = channels or ("",) * count
-    if bus == "udp":
-        places = (udp_places(name or HERE, PORT + i) for i, name in enumerate(names))
-        return [BusSettings(bus, *each) for each in places]
-    return [can_interface(bus, name, i, bitrate) for i, name in enumerate(names)]
-
-
-def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusSettings:
-    """Settings of bus `number` of `socketcan`, or of an interface of python-can."""
-    if bus == "socketcan":
-        return BusSettings(bus, channel or f"can{number}")
-    if bus == "udp_multicast":
-        group, port = host_and_port(channel, MULTICAST_GROUP, PORT + number)
-        return BusSettings(bus, group, options=(("port", port),))
-    return BusSettings(bus, channel, bitrate=bitrate)
+    found = []
+    for number, name in enumerate(channels or ("",) * count):
+        if bus == "udp" and own_port is not None:
+            port = own_port and own_port + number
+            found.append(BusSettings(bus, *host_and_port(name, HERE, port)))
+        elif bus == "udp":
+            found.append(BusSettings(bus, *udp_places(name or HERE, PORT + number)))
+        elif bus == "socketcan":
+            found.append(BusSettings(bus, name or f"can{number}"))
+        elif bus == "udp_multicast":
+            group, port = host_and_port(name, MULTICAST_GROUP, PORT + number)
+            found.append(BusSettings(bus, group, options=(("port", port),)))
+        else:
+            found.append(BusSettings(bus, name, bitrate=bitrate))
+    return found
 
 
 def udp_places(text: str, port: int) -> tuple[str, int, str]:
@@ -164,4 +176,4 @@ def udp_places(text: str, port: int) -> tuple[str, int, str]:
         own = "::1" if host == "::1" else HERE
     else:
         own = "::" if ":" in host else "0.0.0.0"
-    return own, 0, f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+    return own, 0, place_text(host, port)

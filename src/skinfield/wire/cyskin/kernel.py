@@ -31,7 +31,7 @@ ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and som
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
 
 
-@inner
+@njit
 def summed(octets: Octets, start: int, stop: int, check: Check) -> int:
     """Checksum of `octets[start:stop]` as a number, in the order of its octets on the wire.
 

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError, Ints, check_count
 from skinfield.signal import Blocks, Count
-from skinfield.wire.cyskin.modules import CySkinBoard, channels_of, checked_boards, uids_of
+from skinfield.wire.cyskin.modules import CySkinBoard, checked_boards, uids_of
 from skinfield.wire.links import BreakingLink
 
 HEADER_WORDS, HEADER_KEY, DATA_KEY = 10, 450, 64
@@ -44,59 +44,6 @@ IPC_STAT, SHM_RDONLY = 2, 0o10000
 SIZE_AT = 48  # octet of shm_segsz in struct shmid_ds, on Linux of 64 bits
 TRIES = 4  # snapshots before what is torn is left for the next poll
 HIGHEST_KEY = 2**31 - 1
-
-
-class SensorOrder:
-    """Responses in the order of their uids, to blocks by channel.
-
-    Parameters
-    ----------
-    boards : sequence of CySkinBoard
-        Their modules make the channels: sensor s of module m is channel 12 m + s.
-
-    Attributes
-    ----------
-    unknown : int
-        Sensors of the last uids that no module has; they are left out.
-    """
-
-    def __init__(self, boards: Iterable[CySkinBoard]) -> None:
-        boards = checked_boards(boards)
-        uids, channels = uids_of(boards)
-        order = np.argsort(uids)
-        self._known, self._channels = uids[order], channels[order]
-        self.channels = channels_of(boards)
-        self.unknown = 0
-        self._uids: Words32 = np.zeros(0, np.uint32)
-        self._take: Ints = np.zeros(0, np.int64)
-        self._runs: Ints = np.zeros(0, np.int64)
-        self._words = 0  # of the blocks of these
-
-    def follow(self, uids: Words32) -> None:
-        """Learn where the uids of the next responses belong; costs little if they are the same."""
-        if np.array_equal(uids, self._uids):
-            return
-        self._uids = uids.copy()
-        at = np.minimum(np.searchsorted(self._known, uids), len(self._known) - 1)
-        found = self._known[at] == uids
-        channels, first = np.unique(self._channels[at[found]], return_index=True)  # of twins one
-        self._take, self._runs = np.flatnonzero(found)[first], channels
-        ends = np.flatnonzero(np.diff(channels, append=-1) != 1) + 1
-        self._words = int((2 + (np.diff(ends, prepend=0) + 3) // 4).sum())
-        self.unknown = len(uids) - len(first)
-
-    def put(
-        self, responses: Words32, blocks: Blocks, channel: int, counters: Ints, now_ns: int
-    ) -> bool:
-        """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
-        from skinfield.wire.cyskin.kernel import put_pairs
-
-        if blocks.end[0] + self._words > len(blocks.words):
-            return False
-        octets = responses[self._take].astype(np.uint16).view(np.uint8)
-        into, stop = (blocks.words, blocks.octets, blocks.end), len(self._runs)
-        put_pairs(into, now_ns, channel, self._runs, 0, stop, octets, 0, False, counters)
-        return True
 
 
 class Area:
@@ -167,16 +114,29 @@ class SharedMemoryReader(BreakingLink):
 
     Parameters
     ----------
-    boards : sequence of CySkinBoard
-        Modules of the port, which give each uid its channel.
+    boards : iterable of CySkinBoard
+        Modules of the port, which give each uid its channel: sensor s of module m is 12 m + s.
     key : int
         Of the header. 450 is the tool's.
+
+    Attributes
+    ----------
+    unknown : int
+        Sensors of the last uids that no module has; they are left out.
     """
 
     def __init__(self, boards: Iterable[CySkinBoard], key: int = HEADER_KEY) -> None:
         check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
         super().__init__(f"shared memory with key {key}")
-        self.key, self.order, self.fault = key, SensorOrder(boards), f"{self.label}: no tool runs"
+        self.key, self.fault = key, f"{self.label}: no tool runs"
+        uids, channels = uids_of(checked_boards(boards))
+        order = np.argsort(uids)
+        self._known, self._channels = uids[order], channels[order]
+        self.unknown = 0
+        self._uids: Words32 = np.zeros(0, np.uint32)
+        self._take: Ints = np.zeros(0, np.int64)
+        self._runs: Ints = np.zeros(0, np.int64)
+        self._words = 0  # of the blocks of these
         self._areas: tuple[Area, Area] | None = None
         self._copies: Words32 = np.zeros((2, 0), np.uint32)
         self._sample = -1
@@ -225,16 +185,42 @@ class SharedMemoryReader(BreakingLink):
             counters[Count.MALFORMED] += 1
             self._sample = sample
             return 0
-        self.order.follow(uids)
-        if not self.order.put(responses, blocks, channel, counters, now_ns):
+        self.follow(uids)
+        if not self.put(responses, blocks, channel, counters, now_ns):
             return 0
         if 0 <= self._sample < sample:
             counters[Count.LOST] += sample - self._sample - 1
         self._sample = sample
         counters[Count.RECEIVED] += 1
-        counters[Count.FOREIGN] += self.order.unknown > 0
+        counters[Count.FOREIGN] += self.unknown > 0
         counters[Count.BYTES] += words.nbytes
         return 1
+
+    def follow(self, uids: Words32) -> None:
+        """Learn where the uids of the next responses belong; costs little if they are the same."""
+        if np.array_equal(uids, self._uids):
+            return
+        self._uids = uids.copy()
+        at = np.minimum(np.searchsorted(self._known, uids), len(self._known) - 1)
+        found = self._known[at] == uids
+        channels, first = np.unique(self._channels[at[found]], return_index=True)  # of twins one
+        self._take, self._runs = np.flatnonzero(found)[first], channels
+        ends = np.flatnonzero(np.diff(channels, append=-1) != 1) + 1
+        self._words = int((2 + (np.diff(ends, prepend=0) + 3) // 4).sum())
+        self.unknown = len(uids) - len(first)
+
+    def put(
+        self, responses: Words32, blocks: Blocks, channel: int, counters: Ints, now_ns: int
+    ) -> bool:
+        """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
+        from skinfield.wire.cyskin.kernel import put_pairs
+
+        if blocks.end[0] + self._words > len(blocks.words):
+            return False
+        octets = responses[self._take].astype(np.uint16).view(np.uint8)
+        into, stop = (blocks.words, blocks.octets, blocks.end), len(self._runs)
+        put_pairs(into, now_ns, channel, self._runs, 0, stop, octets, 0, False, counters)
+        return True
 
     def _still_there(self) -> bool:
         """Whether the keys still mean what is mapped; a writer that began anew made it anew."""

@@ -74,16 +74,6 @@ class Crc:
         """What each octet contributes (256,), for the kernels."""
         return _crc_table(self.octets, self.polynomial, self.reflected)
 
-    def of(self, data: bytes) -> bytes:
-        """Octets that follow `data`."""
-        table, crc, mask = self.table.tolist(), self.begin, (1 << 8 * self.octets) - 1
-        for octet in data:
-            if self.reflected:
-                crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
-            else:
-                crc = crc << 8 & mask ^ table[crc >> (8 * self.octets - 8) ^ octet]
-        return (crc ^ self.final).to_bytes(self.octets, "big" if self.high_first else "little")
-
 
 @cache
 def _crc_table(octets: int, polynomial: int, reflected: bool) -> Table:
@@ -119,10 +109,6 @@ class Sum:
         """See `Crc`."""
         return np.array([SUM, 1, 0, self.negated, 0, 0], np.int64)
 
-    def of(self, data: bytes) -> bytes:
-        """Octet that follows `data`."""
-        return bytes([(-sum(data) if self.negated else sum(data)) & 0xFF])
-
 
 @dataclass(frozen=True)
 class Unchecked:
@@ -145,12 +131,16 @@ class Unchecked:
         """See `Crc`."""
         return np.array([UNCHECKED, self.octets, 0, 0, 0, 0], np.int64)
 
-    def of(self, data: bytes) -> bytes:
-        """Zeros."""
-        return bytes(self.octets)
-
 
 Checksum = Crc | Sum | Unchecked
+
+
+def octets_behind(data: bytes, checksum: Checksum) -> bytes:
+    """Octets of the checksum that follow `data`; zeros where they are not looked at."""
+    from skinfield.wire.cyskin.kernel import summed
+
+    octets, check = np.frombuffer(bytearray(data), np.uint8), (checksum.numbers, checksum.table)
+    return int(summed(octets, 0, len(octets), check)).to_bytes(checksum.octets, "little")
 
 
 def usual_checksums() -> Iterator[Checksum]:
@@ -201,7 +191,7 @@ def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
     return tuple(
         checksum
         for checksum in dict.fromkeys(usual_checksums())
-        if all(checksum.of(body) == rest for body, rest in parts)
+        if all(octets_behind(body, checksum) == rest for body, rest in parts)
     )
 
 
@@ -254,7 +244,7 @@ class CySkinWire:
         check_count("command", command, FIRST_COMMAND, 255, "an octet; below are numbers")
         check_count("octets of data", len(data), 0, LONGEST_DATA, "split it up")
         body = bytes([command, len(data)]) + data
-        return body + self.checksum.of(body)
+        return body + octets_behind(body, self.checksum)
 
     def messages(self, board: int, packet: bytes) -> Iterator[Message]:
         """CAN messages that carry a packet to or from a board."""
@@ -272,5 +262,5 @@ class CySkinWire:
         body, rest = packet[:cut], packet[cut:]
         if cut < 2 or cut != 2 + body[1]:
             return None
-        whole = rest == self.checksum.of(body) or isinstance(self.checksum, Unchecked)
+        whole = rest == octets_behind(body, self.checksum) or isinstance(self.checksum, Unchecked)
         return (body[0], body[2:]) if whole else None

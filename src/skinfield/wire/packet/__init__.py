@@ -16,4 +16,3 @@ from skinfield.wire.packet.packets import encode_command as encode_command
 from skinfield.wire.packet.packets import encode_counts as encode_counts
 from skinfield.wire.packet.packets import encode_packet as encode_packet
 from skinfield.wire.packet.packets import packet_from_bytes as packet_from_bytes
-from skinfield.wire.packet.packets import packets_of as packets_of

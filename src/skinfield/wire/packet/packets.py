@@ -27,7 +27,6 @@ three bits (`X^16 + X^12 + X^5 + 1` has Hamming distance 4 below 32,752 bits).
 """
 
 from binascii import crc_hqx
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 from struct import Struct, error, pack
@@ -177,21 +176,6 @@ def packet_from_bytes(data: bytes | memoryview, start: int = 0) -> Packet:
         kind=kind, device=device, sequence=sequence, time_us=time, channel=channel, count=count,
         reading=reading, flags=flags, status=status, payload=body[HEADER_BYTES:],
     )  # fmt: skip
-
-
-def packets_of(data: bytes | memoryview) -> Iterator[Packet]:
-    """Read packets that lie one after the other; for tools and for devices, not for the loop.
-
-    Raises
-    ------
-    InputError
-        At the first that cannot be read; what was yielded before is good.
-    """
-    at = 0
-    while at < len(data):
-        packet = packet_from_bytes(data, at)
-        yield packet
-        at += HEADER_BYTES + len(packet.payload) + CRC_BYTES
 
 
 def encode_packet(packet: Packet) -> bytes:

@@ -14,7 +14,7 @@ Not more than `AT_ONCE` messages are sent in one poll; what a bus does not take 
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from time import time_ns
@@ -22,7 +22,7 @@ from time import time_ns
 import numpy as np
 
 from skinfield.errors import InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, CanDecoder, CanMessages, Count, Port
+from skinfield.signal import Blocks, CanDecoder, CanMessages, Count, Port, counters
 from skinfield.wire.can.adapters import open_bus
 from skinfield.wire.can.bus import Bus, BusSettings
 from skinfield.wire.cyskin.board import start_messages, stop_messages
@@ -185,20 +185,29 @@ ROUNDS = 8  # of a poll, so that a flood cannot keep the cycle from its other wo
 
 
 class Line:
-    """One bus of a stream, with the decoder of its messages and who attends to its boards."""
+    """One bus of a stream, with the decoder of its messages and who attends to its boards.
+
+    Parameters
+    ----------
+    settings : BusSettings
+        Of the bus, which is opened.
+    decoder : CanDecoder
+    supervision : BoardSupervision
+    """
 
     def __init__(
-        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision, counts: Ints
+        self, settings: BusSettings, decoder: CanDecoder, supervision: BoardSupervision
     ) -> None:
-        self.bus, self.decoder, self.supervision = bus, decoder, supervision
-        self._rows, self._counts = CanMessages(ROOM), counts
+        self.bus, self.decoder, self.supervision = open_bus(settings), decoder, supervision
+        self.close = self.bus.close
+        self._rows = CanMessages(ROOM)
         self._first = self._count = self._malformed = 0
-        decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
+        decoder.decode(self._rows, 0, Blocks(1024), 0, counters(), 0)  # compiles
         supervision.heard(self._rows, 0)
 
-    def take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
-        """Append the blocks of what has arrived."""
-        bus, counts = self.bus, self._counts
+    def take(self, blocks: Blocks, channel: int, counts: Ints, now_ns: int) -> None:
+        """Append the blocks of what has arrived, and count it."""
+        bus = self.bus
         for _ in range(ROUNDS):
             if self._first == self._count:
                 self._first, self._count = 0, bus.receive(self._rows)
@@ -217,53 +226,38 @@ class Line:
             self.supervision.attend(bus, now_ns)
 
 
+LineParts = tuple[BusSettings, CanDecoder, BoardSupervision]
+
+
 class ManagedStream(LinkedStream):
     """Buses, each with a decoder; see the module for when boards get messages.
 
     Parameters
     ----------
     ports : sequence of Port
-    buses : sequence of BusSettings
-        They are opened.
-    decoders : sequence of CanDecoder
-        One for each bus; all decode to the same ports.
-    supervisions : sequence of BoardSupervision
-        One for each bus.
-
-    Attributes
-    ----------
-    reconfigured : int
-        Times that a board was told its settings after the first.
+    parts : iterable of (BusSettings, CanDecoder, BoardSupervision)
+        Of each `Line`; all decode to the same ports.
     """
 
-    def __init__(
-        self,
-        ports: Sequence[Port],
-        buses: Sequence[BusSettings],
-        decoders: Sequence[CanDecoder],
-        supervisions: Sequence[BoardSupervision],
-    ) -> None:
-        self._supervisions, self._leaves = tuple(supervisions), False
+    def __init__(self, ports: Sequence[Port], parts: Iterable[LineParts]) -> None:
+        self._leaves = False
         with ExitStack() as undo:
-            self.buses = [undo.enter_context(closing(open_bus(settings))) for settings in buses]
-            super().__init__(ports, self.buses)
-            self._lines = [
-                Line(*each, self.counters)
-                for each in zip(self.buses, decoders, self._supervisions, strict=True)
-            ]
+            self._lines = [undo.enter_context(closing(Line(*each))) for each in parts]
             undo.pop_all()
-        for one in self._supervisions:
-            one.begin(time_ns())
+        self.buses = [line.bus for line in self._lines]
+        super().__init__(ports, self.buses)
+        for line in self._lines:
+            line.supervision.begin(time_ns())
 
     @property
     def reconfigured(self) -> int:
-        """See above."""
-        return sum(one.reconfigured for one in self._supervisions)
+        """Times that a board was told its settings after the first."""
+        return sum(line.supervision.reconfigured for line in self._lines)
 
     def resume(self) -> None:
         """See `Lasting`."""
-        for one in self._supervisions:
-            one.resume(time_ns())
+        for line in self._lines:
+            line.supervision.resume(time_ns())
 
     def leave(self) -> None:
         """See `Lasting`."""
@@ -271,20 +265,20 @@ class ManagedStream(LinkedStream):
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
         for line in self._lines:
-            line.take(blocks, channel, now_ns)
+            line.take(blocks, channel, self.counters, now_ns)
         self.counters[Count.OVERFLOWED] = sum(bus.overflowed for bus in self.buses)
 
     def _went_down(self, place: int) -> None:
         self._lines[place].decoder.reset()
 
     def _came_back(self, place: int, now_ns: int) -> None:
-        one = self._supervisions[place]
+        one = self._lines[place].supervision
         (one.begin if one.waiting else one.resume)(now_ns)
 
     def _stop(self) -> None:
         if not self._leaves:
-            for one, bus in zip(self._supervisions, self.buses, strict=True):
-                one.stop(bus)
+            for line in self._lines:
+                line.supervision.stop(line.bus)
 
 
 NOWHERE = 255  # bus of boards that a port has room for and this device lacks
@@ -314,17 +308,15 @@ class ICubCan:
 
     def open(self) -> ManagedStream:
         """Open the buses and tell the boards to send; see `open_bus` for what cannot be used."""
-        boards, ports = ports_of(self.configuration)  # refuses before anything is open
-        places = range(len(self.buses))
-        return ManagedStream(
-            ports,
-            self.buses,
-            [ICubDecoder(boards, p, period=self.configuration.period) for p in places],
-            [
-                icub_supervision(self.configuration, p) if self.configure else BoardSupervision()
-                for p in places
-            ],
-        )
+        configuration = self.configuration
+        boards, ports = ports_of(configuration)
+        return ManagedStream(ports, [
+            (
+                bus, ICubDecoder(boards, place, period=configuration.period),
+                icub_supervision(configuration, place) if self.configure else BoardSupervision(),
+            )
+            for place, bus in enumerate(self.buses)
+        ])  # fmt: skip
 
 
 def _check_buses(buses: Sequence[BusSettings], needed: int) -> None:
@@ -410,19 +402,13 @@ class CySkinCan:
 
     def open(self) -> ManagedStream:
         """Open the buses and start the boards; see `open_bus` for what cannot be used."""
-        places = range(len(self.buses))
-        mine = [[board for board in self.boards if board.bus == place] for place in places]
-        return ManagedStream(
-            (port_of(self.boards),),
-            self.buses,
-            [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
-            [
-                cyskin_supervision(each, self.wire, self.period_ms)
-                if self.configure
-                else BoardSupervision()
-                for each in mine
-            ],
-        )
+        parts: list[LineParts] = []
+        for place, bus in enumerate(self.buses):
+            care, mine = BoardSupervision(), [each for each in self.boards if each.bus == place]
+            if self.configure:
+                care = cyskin_supervision(mine, self.wire, self.period_ms)
+            parts.append((bus, CySkinDecoder(self.boards, place, wire=self.wire), care))
+        return ManagedStream((port_of(self.boards),), parts)
 
 
 @dataclass(frozen=True)
@@ -455,7 +441,7 @@ class SharedMemoryStream(LinkedStream):
         self._reader = SharedMemoryReader(source.boards, source.key)
         super().__init__((port_of(source.boards),), (self._reader,))
         nothing = np.zeros(0, np.uint32)
-        self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
+        self._reader.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> None:
