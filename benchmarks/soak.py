@@ -162,7 +162,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
 
 def cyclictest(granted: dict[str, Any], rate: float, seconds: float) -> Any:
     try:
-        return Cyclictest.start(
+        return Cyclictest(
             granted.get("cpu"),
             max(int(granted.get("priority", 0)), 1),
             period_ns=int(1e9 / rate),

@@ -7,11 +7,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from looks import dashed
 from matplotlib.figure import Figure
 
 from skinfield.errors import Floats
 from skinfield.lab.accuracy import NOISES, PRIORS, AccuracyPlan, Findings, computed
-from skinfield.lab.plots import LIMIT, STEPS, Curve, Panel, Scale, draw_panels
+from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.score import column, where
 from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, Level, known_entrants
 from skinfield.plot import save
@@ -36,13 +37,13 @@ def name_of(method: str) -> str:
     return NAMES.get(method, method.rpartition(":")[2])
 
 
-def distribution(name: str, values: Floats, ends: tuple[float, float], look: str = STEPS) -> Curve:
+def distribution(name: str, values: Floats, ends: tuple[float, float]) -> Curve:
     """Share of values (N,) below each error, from one end to the other; NaN counts as above all."""
     known = np.sort(values[np.isfinite(values)])
     share = np.arange(1, len(known) + 1) / max(len(values), 1)
     x = np.concatenate([[ends[0] / 10], known, [ends[1] * 10]])
     y = np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]])
-    return Curve(name, x, y, look=look)
+    return Curve(name, np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1])
 
 
 def picture_of_errors(quantity: str, findings: Findings) -> Figure:
@@ -65,13 +66,14 @@ def picture_of_errors(quantity: str, findings: Findings) -> Figure:
                 )  # fmt: skip
                 mine = [row for row in mine if not balls or row["case"] in balls]
                 if mine:
-                    look = LIMIT if name in PRIORS else STEPS
                     errors = factor * np.abs(column(mine, key))
-                    curves.append(distribution(name_of(name), errors, ends, look))
+                    curves.append(distribution(name_of(name), errors, ends))
             title = ("noise " if noise else "") + noise_in_words(quantity, noise)
             line.append(Panel(title, "", tuple(curves), scale))
         panels.append(line)
-    return draw_panels(panels)
+    figure = draw_panels(panels)
+    dashed(figure, *PRIORS)
+    return figure
 
 
 if __name__ == "__main__":

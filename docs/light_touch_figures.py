@@ -5,27 +5,34 @@ python docs/light_touch_figures.py [smoke|short|full]
 
 import sys
 import time
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import product
 from pathlib import Path
 
 import click
 import numpy as np
+from looks import dashed
 
 import skinfield as sf
 from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import Floats
 from skinfield.lab.paper import FALSE_ALARMS, LAYER, NOISES, PAPER, PLACES, RATE, paper_patch
-from skinfield.lab.plots import LIMIT, Curve, draw_panels
-from skinfield.lab.report import SIZES, Picture, Settings
+from skinfield.lab.plots import Curve, draw_panels
+from skinfield.lab.report import SHORT, SIZES, Picture, Settings
 from skinfield.lab.sections.detection import (
-    ANYWHERE,
-    Campaign,
     Statistic,
     Trial,
     Values,
     alarm_rates,
     field_peak,
     highest_taxel,
+    idle_readings,
+    noisy,
+    places_inside,
+    roc_panel,
+    shares_of,
+    threshold,
 )
 from skinfield.plot.style import plural
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
@@ -34,6 +41,7 @@ IMAGES = Path(__file__).parent / "images"
 NOISE, COUNT = 3.8e3, 40_000  # Pa; idle decisions
 
 
+ANYWHERE, ANYWHERE_PITCH = "anywhere", 0.3e-3  # m
 KINDS = (*PLACES, ANYWHERE)
 LOOKED = 15  # readings: 0.3 s at 50 Hz
 QUANTITIES: dict[str, Quantity] = {"stress": BaseStress(), "capacitance": Capacitance()}
@@ -46,6 +54,20 @@ ROCS = ((0.2, 1), (0.1, LOOKED), (0.2, LOOKED))  # N and readings
 FORCES, FEW = (0.05, 0.1, 0.2, 0.4, 0.7, 1.0), (0.1, 0.2)  # N; in smoke
 
 
+@lru_cache(maxsize=1)
+def _anywhere() -> Floats:
+    return places_inside(ANYWHERE_PITCH)
+
+
+class Touch(Trial):
+    """A load at a kind of place, or anywhere inside the taxels' hull."""
+
+    @property
+    def places(self) -> Floats:
+        """Where it may be, (P, 2) m."""
+        return _anywhere() if self.place == ANYWHERE else super().places
+
+
 @lru_cache(maxsize=8)
 def detector(settings: Settings, quantity: str, method: str) -> Detector:
     """Ours, for the paper's patch."""
@@ -56,7 +78,7 @@ def detector(settings: Settings, quantity: str, method: str) -> Detector:
         noise_std=NOISES[quantity],
         false_alarm_rate=FALSE_ALARMS,
         statistic=LargestMatch() if method == MATCH else MarginalLikelihood(),
-        spacing=SMOKE_SPACING if settings.size.name == "smoke" else None,
+        spacing=SMOKE_SPACING if settings.name == "smoke" else None,
         seed=settings.seed,
     )
 
@@ -68,34 +90,54 @@ def limit(trial: Trial, settings: Settings, seed: int, alarms: Floats, averaged:
     """
     from scipy.special import ndtr, ndtri
 
-    pressed = trial.clean(settings, settings.size.presses, 40, seed)
+    pressed = trial.clean(settings, settings.presses, 40, seed)
     clear = np.sqrt(averaged) * np.linalg.norm(pressed, axis=1)
     clear /= NOISES[trial.quantity]
     inside = np.minimum(alarms, 1 - 1e-12)
     return np.asarray(ndtr(clear[:, None] + ndtri(inside)).mean(axis=0))
 
 
-class LightTouch(Campaign):
-    """The detectors beside the paper's method and the highest taxel."""
+@dataclass(frozen=True, eq=False)
+class LightTouch:
+    """The detectors beside the paper's method and the highest taxel, by quantity."""
 
-    @classmethod
-    def of(cls, settings: Settings) -> "LightTouch":
-        """With all of its methods."""
-        made = {
-            (q, name): detector(settings, q, name) for q in QUANTITIES for name in (OURS, MATCH)
+    settings: Settings
+
+    @cached_property
+    def methods(self) -> dict[str, dict[str, Statistic]]:
+        """Statistics by name, each proportional to the scale of its readings."""
+        methods: dict[str, dict[str, Statistic]] = {
+            q: {TAXEL: highest_taxel}
+            | {name: detector(self.settings, q, name).statistics for name in (OURS, MATCH)}
+            for q in QUANTITIES
         }
-        methods: dict[str, dict[str, Statistic]] = {q: {TAXEL: highest_taxel} for q in QUANTITIES}
-        for (quantity, name), each in made.items():
-            methods[quantity][name] = each.statistics
-        prepared = PAPER.prepared(20, NOISES["stress"])
-        methods["stress"][PAPERS] = field_peak(prepared)
-        return cls(settings, methods, 42, {key: each.threshold for key, each in made.items()})
+        methods["stress"][PAPERS] = field_peak(PAPER.prepared(20, NOISES["stress"]))
+        return methods
+
+    @cached_property
+    def quiet(self) -> dict[str, Values]:
+        """Statistics (T,) of idle readings."""
+        return {q: self._values(q, idle_readings(self.settings, q, 42)) for q in QUANTITIES}
+
+    def _values(self, quantity: str, readings: Floats) -> Values:
+        return {name: each(readings) for name, each in self.methods[quantity].items()}
+
+    @cached_property
+    def levels(self) -> dict[str, dict[str, float]]:
+        """Thresholds: a detector states its own."""
+        levels = {
+            q: {name: threshold(each, FALSE_ALARMS) for name, each in quiet.items()}
+            for q, quiet in self.quiet.items()
+        }
+        for quantity, each in levels.items():
+            each |= {n: detector(self.settings, quantity, n).threshold for n in (OURS, MATCH)}
+        return levels
 
     @cached_property
     def trials(self) -> dict[Trial, int]:
         """Every quantity, kind of place and force, with a seed of its own."""
-        forces = FEW if self.settings.size.name == "smoke" else FORCES
-        every = [Trial(place, force, q) for q in QUANTITIES for place in KINDS for force in forces]
+        forces = FEW if self.settings.name == "smoke" else FORCES
+        every = [Touch(place, force, q) for q in QUANTITIES for place in KINDS for force in forces]
         return {trial: seed for seed, trial in enumerate(every)}
 
     @cached_property
@@ -106,7 +148,8 @@ class LightTouch(Campaign):
     def touched(self, trial: Trial, averaged: int) -> Values:
         """Statistics (P,) of so many readings together."""
         seed = self.trials[trial]
-        return self.pressed(trial, (40, seed), (41, seed), averaged)
+        readings = noisy(trial, self.settings, (40, seed), (41, seed), averaged)
+        return self._values(trial.quantity, readings * np.sqrt(averaged))
 
     def bound(self, trial: Trial) -> float:
         """Share that nobody finds more of."""
@@ -116,17 +159,18 @@ class LightTouch(Campaign):
 
 def rates(size: str) -> None:
     """Draw ROC curves, and print shares of light touches found, and rates of false alarms."""
-    settings = Settings(size=SIZES[size])
-    made = LightTouch.of(settings)
+    settings = SIZES[size]
+    made = LightTouch(settings)
     (IMAGES / "light-touch-roc.png").write_bytes(_picture_of_rocs(made).png)
     click.echo(f"share found (%) over {LOOKED} readings at {FALSE_ALARMS:g}")
     for trial, values in made.touches.items():
-        shares = {name: each.value for (name, _), each in made.shares(trial, values).items()}
+        levels = made.levels[trial.quantity]
+        shares = {name: each.value for name, each in shares_of(levels, values).items()}
         shares[BOUND] = made.bound(trial)
         found = ", ".join(f"{name} {100 * value:.1f}" for name, value in shares.items())
         click.echo(f"  {trial.quantity}, {trial.force:g} N {trial.place}: {found}")
     click.echo("\nfalse alarms on idle readings that no threshold was set on")
-    for quantity, method in made.levels:
+    for quantity, method in product(QUANTITIES, (OURS, MATCH)):
         sampled = detector(settings, quantity, method).false_alarms
         for stated in (1e-2, 1e-3, 1e-4):
             alarms = made.quiet[quantity][method] > sampled.threshold(stated)
@@ -139,22 +183,24 @@ def _picture_of_rocs(made: LightTouch) -> Picture:
     rows = []
     for force, averaged in ROCS:
         row = []
-        for trial in (Trial(place, force) for place in KINDS):
+        for trial in (Touch(place, force) for place in KINDS):
             values = made.touches[trial] if averaged == LOOKED else made.touched(trial, averaged)
             best = limit(trial, settings, made.trials[trial], alarms, averaged)
-            curve = Curve(BOUND, alarms, best, look=LIMIT)
-            chosen = {name: values[name] for name in METHODS}
-            row.append(made.roc_panel(trial, plural(averaged, "reading"), chosen, curve))
+            chosen, curve = {name: values[name] for name in METHODS}, Curve(BOUND, alarms, best)
+            note, quiet = plural(averaged, "reading"), made.quiet["stress"]
+            row.append(roc_panel(str(trial), note, quiet, chosen, alarms, curve))
         rows.append(row)
     caption = (
         "Receiver operating characteristics with a noise of "
         f"{NOISES['stress'] / 1e3:g} kPa in each reading: above a "
         f"single one, below {LOOKED} together, {LOOKED / RATE:g} s at {RATE:g} "
-        f"Hz. {settings.size.presses} presses of a 12 mm ball per panel, {settings.size.quiet} "
+        f"Hz. {settings.presses} presses of a 12 mm ball per panel, {settings.quiet} "
         "idle ones. Dashed: a matched filter that is told place and shape; dotted: "
         f"{FALSE_ALARMS:g} false alarms."
     )
-    return Picture.of("roc", caption, draw_panels(rows, panel_height=2.1))
+    figure = draw_panels(rows, panel_height=2.1)
+    dashed(figure, BOUND)
+    return Picture.of("roc", caption, figure)
 
 
 def traps() -> None:
@@ -173,7 +219,7 @@ def traps() -> None:
         return float(found.mean())
 
     click.echo("\nfalse alarms per 1000, and 0.1 N over a taxel found in 15 readings")
-    light = Trial("over a taxel", 0.1).clean(Settings(), 4000, 40, 9)
+    light = Trial("over a taxel", 0.1).clean(SHORT, 4000, 40, 9)
     pressed = light + rng.normal(scale=NOISE / np.sqrt(15), size=light.shape)
     for name, detector in (("as stated", plain), ("offset unknown", free), ("half", half)):
         for share in (0.0, 0.25, 0.5, 1.0):

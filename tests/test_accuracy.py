@@ -14,6 +14,7 @@ from skinfield.errors import InputError
 from skinfield.lab import accuracy, case_sets
 from skinfield.lab.accuracy import KNOWN, UNKNOWN, AccuracyPlan, Findings
 from skinfield.lab.case_sets import EXTENDED, SEVERAL, SINGLE, random_cases, random_press
+from skinfield.lab.cases import Case
 from skinfield.lab.score import column, where
 from skinfield.lab.validation import (
     FLOORS,
@@ -39,6 +40,10 @@ def presses() -> list[case_sets.RandomPress]:
     return [random_press(PATCH, index, 7, cell=0.5e-3) for index in range(FEW)]
 
 
+def case_of(press: case_sets.RandomPress) -> Case:
+    return Case.from_press(press.name, press.press, PATCH, "stress", press.pose)
+
+
 def test_shares_of_the_groups_and_what_is_in_them() -> None:
     assert Counter(case_sets.GROUPS) == {SINGLE: 12, SEVERAL: 5, EXTENDED: 3}
     for press in presses():
@@ -60,7 +65,7 @@ def test_loads_depths_and_places_are_within_what_is_said() -> None:
             (solved.forces > 0.999 * case_sets.LOADS[0])
             & (solved.forces < 1.001 * case_sets.LOADS[1])
         ).all()
-        places = np.array([contact.position for contact in press.truth.contacts])
+        places = np.array([contact.position for contact in case_of(press).truth.contacts])
         assert len(places) == len(solved.indenters)
         assert (np.abs(places - (low + high) / 2) <= inner + 0.2e-3).all()
         if press.group == SEVERAL:
@@ -75,7 +80,7 @@ def test_readings_are_those_of_the_press_moved_taxel_by_taxel() -> None:
     there = replace(body, position=(press.pose.x, press.pose.y))
     direct = sf.simulate.press(press.press.layer, [there], extent=60e-3, cell=0.25e-3)
     expected = direct.base_stress(PATCH.plane, PATCH.pad_diameter)
-    found = press.case(PATCH, "stress").readings
+    found = case_of(press).readings
     assert np.abs(found - expected).max() < 2e-3 * expected.max()
 
 
@@ -110,7 +115,7 @@ def plan_of(**changes: object) -> AccuracyPlan:
 
 def test_errors_at_the_bound_have_its_size() -> None:
     press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
-    [contact], [ball] = press.truth.contacts, press.press.indenters
+    [contact], [ball] = case_of(press).truth.contacts, press.press.indenters
     balls = [
         replace(ball, position=(0.0, 0.0), force=contact.force * part) for part in (0.95, 1.0, 1.05)
     ]
@@ -121,7 +126,9 @@ def test_errors_at_the_bound_have_its_size() -> None:
     by_force = (reads[2](seen) - reads[0](seen)) / np.log(1.05 / 0.95)
     jacobian = np.column_stack([*slopes, by_force]) / 380.0
     variance = np.diag(np.linalg.inv(jacobian.T @ jacobian))
-    rows = accuracy.bound_rows(plan_of(), [ball], press.truth, np.random.default_rng(0), 4000)
+    rows = accuracy.bound_rows(
+        plan_of(), [ball], case_of(press).truth, np.random.default_rng(0), 4000
+    )
     keys = ("place_error_mm", "force_error")
     known, unknown = (where(rows, method=name) for name in (KNOWN, UNKNOWN))
     rms = [np.sqrt(np.mean(column(known, key) ** 2)) for key in keys]
@@ -141,7 +148,7 @@ class Blind:
 
 def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:
     blind = Entrant(name="blind", solver=Blind(), nodes=10)
-    case = presses()[1].case(PATCH, "stress")
+    case = case_of(presses()[1])
     [row] = rows_of_case(case, [Level("stress", 380.0)], [blind], 0)
     assert row["missed"] == row["contacts"] == len(presses()[1].press.indenters)
     assert (row["force_error"], row["false"], row["matched"]) == (-1.0, 0, 0)
@@ -151,7 +158,7 @@ def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:
 
 
 def test_rows_of_the_known_methods() -> None:
-    case = presses()[2].case(PATCH, "stress")
+    case = case_of(presses()[2])
     levels = [Level("stress", 0.0), Level("stress", 380.0)]
     rows = list(rows_of_case(case, levels, known_entrants()[:2], 0))
     assert [row["method"] for row in rows] == [PAPER, GAUSSIAN] * 2
@@ -164,7 +171,7 @@ def test_rows_of_the_known_methods() -> None:
 
 
 def test_exact_readings_are_told_with_the_floor() -> None:
-    case = presses()[2].case(PATCH, "stress")
+    case = case_of(presses()[2])
     exact = at_level(case, Level("stress", 0.0), 3)
     np.testing.assert_array_equal(exact.readings, np.stack([case.readings] * 2))
     assert (exact.noise_std == FLOORS["stress"]).all()

@@ -88,11 +88,11 @@ def test_it_is_run_with_these_words(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         f"pathlib.Path({str(words)!r}).write_text(' '.join(rest))\n",
         monkeypatch,
     )
-    running = Cyclictest.start(3, 81, period_ns=500_000, seconds=2.0, offset_ns=250_000)
+    running = Cyclictest(3, 81, period_ns=500_000, seconds=2.0, offset_ns=250_000)
     assert running.finish().count == 100
     assert words.read_text() == "-q -t 1 -h 20000 -i 500 -D 2 -p 81 -a 3 -m --secaligned=250"
     assert not running.file.exists()
-    Cyclictest.start(None, 0, lock_memory=False).finish()
+    Cyclictest(None, 0, lock_memory=False).finish()
     assert words.read_text() == "-q -t 1 -h 20000 -i 1000 -D 20 --policy=other --secaligned=0"
 
 
@@ -102,7 +102,7 @@ def test_its_own_words_are_passed_on_when_it_fails(
 ) -> None:
     fake(tmp_path, "import sys\nsys.exit('Unable to change scheduling policy!')", monkeypatch)
     with pytest.raises(InputError, match="Unable to change scheduling policy"):
-        Cyclictest.start(0, 80).finish()
+        Cyclictest(0, 80).finish()
 
 
 def test_where_it_is_not_installed_the_error_names_the_package(
@@ -110,12 +110,12 @@ def test_where_it_is_not_installed_the_error_names_the_package(
 ) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(InputError, match="apt install rt-tests"):
-        Cyclictest.start(0, 80)
+        Cyclictest(0, 80)
 
 
 @pytest.mark.skipif(shutil.which("cyclictest") is None, reason="cyclictest is not installed")
 def test_the_real_one_counts_its_wakes() -> None:
-    running = Cyclictest.start(None, 0, period_ns=1_000_000, seconds=1.0, lock_memory=False)
+    running = Cyclictest(None, 0, period_ns=1_000_000, seconds=1.0, lock_memory=False)
     quantiles = running.finish()
     assert 1 <= quantiles.count <= 1001
     assert quantiles.p50 <= quantiles.max

@@ -6,7 +6,6 @@ import pytest
 from command_line import refused, result_of
 from test_readme import blocks
 
-from skinfield.cli.bench_tables import in_words
 from skinfield.lab.bench.scene import SMOKE
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -52,8 +51,3 @@ def test_a_name_of_no_picture_is_refused_before_anything_is_measured(
     tmp_path: Path, name: str, words: str
 ) -> None:
     assert words in refused("bench", "-o", tmp_path / name)
-
-
-def test_times_in_words() -> None:
-    said = [in_words(value) for value in (0.0, 2.34e-6, 20e-6, 1.5e-3, 9.9996e-4, 0.73, 1.25)]
-    assert said == ["0 µs", "2.34 µs", "20.0 µs", "1.50 ms", "1.00 ms", "730 ms", "1.25 s"]

@@ -1,6 +1,7 @@
 """`skinfield experiments`: one command, from nothing to a report, and on from where it stopped."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from command_line import refused, run
@@ -8,13 +9,12 @@ from command_line import refused, run
 from skinfield.lab import experiments as running
 from skinfield.lab.report import SMOKE, Experiment, Section, Settings
 
-SETTINGS = Settings(size=SMOKE)
 NAMES = ["first", "second", "last"]
 QUICK = ("experiments", "--size", "smoke", "--workers", 1)
 
 
 def quick(settings: Settings) -> Section:
-    return Section("x", "Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
+    return Section("Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
 
 
 def failing(settings: Settings) -> Section:
@@ -38,7 +38,7 @@ def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
 
 def test_other_settings_are_made_anew() -> None:
     each = Experiment("part", (), quick)
-    tasks = [running.task_of(each, Settings(size=SMOKE, seed=seed)) for seed in (0, 0, 1)]
+    tasks = [running.task_of(each, replace(SMOKE, seed=seed)) for seed in (0, 0, 1)]
     assert len({task.fingerprint for task in tasks}) == 2
 
 
@@ -56,7 +56,7 @@ def test_parts_run_side_by_side_on_one_thread_each(tmp_path: Path) -> None:
     parts = [Experiment(name, (), quick, alone=name == "last") for name in NAMES]
     seen: list[tuple[str, int, int]] = []
     before = os.environ.get("OMP_NUM_THREADS")
-    made = running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
+    made = running.run(parts, SMOKE, tmp_path, 2, lambda *step: seen.append(step))
     assert os.environ.get("OMP_NUM_THREADS") == before
     assert [section.name for section in made.sections] == NAMES
     assert made.sections[0].sentences == ("threads 1",)

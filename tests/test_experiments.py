@@ -10,7 +10,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.lab.experiments import EXPERIMENTS, chosen
 from skinfield.lab.paper import BALL, FIELD, LAYER, PAPER, PLACES, paper_patch, readings, sites
-from skinfield.lab.report import SMOKE, Settings
+from skinfield.lab.report import SMOKE as SETTINGS
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import Trial, field_peak, noisy, roc, threshold
 from skinfield.lab.sections.imposed import (
@@ -24,8 +24,6 @@ from skinfield.lab.sections.imposed import (
 from skinfield.lab.sections.resolutions import roughness
 from skinfield.lab.sections.timing import exponents
 from skinfield.simulate import press
-
-SETTINGS = Settings(size=SMOKE)
 
 
 def test_wilson_interval_of_the_textbook() -> None:

@@ -23,7 +23,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.estimate import Contact, Estimate
 from skinfield.plot.maps import plane_from_position
 from skinfield.plot.press import draw_press, heading
-from skinfield.plot.style import number, plus_minus, signed_colours
+from skinfield.plot.style import duration, number, plus_minus, signed_colours
 from skinfield.simulate import Cylinder, Press, Ring, Sphere, press
 
 
@@ -459,6 +459,8 @@ def test_numbers_have_three_digits_and_a_spread_sets_them():
     pairs = [(1.02, 0.03), (12.3, 0.4), (1.5, np.nan), (100.0, 20.0), (1.0, 1e-9), (1.0, 0.0)]
     written = ["1.02 ± 0.03", "12.3 ± 0.4", "1.50", "100 ± 20", "1.000 ± 0.000", "1.00"]
     assert [plus_minus(*pair) for pair in pairs] == written
+    times = [duration(value) for value in (0.0, 2.34e-6, 20e-6, 1.5e-3, 9.9996e-4, 0.73, 1.25)]
+    assert times == ["0 µs", "2.34 µs", "20.0 µs", "1.50 ms", "1.00 ms", "730 ms", "1.25 s"]
 
 
 def test_a_timeline_states_its_difference():

@@ -15,7 +15,6 @@ from skinfield.lab.report import (
     Picture,
     Run,
     Section,
-    Settings,
     Table,
     Verdict,
     cell_in_words,
@@ -30,19 +29,21 @@ from skinfield.lab.report import (
 )
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
-COLUMNS = ("name", "force (N)", "n")
-TABLE = Table("numbers", "Caption & <more>", COLUMNS, (("a, b", 0.12345, 3), ("c", None, 4)))
+TABLE = Table(
+    "numbers", "Caption & <more>",
+    [{"name": "a, b", "force (N)": 0.12345, "n": 3}, {"name": "c", "n": 4}],
+)  # fmt: skip
 SECTION = Section(
     name="part",
     title="A part",
     claim="The paper says 0.2 N <b>.",
     sentences=("Found 3 % & more.", "<script>alert(1)</script>"),
     pictures=(Picture("first", "What it shows", PNG),),
-    tables=(TABLE, Table("hidden", "Not shown", ("x (mm)",), ((1.0,),), on_page=False)),
+    tables=(TABLE, Table("hidden", "Not shown", [{"x (mm)": 1.0}], on_page=False)),
     verdicts=(Verdict("4", "claim", "measured", "does not hold"),),
     seconds=12.0,
 )
-RUN = Run(Settings(size=SMOKE), (SECTION,), {"data": "no folder"}, 75.0)
+RUN = Run(SMOKE, (SECTION,), {"data": "no folder"}, 75.0)
 
 
 class Page(HTMLParser):
@@ -108,7 +109,11 @@ def test_files_hold_pictures_and_tables(tmp_path: Path) -> None:
     write_files(SECTION, tmp_path)
     assert (tmp_path / "first.png").read_bytes() == PNG
     with (tmp_path / "numbers.csv").open(newline="") as file:
-        assert list(csv.reader(file)) == [[*COLUMNS], ["a, b", "0.12345", "3"], ["c", "", "4"]]
+        assert list(csv.reader(file)) == [
+            [*TABLE.columns],
+            ["a, b", "0.12345", "3"],
+            ["c", "", "4"],
+        ]
 
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
@@ -131,9 +136,9 @@ def test_words() -> None:
 
 
 def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
-    table = Table.of("t", "", [{"a": 1, "b": "x"}, {"a": 2, "c": 0.5}])
-    assert table.columns == ("a", "b", "c")
-    assert table.rows == ((1, "x", None), (2, None, 0.5))
+    table = Table("t", "", [{"a": 1, "b": "x"}, {"a": 2, "c": 0.5}])
+    assert table.columns == ["a", "b", "c"]
+    assert table.cells == [[1, "x", None], [2, None, 0.5]]
     curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]))
     panel = Panel("title", "note", (curve,), Scale(x="x (mm)", y="y", log_x=True))
     figure = draw_panels([[panel, panel]])

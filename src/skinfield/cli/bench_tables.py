@@ -9,7 +9,7 @@ from skinfield.cli.report import NONE, table
 from skinfield.lab.bench.jitter import QUANTILES
 from skinfield.lab.bench.run import INVERSION, PAPER, PAPER_REST_MS, Row, prepared_gain
 from skinfield.loop.realtime import RealTimeStatus
-from skinfield.plot.style import number
+from skinfield.plot.style import duration
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -63,7 +63,7 @@ def _cost(row: Row) -> str:
 def _rest(grids: Sequence[Row], nodes: int) -> str:
     """Of the paper's algorithm beside the inversion, by medians."""
     times = {row["name"]: row["seconds_us"]["p50"] for row in grids if row["nodes"] == nodes}
-    return in_words(1e-6 * max(times[PAPER] - times[INVERSION], 0.0))
+    return duration(1e-6 * max(times[PAPER] - times[INVERSION], 0.0))
 
 
 def _anytime(bench: Mapping[str, Any]) -> "Table":
@@ -92,31 +92,16 @@ def _anytime(bench: Mapping[str, Any]) -> "Table":
 
 
 def _deadline(row: Row) -> str:
-    return NONE if row["deadline_us"] is None else in_words(1e-6 * row["deadline_us"])
+    return NONE if row["deadline_us"] is None else duration(1e-6 * row["deadline_us"])
 
 
 def _gap(row: Row) -> str:
     return NONE if row["gap"] is None else f"{row['gap']['p50']:.0e}"
 
 
-def in_words(seconds: float) -> str:
-    """Such as "20 µs", "1.5 ms" and "0 µs", with two or three digits."""
-    if seconds <= 0.0:
-        return "0 µs"
-    for unit, size in (("s", 1.0), ("ms", 1e-3)):
-        if seconds >= 0.9995 * size:
-            return f"{_three(seconds / size)} {unit}"
-    return f"{_three(1e6 * seconds)} µs"
-
-
-def _three(value: float) -> str:
-    """Three digits, also where they round up to the next power of ten."""
-    return number(float(f"{value:.3g}"))
-
-
 def _of(found: Mapping[str, float] | None, key: str) -> str:
     """Of a distribution of times in µs."""
-    return NONE if found is None else in_words(1e-6 * found[key])
+    return NONE if found is None else duration(1e-6 * found[key])
 
 
 def _share(value: float | None) -> str:

@@ -1,6 +1,6 @@
 """`skinfield experiments`: the paper's campaign as one command."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -39,13 +39,13 @@ def experiments(
         Such as fig3,fig6: these parts alone.
     """
     from skinfield.lab.experiments import chosen, run
-    from skinfield.lab.report import PAGE, SIZES, Settings
+    from skinfield.lab.report import PAGE, SIZES
 
     wanted, folder = chosen(only.split(",")), Path(output)
     with progress("experiments", len(wanted)) as step:
         made = run(
             wanted,
-            Settings(size=SIZES[size], seed=seed),
+            replace(SIZES[size], seed=seed),
             folder,
             processes(workers),
             lambda name, done, total: step(done, total, name or "experiments"),

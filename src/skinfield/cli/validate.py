@@ -38,7 +38,7 @@ COLUMNS = (  # of the summary's rows
     Column("cold\nms", "cold_ms", 1.0, 1),
     Column("warm\nms", "warm_ms", 1.0, 2),
 )
-EACH = (
+EACH = (  # of the rows by case
     Column("case", "case"), Column("solver", "method"), Column("noise", "noise", decimals=0),
     Column("true N", "true_force_N", decimals=2), Column("force", "force_error", decimals=2),
     Column("place mm", "place_error_mm", decimals=2),
@@ -116,9 +116,9 @@ def validate(
     idle : int
         Readings of noise alone, with --unseen.
     per_case : bool
-        A line per reading, too.
+        A line per case, too.
     output : tuple of str
-        Summary (.csv), or summary and a row per reading (.json); again for both.
+        A row per case (.csv), or summary and a row per reading (.json); again for both.
     require : tuple of str
         MEASURE=MOST: exit with 1 where the median, or the share 'missed', is higher; again for
         more.
@@ -147,7 +147,7 @@ def _check_together(values: dict[str, Any]) -> None:
         **dict.fromkeys(("settings", "mechanics", "grid"), named),
         **dict.fromkeys(("quantity", "layout", "idle", "workers"), (unseen, "--unseen")),
         "seed": (unseen or noisy, "--unseen or --noise"),
-        "per_case": (not unseen, "CASES: -o FILE.json has every press"),
+        "per_case": (not unseen, "CASES: -o FILE.csv has every press"),
     }
     for name, flag in options.flags_set(validate, values):
         fits, owner = needs.get(name, (True, ""))
@@ -205,7 +205,7 @@ def _report(findings: Any, where: str, values: dict[str, Any]) -> bool:
     """Print a table for each quantity, and write; whether a limit is exceeded."""
     from skinfield.files import write_summary
     from skinfield.lab.accuracy import accuracy_rows
-    from skinfield.lab.score import write_csv
+    from skinfield.lab.score import rows_by_case, write_csv
 
     summary = accuracy_rows(findings, seed=values["seed"])
     count = report.plural(len({row["case"] for row in findings.rows}), "case")
@@ -214,14 +214,14 @@ def _report(findings: Any, where: str, values: dict[str, Any]) -> bool:
     else:  # wider than other tables
         out = Console(width=max(report.console().width, WIDE))
         if values["per_case"]:
-            out.print(report.table_of("Errors of each reading", findings.rows, EACH))
+            out.print(report.table_of("Errors of each case", rows_by_case(findings.rows), EACH))
         for quantity in dict.fromkeys(row["quantity"] for row in summary):
             mine = [row for row in summary if row["quantity"] == quantity]
             out.print(table_of_summary(mine, f"{quantity}: {count} on {where}"))
     used = {key: values[key] for key in ("solver", "settings", "mechanics", "grid", "gate_mm")}
     for name in values["output"]:
         if name.lower().endswith(".csv"):
-            write_csv(summary, name)
+            write_csv(rows_by_case(findings.rows), name)
         else:
             about = {"options": {"on": where} | used, "summary": summary}
             write_summary(name, about | {"rows": findings.rows})

@@ -71,11 +71,6 @@ class AccuracyPlan:
         """The skin's layout."""
         return by_name(self.layout)
 
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """What taxels read, each once."""
-        return tuple(dict.fromkeys(level.quantity for level in self.levels))
-
 
 @dataclass(frozen=True, eq=False)
 class Findings:
@@ -106,16 +101,16 @@ def rows_of_presses(
     for index in range(first, last):
         pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell)
         about = {"group": pressed.group}
-        for quantity in plan.quantities:
+        for quantity in dict.fromkeys(level.quantity for level in plan.levels):
             levels = [level for level in plan.levels if level.quantity == quantity]
-            case = pressed.case(patch, quantity)
+            case = Case.from_press(pressed.name, pressed.press, patch, quantity, pressed.pose)
             made = rows_of_case(case, levels, plan.entrants, noise_seed(plan.seed, index))
             rows += [about | row for row in made]
         balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
         if len(balls) == len(pressed.press.indenters):
             rng = np.random.default_rng([plan.seed, index, 1])
             about |= {"case": pressed.name}
-            bound += [about | row for row in bound_rows(plan, balls, pressed.truth, rng)]
+            bound += [about | row for row in bound_rows(plan, balls, case.truth, rng)]
     return {"rows": rows, "bound": bound}
 
 
@@ -212,18 +207,6 @@ def idle_rows(folder: Path, plan: AccuracyPlan, level: Level) -> dict[str, list[
     return {"idle": rows}
 
 
-def parts_of(plan: AccuracyPlan) -> list[Task]:
-    """Independent shares of the work, which leave no files."""
-    presses = [
-        Task(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
-        for k in range(0, plan.presses, SHARE)
-    ]
-    loud = [level for level in plan.levels if level.noise > 0]
-    return presses + [
-        Task(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level)) for level in loud
-    ]
-
-
 def computed(
     plan: AccuracyPlan,
     workers: int = 1,
@@ -236,7 +219,16 @@ def computed(
     SkinfieldError
         Where a part fails: with the last line of its traceback.
     """
-    tasks, results = parts_of(plan), {}
+    results = {}
+    tasks = [  # independent, and they leave no files
+        Task(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
+        for k in range(0, plan.presses, SHARE)
+    ]
+    tasks += [
+        Task(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
+        for level in plan.levels
+        if level.noise > 0
+    ]
     progress(0, len(tasks))
     with TemporaryDirectory(prefix="skinfield-") as folder:
         for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):

@@ -2,15 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import Floats, InputError
-from skinfield.lab.cases import Case, Truth, posed, truth_of_press
+from skinfield.lab.cases import Case
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
 from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch
@@ -109,7 +108,7 @@ def standard_cases(
         kind = KINDS[index % len(KINDS)]
         rng = np.random.default_rng([seed, index])
         x, y = ((low + high) / 2 + rng.uniform(-INSET / 2, INSET / 2, 2) * (high - low)).tolist()
-        pose = (x, y, float(rng.uniform(0.0, 2 * np.pi)))
+        pose = Pose(x, y, float(rng.uniform(0.0, 2 * np.pi)))
         name, solved = f"{index:03d}_{kind.name}", _solved(kind, cell)
         case = Case.from_press(name, solved, patch, quantity, pose, noise_std)
         yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case
@@ -122,8 +121,7 @@ def _solved(kind: Kind, cell: float) -> Press:
     return press(kind.layer, list(kind.bodies), extent=2 * AROUND, cell=cell, mechanics=cover)
 
 
-@dataclass(frozen=True, eq=False)
-class RandomPress:
+class RandomPress(NamedTuple):
     """A press that is solved about the origin, and where it is on the patch.
 
     Attributes
@@ -139,24 +137,6 @@ class RandomPress:
     group: str
     press: Press
     pose: Pose
-
-    @cached_property
-    def truth(self) -> Truth:
-        """All that is known of it, where it is on the patch."""
-        return posed(truth_of_press(self.press), self.pose)
-
-    def case(self, patch: Patch, quantity: str, noise_std: ArrayLike | None = None) -> Case:
-        """Exact readings of a patch.
-
-        Parameters
-        ----------
-        patch : Patch
-        quantity : "capacitance", "gap" or "stress"
-        noise_std : float or (L,) array, in the quantity's unit, optional
-            Which a solver may be told. Default the quantity's `typical_noise`.
-        """
-        pose = (self.pose.x, self.pose.y, self.pose.angle)
-        return Case.from_press(self.name, self.press, patch, quantity, pose, noise_std)
 
 
 def random_press(
@@ -226,7 +206,8 @@ def random_cases(
         See `random_press`.
     """
     for index in range(count):
-        case = random_press(patch, index, seed, layer, cell).case(patch, quantity, noise_std)
+        made = random_press(patch, index, seed, layer, cell)
+        case = Case.from_press(made.name, made.press, patch, quantity, made.pose, noise_std)
         yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case
 
 

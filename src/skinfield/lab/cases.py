@@ -116,22 +116,6 @@ class Truth:
         return float(sum(contact.area for contact in self.contacts))
 
 
-def posed(truth: Truth, pose: Pose) -> Truth:
-    """Truth of the press carried by a pose."""
-    displacement = truth.displacement.copy()
-    displacement[:, :2] = displacement[:, :2] @ pose.turn.T
-    places = pose.carried(np.array([c.position for c in truth.contacts]).reshape(-1, 2))
-    return replace(
-        truth,
-        plane=pose.carried(truth.plane),
-        displacement=displacement,
-        contacts=tuple(
-            replace(contact, position=(float(x), float(y)))
-            for contact, (x, y) in zip(truth.contacts, places, strict=True)
-        ),
-    )
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """Readings of a patch with the truth beside them.
@@ -236,7 +220,7 @@ class Case:
             quantity=quantity,
             readings=readings,
             noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
-            truth=posed(truth_of_press(press), where),
+            truth=truth_of_press(press, where),
             mechanics=press.mechanics,
         )
 
@@ -270,17 +254,20 @@ class Case:
         return replace(self, readings=self.readings + added, noise_std=noise, noisy=True)
 
 
-def truth_of_press(press: Press) -> Truth:
-    """All that is known of a simulated press: one contact per indenter that touches."""
+def truth_of_press(press: Press, pose: Pose) -> Truth:
+    """All that is known of a simulated press where it is: one contact per indenter that touches."""
+    displacement = press.displacement.copy()
+    displacement[:, :2] = displacement[:, :2] @ pose.turn.T
+    parts = [one for one in parts_of(press) if one["force_N"] > 0.0]
+    places = pose.carried(np.array([(one["x_m"], one["y_m"]) for one in parts]).reshape(-1, 2))
     return Truth(
         cell=press.grid.pitch,
-        plane=press.grid.plane,
+        plane=pose.carried(press.grid.plane),
         pressure=press.pressure,
-        displacement=press.displacement,
+        displacement=displacement,
         contacts=tuple(
-            TrueContact((one["x_m"], one["y_m"]), one["force_N"], one["area_m2"], one["body"])
-            for one in parts_of(press)
-            if one["force_N"] > 0.0
+            TrueContact((x, y), one["force_N"], one["area_m2"], one["body"])
+            for one, (x, y) in zip(parts, places.tolist(), strict=True)
         ),
         source="skinfield.simulate.pressing.press",
     )

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 # Okabe and Ito's palette without its yellow, which is faint on white.
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1b1b1f")
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
-LINE, LIMIT, STEPS = "line", "limit", "steps"
-LIMIT_DASHES = ((0, (6, 2)), ":")
 WIDTH, PANEL, HEAD, LEGEND_LINE = 9.6, 2.4, 0.72, 0.24  # inches
 FEW = 300.0  # ratio of the ends of an axis of few decades
 
@@ -34,8 +32,6 @@ class Curve:
     x, y : (N,) arrays
     low, high : (N,) arrays, optional
         Ends of the interval of y.
-    look : str
-        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS.
     """
 
     name: str
@@ -43,7 +39,6 @@ class Curve:
     y: Floats
     low: Floats | None = None
     high: Floats | None = None
-    look: str = LINE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +105,7 @@ def draw_panels(
     per_line = min(2 if max(map(len, names)) > 30 else 3, len(names))
     lines = -(-len(names) // per_line) + bool(foot)
     height = len(rows) * (panel_height + HEAD) + LEGEND_LINE * (lines + 2)
-    looks = _looks(curves)
+    looks = _looks(names)
     with style():
         figure = new_figure(WIDTH, height)
         figure.set_layout_engine("constrained")
@@ -140,15 +135,10 @@ def draw_panels(
     return figure
 
 
-def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
+def _looks(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Colour, dashes and mark of each name."""
-    limits = list(dict.fromkeys(each.name for each in curves if each.look == LIMIT))
-    others = dict.fromkeys(each.name for each in curves if each.look != LIMIT)
-    looks: dict[str, dict[str, Any]] = {
-        name: {"color": INK, "ls": LIMIT_DASHES[turn % 2], "lw": 1.2}
-        for turn, name in enumerate(limits)
-    }
-    for turn, name in enumerate(others):
+    looks: dict[str, dict[str, Any]] = {}
+    for turn, name in enumerate(names):
         dash = ("-", "--")[turn // len(COLOURS) % 2]
         colour, mark = COLOURS[turn % len(COLOURS)], MARKS[turn % len(MARKS)]
         looks[name] = {"color": colour, "ls": dash, "lw": 1.5, "marker": mark}
@@ -164,14 +154,12 @@ def _draw_panel(
     if panel.marked is not None:
         axes.axvline(panel.marked, color=QUIET, lw=0.8, ls=":")
     for curve in panel.curves:
-        look = dict(looks[curve.name])
+        look = looks[curve.name] | (
+            {"markersize": 4.5, "mew": 0} if scale.marks else {"marker": ""}
+        )
         if curve.low is not None and curve.high is not None:
             axes.fill_between(curve.x, curve.low, curve.high, color=look["color"], alpha=0.16, lw=0)
-        if curve.look in (LINE, STEPS):
-            look |= {"markersize": 4.5, "mew": 0} if scale.marks else {"marker": ""}
-        if curve.look == STEPS:
-            look["drawstyle"] = "steps-post"
-        (handle,) = axes.plot(curve.x, curve.y, **look)
+        (handle,) = axes.plot(curve.x, curve.y, label=curve.name, **look)
         handles.setdefault(curve.name, handle)
     _divide(axes, scale)
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Size:
+class Settings:
     """How much is computed.
 
     Parameters
@@ -38,6 +38,8 @@ class Size:
         Of the paper's algorithm per grid, when it is timed.
     grids : tuple of int
         Nodes on a side, where the paper has 10 to 40.
+    seed : int
+        Of all random numbers.
     """
 
     name: str
@@ -46,20 +48,13 @@ class Size:
     cell: float
     laps: int
     grids: tuple[int, ...] = (10, 20, 30, 40)
-
-
-SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
-SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
-FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
-SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # under a minute, minutes, longer
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """How much is computed, and the seed of all random numbers."""
-
-    size: Size = SHORT
     seed: int = 0
+
+
+SMOKE = Settings(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
+SHORT = Settings(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
+FULL = Settings(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
+SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # under a minute, minutes, longer
 
 
 Cell = str | float | int | None
@@ -75,28 +70,27 @@ class Table:
     name : str
         Of its CSV file, after the section's.
     caption : str
-    columns : tuple of str
-        With the unit in brackets, such as "force (N)".
-    rows : tuple of tuples
-        Text, numbers, or None where there is nothing to say.
+    rows : sequence of dict
+        Text, numbers, or None, by column with its unit in brackets, such as "force (N)"; a row
+        without a column has nothing to say in it.
     on_page : bool
         Whether it stands in the report; else only in its CSV file.
     """
 
     name: str
     caption: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: Sequence[Mapping[str, Any]]
     on_page: bool = True
 
-    @classmethod
-    def of(
-        cls, name: str, caption: str, rows: Sequence[Mapping[str, Any]], on_page: bool = True
-    ) -> "Table":
-        """Table of rows by column; a row without a column has nothing to say in it."""
-        columns = tuple(dict.fromkeys(key for row in rows for key in row))
-        cells = tuple(tuple(row.get(key) for key in columns) for row in rows)
-        return cls(name, caption, columns, cells, on_page)
+    @property
+    def columns(self) -> list[str]:
+        """Each once, in the order of the rows."""
+        return list(dict.fromkeys(key for row in self.rows for key in row))
+
+    @property
+    def cells(self) -> list[list[Cell]]:
+        """A list per row, with a cell for each column."""
+        return [[row.get(key) for key in self.columns] for row in self.rows]
 
 
 @dataclass(frozen=True)
@@ -131,8 +125,6 @@ class Section:
 
     Parameters
     ----------
-    name : str
-        Of its files and of its place on the page.
     title : str
     claim : str
         What the paper says, in words; empty where it says nothing.
@@ -141,9 +133,10 @@ class Section:
     pictures, tables, verdicts : tuples
     seconds : float
         Wall time that it took.
+    name : str
+        Its experiment's, which gives it: of its files and of its place on the page.
     """
 
-    name: str
     title: str
     claim: str
     sentences: tuple[str, ...]
@@ -151,6 +144,7 @@ class Section:
     tables: tuple[Table, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
     seconds: float = 0.0
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -232,7 +226,7 @@ def write_files(section: Section, own: Path) -> None:
         (own / f"{picture.name}.png").write_bytes(picture.png)
     for table in section.tables:
         with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows([table.columns, *table.rows])
+            csv.writer(file, lineterminator="\n").writerows([table.columns, *table.cells])
 
 
 def write_report(run: Run, folder: Path) -> None:
@@ -314,10 +308,9 @@ def time_in_words(seconds: float) -> str:
 
 def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
     """Names and values for the foot of the page."""
-    size = settings.size
     return [
-        ("size", f"{size.name}: {size.quiet} idle readings, {size.presses} presses per case, cells "
-         f"of {size.cell * 1e3:g} mm, {size.laps} laps"),
+        ("size", f"{settings.name}: {settings.quiet} idle readings, {settings.presses} presses per "
+         f"case, cells of {settings.cell * 1e3:g} mm, {settings.laps} laps"),
         ("seed", str(settings.seed)),
         ("layer", f"{LAYER.thickness * 1e3:g} mm, {LAYER.young_modulus / 1e3:g} kPa, Poisson's "
          f"ratio {LAYER.poisson_ratio:g}"),

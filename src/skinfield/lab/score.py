@@ -198,6 +198,26 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
     return out | {"false_per_reading": float(np.mean([row["false"] for row in rows]))}
 
 
+def rows_by_case(rows: Sequence[Row]) -> list[Row]:
+    """One row per case, noise and method: medians over its readings, and means of its counts."""
+    groups: dict[tuple[Any, ...], list[Row]] = {}
+    for row in rows:
+        same = (row.get("file"), row["case"], row["quantity"], row["noise"], row["method"])
+        groups.setdefault(same, []).append(row)
+    return [
+        {"readings": len(mine)} | {key: _middle([row[key] for row in mine]) for key in mine[0]}
+        for mine in groups.values()
+    ]
+
+
+def _middle(values: list[Any]) -> Any:
+    """Mean of counts, median of other numbers that are not NaN, and texts as they are."""
+    if not isinstance(values[0], int | float):
+        return values[0]
+    known = [value for value in values if not math.isnan(value)] or [math.nan]
+    return float(np.mean(known) if isinstance(values[0], int) else np.median(known))
+
+
 def write_csv(rows: Sequence[Row], path: str | Path) -> None:
     """Write rows under the keys of all of them, whole or not at all; NaN and None stay empty.
 

@@ -8,7 +8,6 @@ import json
 import shutil
 import subprocess
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,26 +19,32 @@ HIGHEST = 20_000  # µs: what is later is only counted
 PATIENCE = 15.0  # s that it may take beyond its time
 
 
-@dataclass(frozen=True, eq=False)
 class Cyclictest:
     """A cyclictest that runs beside this process.
 
-    Attributes
+    Parameters
     ----------
-    child : Popen
+    cpu : int or None
+        To which it is pinned.
+    priority : int
+        Of SCHED_FIFO; 0 for ordinary scheduling.
+    period_ns : int, ns
+        Whole µs.
     seconds : float, s
         That it measures.
-    file : Path
-        Of its numbers, taken away at the end.
+    offset_ns : int, ns
+        From the whole seconds of the clock, at which it begins.
+    lock_memory : bool
+        It fails where that is not permitted.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
     """
 
-    child: "subprocess.Popen[str]"
-    seconds: float
-    file: Path
-
-    @classmethod
-    def start(
-        cls,
+    def __init__(
+        self,
         cpu: int | None,
         priority: int,
         *,
@@ -47,28 +52,7 @@ class Cyclictest:
         seconds: float = 20.0,
         offset_ns: int = 0,
         lock_memory: bool = True,
-    ) -> "Cyclictest":
-        """Run it.
-
-        Parameters
-        ----------
-        cpu : int or None
-            To which it is pinned.
-        priority : int
-            Of SCHED_FIFO; 0 for ordinary scheduling.
-        period_ns : int, ns
-            Whole µs.
-        seconds : float, s
-        offset_ns : int, ns
-            From the whole seconds of the clock, at which it begins.
-        lock_memory : bool
-            It fails where that is not permitted.
-
-        Raises
-        ------
-        InputError
-            If it is not installed.
-        """
+    ) -> None:
         program = shutil.which("cyclictest")
         if program is None:
             raise InputError(
@@ -76,20 +60,20 @@ class Cyclictest:
                 "rt-tests, such as by `sudo apt install rt-tests`"
             )
         with tempfile.NamedTemporaryFile(prefix="cyclictest-", delete=False) as made:
-            file = Path(made.name)
-        words = ["-q", "-t", "1", "-h", str(HIGHEST), f"--json={file}"]
+            self.file = Path(made.name)
+        words = ["-q", "-t", "1", "-h", str(HIGHEST), f"--json={self.file}"]
         words += ["-i", str(period_ns // 1000), "-D", str(max(round(seconds), 1))]
         words += ["-p", str(priority)] if priority else ["--policy=other"]
         words += [] if cpu is None else ["-a", str(cpu)]
         words += ["-m"] if lock_memory else []
-        child = subprocess.Popen(
+        self.seconds = seconds
+        self.child = subprocess.Popen(
             [program, *words, f"--secaligned={offset_ns // 1000}"],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
         )
-        return cls(child, seconds, file)
 
     def finish(self) -> Quantiles:
         """Wait for its end and read what it measured.

@@ -203,7 +203,7 @@ def _paired(settings: JitterSettings, granted: RealTimeStatus) -> tuple[Cyclicte
     """
     period = int(1e9 / settings.rate_hz)
     try:
-        running = Cyclictest.start(
+        running = Cyclictest(
             granted.cpu,
             min(granted.priority + 1, 99) if granted.real_time else 0,
             period_ns=period,

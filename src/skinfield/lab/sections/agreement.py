@@ -146,7 +146,7 @@ def half_space_error(cells: Press) -> Row:
 
 def agreements(settings: Settings) -> list[Row]:
     """The paper's indenters and loads, as far as Hooke's law keeps them off the base."""
-    smoke = settings.size.name == "smoke"  # without the wide cylinder, which takes longest
+    smoke = settings.name == "smoke"  # without the wide cylinder, which takes longest
     rows = []
     for tip in TIPS[:3] if smoke else TIPS:
         for force in SMOKE_LOADS if smoke else LOADS:
@@ -166,7 +166,6 @@ def agreement(settings: Settings) -> Section:
     stress, moved = (_percent(column(linear, name)) for name in ("stress", "displacement"))
     base, surface = (_percent(column(rows, f"lattice_{name}")) for name in ("base", "surface"))
     return Section(
-        name="agreement",
         title="The truth and its judge, and what the half-space costs",
         claim="Simulations are compared with a commercial finite-element program; no numbers are "
         "given. The elastomer is treated as an elastic half-space, with displacements made to "
@@ -214,7 +213,7 @@ def agreement_table(rows: Sequence[Row]) -> Table:
         "under the same true pressure."
     )
     cells = [{title: row[key] for key, title in COLUMNS.items()} for row in rows]
-    return Table.of("agreement", caption, cells)
+    return Table("agreement", caption, cells)
 
 
 def _percent(values: Floats) -> str:

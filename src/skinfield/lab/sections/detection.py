@@ -1,8 +1,8 @@
 """Detection in noise, Figures 6 and 7: trials, statistics with a threshold, shares detected."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,7 +42,6 @@ from skinfield.skin.geometry import inside_hull
 
 CHUNK = 4096  # readings at once: the fields of a chunk stay within 50 MB
 TEMPLATE_PITCH = 1e-3  # m: between the places that the matched filter tries
-ANYWHERE, ANYWHERE_PITCH = "anywhere", 0.3e-3  # m
 Statistic = Callable[[Floats], Floats]
 
 
@@ -98,7 +97,7 @@ def roc(quiet: Floats, pressed: Floats, rates: Floats) -> Floats:
 
 def alarm_rates(settings: Settings, points: int = 60) -> Floats:
     """Rates of false alarms at which ROC curves are drawn, as low as the idle readings allow."""
-    return np.geomspace(max(1e-4, 4 / settings.size.quiet), 1.0, points)
+    return np.geomspace(max(1e-4, 4 / settings.quiet), 1.0, points)
 
 
 @dataclass(frozen=True)
@@ -108,6 +107,14 @@ class Trial:
     place: str
     force: float
     quantity: str = "stress"
+
+    def __str__(self) -> str:
+        return f"{self.force:g} N {self.place}"
+
+    @property
+    def places(self) -> Floats:
+        """Where it may be, (P, 2) m."""
+        return sites()[self.place]
 
     def clean(self, settings: Settings, count: int, *stream: int) -> Floats:
         """Readings (count, L) without noise, at random places of the kind.
@@ -119,15 +126,13 @@ class Trial:
         *stream : int
             Of the random numbers, after the settings' seed.
         """
-        places = _inside(ANYWHERE_PITCH) if self.place == ANYWHERE else sites()[self.place]
-        rng = np.random.default_rng([settings.seed, *stream])
+        places, rng = self.places, np.random.default_rng([settings.seed, *stream])
         at = places[rng.integers(len(places), size=count)]
-        cell = settings.size.cell
+        cell = settings.cell
         return readings(BALL, self.force, cell, at, self.quantity)
 
 
-@lru_cache(maxsize=2)
-def _inside(pitch: float) -> Floats:
+def places_inside(pitch: float) -> Floats:
     """Places (P, 2) m inside the taxels' hull."""
     plane = paper_patch().plane
     places = Grid.window(paper_patch(), plane.min(axis=0), plane.max(axis=0), pitch).plane
@@ -136,14 +141,14 @@ def _inside(pitch: float) -> Floats:
 
 def known_shape(settings: Settings) -> Floats:
     """Readings (P, L) of the 1.2 cm half-sphere at 0.5 N, everywhere inside the taxels' hull."""
-    places, cell = _inside(TEMPLATE_PITCH), settings.size.cell
+    places, cell = places_inside(TEMPLATE_PITCH), settings.cell
     return readings(BALL, 0.5, cell, places, "stress")
 
 
 def idle_readings(settings: Settings, quantity: str, *stream: int) -> Floats:
     """Readings (T, L) of an idle patch."""
     rng = np.random.default_rng([settings.seed, *stream])
-    shape = (settings.size.quiet, len(paper_patch()))
+    shape = (settings.quiet, len(paper_patch()))
     return rng.normal(scale=NOISES[quantity], size=shape)
 
 
@@ -157,7 +162,7 @@ def noisy(
     places, noise : tuples of int
         Streams of the random numbers, after the settings' seed.
     """
-    clean = trial.clean(settings, settings.size.presses, *places)
+    clean = trial.clean(settings, settings.presses, *places)
     rng = np.random.default_rng([settings.seed, *noise])
     spread = NOISES[trial.quantity] / np.sqrt(averaged)
     return clean + rng.normal(scale=spread, size=clean.shape)
@@ -175,76 +180,29 @@ class Share:
         return f"{100 * self.value:.0f} % [{low:.0f}–{high:.0f} %]"
 
 
-Values = Mapping[str, Floats]  # of a statistic, by method
+Values = dict[str, Floats]  # of a statistic, by method
 
 
-@dataclass(frozen=True, eq=False)
-class Campaign:
-    """Several methods on the same idle and pressed readings.
+def shares_of(levels: Mapping[str, float], values: Values) -> dict[str, Share]:
+    """Part of the presses (P,) above the threshold of each method."""
+    shares = {}
+    for name, each in values.items():
+        hits = int((each > levels[name]).sum())
+        shares[name] = Share(hits / len(each), wilson(hits, len(each)))
+    return shares
 
-    Parameters
-    ----------
-    settings : Settings
-    methods : mapping
-        Statistics by quantity and name, each proportional to the scale of its readings.
-    stream : int
-        Of the random numbers of the idle readings.
-    levels : mapping
-        Thresholds by quantity and name, of methods that state their own.
-    """
 
-    settings: Settings
-    methods: Mapping[str, Mapping[str, Statistic]]
-    stream: int
-    levels: Mapping[tuple[str, str], float] = field(default_factory=dict)
-
-    @cached_property
-    def quiet(self) -> dict[str, Values]:
-        """Statistics (T,) of idle readings by quantity and method."""
-        return {
-            quantity: self._values(quantity, idle_readings(self.settings, quantity, self.stream))
-            for quantity in self.methods
-        }
-
-    def _values(self, quantity: str, readings: Floats) -> Values:
-        return {name: each(readings) for name, each in self.methods[quantity].items()}
-
-    def pressed(
-        self, trial: Trial, places: tuple[int, ...], noise: tuple[int, ...], averaged: int = 1
-    ) -> Values:
-        """Statistics (P,) of `noisy` presses, scaled to the noise of one reading."""
-        drawn = noisy(trial, self.settings, places, noise, averaged)
-        return self._values(trial.quantity, drawn * np.sqrt(averaged))
-
-    def level(self, quantity: str, method: str) -> float:
-        """Threshold at the settings' rate of false alarms."""
-        if (quantity, method) in self.levels:
-            return self.levels[quantity, method]
-        return threshold(self.quiet[quantity][method], FALSE_ALARMS)
-
-    def shares(self, trial: Trial, values: Values) -> dict[tuple[str, Trial], Share]:
-        """Of every method, by method and trial."""
-        shares = {}
-        for name, each in values.items():
-            hits = int((each > self.level(trial.quantity, name)).sum())
-            shares[name, trial] = Share(hits / len(each), wilson(hits, len(each)))
-        return shares
-
-    def roc_panel(self, trial: Trial, note: str, values: Values, limit: Curve | None) -> Panel:
-        """Share detected by method against false alarms; those of the settings are marked."""
-        alarms = alarm_rates(self.settings)
-        curves = [
-            Curve(name, alarms, roc(self.quiet[trial.quantity][name], each, alarms))
-            for name, each in values.items()
-        ]
-        scale = Scale(
-            x="false alarms per decision", y="share of presses detected", log_x=True,
-            x_limits=(float(alarms[0]), 1.0), y_limits=(-0.03, 1.03),
-            x_ticks=tuple(tick for tick in (1e-4, 1e-3, 1e-2, 0.1) if tick >= alarms[0]),
-        )  # fmt: skip
-        curves += [] if limit is None else [limit]
-        title = f"{trial.force:g} N {trial.place}"
-        return Panel(title, note, tuple(curves), scale, FALSE_ALARMS)
+def roc_panel(
+    title: str, note: str, quiet: Values, pressed: Values, alarms: Floats, *others: Curve
+) -> Panel:
+    """Share detected by method against false alarms (A,); those of the settings are marked."""
+    curves = [Curve(name, alarms, roc(quiet[name], each, alarms)) for name, each in pressed.items()]
+    scale = Scale(
+        x="false alarms per decision", y="share of presses detected", log_x=True,
+        x_limits=(float(alarms[0]), 1.0), y_limits=(-0.03, 1.03),
+        x_ticks=tuple(tick for tick in (1e-4, 1e-3, 1e-2, 0.1) if tick >= alarms[0]),
+    )  # fmt: skip
+    return Panel(title, note, (*curves, *others), scale, FALSE_ALARMS)
 
 
 RAW, KNOWN = "highest taxel", "matched filter (shape known)"
@@ -262,22 +220,40 @@ CLAIM = (
 
 
 @dataclass(frozen=True, eq=False)
-class Detection(Campaign):
+class Detection:
     """The paper's method on every grid, ours on the same, and two without."""
 
-    @classmethod
-    def of(cls, settings: Settings) -> "Detection":
-        """With all of its methods."""
-        statistics: dict[str, Statistic] = {
+    settings: Settings
+
+    @cached_property
+    def methods(self) -> dict[str, Statistic]:
+        """Statistics by name, each proportional to the scale of its readings."""
+        fields = {
             f"{method.name}, {nodes} × {nodes}": field_peak(
-                method.prepared(nodes, NOISES["stress"]),
-                in_deviations=method is FIELD,
+                method.prepared(nodes, NOISES["stress"]), in_deviations=method is FIELD
             )
             for method in (PAPER, FIELD)
-            for nodes in settings.size.grids
+            for nodes in self.settings.grids
         }
-        statistics |= {RAW: highest_taxel, KNOWN: matched_filter(known_shape(settings))}
-        return cls(settings, {"stress": statistics}, 1)
+        return fields | {RAW: highest_taxel, KNOWN: matched_filter(known_shape(self.settings))}
+
+    @cached_property
+    def quiet(self) -> Values:
+        """Statistics (T,) of idle readings."""
+        idle = idle_readings(self.settings, "stress", 1)
+        return {name: each(idle) for name, each in self.methods.items()}
+
+    @cached_property
+    def levels(self) -> dict[str, float]:
+        """Thresholds at the rate of false alarms."""
+        return {name: threshold(each, FALSE_ALARMS) for name, each in self.quiet.items()}
+
+    def pressed(
+        self, trial: Trial, places: tuple[int, ...], noise: tuple[int, ...], averaged: int = 1
+    ) -> Values:
+        """Statistics (P,) of `noisy` presses, scaled to the noise of one reading."""
+        readings = noisy(trial, self.settings, places, noise, averaged) * np.sqrt(averaged)
+        return {name: each(readings) for name, each in self.methods.items()}
 
     @cached_property
     def trials(self) -> dict[Trial, Values]:
@@ -292,7 +268,9 @@ class Detection(Campaign):
     def every(self) -> dict[tuple[str, Trial], Share]:
         """Share of every method in every trial."""
         return {
-            k: v for trial, each in self.trials.items() for k, v in self.shares(trial, each).items()
+            (name, trial): share
+            for trial, each in self.trials.items()
+            for name, share in shares_of(self.levels, each).items()
         }
 
     @cached_property
@@ -301,9 +279,10 @@ class Detection(Campaign):
         averages = {}
         for place in PLACES:
             trial = Trial(place, 0.2)
-            found = [self.shares(trial, self.pressed(trial, (7,), (7, n), n)) for n in COUNTS]
+            every = [self.pressed(trial, (7,), (7, n), n) for n in COUNTS]
+            found = [shares_of(self.levels, each) for each in every]
             averages[place] = {
-                name: np.array([each[name, trial].value for each in found])
+                name: np.array([each[name].value for each in found])
                 for name in (COARSE, OURS, RAW, KNOWN)
             }
         return averages
@@ -311,7 +290,7 @@ class Detection(Campaign):
 
 def detection(settings: Settings) -> Section:
     """Rates of detection by method, grid, indenter, place and load."""
-    made = Detection.of(settings)
+    made = Detection(settings)
     needed = [
         f"{place} {', '.join(_needed(shares[name]) for name in (COARSE, OURS, KNOWN))}"
         for place, shares in made.averages.items()
@@ -329,15 +308,14 @@ def detection(settings: Settings) -> Section:
     rows = [
         {"method": name}
         | {f"{t.place}, {t.force:g} N": str(made.every[name, t]) for t in made.trials}
-        for name in made.methods["stress"]
+        for name in made.methods
     ]
     return Section(
-        name="detection",
         title="Figures 6 and 7: contact or noise",
         claim=CLAIM,
         sentences=(
-            f"{settings.size.presses} noisy presses per place and load; thresholds are set "
-            f"on {settings.size.quiet} idle readings so that one in "
+            f"{settings.presses} noisy presses per place and load; thresholds are set "
+            f"on {settings.quiet} idle readings so that one in "
             f"{1 / FALSE_ALARMS:.0f} gives a false alarm. The noise of a reading is "
             f"{NOISES['stress'] / 1e3:g} kPa: chosen because there the paper's own method "
             "misses 0.2 N and finds 0.5 N over a taxel, so that agreement in these two is no "
@@ -353,8 +331,8 @@ def detection(settings: Settings) -> Section:
             _picture_of_averages(made),
         ),
         tables=(
-            Table.of("half-sphere", caption, rows),
-            Table.of("all", "Every share.", every, on_page=False),
+            Table("half-sphere", caption, rows),
+            Table("all", "Every share.", every, on_page=False),
         ),
         verdicts=tuple(_verdicts(made)),
     )
@@ -404,7 +382,7 @@ def _verdicts(made: Detection) -> list[Verdict]:
 
 def _picture_of_examples(settings: Settings) -> Picture:
     """The paper's Figures 6 and 7: one noisy reading each, seen by three methods."""
-    patch, cell = paper_patch(), settings.size.cell
+    patch, cell = paper_patch(), settings.cell
     columns = [(PAPER, 20), (PAPER, 40), (FIELD, 40)]
     prepared = [method.prepared(n, NOISES["stress"]) for method, n in columns]
     panels = []
@@ -431,14 +409,16 @@ def _picture_of_examples(settings: Settings) -> Picture:
 
 def _picture_of_rocs(made: Detection) -> Picture:
     """Share detected against share of false alarms."""
+    settings, alarms = made.settings, alarm_rates(made.settings)
     panels = [
-        made.roc_panel(trial, "one reading", {name: each[name] for name in DRAWN}, None)
+        roc_panel(
+            str(trial), "one reading", made.quiet, {name: each[name] for name in DRAWN}, alarms
+        )
         for trial, each in made.trials.items()
     ]
-    size = made.settings.size
     caption = (
-        f"Receiver operating characteristics over {size.presses} presses of the 1.2 cm "
-        f"half-sphere and {size.quiet} idle readings, one reading each. Where a curve is "
+        f"Receiver operating characteristics over {settings.presses} presses of the 1.2 cm "
+        f"half-sphere and {settings.quiet} idle readings, one reading each. Where a curve is "
         "not to be seen, another lies on it."
     )
     return Picture.of("roc", caption, draw_panels([panels[:3], panels[3:]]))
@@ -446,7 +426,7 @@ def _picture_of_rocs(made: Detection) -> Picture:
 
 def _picture_of_averages(made: Detection) -> Picture:
     """Share found at 0.2 N against the number of readings averaged."""
-    x, presses = np.array(COUNTS, dtype=float), made.settings.size.presses
+    x, presses = np.array(COUNTS, dtype=float), made.settings.presses
     scale = Scale(
         x="readings averaged", y="share of presses found", log_x=True, y_limits=(-0.02, 1.02),
         x_ticks=tuple(x[::3]), marks=True,

@@ -222,7 +222,6 @@ def imposed(settings: Settings) -> Section:
         "same nodes."
     )
     return Section(
-        name="imposed",
         title="Figures 3 to 5: a deformation imposed on three taxels",
         claim=CLAIM,
         sentences=(
@@ -236,7 +235,7 @@ def imposed(settings: Settings) -> Section:
             for case in (ADJACENT, SEPARATE)
             for name in ("deformation", "pressure")
         ),
-        tables=(Table.of("layer", caption, [each.row for each in findings]),),
+        tables=(Table("layer", caption, [each.row for each in findings]),),
         verdicts=(
             Verdict(
                 "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT],

@@ -51,14 +51,13 @@ def resolutions(settings: Settings) -> Section:
     """Four grids side by side, with smoothness, force and place over many presses."""
     places, noisy = _pressed(settings)
     paper, ours = (
-        [_scored(method, nodes, settings, places, noisy) for nodes in settings.size.grids]
+        [_scored(method, nodes, settings, places, noisy) for nodes in settings.grids]
         for method in (PAPER, FIELD)
     )
     rough = [float(score.medians[0]) for score in paper]
     falls = all(after < before for before, after in pairwise(rough))
     caption = f"{FORCE:g} N {PLACE} taxels, over {len(places)} presses."
     return Section(
-        name="resolutions",
         title="Figure 8: one press on four grids",
         claim=CLAIM,
         sentences=(
@@ -69,7 +68,7 @@ def resolutions(settings: Settings) -> Section:
             "need not be truer: force and place say how true.",
         ),
         pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores([paper, ours])),
-        tables=(Table.of("scores", caption, [_row(score) for score in (*paper, *ours)]),),
+        tables=(Table("scores", caption, [_row(score) for score in (*paper, *ours)]),),
         verdicts=(
             Verdict(
                 "8",
@@ -84,12 +83,12 @@ def resolutions(settings: Settings) -> Section:
 
 def _pressed(settings: Settings) -> tuple[Floats, Floats]:
     """Places (T, 2) m, the first in the picture, and noisy readings (T, L)."""
-    count = min(settings.size.presses, 1000)
+    count = min(settings.presses, 1000)
     rng = np.random.default_rng([settings.seed, 8])
     sited = sites()[PLACE]
     first = np.linalg.norm(sited - [6e-3, 8e-3], axis=1).argmin()
     places = sited[np.append(first, rng.integers(len(sited), size=count - 1))]
-    cell = settings.size.cell
+    cell = settings.cell
     clean = readings(BALL, FORCE, cell, places, "stress")
     return places, clean + rng.normal(scale=NOISES["stress"], size=clean.shape)
 
@@ -121,11 +120,11 @@ def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
 
 
 def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
-    truth = [(*places[0], BALL.contact_radius(FORCE, settings.size.cell))]
+    truth = [(*places[0], BALL.contact_radius(FORCE, settings.cell))]
     rows = []
     for method, who in ((PAPER, "paper"), (FIELD, "ours")):
         row = []
-        for nodes in settings.size.grids:
+        for nodes in settings.grids:
             estimate = method.prepared(nodes, NOISES["stress"])(noisy[0])
             title = f"{who}, {nodes} × {nodes}"
             row.append(FieldPanel(title, estimate.grid, estimate.pressure * 1e-3, truth))

@@ -35,9 +35,9 @@ CLAIM = (
 
 def timing(settings: Settings) -> Section:
     """Mean and deviation of the time per reading; nothing else may run beside it."""
-    grids, count = settings.size.grids, settings.size.laps
+    grids, count = settings.grids, settings.laps
     size = BenchSize(
-        name=settings.size.name, grids=grids, readings=1, rounds=1, paper_laps=count,
+        name=settings.name, grids=grids, readings=1, rounds=1, paper_laps=count,
         laps=PREPARED_LAPS * count, steps=1,
     )  # fmt: skip
     shape = (1, len(paper_patch()))
@@ -51,7 +51,6 @@ def timing(settings: Settings) -> Section:
     deviation = max(one["std"] / one["mean"] for one in paper)
     gains = [one["p50"] / other["p50"] for one, other in zip(paper, ours, strict=True)]
     return Section(
-        name="timing",
         title="Figure 9: time per reading",
         claim=CLAIM,
         sentences=(
@@ -143,4 +142,4 @@ def _table(grids: tuple[int, ...], times: dict[str, list[Row]], gains: list[floa
         for index, nodes in enumerate(grids)
     ]
     caption = "Times per reading on one core, ours in single precision; last the paper's over ours."
-    return Table.of("times", caption, rows)
+    return Table("times", caption, rows)

@@ -17,9 +17,9 @@ from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.windows import (
     PAD,
-    Indenting,
     Skin,
     Window,
+    Yielding,
     cut,
     merged,
     resplit,
@@ -178,7 +178,7 @@ class Settled:
     """A solution on windows, beside the same bodies over the whole grid."""
 
     coverings: Coverings
-    indenting: Indenting
+    indenting: Yielding
     contact: Contact
     whole: Coverings
 
@@ -300,10 +300,10 @@ def _solve(
     start: Floats,
     tolerance: float = TOLERANCE,
 ) -> Settled:
-    indenting = Indenting(coverings.skin, coverings.windows)
+    indenting = Yielding(coverings.skin, coverings.windows)
     problem = ContactProblem(
-        indenting,
-        indenting.own(),
+        lambda pressure: indenting(pressure[None])[0],
+        indenting.own,
         coverings.chosen(coverings.each),
         coverings.bodies,
         coverings.area,

@@ -23,7 +23,9 @@ def indentation(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
     for touch in touches:
         far = skin.far(skin.carried(touch.window, -touch.traction[2]))[PAD:-PAD, PAD:-PAD]
         wide = touch.window.grown(NEAR, skin.grid.shape)
-        near = skin.near(wide)(touch.window.embedded(-touch.traction[2], wide))
+        near = LatticeConvolution(skin.near_kernel(wide))(
+            touch.window.embedded(-touch.traction[2], wide)
+        )
         far[wide.cells] = wide.centres(near)
         total += far
     return total
@@ -74,7 +76,9 @@ def gap_strain(
         sunk = convolve(-load[2])
         if window.split > split:  # near its squares the mesh sees each of them
             wide = window.grown(NEAR + 1)
-            near = skin.near(wide)(window.embedded(-touch.traction[2], wide))
+            near = LatticeConvolution(skin.near_kernel(wide))(
+                window.embedded(-touch.traction[2], wide)
+            )
             inside = slice(split, -split)
             sampled = _sampled(near, window.split // split)[inside, inside]
             sunk[_on_mesh(window.grown(NEAR), split, low)] = sampled

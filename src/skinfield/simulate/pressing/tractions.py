@@ -10,7 +10,7 @@ from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_slip,
 from skinfield.errors import Floats, check_positive
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
-from skinfield.simulate.pressing.windows import Skin, Sliding, Window, coarsened
+from skinfield.simulate.pressing.windows import Skin, Window, Yielding, coarsened
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ def add_shear(
 ) -> tuple[tuple[Touch, ...], Shear]:
     """Tangential tractions under the shears of all indenters at once, and their solution."""
     coverings, contact = settled.coverings, settled.contact
-    sliding = Sliding(coverings.skin, coverings.windows)
+    sliding = Yielding(coverings.skin, coverings.windows, tangential=True)
     touching = contact.pressure > 0
     # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
     # the border's singularity makes it act too narrow.
@@ -146,9 +146,8 @@ def add_shear(
     else:
         check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
         shear = solve_slip(problem, friction * contact.pressure)
-    along = [settled.indenting.pictures(component) for component in shear.traction]
     loaded = tuple(
-        replace(touch, traction=np.stack([x, y, touch.traction[2]]))
-        for touch, x, y in zip(touches, *along, strict=True)
+        replace(touch, traction=np.stack([*along, touch.traction[2]]))
+        for touch, along in zip(touches, sliding.pictures(shear.traction), strict=True)
     )
     return loaded, shear

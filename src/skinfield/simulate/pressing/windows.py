@@ -198,9 +198,9 @@ class Skin:
         """Of the squares of a window, m."""
         return self.grid.pitch / window.split
 
-    def near(self, window: Window) -> LatticeConvolution:
-        """Pressure on a window's squares to indentation there."""
-        return LatticeConvolution(self._within(cached_indentation_kernel, window))
+    def near_kernel(self, window: Window) -> Floats:
+        """Kernel of indentation per pressure on a window's squares."""
+        return self._within(cached_indentation_kernel, window)
 
     def near_surface(self, window: Window) -> Floats:
         """Kernel (3, 3, ...) of displacement per traction on a window's squares."""
@@ -253,117 +253,83 @@ class Skin:
         return out
 
 
-class Others:
-    """What loads in each of several windows do in all others: all at the nodes, less their own.
+class Yielding:
+    """From loads per area on the squares of several windows, one after the other, to displacement.
+
+    Pressure (1, N) Pa gives indentation (1, N) m, or tangential traction (2, N) displacement (2, N)
+    along the plane. What loads in each window do in all others is that of all at the nodes, less
+    their own.
 
     Parameters
     ----------
     skin : Skin
     windows : list of Window
-        None for a single one.
-    kernel : (..., 2 n - 1, 2 m - 1) array
-        Response at the padded grid's nodes per force.
+    tangential : bool
+
+    Attributes
+    ----------
+    own : (N,) array, m/Pa
+        Displacement of each square along its own load.
     """
 
-    def __init__(self, skin: Skin, windows: list[Window], kernel: Floats) -> None:
+    def __init__(self, skin: Skin, windows: list[Window], *, tangential: bool = False) -> None:
         self.skin, self.windows = skin, windows
-        self.stencils = [skin.stencils(window) for window in windows]
-        self.shape = [n + 2 * PAD for n in skin.grid.shape]
-        self.whole = LatticeConvolution(kernel)
-        middle = [n // 2 for n in kernel.shape[-2:]]
-        self.own = []
-        for window in windows:
-            rows, columns = window.rows + 2 * PAD, window.columns + 2 * PAD
-            part = kernel[
-                ...,
-                middle[0] - rows + 1 : middle[0] + rows,
-                middle[1] - columns + 1 : middle[1] + columns,
+        along = (slice(2), slice(2)) if tangential else (None, None)
+        kernel_of = skin.near_surface if tangential else skin.near_kernel
+        near = [kernel_of(window)[along] for window in windows]
+        self.near = [LatticeConvolution(kernel) for kernel in near]
+        self.own = np.concatenate(
+            [
+                np.full(window.size, _middle(kernel, 1, 1)[0, 0])
+                for window, kernel in zip(windows, near, strict=True)
             ]
-            self.own.append(LatticeConvolution(part))
+        )
+        ends = np.cumsum([0, *(window.size for window in windows)])
+        self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self.far: list[tuple[LatticeConvolution, Floats, Floats]] = []
+        if len(windows) > 1:
+            kernel = (skin.far_surface if tangential else skin.far_kernel)[along]
+            self.whole = LatticeConvolution(kernel)
+            sizes = [(window.rows + 2 * PAD, window.columns + 2 * PAD) for window in windows]
+            self.far = [
+                (LatticeConvolution(_middle(kernel, *size)), *skin.stencils(window))
+                for window, size in zip(windows, sizes, strict=True)
+            ]
 
-    def __call__(self, pictures: list[Floats]) -> list[Floats]:
-        """Response (..., rows, columns) in each window to loads per area in the others."""
-        total = np.zeros(self.shape)
+    def __call__(self, loads: Floats) -> Floats:
+        """Displacement (J, N) m of loads (J, N) Pa."""
+        pictures = self.pictures(loads)
+        moved = [near(each, total=True) for near, each in zip(self.near, pictures, strict=True)]
+        if self.far:
+            moved = [a + b for a, b in zip(moved, self._by_others(pictures), strict=True)]
+        return np.concatenate([each.reshape(len(loads), -1) for each in moved], axis=1)
+
+    def _by_others(self, pictures: list[Floats]) -> list[Floats]:
+        """Displacement (J, rows, columns) m in each window by the loads in the others."""
+        total = np.zeros((len(pictures[0]), *(n + 2 * PAD for n in self.skin.grid.shape)))
         forces = []
-        for window, picture, (along, across) in zip(
-            self.windows, pictures, self.stencils, strict=True
+        for window, picture, (_, along, across) in zip(
+            self.windows, pictures, self.far, strict=True
         ):
-            force = along.T @ (picture * self.skin.side(window) ** 2) @ across
-            total[self.skin.nodes(window)] += force
-            forces.append(force)
-        every = self.whole(total)
+            forces.append(along.T @ (picture * self.skin.side(window) ** 2) @ across)
+            total[:, *self.skin.nodes(window)] += forces[-1]
+        every = self.whole(total, total=True)
         return [
-            along @ (every[..., *self.skin.nodes(window)] - own(force)) @ across.T
-            for window, force, own, (along, across) in zip(
-                self.windows, forces, self.own, self.stencils, strict=True
+            along @ (every[:, *self.skin.nodes(window)] - own(force, total=True)) @ across.T
+            for window, force, (own, along, across) in zip(
+                self.windows, forces, self.far, strict=True
             )
         ]
 
-
-class Indenting:
-    """From pressure on the squares of several windows, one after the other, to indentation."""
-
-    def __init__(self, skin: Skin, windows: list[Window]) -> None:
-        self.skin, self.windows = skin, windows
-        self.near = [skin.near(window) for window in windows]
-        self.others = Others(skin, windows, skin.far_kernel) if len(windows) > 1 else None
-        ends = np.cumsum([0, *(window.size for window in windows)])
-        self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
-
-    def __call__(self, pressure: Floats) -> Floats:
-        """Indentation (N,) m of a pressure (N,) Pa."""
-        pictures = self.pictures(pressure)
-        moved = [near(picture) for near, picture in zip(self.near, pictures, strict=True)]
-        if self.others is not None:
-            moved = [a + b for a, b in zip(moved, self.others(pictures), strict=True)]
-        return np.concatenate([part.ravel() for part in moved])
-
     def pictures(self, values: NDArray[Any]) -> list[NDArray[Any]]:
-        """Of each window, (rows, columns)."""
+        """Of values (..., N) those of each window, (..., rows, columns)."""
         return [
-            values[part].reshape(window.shape)
+            values[..., part].reshape(*values.shape[:-1], *window.shape)
             for part, window in zip(self.parts, self.windows, strict=True)
         ]
 
-    def own(self) -> Floats:
-        """Indentation (N,) m of each square per Pa on itself."""
-        out = np.empty(self.parts[-1].stop)
-        for part, window in zip(self.parts, self.windows, strict=True):
-            side = self.skin.side(window)
-            kernel = cached_indentation_kernel(
-                self.skin.mechanics, self.skin.layer, side, side, 0, 0
-            )
-            out[part] = kernel[0, 0]
-        return out
 
-
-class Sliding:
-    """From tangential traction (2, N) on the squares of windows to displacement (2, N) there."""
-
-    def __init__(self, skin: Skin, windows: list[Window]) -> None:
-        self.skin = skin
-        self.indenting = Indenting(skin, windows)
-        kernels = [skin.near_surface(window) for window in windows]
-        self.near = [LatticeConvolution(kernel[:2, :2]) for kernel in kernels]
-        self.others = (
-            [Others(skin, windows, skin.far_surface[:2, j]) for j in (0, 1)]
-            if len(windows) > 1
-            else []
-        )
-        self.own = np.concatenate(
-            [
-                np.full(window.size, kernel[0, 0, window.shape[0] - 1, window.shape[1] - 1])
-                for window, kernel in zip(windows, kernels, strict=True)
-            ]
-        )
-
-    def __call__(self, traction: Floats) -> Floats:
-        """Displacement (2, N) m of a traction (2, N) Pa."""
-        pictures = [self.indenting.pictures(component) for component in traction]
-        moved = [
-            near(np.stack(part), total=True)
-            for near, *part in zip(self.near, *pictures, strict=True)
-        ]
-        for others, part in zip(self.others, pictures, strict=False):
-            moved = [a + b for a, b in zip(moved, others(part), strict=True)]
-        return np.concatenate([part.reshape(2, -1) for part in moved], axis=1)
+def _middle(kernel: Floats, rows: int, columns: int) -> Floats:
+    """Part of a kernel (..., 2 n - 1, 2 m - 1) for a lattice of fewer rows and columns."""
+    row, column = (n // 2 for n in kernel.shape[-2:])
+    return kernel[..., row - rows + 1 : row + rows, column - columns + 1 : column + columns]

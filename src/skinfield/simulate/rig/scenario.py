@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -182,8 +182,7 @@ TRIES = 10_000
 NEXT = 1.1  # pitches between taxels that are next to each other
 
 
-@dataclass(frozen=True)
-class Pose:
+class Pose(NamedTuple):
     """Of the indenter on the patch: x and y in the patch's plane, m, and angle about z, rad.
 
     As the layer is the same everywhere, a press there is one at the origin with the taxels moved
