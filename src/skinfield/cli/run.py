@@ -225,7 +225,7 @@ def virtual_skin(wanted: Settings, profile: Profile) -> Any:
         channels=source.channel,
         rate=source.virtual_rate_hz,
         layer=options.layer_of(wanted.skin, profile),
-        noise=VIRTUAL_NOISE,
+        noise_scale=VIRTUAL_NOISE,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
         seed=source.seed,
