@@ -21,7 +21,7 @@ import skinfield as sf
 from skinfield import plot
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import Contact, Estimate
-from skinfield.plot.maps import plane_from_position
+from skinfield.estimate.developed_plane import Chart
 from skinfield.plot.press import draw_press, heading
 from skinfield.plot.style import number, plus_minus, signed_colours
 from skinfield.simulate import Cylinder, Press, Ring, Sphere, press
@@ -405,7 +405,7 @@ def test_the_plane_is_found_again_from_space(seed):
     patch = sf.Patch(corners + random.normal(size=3), normals=np.tile(tilt[:, 2], (4, 1)))
     grid = sf.Grid.square(patch, 7)
     plane = grid.plane[5] + random.uniform(-0.05, 0.05, (4, 2))
-    back = plane_from_position(grid, patch.surface.position_from_plane(plane))
+    back = Chart(grid).plane_from_position(patch.surface.position_from_plane(plane))
     np.testing.assert_allclose(back, plane, atol=1e-12)
 
 
