@@ -8,21 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.emulator import Fault, VirtualSettings
+from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import start
 from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
 from skinfield.signal import CanMessages
 from skinfield.wire.can import BusSettings, open_bus
 
 SECONDS, RATE = 12.0, 100.0
-FAULTS = (Fault("unplug", "2", 5.0, 1.5), Fault("reboot", "0", 8.0, 1.0))
+FAULTS = ("unplug 2@5s+1.5s", "reboot 0@8s+1s")
 SETUP = ("4D 02 0A F0", "50 00 0F 02 01 00 22", "07 00")
 
 
 def stream() -> tuple[np.ndarray, np.ndarray, list[dict]]:
     """Stamps (N,) s and rows (N, 4) of identifier, head or tail and ... of what arrives; truth."""
     settings = VirtualSettings(
-        bus="udp", rate=RATE, scene="slide", lead_in=0.5, faults=FAULTS, seed=1
+        bus="udp", rate=RATE, scene="slide", lead_in=0.5, fault=FAULTS, seed=1
     )
     into = CanMessages(1 << 16)
     stamps, rows = [], []

@@ -37,7 +37,7 @@ class Skin:
     """Electronics of the virtual skin, and the engine's own code behind them."""
 
     def __init__(self, hardware: str, noise: float, seed: int = 0) -> None:
-        made = VirtualSettings(hardware=hardware, noise=noise, seed=seed)
+        made = VirtualSettings(hardware=hardware, noise_scale=noise, seed=seed)
         bytewise = hardware == "icub"
         board = ICubByte() if bytewise else None
         self.settings = settings(skin=PATCH, board=board, tare_seconds=1.0)

@@ -21,7 +21,7 @@ import skinfield as sf
 from skinfield import plot
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import Contact, Estimate
-from skinfield.plot.maps import plane_from_position
+from skinfield.estimate.developed_plane import Chart
 from skinfield.plot.press import draw_press, heading
 from skinfield.plot.style import duration, number, plus_minus, signed_colours
 from skinfield.simulate import Cylinder, Press, Ring, Sphere, press
@@ -405,7 +405,7 @@ def test_the_plane_is_found_again_from_space(seed):
     patch = sf.Patch(corners + random.normal(size=3), normals=np.tile(tilt[:, 2], (4, 1)))
     grid = sf.Grid.square(patch, 7)
     plane = grid.plane[5] + random.uniform(-0.05, 0.05, (4, 2))
-    back = plane_from_position(grid, patch.surface.position_from_plane(plane))
+    back = Chart(grid).plane_from_position(patch.surface.position_from_plane(plane))
     np.testing.assert_allclose(back, plane, atol=1e-12)
 
 
@@ -420,7 +420,7 @@ def test_a_picture_is_written_the_same_twice(tmp_path):
         assert b"dc:date" not in one
 
 
-def test_the_extension_chooses_the_format(tmp_path):
+def test_the_extension_chooses_the_format_and_others_are_refused(tmp_path):
     figure = plot.draw_timeline(np.arange(9.0), np.arange(9.0), np.ones(9))
     heads = {"png": b"\x89PNG", "PNG": b"\x89PNG", "jpg": b"\xff\xd8", "jpeg": b"\xff\xd8"}
     for ending, head in {**heads, "pdf": b"%PDF", "svg": b"<?xml"}.items():
@@ -428,10 +428,6 @@ def test_the_extension_chooses_the_format(tmp_path):
         assert content.startswith(head)
         if ending == "png":
             assert np.frombuffer(content[16:24], ">u4").tolist() == [500, 250]
-
-
-def test_other_formats_and_places_are_refused(tmp_path):
-    figure = plot.draw_timeline(np.arange(9.0), np.arange(9.0), np.ones(9))
     for name in ("a.bmp", "a", "a.png.gz"):
         with pytest.raises(InputError, match=r"expected one of \.png, \.pdf, \.svg"):
             plot.save(figure, tmp_path / name)

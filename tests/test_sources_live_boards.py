@@ -297,7 +297,9 @@ def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
     text = "rectangular:rows=12,columns=20"
     config = ",".join(str(tmp_path / name) for name in files)
     udp = {"bus": "udp", "channels": ("127.0.0.1:0",)}
-    with closing(VirtualSkin(VirtualSettings(skin=text, scene="idle", noise=0.0, **udp))) as boards:
+    with closing(
+        VirtualSkin(VirtualSettings(skin=text, scene="idle", noise_scale=0.0, **udp))
+    ) as boards:
         thread = threading.Thread(target=boards.run, daemon=True)
         thread.start()
         skin, places = Skin((by_name(text),)), boards.hardware.addresses

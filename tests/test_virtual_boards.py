@@ -207,8 +207,8 @@ def test_temperatures():
 def test_settings_go_through_json():
     settings = VirtualSettings(
         hardware="cyskin", channels=("127.0.0.1:0",), layer=Layer(thickness=3e-3),
-        wires=Wires(lose=0.1), temperature=Temperature(20.0, 5.0, 60.0),
-        faults=(Fault("unplug", "3", 1.0), Fault("dead", "4")),
+        wires=Wires(lose=0.1), temperature="20..25@60s",
+        fault=("unplug 3@1s", "dead 4"),
     )  # fmt: skip
     assert value_from_json(VirtualSettings, json_from_value(settings)) == settings
 

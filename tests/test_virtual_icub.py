@@ -3,7 +3,7 @@ import pytest
 from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
 
 from skinfield.elastic import Layer
-from skinfield.emulator import Fault, Temperature, VirtualSettings, VirtualSkin, Wires
+from skinfield.emulator import Fault, VirtualSettings, VirtualSkin, Wires
 from skinfield.emulator.transports import Request
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import save_layout
@@ -82,7 +82,7 @@ def test_presses_that_are_apart_add_up(stepped):
 
 
 def test_an_unplugged_triangle_says_so():
-    with Stepped(skin="ten_pad_triangle", at_once=True, faults=(Fault("unplug", "0", 0.1),)) as one:
+    with Stepped(skin="ten_pad_triangle", at_once=True, fault=("unplug 0@0.1s",)) as one:
         assert one.step()[1][1][7] & 2 == 0
         for _ in range(12):
             messages = one.step()
@@ -93,7 +93,7 @@ def test_an_unplugged_triangle_says_so():
 
 
 def test_a_board_that_boots_is_silent_and_wants_to_be_configured_again():
-    with Stepped(faults=(Fault("reboot", "0", 0.2, 0.1),)) as stepped:
+    with Stepped(fault=("reboot 0@0.2s+0.1s",)) as stepped:
         stepped.tell(*START)
         sent = [len(stepped.step()) for _ in range(20)]
         assert sent[:19] == [12] * 19
@@ -110,7 +110,7 @@ def test_a_board_that_boots_is_silent_and_wants_to_be_configured_again():
 
 
 def test_a_bus_that_is_gone_counts_what_it_withholds():
-    with Stepped(at_once=True, faults=(Fault("bus-off", "0", 0.095, 0.1),)) as stepped:
+    with Stepped(at_once=True, fault=("bus-off 0@0.095s+0.1s",)) as stepped:
         sent = [len(stepped.step()) for _ in range(30)]
         counts = stepped.skin.counts()
         assert sum(sent) == counts["messages"]
@@ -151,7 +151,7 @@ def converted(stepped):
 
 
 def test_noise_has_the_spread_that_is_asked_for():
-    with Stepped(at_once=True, noise=1.0, seed=5) as stepped:
+    with Stepped(at_once=True, noise_scale=1.0, seed=5) as stepped:
         measured, asked = np.std(converted(stepped), axis=0), stepped.skin.hardware.converters.white
         np.testing.assert_allclose(measured, np.hypot(asked, 12**-0.5), rtol=0.12)
         assert np.median(asked) == pytest.approx(4 * 3.1, rel=0.3)
@@ -162,8 +162,7 @@ def test_noise_has_the_spread_that_is_asked_for():
 
 
 def test_thermal_pads_take_the_drift_off() -> None:
-    warm = Temperature(25.0, 10.0, 1e-3)
-    with Stepped(skin="ten_pad_triangle", at_once=True, temperature=warm) as one:
+    with Stepped(skin="ten_pad_triangle", at_once=True, temperature="25..35@0.001s") as one:
         one.step()
         found = bytes_by_channel(one.step(1.0))[one.skin.skin.patches[0].channel]
         assert np.abs(found - 240).max() <= 1
@@ -231,8 +230,7 @@ def test_patches_are_on_boards_of_their_own(tmp_path):
     one, other = by_name("hexagon72"), by_name("ten_pad_triangle")
     path = tmp_path / "two.toml"
     save_layout(Skin((one, other), name="two"), path)
-    fault = Fault("dead", "ten_pad_triangle/0")
-    with Stepped(skin=str(path), at_once=True, faults=(fault,)) as stepped:
+    with Stepped(skin=str(path), at_once=True, fault=("dead ten_pad_triangle/0",)) as stepped:
         assert {m[0] >> 4 & 15 for m in stepped.step()} == {1, 2}
         for taxel in (0, 3):
             stepped.skin.world.press(Request(patch="ten_pad_triangle", taxel=taxel, force=3.0))

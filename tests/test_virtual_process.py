@@ -30,7 +30,7 @@ from skinfield.wire.sources.packets import PacketSerial, PacketTcp, PacketUdp
 
 PATCH = by_name("hexagon72")
 MISHAPS = ("lost", "duplicated", "swapped")
-STILL = {"scene": "idle", "noise": 0.0, "rate": 100.0}
+STILL = {"scene": "idle", "noise_scale": 0.0, "rate": 100.0}
 
 
 def gone(pid):

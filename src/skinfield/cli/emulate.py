@@ -1,55 +1,26 @@
 """`skinfield emulate`: boards that do not exist, on a real bus."""
 
 import signal
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rich.console import Console
 
 from skinfield.cli import options, report
+from skinfield.emulator.settings import BoardSettings, VirtualSettings, Wires
 from skinfield.settings import Elastomer
-from skinfield.settings.tree import Range
 
 if TYPE_CHECKING:
-    from skinfield.emulator import VirtualSettings, VirtualSkin
+    from skinfield.emulator import VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 
 
-WIRES, ELECTRONICS = options.heading("Wires"), options.heading("Electronics")
-Share = Annotated[float, Range(0.0, 1.0, "a share of messages"), WIRES]
-
-
 def emulate(
     *,
-    hardware: Literal["icub", "cyskin", "packet"] = "icub",
-    layout: options.LayoutText = "hexagon72",
-    bus: str = "udp",
-    channel: tuple[str, ...] = (),
-    rate_hz: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None,
-    at_once: bool = False,
-    spread: bool = False,
-    scene: str = "press",
-    lead_in_s: Annotated[float, Range(0.0, 1e6, "seconds; 0: none")] = 3.0,
-    duration: options.Duration = None,
-    seed: options.Seed = 0,
-    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 0,
-    control: str = "127.0.0.1:0",
-    fault: tuple[str, ...] = (),
-    truth: str = "",
+    boards: Annotated[BoardSettings, options.part("Boards")] = BoardSettings(),
     force: options.Force = False,
     as_json: options.Json = False,
-    lose: Share = 0.0,
-    duplicate: Share = 0.0,
-    swap: Share = 0.0,
-    delay_ms: Annotated[float, Range(0.0, 6e4, "ms; 0: none"), WIRES] = 0.0,
-    jitter_us: Annotated[float, Range(0.0, 6e7, "µs; 0: none"), WIRES] = 20.0,
-    noise_scale: Annotated[
-        float, Range(0.0, 1e3, "times that of real boards; 0: none"), ELECTRONICS
-    ] = 0.3,
-    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none"), ELECTRONICS] = 0.0,
-    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %"), ELECTRONICS] = 0.0,
-    temperature: Annotated[str, ELECTRONICS] = "25",
-    mtb3: Annotated[bool, ELECTRONICS] = False,
+    wires: Annotated[Wires, options.part("Wires")] = Wires(),
     elastomer: options.OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
@@ -92,92 +63,13 @@ def emulate(
 
     Readings that cannot be sent in time are skipped and counted, never sent late in a heap. Ctrl-C
     ends it with a summary.
-
-    Parameters
-    ----------
-    hardware : str
-        Whose boards.
-    bus : str
-        See above.
-    channel : tuple of str
-        Address on the bus, see above; once for each bus.
-    rate_hz : float, 1/s, optional
-        Readings of each board per second; default as the host asks, else the board's.
-    at_once : bool
-        Stream before a host says so.
-    spread : bool
-        Boards send one after the other.
-    scene : str
-        What presses, see above.
-    lead_in_s : float, s
-        Untouched at first, s.
-    priority : int
-        Of SCHED_FIFO, 1 to 99, where permitted.
-    control : str
-        Address for presses and faults from outside; empty for none.
-    fault : tuple of str
-        What fails, see above; again for more.
-    truth : str
-        File for what pressed, JSON lines.
-    lose : float
-        Share of messages that is lost, 0 to 1.
-    duplicate : float
-        Share that is sent twice.
-    swap : float
-        Share that follows the next one.
-    delay_ms : float, ms
-        From conversion to sending, ms.
-    jitter_us : float, µs
-        Mean random delay, µs.
-    noise_scale : float
-        Times the noise of a real skin; 0: none.
-    common_noise : float
-        Noise shared by a converter's taxels, counts.
-    gain_spread : float
-        Of the logarithm of gains, 0.1: 10 %.
-    temperature : str
-        °C: 25, 25..35@600s (rises in 600 s), 25~3@300s (± 3 K, period 300 s).
-    mtb3 : bool
-        iCub's older boards: drift rounds otherwise.
     """
-    from skinfield.emulator import VirtualSettings, Wires, fault_from_text, temperature_from_text
     from skinfield.wire.can import PORT
 
-    report.check_output("--truth", truth or None, force)
-    faults = tuple(options.parsed("--fault", text, fault_from_text) for text in fault)
-    warmth = options.parsed("--temperature", temperature, temperature_from_text)
-    profile = options.profile_in_use(elastomer, hardware, layout)
-    settings = VirtualSettings(
-        hardware=hardware,
-        skin=layout,
-        bus=bus,
-        channels=channel,
-        port=PORT,
-        rate=rate_hz,
-        at_once=at_once,
-        spread=spread,
-        scene=scene,
-        lead_in=lead_in_s,
-        layer=options.layer_of(elastomer, profile),
-        noise=noise_scale,
-        common_noise=common_noise,
-        gain_spread=gain_spread,
-        temperature=warmth,
-        mtb3=mtb3,
-        wires=Wires(
-            lose=lose,
-            duplicate=duplicate,
-            swap=swap,
-            delay=delay_ms * 1e-3,
-            jitter=jitter_us * 1e-6,
-        ),
-        faults=faults,
-        seed=seed,
-        control=control,
-        truth=truth,
-        duration=duration,
-        priority=priority,
-    )
+    report.check_output("--truth", boards.truth or None, force)
+    profile = options.profile_in_use(elastomer, boards.hardware, boards.skin)
+    layer = options.layer_of(elastomer, profile)
+    settings = VirtualSettings(**vars(boards), port=PORT, layer=layer, wires=wires)
     counts = _play(settings)
     if as_json:
         report.print_json(counts)
@@ -185,7 +77,7 @@ def emulate(
         _sum_up(counts)
 
 
-def _play(settings: "VirtualSettings") -> dict[str, Any]:
+def _play(settings: VirtualSettings) -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
     from skinfield.emulator import VirtualSkin
 

@@ -51,6 +51,9 @@ FLAGS = {  # of fields whose flag has another name
     "options": "set",
     "as_json": "json",
     "into": "record",
+    "channels": "channel",
+    "rate": "rate-hz",
+    "lead_in": "lead-in-s",
 }
 OF_UNIT = {"count": "capacitance", "dC/C0": "capacitance", "Pa": "stress", "1": "gap"}
 S = TypeVar("S", bound=Section)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, get_args
 
 from rich.console import Console
 from rich.live import Live as Screen
@@ -17,8 +17,8 @@ from skinfield.cli import options, report
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings import (
     BridgeSettings,
+    LiveModelSettings,
     LoopSettings,
-    ModelSettings,
     PageSettings,
     Profile,
     RecordSettings,
@@ -28,6 +28,7 @@ from skinfield.settings import (
     changed,
     toml_from_settings,
 )
+from skinfield.settings.tree import LiveSolverName
 
 REFRESH = 0.25  # s
 SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
@@ -39,7 +40,6 @@ SAYS = 5.0  # s from line to line about a start, where there is no table
 RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
 LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
-LIVE_SOLVERS = ("gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse")
 ON_CAN = (None, "icub", "cyskin")  # hardware whose bus is one of CAN
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
@@ -57,7 +57,7 @@ def run(
     force: options.Force = False,
     skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
     source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
-    model: Annotated[ModelSettings, options.part("Model")] = ModelSettings(),
+    model: Annotated[LiveModelSettings, options.part("Model")] = LiveModelSettings(),
     loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
     page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
     bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
@@ -138,11 +138,6 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     bus = wanted.source.bus
     if bus and wanted.source.hardware in ON_CAN:
         options.parsed("--bus", bus, check_interface)
-    if wanted.model.solver not in (None, *LIVE_SOLVERS):
-        raise InputError(
-            f"--solver is {wanted.model.solver!r}, expected one of {', '.join(LIVE_SOLVERS)}: "
-            "contacts are fitted beside it (--fit)"
-        )
     scene = wanted.source.scene
     if wanted.source.hardware is None and scene not in SCENES and not Path(scene).is_file():
         raise InputError(
@@ -230,7 +225,7 @@ def virtual_skin(wanted: Settings, profile: Profile) -> Any:
         channels=source.channel,
         rate=source.virtual_rate_hz,
         layer=options.layer_of(wanted.skin, profile),
-        noise=VIRTUAL_NOISE,
+        noise_scale=VIRTUAL_NOISE,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
         seed=source.seed,
@@ -279,7 +274,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         recordings=Recordings(
             name, recorders, ReplaySource, Path(), lambda text: controller.say("error", text)
         ),
-        solvers=LIVE_SOLVERS,
+        solvers=get_args(LiveSolverName),
         solver=wanted.model.solver or "nonnegative",
         choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
         fit=wanted.loop.fit,

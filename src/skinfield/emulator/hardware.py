@@ -238,7 +238,7 @@ class Hardware:
         self.skin, self.converters, self.wires = skin, converters, tuple(wires)
         self._starts = starts_of(skin)
         rng = np.random.default_rng([settings.seed, 2])
-        self.schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        self.schedule = Schedule(settings.spread, settings.wires.jitter_us * 1e-6, rng)
         self._parts, self._boards, self._rate = tuple(parts), len(parts), settings.rate
         self.unplugged: set[tuple[int, int]] = set()
         self.readings = self.commands = self.reboots = 0

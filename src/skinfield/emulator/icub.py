@@ -149,7 +149,7 @@ class ICubBoards(CanBoards[BoardState]):
         for encoder, raw, base, sends in zip(self._encoders, *views, strict=True):
             encoder.raw, encoder.base, encoder.sends = raw, base, sends
         for number in range(len(self.boards)):
-            self._awake(number, settings.temperature.warmth(0.0))
+            self._awake(number, settings.surroundings.warmth(0.0))
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         address = addressed_board(identifier)

@@ -3,11 +3,12 @@
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Annotated
+from functools import cache
+from typing import Annotated, Literal
 
 from skinfield.elastic import Layer
 from skinfield.errors import InputError, check_choice, check_type
-from skinfield.settings.tree import Positive, Range, Section
+from skinfield.settings.tree import Positive, Range, Section, SettingError
 
 ROOM = 25.0
 NUMBER = r"[+-]?\d+(?:\.\d*)?"
@@ -35,11 +36,10 @@ FAULT_SYNTAX = (
     "on, 3@10s+5s for 5 s"
 )
 FOREVER = 1e9  # s
-HARDWARE = ("icub", "cyskin", "packet")
+BOARDS = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
 PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
 Chance = Annotated[float, PROBABILITY]
-Late = Annotated[float, Range(0.0, 60.0, "seconds; 0 is off")]
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,7 @@ class Temperature(Section):
         return self.start - ROOM + self.change * part
 
 
+@cache
 def temperature_from_text(text: str) -> Temperature:
     """Temperature from the words of a command line, see `PROFILE_SYNTAX`.
 
@@ -172,107 +173,143 @@ class Wires(Section):
 
     Parameters
     ----------
-    lose, duplicate, swap : float
-        Probability, per message. A swapped message comes after the one that follows it.
-    delay : float, s
-        From the conversion of a reading to its sending.
-    jitter : float, s
-        Mean of an exponentially distributed further delay of each board's reading; readings of a
-        board never overtake each other by it.
+    lose : float
+        Share of messages that is lost, 0 to 1.
+    duplicate : float
+        Share that is sent twice.
+    swap : float
+        Share that follows the next one.
+    delay_ms : float, ms
+        From conversion to sending, ms.
+    jitter_us : float, µs
+        Mean random delay, µs; readings of a board never overtake each other by it.
     """
 
     lose: Chance = 0.0
     duplicate: Chance = 0.0
     swap: Chance = 0.0
-    delay: Late = 0.0
-    jitter: Late = 20e-6
+    delay_ms: Annotated[float, Range(0.0, 6e4, "ms; 0: none")] = 0.0
+    jitter_us: Annotated[float, Range(0.0, 6e7, "µs; 0: none")] = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class VirtualSettings(Section):
-    """Settings of a `VirtualSkin`; text, numbers and tables, which another process can be sent.
+class BoardSettings(Section):
+    """Which boards are played, where, what presses them, and what fails.
 
     Parameters
     ----------
     hardware : "icub", "cyskin" or "packet"
-        Whose boards it plays.
+        Whose boards.
     skin : str
-        Layout file, folder, or generator by name such as ``"hexagon72"``.
+        Layout file, folder, or a generator by name.
     bus : str
-        For iCub and CySkin: `udp`, `socketcan` or an interface of python-can. For packets: `udp`,
-        `tcp` or `serial` (a pseudo-terminal).
+        For iCub and CySkin udp, socketcan or an interface of python-can; for packets udp, tcp or
+        serial (a pseudo-terminal).
     channels : tuple of str
-        Where. For `udp` and `tcp`: ``"127.0.0.1:0"``, where it is reached (port 0: any that is
-        free); for `socketcan`: ``can0``; for `udp_multicast`: ``"239.74.163.2:43113"``, group and
-        port; for `serial`: a path for a link to the pseudo-terminal. As many as buses.
-    port : int
-        Of the first CAN bus over `udp` where no channels are named, the next ones follow; 0: any
-        that are free.
+        Address on the bus, such as can0 or 127.0.0.1:0, where port 0 is any that is free; once for
+        each bus.
     rate : float, 1/s, optional
-        Readings of each board. Default what the host asks for, or the board's own.
+        Readings of each board per second; default as the host asks, else the board's.
     at_once : bool
-        Stream without waiting for a host to start it.
-    scene : str
-        One of `scenes.SCENES`, or the path of a scene's file.
-    lead_in : float, s
-        Without a press, after the stream began, so that a host can take its baseline.
-    layer : Layer
-        Elastomer that is pressed.
-    noise : float
-        Times that of real boards. 0: none.
-    common_noise : float, counts
-        Of white noise that the taxels of one converter share.
-    gain_spread : float
-        Of the logarithm of the taxels' gains.
-    temperature : Temperature
-        Of the surroundings over time.
-    mtb3 : bool
-        Boards of iCub's older generation, which round negative drifts otherwise.
+        Stream before a host says so.
     spread : bool
-        Boards send one after the other over the period, not all at its start.
-    wires : Wires
-    faults : tuple of Fault
-        With their times.
-    seed : int
-    control : str
-        Address of the control socket, ``"127.0.0.1:0"``; empty for none.
-    truth : str
-        File for the truth; empty for none.
+        Boards send one after the other.
+    scene : str
+        What presses: idle, press, slide, two-balls, tap, random, or a file.
+    lead_in : float, s
+        Without a press, after the first reading, s.
     duration : float, s, optional
-        After which it ends.
+        Seconds; default until Ctrl-C.
+    seed : int
+        Of what is random.
     priority : int
-        Of SCHED_FIFO, where that is permitted: readings are on time beside other work. 0: not
-        asked for.
+        Of SCHED_FIFO, 1 to 99, where permitted.
+    control : str
+        Address for presses and faults from outside; empty for none.
+    fault : tuple of str
+        What fails, such as "unplug 3@10s+5s"; again for more.
+    truth : str
+        File for what pressed, JSON lines.
+    noise_scale : float
+        Times the noise of a real skin; 0: none.
+    common_noise : float, counts
+        Noise shared by a converter's taxels, counts.
+    gain_spread : float
+        Of the logarithm of gains, 0.1: 10 %.
+    temperature : str, °C
+        °C: 25, 25..35@600s (rises in 600 s), 25~3@300s (± 3 K, period 300 s).
+    mtb3 : bool
+        iCub's older boards: drift rounds otherwise.
     """
 
-    hardware: str = "icub"
+    hardware: Literal["icub", "cyskin", "packet"] = "icub"
     skin: str = "hexagon72"
     bus: str = "udp"
     channels: tuple[str, ...] = ()
-    port: Annotated[int, Range(0, 65000, "of UDP; 0 takes those that are free")] = 0
     rate: Annotated[float | None, Range(0.01, 20e3, "readings per second")] = None
     at_once: bool = False
-    scene: str = "press"
-    lead_in: Annotated[float, Range(0.0, 1e6, "seconds; 0 is off")] = 3.0
-    layer: Layer = field(default_factory=Layer)
-    noise: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0 is off")] = 0.3
-    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0 is off")] = 0.0
-    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1 is about 10 %")] = 0.0
-    temperature: Temperature = field(default_factory=Temperature)
-    mtb3: bool = False
     spread: bool = False
-    wires: Wires = field(default_factory=Wires)
-    faults: tuple[Fault, ...] = ()
-    seed: Annotated[int, Range(0, 1 << 63, "of all that is random")] = 0
+    scene: str = "press"
+    lead_in: Annotated[float, Range(0.0, 1e6, "seconds; 0: none")] = 3.0
+    duration: Annotated[float | None, Positive("seconds")] = None
+    seed: Annotated[int, Range(0, 1 << 63, "of what is random")] = 0
+    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 0
     control: str = "127.0.0.1:0"
+    fault: tuple[str, ...] = ()
     truth: str = ""
-    duration: Annotated[float | None, Positive("in seconds")] = None
-    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0 is not asked for")] = 0
+    noise_scale: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0: none")] = 0.3
+    common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none")] = 0.0
+    gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %")] = 0.0
+    temperature: str = "25"
+    mtb3: bool = False
 
     def check(self) -> None:
         """See `Section`."""
-        check_choice("hardware", self.hardware, HARDWARE, "whose boards it plays")
+        check_choice("hardware", self.hardware, BOARDS, "whose boards it plays")
         if self.hardware == "packet":
             check_choice("bus", self.bus, STREAMS, "what packets travel by")
         for name in ("skin", "bus", "scene", "control", "truth"):
             check_type(name, getattr(self, name), str, "text")
+        for name, texts, read in (
+            ("fault", self.fault, fault_from_text),
+            ("temperature", (self.temperature,), temperature_from_text),
+        ):
+            for text in texts:
+                try:
+                    read(text)
+                except InputError as error:
+                    raise SettingError(name, f"is {text!r}: {error}") from error
+
+    @property
+    def noise(self) -> float:
+        """Times that of real boards."""
+        return self.noise_scale
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """What fails, and when."""
+        return tuple(map(fault_from_text, self.fault))
+
+    @property
+    def surroundings(self) -> Temperature:
+        """How warm it is, and when."""
+        return temperature_from_text(self.temperature)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VirtualSettings(BoardSettings):
+    """Settings of a `VirtualSkin`; text, numbers and tables, which another process can be sent.
+
+    Parameters
+    ----------
+    port : int
+        Of the first CAN bus over `udp` where no channels are named, the next ones follow; 0: any
+        that are free.
+    layer : Layer
+        Elastomer that is pressed.
+    wires : Wires
+    """
+
+    port: Annotated[int, Range(0, 65000, "of UDP; 0 takes those that are free")] = 0
+    layer: Layer = field(default_factory=Layer)
+    wires: Wires = field(default_factory=Wires)

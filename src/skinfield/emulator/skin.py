@@ -21,7 +21,7 @@ from skinfield.emulator.world import Truth, World
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
 
-BOARDS: dict[str, type[ICubBoards | CySkinBoards | PacketDevices]] = {  # by `settings.HARDWARE`
+BOARDS: dict[str, type[ICubBoards | CySkinBoards | PacketDevices]] = {  # by `settings.BOARDS`
     "icub": ICubBoards,
     "cyskin": CySkinBoards,
     "packet": PacketDevices,
@@ -152,7 +152,7 @@ class VirtualSkin:
 
     def warmth(self, now_ns: int) -> float:
         """K above 25 °C."""
-        return self.settings.temperature.warmth(max(self.time(now_ns), 0.0))
+        return self.settings.surroundings.warmth(max(self.time(now_ns), 0.0))
 
     def stop(self) -> None:
         """Let `run` return soon; for signal handlers and other threads."""
@@ -216,7 +216,7 @@ class VirtualSkin:
             self._scene_ns = now_ns + int(self.settings.lead_in * SECOND)
             self.faults.advance(0.0, now_ns, self.warmth(now_ns))
         due = schedule.due(now_ns)
-        self._update(now_ns - int(self.settings.wires.delay * SECOND))
+        self._update(now_ns - int(self.settings.wires.delay_ms * 1e-3 * SECOND))
         self.hardware.converters.convert(self.warmth(now_ns))
         for group in due:
             self.hardware.send(group.members, now_ns)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
 from skinfield.estimate import Contact, Estimate
+from skinfield.estimate.developed_plane import Chart
 from skinfield.plot.deformation import draw_deformation
 from skinfield.plot.maps import (
     MM,
@@ -17,7 +18,6 @@ from skinfield.plot.maps import (
     extent_of,
     frame_axes,
     hatch_uncovered,
-    plane_from_position,
 )
 from skinfield.plot.style import (
     BLUE,
@@ -88,9 +88,9 @@ def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None
 
     halo = [withStroke(linewidth=2.6, foreground="white")]
     for contact in contacts:
-        outline = plane_from_position(grid, contact.outline) * MM
+        outline = Chart(grid).plane_from_position(contact.outline) * MM
         axes.plot(*outline.T, color=INK, lw=1.2, path_effects=halo, zorder=3)
-        centre = plane_from_position(grid, contact.position[None])[0] * MM
+        centre = Chart(grid).plane_from_position(contact.position[None])[0] * MM
         width, height = 2 * contact.axes * MM
         turn = np.degrees(contact.angle)
         axes.add_patch(
@@ -110,7 +110,7 @@ def _number_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> N
     inside, bodies = axes.get_window_extent(renderer), []
     for contact in contacts:
         points = np.vstack([contact.outline, contact.position[None]])
-        pixels = axes.transData.transform(plane_from_position(grid, points) * MM)
+        pixels = axes.transData.transform(Chart(grid).plane_from_position(points) * MM)
         bodies.append(Bbox(np.array([pixels.min(axis=0), pixels.max(axis=0)])).padded(4.0))
     taken = list(bodies)
     for index, body in enumerate(bodies):
@@ -351,7 +351,7 @@ def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> No
     hatch_uncovered(axes, grid)
     frame_axes(axes, grid.patch, extent_of(grid, measured=True))
     for press in presses:
-        centre = plane_from_position(grid, press.position[None])[0] * MM
+        centre = Chart(grid).plane_from_position(press.position[None])[0] * MM
         look: dict[str, Any] = {"ec": BLUE, "lw": 1.4, "ls": (0, (3, 2)), "zorder": 5}
         axes.add_patch(Circle(centre, press.radius * MM, fill=False, **look))
     draw_contacts(axes, grid, estimate.contacts)

@@ -19,20 +19,6 @@ MM = 1e3
 RIM = 0.62  # from the centre of a pad to the outline of its module, in diameters
 
 
-def plane_from_position(grid: Grid, points: Floats) -> Floats:
-    """Points (N, 3) m on or near the skin, as points of the patch's developed plane (N, 2) m.
-
-    Taken in the tangent plane of the nearest node: exact on a flat patch, good to second order in
-    a cell's size on a curved one.
-    """
-    from scipy.spatial import cKDTree
-
-    nearest = np.asarray(cKDTree(grid.positions).query(points)[1])
-    offset = points - grid.positions[nearest]
-    tangents = grid.frames[nearest][:, :, :2]
-    return np.asarray(grid.plane[nearest] + np.einsum("nc,nct->nt", offset, tangents))
-
-
 def extent_of(grid: Grid, *, measured: bool = False) -> Floats:
     """Low and high corner (2, 2) m of all pads and cells; `measured`: of cells among taxels only.
 

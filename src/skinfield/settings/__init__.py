@@ -14,6 +14,7 @@ from skinfield.settings.text import value_from_json as value_from_json
 from skinfield.settings.tree import PORT as PORT
 from skinfield.settings.tree import BridgeSettings as BridgeSettings
 from skinfield.settings.tree import Elastomer as Elastomer
+from skinfield.settings.tree import LiveModelSettings as LiveModelSettings
 from skinfield.settings.tree import LoopSettings as LoopSettings
 from skinfield.settings.tree import ModelSettings as ModelSettings
 from skinfield.settings.tree import PageSettings as PageSettings

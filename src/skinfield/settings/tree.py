@@ -16,7 +16,8 @@ from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
 
 from skinfield.errors import InputError, check_count, check_positive, check_range
 
-SolverName = Literal["gaussian", "contact", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
+LiveSolverName = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
+SolverName = Literal[LiveSolverName, "contact"]
 MechanicsName = Literal["layer", "covered-layer", "half-space"]
 QuantityName = Literal["capacitance", "gap", "stress"]
 PORT = 8700  # of the page, where it is free
@@ -195,8 +196,7 @@ class ModelSettings(Section):
     Parameters
     ----------
     solver : str, optional
-        How readings become pressure; contact fits the fewest contacts instead. Default gaussian,
-        of a live skin nonnegative.
+        How readings become pressure; contact fits the fewest contacts instead. Default gaussian.
     mechanics : str, optional
         Model of the elastomer; the paper's is the half-space. Default the profile's.
     quantity : str, optional
@@ -209,6 +209,19 @@ class ModelSettings(Section):
     mechanics: MechanicsName | None = None
     quantity: QuantityName | None = None
     grid: Annotated[int | None, Range(4, 1000, "4 nodes on a side or more")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveModelSettings(ModelSettings):
+    """The same of a live skin, whose contacts are fitted beside the solver; see `ModelSettings`.
+
+    Parameters
+    ----------
+    solver : str, optional
+        How readings become pressure. Default nonnegative.
+    """
+
+    solver: LiveSolverName | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -423,7 +436,7 @@ class Settings(Section):
 
     skin: SkinSettings = field(default_factory=SkinSettings)
     source: SourceSettings = field(default_factory=SourceSettings)
-    model: ModelSettings = field(default_factory=ModelSettings)
+    model: LiveModelSettings = field(default_factory=LiveModelSettings)
     loop: LoopSettings = field(default_factory=LoopSettings)
     page: PageSettings = field(default_factory=PageSettings)
     bridges: BridgeSettings = field(default_factory=BridgeSettings)
