@@ -17,8 +17,8 @@ from hypothesis.extra import numpy as hnp
 from skinfield.errors import InputError
 from skinfield.estimate import Contact, ContactFinder, Estimate, ModelError, PressureNoise
 from skinfield.estimate.estimate import REQUIRED
-from skinfield.estimate.finder import border
 from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
+from skinfield.estimate.regions_kernel import border
 from skinfield.skin import Grid, Patch
 
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
@@ -107,7 +107,7 @@ def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> N
     labels, count = label(picture, np.ones((3, 3)))
     for region in range(1, count + 1):
         mask = labels == region
-        loop = border(np.flatnonzero(mask), mask.shape)
+        loop = border(np.flatnonzero(mask), *mask.shape) - 0.5
         assert (loop[0] == loop[-1]).all()
         assert np.abs(np.diff(loop, axis=0)).sum(axis=1).tolist() == [1.0] * (len(loop) - 1)
         x, y = loop.T
