@@ -242,8 +242,8 @@ class ContactFinder:
             check_shape("pressure", flat, (len(grid),), "one per node of the grid")
             check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
         kernel, heights, columns = kernels(), self.heights(noise), grid.shape[1]
-        if kernel.least_height(flat, noise.std, *heights[:2]) < 0.0:
-            return ()  # most readings
+        if not kernel.stands_out(flat, noise.std, heights[0]):  # as in most readings
+            return ()
         work = kernel.room_for(len(flat), columns)
         count = kernel.find(flat, noise.std, columns, *heights, *work)
         starts = work[2][kernel.STARTS, : count + 1].copy()

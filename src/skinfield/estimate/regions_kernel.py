@@ -48,8 +48,11 @@ def find(
 
     They are left in `STARTS` and `REGIONS` of the tables.
     """
-    least = least_height(pressure, std, sigmas, relative_height)
-    if least < 0.0:
+    highest, broken = pressure[0], False
+    for value in pressure:
+        highest, broken = max(highest, value), broken | (value != value)
+    least = relative_height * highest
+    if broken or not reaches(pressure, std, sigmas, least):
         return 0
     hill, cells, above, count = tables[HILL], tables[CELLS], tables[ABOVE], 0
     for cell in range(len(pressure)):
@@ -79,20 +82,24 @@ def find(
 
 
 @njit
-def least_height(pressure: Floats, std: Floats, sigmas: float, relative_height: float) -> float:
-    """Pressure that a peak must reach beside the highest; -1 if no cell does, or one is NaN.
+def stands_out(pressure: Floats, std: Floats, sigmas: float) -> bool:
+    """Whether any cell is above its noise; one pass, without a branch."""
+    found = False
+    for cell in range(len(pressure)):
+        found |= pressure[cell] > sigmas * std[cell]
+    return found
+
+
+@inner
+def reaches(pressure: Floats, std: Floats, sigmas: float, least: float) -> bool:
+    """Whether any cell is above its noise and above `least`.
 
     The noise is only read where the pressure is that high: elsewhere it need not be at hand.
     """
-    highest, broken = pressure[0], False
-    for value in pressure:
-        highest, broken = max(highest, value), broken | (value != value)
-    least = relative_height * highest
-    if not broken:
-        for cell in range(len(pressure)):
-            if pressure[cell] > least and pressure[cell] > sigmas * std[cell]:
-                return float(least)
-    return -1.0
+    for cell in range(len(pressure)):
+        if pressure[cell] > least and pressure[cell] > sigmas * std[cell]:
+            return True
+    return False
 
 
 @inner(inline="always")
