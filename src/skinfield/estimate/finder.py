@@ -121,10 +121,8 @@ class Details:
         centre for the place. Which cells make up the region is taken as given.
         """
         field, grid = self.field, self.field.grid
-        moves = np.empty((3, len(self.cells)))
-        moves[:] = np.take(loads_per_pressure(grid), self.cells, axis=0).T[:3]
-        moves[:2] -= grid.cell_area * self.centre[:, None]
-        moves[:2] /= self.total
+        loads, (x, y) = loads_per_pressure(grid), self.centre.tolist()
+        moves = kernels().place_moves(loads, grid.cell_area, self.cells, x, y, self.total)
         noise = field.error.covariance_of_sums(self.cells, moves)
         return noise + field.model_error.covariance(self.total)
 
@@ -153,6 +151,7 @@ def kernels() -> Any:
     load_covariances()
     one, cell = np.ones(1), np.zeros(1, np.int64)
     regions_kernel.area_moves(one, 1, 0.5, cell)
+    regions_kernel.place_moves(np.ones((1, 3)), 1.0, cell, 0.0, 0.0, 1.0)
     regions_kernel.border(cell, 1, 1)
     return regions_kernel
 

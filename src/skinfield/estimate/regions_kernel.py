@@ -257,6 +257,20 @@ def move_moments(table: Floats, places: Floats, normals: Floats) -> Floats:
 
 
 @njit
+def place_moves(
+    loads: Floats, cell_area: float, cells: Ints, x: float, y: float, total: float
+) -> Floats:
+    """Weights (3, N), per Pa, that make a region's place x, y m and its force N of its cells."""
+    moves = np.empty((3, len(cells)))
+    for index in range(len(cells)):
+        load = loads[cells[index]]
+        moves[0, index] = (load[CENTRE] - cell_area * x) / total
+        moves[1, index] = (load[CENTRE + 1] - cell_area * y) / total
+        moves[2, index] = load[TOTAL]
+    return moves
+
+
+@njit
 def area_moves(pressure: Floats, columns: int, edge: float, cells: Ints) -> tuple[Floats, int]:
     r"""How the area of a region moves with the pressure of cells, (K,) cells/Pa, to first order.
 
