@@ -10,7 +10,8 @@ from skinfield.estimate import (
     PressureNoise,
     PressurePosterior,
 )
-from skinfield.estimate.finder import _significance, area_moves, border
+from skinfield.estimate.finder import _significance, area_moves
+from skinfield.estimate.regions_kernel import border
 from skinfield.skin import Grid
 
 
@@ -109,6 +110,7 @@ def contact_of(
     area = len(cells) * grid.cell_area
     moves = np.stack([*(away / total).T, np.ones(len(cells))]) * grid.cell_area
     known = np.diag([model_error.place**2, model_error.place**2, (model_error.force * total) ** 2])
+    corners = border(cells, *grid.shape) - 0.5
     around, shifts, rounding = area_moves(grid, pressure, cells, edge)
     moved = covariance_of_sums(error, around, shifts[None])[0, 0]
     return Contact(
@@ -122,7 +124,7 @@ def contact_of(
         area_std=float(np.sqrt(max(moved, 0.0) + rounding**2 + (area * model_error.area) ** 2)),
         radius=float(np.sqrt(area / np.pi)),
         shape="other",
-        outline=surface.position_from_plane(grid.origin + border(cells, grid.shape) * grid.pitch),
+        outline=surface.position_from_plane(grid.origin + corners * grid.pitch),
         axes=2.0 * np.sqrt(variance[::-1]),
         angle=(angle + np.pi / 2) % np.pi - np.pi / 2,
         cells=cells,

@@ -17,8 +17,8 @@ from hypothesis.extra import numpy as hnp
 from skinfield.errors import InputError
 from skinfield.estimate import Contact, ContactFinder, Estimate, ModelError, PressureNoise
 from skinfield.estimate.estimate import REQUIRED
-from skinfield.estimate.finder import border
 from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
+from skinfield.estimate.regions_kernel import border
 from skinfield.skin import Grid, Patch
 
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
@@ -68,25 +68,27 @@ def test_two_domes_are_two_contacts_and_the_stronger_comes_first() -> None:
     assert not set(first.cells) & set(second.cells)
 
 
-def test_domes_that_overlap_are_two_while_the_saddle_is_deep() -> None:
-    def count(distance: float) -> int:
-        pressure = dome(GRID, -distance / 2, 0, 6e-3) + dome(GRID, distance / 2, 0, 6e-3)
-        return len(ContactFinder(prominence=0.3)(GRID, pressure, QUIET))
-
-    assert count(11e-3) == 2
-    assert count(6e-3) == 1
+def pair(distance: float, weaker: float = 1e4) -> np.ndarray:
+    """Two domes of 6 mm, one of them of a peak of its own."""
+    return dome(GRID, -distance / 2, 0, 6e-3, weaker) + dome(GRID, distance / 2, 0, 6e-3)
 
 
-def test_a_weak_peak_beside_a_strong_one_counts_as_ringing() -> None:
-    pressure = dome(GRID, -8e-3, 0, 5e-3, 1e3) + dome(GRID, 8e-3, 0, 5e-3, 1e4)
-    assert len(ContactFinder(relative_height=0.2)(GRID, pressure, QUIET)) == 1
-    assert len(ContactFinder(relative_height=0.05)(GRID, pressure, QUIET)) == 2
-
-
-def test_nothing_is_found_in_suction_or_below_the_noise() -> None:
-    assert ContactFinder()(GRID, -dome(GRID, 0, 0, 6e-3), QUIET) == ()
-    loud = PressureNoise(np.full((len(GRID), 4), 3e3))
-    assert ContactFinder()(GRID, dome(GRID, 0, 0, 6e-3), loud) == ()
+@pytest.mark.parametrize(
+    ("pressure", "finder", "noise", "count"),
+    [
+        (pair(11e-3), {"prominence": 0.3}, 20.0, 2),  # while the saddle is deep
+        (pair(6e-3), {"prominence": 0.3}, 20.0, 1),
+        (pair(16e-3, 1e3), {"relative_height": 0.2}, 20.0, 1),  # else it counts as ringing
+        (pair(16e-3, 1e3), {"relative_height": 0.05}, 20.0, 2),
+        (-pair(0.0), {}, 20.0, 0),  # suction
+        (pair(0.0), {}, 12e3, 0),  # below the noise
+    ],
+)
+def test_what_counts_as_a_contact(
+    pressure: np.ndarray, finder: dict[str, float], noise: float, count: int
+) -> None:
+    error = PressureNoise(np.full((len(GRID), 1), noise))
+    assert len(ContactFinder(**finder)(GRID, pressure, error)) == count
 
 
 def test_false_alarms_stay_at_the_stated_rate() -> None:
@@ -107,7 +109,7 @@ def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> N
     labels, count = label(picture, np.ones((3, 3)))
     for region in range(1, count + 1):
         mask = labels == region
-        loop = border(np.flatnonzero(mask), mask.shape)
+        loop = border(np.flatnonzero(mask), *mask.shape) - 0.5
         assert (loop[0] == loop[-1]).all()
         assert np.abs(np.diff(loop, axis=0)).sum(axis=1).tolist() == [1.0] * (len(loop) - 1)
         x, y = loop.T

@@ -340,15 +340,15 @@ def test_missing_taxels_of_a_solver_without_a_prior_are_told() -> None:
 
 def seen_by_few(engine: Engine, rung: int, share: float) -> tuple[Floats, Any]:
     """Readings that stand out by `share` of the threshold, of which two taxels alone are valid."""
-    operator: Any = engine.groups[1].searches[rung][0]
-    rows = operator.problem.rows[:, :72].astype(np.float64)
+    problem: Any = engine.groups[1].searches[rung][0].problem
+    rows = problem.rows[:, :72].astype(np.float64)
     valid = np.zeros(72, np.bool_)
     valid[[48, 51]] = True  # apart, so that no node matches both alone
     norms = np.linalg.norm(rows[:, valid], axis=1)
-    white = valid * share * operator.threshold / (rows @ valid / norms).max()
+    white = valid * share * problem.threshold / (rows @ valid / norms).max()
     if share < 1.5:  # by the lengths of whole rows nothing would stand out
         whole = rows @ white / np.linalg.norm(rows, axis=1)
-        assert whole.max() < 0.99 * operator.threshold
+        assert whole.max() < 0.99 * problem.threshold
     strain = white * NOISE
     return strain / (1.0 - strain), valid
 

@@ -5,7 +5,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.estimate import Contact, Estimate, PressureNoise
+from skinfield.estimate import Contact, Estimate
 from skinfield.reconstruct import plan
 from skinfield.solve import InverseOperator, Solver
 from skinfield.solve.linear import PITCHES, taxel_distance
@@ -85,27 +85,6 @@ def assert_same(mine: Estimate, other: Estimate) -> None:
     for found, expected in zip(ours, theirs, strict=True):
         for contact, twin in zip(found, expected, strict=True):
             assert_same_contact(contact, twin)
-
-
-@pytest.mark.parametrize("solver", SOLVERS, ids=repr)
-def test_deviations_and_covariances_of_sets_of_different_size(solver: Solver) -> None:
-    model = reconstructor(solver).model
-    whole = solver.prepare(model)
-    assert isinstance(whole, InverseOperator)
-    assert whole.gaussian is not None
-    valid = np.concatenate([masks(count, 1) for count in (0, 1, 3, 30, 71)])
-    cells, weights = np.arange(100, 200), np.random.default_rng(1).normal(size=(2, 100))
-    for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors, strict=True):
-        other = solver.prepare(model.subset(mask))
-        assert isinstance(other, InverseOperator)
-        assert other.posterior is not None
-        moved = PressureNoise(other.matrix * model.noise_std[mask])
-        assert posterior.std == pytest.approx(other.pressure_std, rel=1e-9)
-        assert noise.std == pytest.approx(moved.std, rel=1e-9)  # far cells too, 1e-6 of the rest
-        assert noise.felt == np.count_nonzero(moved.std)
-        for mine, theirs in ((posterior, other.posterior), (noise, moved)):
-            spread = theirs.covariance_of_sums(cells, weights)
-            assert apart(mine.covariance_of_sums(cells, weights), spread) < 1e-9
 
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=repr)

@@ -165,12 +165,6 @@ def test_a_gap_is_bridged() -> None:
     assert {each[0].track_id for each in found} == {0}
 
 
-def test_taps_are_contacts_of_their_own() -> None:
-    tap: list[list[Place]] = [[(2.0, 2.0, 1.0)]] * 6
-    _, events = follow(sf.Tracker(), ([*tap, *[[]] * 8]) * 3)
-    assert told(events) == [(kind, (n,)) for n in range(3) for kind in ("made", "lost")]
-
-
 def test_weak_contacts_are_told_when_they_are_seen_again() -> None:
     weak = estimate([contact(0.0, 0.0, 0.1, force_std=0.05)])
     tracker = sf.Tracker(weak_readings=3)
@@ -220,20 +214,32 @@ def test_two_that_pass_each_other_come_back_on_the_other_side() -> None:
     assert first == last  # each keeps to its side
 
 
-def test_one_that_comes_or_vanishes_beside_another_is_neither_split_nor_merged() -> None:
-    both: list[Place] = [(-4.0, 0.0, 1.5), (4.0, 0.0, 1.0)]
-    made = [("made", (0,)), ("made", (1,))]
-    _, events = follow(sf.Tracker(), [both] * 10 + [both[:1]] * 8)
-    assert told(events) == [*made, ("lost", (1,))]
-    _, events = follow(sf.Tracker(), [both[:1]] * 10 + [both] * 8)
-    assert told(events) == made
+BOTH: list[Place] = [(-4.0, 0.0, 1.5), (4.0, 0.0, 1.0)]
+HALVES: list[Place] = [(-3.5, 0.0, 1.2), (5.25, 0.0, 0.8)]
+MADE = [("made", (0,)), ("made", (1,))]
 
 
-def test_one_that_becomes_two_splits() -> None:
-    whole, halves = [(0.0, 0.0, 2.0)], [(-3.5, 0.0, 1.2), (5.25, 0.0, 0.8)]
-    found, events = follow(sf.Tracker(), [whole] * 10 + [halves] * 8)
-    assert told(events) == [("made", (0,)), ("split", (0, 1))]
-    assert {each.track_id: each.position[0] > 0 for each in found[-1]} == {0: False, 1: True}
+@pytest.mark.parametrize(
+    ("readings", "expected"),
+    [
+        ([BOTH] * 10 + [BOTH[:1]] * 8, [*MADE, ("lost", (1,))]),  # not merged
+        ([BOTH[:1]] * 10 + [BOTH] * 8, MADE),  # not split
+        ([[(0.0, 0.0, 2.0)]] * 10 + [HALVES] * 8, [MADE[0], ("split", (0, 1))]),
+        (
+            ([[(2.0, 2.0, 1.0)]] * 6 + [[]] * 8) * 3,  # taps
+            [(kind, (n,)) for n in range(3) for kind in ("made", "lost")],
+        ),
+    ],
+    ids=["vanishes", "comes", "splits", "taps"],
+)
+def test_events_of_contacts_that_come_and_go(
+    readings: list[list[Place]], expected: list[tuple[str, tuple[int, ...]]]
+) -> None:
+    found, events = follow(sf.Tracker(), readings)
+    assert told(events) == expected
+    if expected[-1][0] == "split":
+        sides = {each.track_id: each.position[0] > 0 for each in found[-1]}
+        assert sides == {0: False, 1: True}
 
 
 def test_after_the_memory_a_split_gives_a_new_number() -> None:
@@ -310,21 +316,13 @@ def test_a_covariance_that_is_none_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong",
-    [
-        {"period": 0.0},
-        {"period": "a"},
-        {"coast": -1.0},
-        {"weak_readings": 0},
-        {"weak_readings": 1.5},
-        {"near": float("nan")},
-        {"motion": 0.02},
-        {"gate": "wide"},
-    ],
-)
-def test_settings_are_checked(wrong: dict[str, object]) -> None:
-    with pytest.raises(InputError, match=next(iter(wrong))):
-        sf.Tracker(**wrong)  # type: ignore[arg-type]
+    ("name", "wrong"),
+    [("period", 0.0), ("period", "a"), ("coast", -1.0), ("weak_readings", 0),
+     ("weak_readings", 1.5), ("near", float("nan")), ("motion", 0.02), ("gate", "wide")],
+)  # fmt: skip
+def test_settings_are_checked(name: str, wrong: object) -> None:
+    with pytest.raises(InputError, match=name):
+        sf.Tracker(**{name: wrong})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("wrong", [None, np.zeros(72), []])

@@ -9,6 +9,22 @@ FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 
 
 @njit(fastmath=FAST)
+def of_factor(factor: Floats, cells: Ints, weights: Floats) -> Floats:
+    """Covariance (M, M) of sums with weights (M, N) of rows `cells` of a factor (K, L)."""
+    sums, readings = len(weights), factor.shape[1]
+    moved, covariance = np.zeros((sums, readings)), np.zeros((sums, sums))
+    for index in range(len(cells)):
+        for m in range(sums):
+            for reading in range(readings):
+                moved[m, reading] += weights[m, index] * factor[cells[index], reading]
+    for m in range(sums):
+        for n in range(sums):
+            for reading in range(readings):
+                covariance[m, n] += moved[m, reading] * moved[n, reading]
+    return covariance
+
+
+@njit(fastmath=FAST)
 def of_lattice(prior: Floats, steps: Ints, cells: Ints, weights: Floats) -> Floats:
     """Covariance (M, M) of sums with weights (M, N), by the offset of each pair of cells.
 

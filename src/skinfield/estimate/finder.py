@@ -6,7 +6,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints, check_range, check_shape
 from skinfield.estimate.contact import Contact
@@ -18,96 +17,32 @@ from skinfield.skin import Grid
 # Variance, in cells, of the count in a disc at random per side of its border: 0.4576 R over 8 R
 # (Kendall, On the number of lattice points inside a random oval, Quart. J. Math. 19, 1948).
 SIDE_VARIANCE = 0.0572
-NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # axes of a cross product
-SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # rows and columns from a cell to those beside it
-
-
-def border(cells: NDArray[np.int64], shape: tuple[int, int]) -> Floats:
-    """Corners of the way around a connected region of cells, closed, in units of cells.
-
-    Parameters
-    ----------
-    cells : (N,) int array
-        Flat, sorted; connected by sides or corners.
-    shape : (rows, columns)
-
-    Returns
-    -------
-    (N, 2) array
-        Column and row coordinates; the centre of cell (row, column) is (column, row). The region
-        lies to the left of the way; holes are not walked around. Where two cells touch at a corner
-        only, the way turns right, into the other: such cells are neighbours.
-    """
-    inside = {divmod(cell, shape[1]) for cell in cells.tolist()}
-    row, column = divmod(int(cells[0]), shape[1])
-    x, y, dx, dy = column, row, 1, 0
-    way = [(x, y)]
-    while len(way) == 1 or way[-1] != way[0]:
-        x, y = x + dx, y + dy
-        way.append((x, y))
-        if (y + (dy - dx - 1) // 2, x + (dx + dy - 1) // 2) in inside:  # on the right
-            dx, dy = dy, -dx
-        elif (y + (dy + dx - 1) // 2, x + (dx - dy - 1) // 2) not in inside:
-            dx, dy = -dy, dx
-    return np.array(way) - 0.5
-
-
-def area_moves(
-    grid: Grid, pressure: Floats, cells: Ints, edge: float
-) -> tuple[Ints, Floats, float]:
-    r"""How the area of a region moves with the pressure of cells, m²/Pa, to first order.
-
-    The region ends where the pressure falls to `edge` of its peak, so by the implicit function
-    theorem its border moves outwards by (dp - edge dp_peak) / \|grad p\|. The border is summed over
-    the sides of cells at which it is crossed; each stands for a length pitch \|d_x p\| / \|grad p\|
-    of it (pitch \|d_y p\| / \|grad p\| for a side along x).
-
-    Returns cells, their weights, and one standard deviation of an area counted in whole cells.
-    """
-    (rows, columns), picture = grid.shape, pressure.reshape(grid.shape)
-    slopes: list[Floats] = [
-        np.asarray(np.gradient(picture, axis=axis)) if size > 1 else np.zeros(grid.shape)
-        for axis, size in enumerate(grid.shape)
-    ]
-    inside, moves = np.zeros(len(grid), np.bool_), np.zeros(len(grid))
-    inside[cells] = True
-    peak, sides = cells[pressure[cells].argmax()], 0
-    level = edge * pressure[peak]
-    for down, right in SIDES:
-        row, column = cells // columns + down, cells % columns + right
-        on = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-        here, beside = cells[on], (row * columns + column)[on]
-        outer = ~inside[beside]
-        sides += int(np.count_nonzero(outer) + np.count_nonzero(~on))
-        crossed = outer & (pressure[beside] < level) & (level < pressure[here])
-        here, beside = here[crossed], beside[crossed]
-        across, tangent = pressure[here] - pressure[beside], slopes[abs(down)].ravel()
-        along = 0.5 * (tangent[here] + tangent[beside])
-        share = (pressure[here] - level) / across  # of the way to the cell beside
-        per_pascal = grid.cell_area * across / (across**2 + along**2)
-        moves += np.bincount(here, per_pascal * (1.0 - share), len(moves))
-        moves += np.bincount(beside, per_pascal * share, len(moves))
-    moves[peak] -= edge * moves.sum()
-    around = np.flatnonzero(moves)
-    return around, moves[around], grid.cell_area * float(np.sqrt(SIDE_VARIANCE * sides))
 
 
 @lru_cache(maxsize=8)
 def loads_per_pressure(grid: Grid) -> Floats:
     """What a pressure of 1 Pa on each cell adds to the sums over a region, (K, 12).
 
-    Force N and its first and second moments in the plane: 1, x, y, xx, xy, yy; the force in the
-    patch's frame, and its moment about the origin.
+    Of the force N: its first moments x, y in the plane and itself; then the force in the patch's
+    frame and its moment about the origin; then its second moments xx, xy, yy.
     """
     (x, y), area = grid.plane.T, grid.cell_area
-    plane = area * np.stack([np.ones(len(grid)), x, y, x * x, x * y, y * y], axis=1)
+    plane = area * np.stack([x, y, np.ones(len(grid)), x * x, x * y, y * y], axis=1)
     forces = -area * grid.normals
-    return np.hstack([plane, forces, cross(grid.positions, forces)])
+    return np.hstack([plane[:, :3], forces, np.cross(grid.positions, forces), plane[:, 3:]])
 
 
-def cross(one: Floats, other: Floats) -> Floats:
-    """Cross products of vectors (N, 3)."""
-    return np.asarray(one[:, NEXT] * other[:, AFTER] - one[:, AFTER] * other[:, NEXT])
+def area_moves(
+    grid: Grid, pressure: Floats, cells: Ints, edge: float
+) -> tuple[Ints, Floats, float]:
+    """How the area of a region moves with the pressure of cells: these, and their m²/Pa.
+
+    Also one standard deviation of an area counted in whole cells, m².
+    """
+    moves, sides = kernels().area_moves(pressure, grid.shape[1], edge, cells)
+    around = np.flatnonzero(moves)
+    rounding = grid.cell_area * float(np.sqrt(SIDE_VARIANCE * sides))
+    return around, grid.cell_area * moves[around], rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,45 +73,31 @@ class FieldRegions:
 
     def contacts(self) -> Iterator[Contact]:
         """One contact for each region, by falling force; some of it comes when asked for."""
-        grid, cells, first, surface = (
-            self.grid,
-            self.cells,
-            self.starts[:-1],
-            self.grid.patch.surface,
-        )
-        pressure = self.pressure[cells]
-        loads = pressure[:, None] * np.take(loads_per_pressure(grid), cells, axis=0)
-        sums = np.add.reduceat(loads, first, axis=0)
-        total, means, force = sums[:, 0], sums[:, 1:6] / sums[:, :1], sums[:, 6:9]
-        centre = means[:, :2]
+        kernel, grid, starts, cells = kernels(), self.grid, self.starts, self.cells
+        loads, surface = loads_per_pressure(grid), grid.patch.surface
+        table = kernel.sum_regions(self.pressure, loads, grid.cell_area, starts, cells)
+        centre = table[:, : kernel.TOTAL]
         positions = surface.position_from_plane(centre)
         normals = grid.normals[:1]  # on a flat skin one for all
         if not surface.is_flat:
             normals = surface.frame_from_plane(centre)[:, :, 2]
-        moment = sums[:, 9:] - cross(positions, force)
-        (x, y, xx, xy, yy), own = means.T, grid.cell_area / 12
-        xx, xy, yy = xx - x * x + own, xy - x * y, yy - y * y + own
-        large = (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
-        axes = 2.0 * np.sqrt([large, (xx * yy - xy * xy) / large]).T
-        angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-        angles = np.where(angle < np.pi / 2, angle, angle - np.pi).tolist()
-        areas = (np.diff(self.starts) * grid.cell_area).tolist()
-        peaks = np.maximum.reduceat(pressure, first).tolist()
-        along = -(force * normals).sum(axis=1)
-        for index in falling_order(along.tolist(), cells[first].tolist()):
-            mine = cells[self.starts[index] : self.starts[index + 1]]
+        along = kernel.move_moments(table, positions, normals).tolist()
+        numbers, ends = table.tolist(), starts.tolist()
+        for index in falling_order(along, cells[starts[:-1]].tolist()):
+            row, mine = table[index], cells[ends[index] : ends[index + 1]]
+            area = len(mine) * grid.cell_area
             yield Contact.later(
-                Details(self, mine, centre[index], float(total[index])),
+                Details(self, mine, centre[index], numbers[index][kernel.TOTAL]),
                 position=positions[index],
-                force=force[index],
-                moment=moment[index],
+                force=row[kernel.FORCE : kernel.MOMENT],
+                moment=row[kernel.MOMENT : kernel.AXES],
                 normal=normals[index if len(normals) > 1 else 0],
-                area=areas[index],
-                peak_pressure=peaks[index],
-                radius=(areas[index] / np.pi) ** 0.5,
+                area=area,
+                peak_pressure=numbers[index][kernel.PEAK],
+                radius=(area / np.pi) ** 0.5,
                 shape="other",
-                axes=axes[index],
-                angle=angles[index],
+                axes=row[kernel.AXES : kernel.ANGLE],
+                angle=numbers[index][kernel.ANGLE],
                 cells=mine,
                 track_id=None,
                 spread=None,
@@ -200,8 +121,8 @@ class Details:
         centre for the place. Which cells make up the region is taken as given.
         """
         field, grid = self.field, self.field.grid
-        moves = np.full((3, len(self.cells)), grid.cell_area)
-        moves[:2] *= (grid.plane[self.cells] - self.centre).T / self.total
+        loads, (x, y) = loads_per_pressure(grid), self.centre.tolist()
+        moves = kernels().place_moves(loads, grid.cell_area, self.cells, x, y, self.total)
         noise = field.error.covariance_of_sums(self.cells, moves)
         return noise + field.model_error.covariance(self.total)
 
@@ -218,7 +139,7 @@ class Details:
     def outline(self) -> Floats:
         """Border of the region on the skin."""
         grid = self.field.grid
-        corners = grid.origin + border(self.cells, grid.shape) * grid.pitch
+        corners = grid.origin + (kernels().border(self.cells, *grid.shape) - 0.5) * grid.pitch
         return grid.patch.surface.position_from_plane(corners)
 
 
@@ -228,6 +149,10 @@ def kernels() -> Any:
     from skinfield.estimate import regions_kernel
 
     load_covariances()
+    one, cell = np.ones(1), np.zeros(1, np.int64)
+    regions_kernel.area_moves(one, 1, 0.5, cell)
+    regions_kernel.place_moves(np.ones((1, 3)), 1.0, cell, 0.0, 0.0, 1.0)
+    regions_kernel.border(cell, 1, 1)
     return regions_kernel
 
 
@@ -315,11 +240,11 @@ class ContactFinder:
         if not flat.shape == noise.std.shape == (len(grid),):
             check_shape("pressure", flat, (len(grid),), "one per node of the grid")
             check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
-        kernel, columns = kernels(), grid.shape[1]
-        work = kernel.room_for(len(flat), columns)
-        count = kernel.find(flat, noise.std, columns, *self.heights(noise), *work)
-        if not count:
+        kernel, heights, columns = kernels(), self.heights(noise), grid.shape[1]
+        if not kernel.stands_out(flat, noise.std, heights[0]):  # as in most readings
             return ()
+        work = kernel.room_for(len(flat), columns)
+        count = kernel.find(flat, noise.std, columns, *heights, *work)
         starts = work[2][kernel.STARTS, : count + 1].copy()
         cells = work[2][kernel.REGIONS, : starts[-1]].copy()
         stated = noise if error is None else error

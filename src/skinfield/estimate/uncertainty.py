@@ -175,8 +175,8 @@ class FactoredError:
     def explained(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of sums with weights (M, N) of rows `cells` of the factor."""
         check_cells(cells, weights, len(self.factor))
-        moved = weights @ np.take(self._rows, cells, axis=0)
-        return np.asarray(moved @ moved.T)
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        return np.asarray(compiled().of_factor(self._rows, cells, weights))
 
 
 class PressureNoise(FactoredError):
@@ -195,12 +195,13 @@ class PressureNoise(FactoredError):
 
 @lru_cache(maxsize=1)
 def compiled() -> Any:
-    """The kernel `of_lattice`, loaded when first needed."""
-    from skinfield.estimate.covariance_kernel import of_lattice
+    """The kernels, loaded when first needed, and both at once."""
+    from skinfield.estimate import covariance_kernel
 
-    one = np.ones((1, 1))
-    of_lattice(one, np.zeros((1, 2), np.int64), np.zeros(1, np.int64), one)
-    return of_lattice
+    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
+    covariance_kernel.of_factor(one, cell, one)
+    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
+    return covariance_kernel
 
 
 def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
@@ -264,7 +265,7 @@ class PressurePosterior(FactoredError):
         explained = self.explained(cells, weights)
         if len(cells) <= DENSE:
             cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-            return np.asarray(compiled()(*self._lattice, cells, weights) - explained)
+            return np.asarray(compiled().of_lattice(*self._lattice, cells, weights) - explained)
         return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
 
     @cached_property

@@ -18,7 +18,7 @@ from skinfield.loop.slots import Slot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.multigrid import Rest
+from skinfield.reconstruct.multigrid import estimate_of_pressure
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
@@ -318,16 +318,15 @@ class Models:
         taxels = slice(self.starts[patch], self.starts[patch + 1])
         values = slot.values[taxels].astype(np.float64)
         linear = np.array(model_config.quantity.linearise(values, np.empty_like(values)))
-        return Rest(
-            grid=grid,
-            pressure=pressure,
+        return estimate_of_pressure(
+            grid,
+            pressure,
             readings=linear,
             valid=slot.valid[taxels].astype(np.bool_),
             predicted=lambda: self._predicted(patch, nodes, answer, pressure, linear),
             moved=lambda: self.moved(patch, nodes, pressure),
             beliefs=lambda: self._beliefs(patch, nodes, answer),
             finder=self.finder,
-        ).estimate(
             latency=latency,
             stamp_ns=int(row["stamp_ns"]),
             gap=float(row["gap"]),

@@ -16,7 +16,6 @@ from skinfield.errors import Floats, InputError, Ints, check_choice, check_shape
 from skinfield.estimate import Contact, Estimate
 from skinfield.reconstruct.plan import LinearPlan
 from skinfield.reconstruct.reconstructor import Reconstructor
-from skinfield.skin import Grid
 
 CHUNK = 512  # readings per product at most
 FEWEST = 64  # and at least
@@ -58,7 +57,11 @@ class BulkFields:
         precision: type[np.floating[Any]] = np.float32,
     ) -> None:
         self.reconstructor = reconstructor
-        self.outputs = checked_outputs(outputs)
+        self.outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        for name in self.outputs:
+            check_choice("outputs", name, OUTPUTS, "a field that a reading is turned into")
+        if not self.outputs or len(set(self.outputs)) < len(self.outputs):
+            raise InputError(f"outputs is {self.outputs!r}, expected one name or more, each once")
         self.precision = precision
         plan = reconstructor.plans.whole
         self._linear = plan if isinstance(plan, LinearPlan) else None
@@ -98,7 +101,10 @@ class BulkFields:
         """
         check_shape("readings", readings, (None, len(self.reconstructor.patch)), "one per taxel")
         if self._linear is None:
-            parts = [self._of_estimate(estimate) for estimate in self.estimates(readings)]
+            parts = [
+                {name: np.asarray(getattr(one, name), self.precision) for name in self.outputs}
+                for one in self.estimates(readings)
+            ]
             return {name: np.concatenate([part[name] for part in parts]) for name in self.outputs}
         out = np.empty((len(readings), self.width), self.precision)
         for first in range(0, len(readings), self.run):
@@ -206,55 +212,18 @@ class BulkFields:
         return self._matrix_of(valid.tobytes())
 
     def _made_matrix(self, key: bytes) -> NDArray[Any]:
-        operator = self._plan(np.frombuffer(key, np.bool_)).operator
-        rows = rows_of(operator, self.reconstructor.grid, self.outputs)
-        return np.ascontiguousarray(rows.T, dtype=self.precision)
-
-    def _of_estimate(self, estimate: Estimate) -> Fields:
-        return {
-            name: np.asarray(getattr(estimate, name), dtype=self.precision) for name in self.outputs
+        operator, grid = self._plan(np.frombuffer(key, np.bool_)).operator, self.reconstructor.grid
+        pressure, moved = operator[: len(grid)], operator[len(grid) :].reshape(3, len(grid), -1)
+        blocks: dict[str, Callable[[], NDArray[Any]]] = {
+            "pressure": lambda: pressure,
+            "indentation": lambda: -np.einsum("ckl,kc->kl", moved, grid.normals),
+            "displacement": lambda: moved.transpose(1, 0, 2).reshape(3 * len(grid), -1),
         }
+        rows = np.concatenate([blocks[name]() for name in self.outputs])
+        return np.ascontiguousarray(rows.T, dtype=self.precision)
 
     @staticmethod
     def _same_valid(readings: Floats) -> NDArray[np.bool_] | None:
         """Valid taxels (L,), where they are the same in all readings."""
         mask = ~np.isnan(readings)
         return np.asarray(mask[0]) if (mask == mask[0]).all() else None
-
-
-def rows_of(operator: NDArray[Any], grid: Grid, outputs: Iterable[str]) -> NDArray[Any]:
-    """Rows that give the chosen outputs, one after the other.
-
-    Parameters
-    ----------
-    operator : (4 K, L) array
-        Of a `Reconstructor`: pressure, then displacement x, y, z.
-    grid : Grid
-        Of the reconstructor: K nodes.
-    outputs : iterable of str
-        Of `OUTPUTS`: pressure (K) Pa; indentation (K) m, the displacement into the skin along its
-        normal; displacement (3 K) m, the three components of a node together.
-
-    Returns
-    -------
-    (R, L) array
-    """
-    nodes = len(grid)
-    check_shape("operator", operator, (4 * nodes, None), "pressure and displacement of each node")
-    moved = operator[nodes:].reshape(3, nodes, -1)
-    blocks: dict[str, Callable[[], NDArray[Any]]] = {
-        "pressure": lambda: operator[:nodes],
-        "indentation": lambda: -np.einsum("ckl,kc->kl", moved, grid.normals),
-        "displacement": lambda: moved.transpose(1, 0, 2).reshape(3 * nodes, -1),
-    }
-    return np.concatenate([blocks[name]() for name in checked_outputs(outputs)])
-
-
-def checked_outputs(outputs: Iterable[str]) -> tuple[str, ...]:
-    """The names as a tuple; raises InputError for one that is none, twice there, or for none."""
-    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    for name in names:
-        check_choice("outputs", name, OUTPUTS, "a field that a reading is turned into")
-    if not names or len(set(names)) < len(names):
-        raise InputError(f"outputs is {names!r}, expected one name or more, each once")
-    return names

@@ -2,8 +2,8 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -20,14 +20,22 @@ from skinfield.solve import FieldOperator, GaussianField, InverseOperator, Solve
 from skinfield.solve.operator import Beliefs
 
 
-@dataclass(frozen=True, eq=False)
-class Rest:
-    """What an estimate holds beside its pressure.
+def estimate_of_pressure(
+    grid: Grid,
+    pressure: Floats,
+    *,
+    readings: Floats,
+    valid: NDArray[np.bool_],
+    predicted: Callable[[], Floats],
+    moved: Callable[[], Floats],
+    beliefs: Callable[[], Beliefs],
+    finder: ContactFinder,
+    **known: Any,
+) -> Estimate:
+    """Estimate of a pressure (K,), Pa; what else it holds is worked out when asked for.
 
-    Attributes
+    Parameters
     ----------
-    grid : Grid
-    pressure : (K,) array, Pa
     readings : (L,) array
         Linearised.
     valid : (L,) bool array
@@ -37,44 +45,22 @@ class Rest:
         Displacement.
     beliefs : function that returns Beliefs
     finder : ContactFinder
+    **known
+        Further attributes of the estimate.
     """
 
-    grid: Grid
-    pressure: Floats
-    readings: Floats
-    valid: NDArray[np.bool_]
-    predicted: Callable[[], Floats]
-    moved: Callable[[], Floats]
-    beliefs: Callable[[], Beliefs]
-    finder: ContactFinder
+    def contacts() -> tuple[Contact, ...]:
+        its = beliefs()
+        return finder(grid, pressure, its.noise, its.posterior, its.model_error)
 
-    def traction(self) -> Floats:
-        """Of a pressure along the normals, (K, 3) Pa."""
-        return np.asarray(-self.pressure[:, None] * self.grid.normals)
-
-    def contacts(self) -> tuple[Contact, ...]:
-        """By falling force."""
-        known = self.beliefs()
-        return self.finder(
-            self.grid, self.pressure, known.noise, known.posterior, known.model_error
-        )
-
-    def residual(self) -> Floats:
-        """Readings less what the pressure predicts, (L,); NaN for taxels that were left out."""
-        return np.asarray(np.where(self.valid, self.readings - self.predicted(), np.nan))
-
-    def estimate(self, **known: Any) -> Estimate:
-        """The estimate, prompt."""
-        rest = {
-            "traction": self.traction,
-            "displacement": self.moved,
-            "pressure_std": lambda: self.beliefs().pressure_std,
-            "contacts": self.contacts,
-            "residual": self.residual,
-        }
-        return Estimate.later(
-            rest, grid=self.grid, pressure=self.pressure, valid=self.valid, **known
-        )
+    rest: dict[str, Callable[[], Any]] = {
+        "traction": lambda: -pressure[:, None] * grid.normals,
+        "displacement": moved,
+        "pressure_std": lambda: beliefs().pressure_std,
+        "contacts": contacts,
+        "residual": lambda: np.where(valid, readings - predicted(), np.nan),
+    }
+    return Estimate.later(rest, grid=grid, pressure=pressure, valid=valid, **known)
 
 
 SETS = 16  # of valid taxels, on one rung each, that stay prepared
@@ -216,10 +202,10 @@ class Ladder:
         known = np.where(good, table[0], 0.0)
         linear = np.array(self.quantity.linearise(known, np.empty_like(known)))
         end = until(deadline, start)
-        rest, operator = self._answer(linear, good, end)
+        answer, operator = self._answer(linear, good, end)
         now = time.perf_counter_ns()
         notes = () if good.all() else (f"{int((~good).sum())} taxels left out",)
-        return rest.estimate(
+        return answer(
             latency=(now - start) * 1e-9,
             stamp_ns=stamp_ns,
             gap=0.0 if operator is None else float(getattr(operator, "gap", float("nan"))),
@@ -248,8 +234,8 @@ class Ladder:
 
     def _answer(
         self, linear: Floats, valid: NDArray[np.bool_], end: int | None
-    ) -> tuple[Rest, FieldOperator | None]:
-        """What follows from linearised readings, 0 where not valid, and who searched."""
+    ) -> tuple[Callable[..., Estimate], FieldOperator | None]:
+        """What makes the estimate of linearised readings, 0 where not valid; who searched."""
         step, explained = self._step, self.prepared.explained
         operator = step.operator
         if operator is None:
@@ -268,9 +254,10 @@ class Ladder:
             pressure = np.empty(len(step.grid))
             self._search(operator, linear, pressure, end)
         model, beliefs = step.model, step if operator is None else operator
-        rest = Rest(
-            grid=step.grid,
-            pressure=pressure,
+        answer = partial(
+            estimate_of_pressure,
+            step.grid,
+            pressure,
             readings=linear,
             valid=valid,
             predicted=lambda: np.asarray(
@@ -280,7 +267,7 @@ class Ladder:
             beliefs=lambda: beliefs,
             finder=self.finder,
         )
-        return rest, operator
+        return answer, operator
 
     def _prepared_without(self, key: bytes, nodes: int) -> tuple[Rung, Floats]:
         """A linear solver's rung had the patch the valid taxels alone; what it predicts, (L, L).

@@ -12,7 +12,7 @@ from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid import Rest
+from skinfield.reconstruct.multigrid import estimate_of_pressure
 from skinfield.skin import Grid
 
 
@@ -127,16 +127,15 @@ def estimate_of(
             return np.asarray(group.rungs.explained @ filled)
         return np.asarray(step.model.matrix @ pressure)
 
-    return Rest(
-        grid=grid,
-        pressure=pressure,
+    return estimate_of_pressure(
+        grid,
+        pressure,
         readings=intake.linear[rows].copy(),
         valid=valid,
         predicted=predicted,
         moved=lambda: step.deformation.on(grid)(pressure),
         beliefs=lambda: step if answer == LINEAR or step.operator is None else step.operator,
         finder=finder,
-    ).estimate(
         latency=report.spent,
         stamp_ns=stamp_ns,
         gap=float(state.gap[patch]),
