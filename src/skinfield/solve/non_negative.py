@@ -14,7 +14,6 @@ from skinfield.errors import Floats, InputError, check_positive, check_range, ch
 from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
-    ALLOWED,
     COUNTS,
     DUAL,
     GAP,
@@ -71,7 +70,7 @@ def problem_of(
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
     return Problem(
         rows=filled,
-        nodes=np.stack([norms, dropped, np.ones(len(rows))]).astype(kind),
+        nodes=np.stack([norms, dropped]).astype(kind),
         whitening=np.ascontiguousarray(whitening, dtype=np.float64),
         bump=np.ascontiguousarray(bump, dtype=kind),
         stamps=stamps,
@@ -118,13 +117,6 @@ class NonNegativeOperator:
 
     Attributes
     ----------
-    iterations : int
-        Newton steps that the last reading took.
-    gap : float, dimensionless
-        The share of its objective by which the last answer may be above the minimum, at most: 0 to
-        1. It is proved, by a dual value; of an idle patch by its test.
-    objective : float, dimensionless
-        That of the last answer.
     deadline_met : bool
         Whether the last answer was there in time.
     """
@@ -164,7 +156,10 @@ class NonNegativeOperator:
 
     @property
     def gap(self) -> float:
-        """Share of the objective by which the last answer may be above the minimum."""
+        """Share of its objective, 0 to 1, by which the last answer is above the minimum at most.
+
+        It is proved, by a dual value; of an idle patch by its test.
+        """
         return float(self._memory.measures[GAP])
 
     @property
@@ -201,13 +196,6 @@ class NonNegativeOperator:
     def twin(self) -> "NonNegativeOperator":
         """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
         return self._with(self.problem)
-
-    def within(self, nodes: NDArray[np.bool_]) -> "NonNegativeOperator":
-        """Search only some nodes, by a mask (K,); the gap is still that of all nodes."""
-        check_shape("nodes", nodes, self.problem.norms.shape, "one per node")
-        part = self.problem.copy()
-        part.nodes[ALLOWED] = nodes
-        return self._with(part)
 
     def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Leave out taxels, by a mask (L,) of those to use.
