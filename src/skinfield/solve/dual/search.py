@@ -322,7 +322,7 @@ def dual_value(problem: Problem, memory: Memory) -> float:
     # and what the objective may be off, as readings are predicted by a sum over pressed nodes
     rounded += rounding / UNITS * np.sqrt(2.0 * own * pressed) * spread
     learn_pace(memory.measures, at.PASS_PACE, now_ns(counts) - start, float(problem.rows.size))
-    return dot(dual, target) - own - 0.5 * square - rounded
+    return float(dot(dual, target) - own - 0.5 * square - rounded)
 
 
 @inner(inline="always")
