@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import LatticeConvolution, ObservationModel
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError, check_positive, check_range, check_shape
 from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
@@ -25,7 +25,7 @@ from skinfield.solve.dual.problem import (
     Memory,
     Problem,
 )
-from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, taxel_distance
+from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, convolved, taxel_distance
 from skinfield.solve.operator import InverseOperator
 from skinfield.solve.tiles import SIDE, Tiles
 
@@ -318,8 +318,7 @@ def seen_through(bump: Floats, rows: Floats, grid: Grid) -> Floats:
     down, aside = min(reach, height - 1), min(reach, width - 1)
     part = bump[reach - down : reach + down + 1, reach - aside : reach + aside + 1]
     table[height - 1 - down : height + down, width - 1 - aside : width + aside] = part
-    blur = LatticeConvolution(table)
-    return np.stack([blur(row.reshape(height, width)).ravel() for row in rows])
+    return convolved(rows, table, grid)
 
 
 PITCHES = 0.3  # of the taxels, per length scale: longer than a linear field's, which may ring

@@ -56,11 +56,6 @@ class Problem(NamedTuple):
         return np.asarray(self.nodes[NORM])
 
     @property
-    def penalty(self) -> NDArray[Any]:
-        """On the amount of each node, (K,)."""
-        return np.asarray(self.numbers[PENALTY] * self.norms)
-
-    @property
     def threshold(self) -> float:
         """Standard deviations that the most significant node must exceed."""
         return float(self.numbers[THRESHOLD])

@@ -231,15 +231,9 @@ class SheetPlan:
         self.offset = self.placing.offset.astype(precision)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
         self.noise_std = noise_std[self.placing.order]
-        self._scale(self.noise_std, solver.snr)
-
-    def _scale(self, noise_std: Floats, snr: float) -> None:
-        """Give the prior its variance and the matrix its diagonal."""
-        own = self.gram.own / noise_std**2
-        self.variance = snr**2 / float(np.mean(own))
-        diagonal = np.sqrt(1.0 + self.variance * own)
-        precision = self.gram.value.dtype
-        white = 1.0 / (noise_std * diagonal)
+        own = self.gram.own / self.noise_std**2
+        self.variance = solver.snr**2 / float(np.mean(own))
+        white = 1.0 / (self.noise_std * np.sqrt(1.0 + self.variance * own))
         self.scale = white.astype(precision)
         self.gain = (self.variance * white).astype(precision)
         weight, gram = (np.sqrt(self.variance) * white).astype(precision), self.gram

@@ -217,6 +217,8 @@ class Sheet:
         The taxels.
     grid : Grid
         The K cells.
+    deadline_met : bool
+        Whether the last pressure was there in time; True where no deadline was set.
 
     Raises
     ------
@@ -276,7 +278,7 @@ class Sheet:
         self.plan = SheetPlan(self.patch, self.noise_std, physics, solver, pitch, cut, precision)
         self.grid = self.plan.lattice
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
-        self._stamping_ns, self._deadline_met = 0, True
+        self._stamping_ns, self.deadline_met = 0, True
         self._weights = np.zeros(len(self.patch), dtype=precision)
         self._spread = parts_of(self.plan.stamps.spread, precision)
         self._read = parts_of(self.plan.stamps.read, precision)
@@ -309,11 +311,6 @@ class Sheet:
     def relative_residual(self) -> float:
         """What they left, as a share of the whitened readings."""
         return self._conjugate.relative_residual
-
-    @property
-    def deadline_met(self) -> bool:
-        """Whether the last pressure was there in time; True where no deadline was set."""
-        return self._deadline_met
 
     @cached_property
     def _kernel(self) -> NDArray[Any]:
@@ -381,7 +378,7 @@ class Sheet:
         add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out)
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
-        self._deadline_met = deadline_ns is None or end <= deadline_ns
+        self.deadline_met = deadline_ns is None or end <= deadline_ns
 
     def _rehearse(self) -> None:
         """Load the machine code and learn what a step and the stamps take."""
