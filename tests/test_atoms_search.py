@@ -46,10 +46,10 @@ def ball_residuals(problem: Problem, atom: Floats) -> Floats:
     predicted = problem.alone(one, np.ones(1, dtype=np.bool_))
     curvature = curvature_force(LAYER, float(np.exp(atom[3]) * H)) / np.exp(atom[2])
     prior = (np.log(curvature) - np.log(6e-3)) / CURVATURE_STD
-    off = (problem.readings - predicted) * problem.white
+    off = (problem.inputs.readings - predicted) * problem.inputs.white
     if not problem.common:
         return np.append(off, prior)
-    shared = np.append(problem.white, 1.0 / problem.common)  # what an offset of 1 would add
+    shared = np.append(problem.inputs.white, 1.0 / problem.common)  # what an offset of 1 would add
     off = np.append(off, 0.0)
     return np.append(off - shared * (shared @ off) / (shared @ shared), prior)
 
@@ -108,7 +108,7 @@ def test_evidence_and_covariance_are_those_of_samples(
     highest = log_weight.max()
     weight = np.exp(log_weight - highest)
     assert weight.sum() ** 2 / np.square(weight).sum() > 100  # effective samples
-    area = float(np.prod(problem.places[1] - problem.places[0]))
+    area = float(np.prod(problem.inputs.places[1] - problem.inputs.places[0]))
     prior = -np.log(area * LOG_FORCES) - 0.5 * np.log(2 * np.pi) - np.log(CURVATURE_STD)
     evidence = highest + np.log(weight.mean()) + prior
     assert problem.evidence(found) == pytest.approx(evidence, abs=0.5)

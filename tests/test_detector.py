@@ -13,8 +13,7 @@ from test_readme import ROOT, follow
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
-from skinfield.solve.detection.detection import FORCE_ERROR
-from skinfield.solve.detection.detector import halved
+from skinfield.solve.detection.detector import FORCE_ERROR, halved
 from skinfield.solve.detection.dictionary import round_touches
 from skinfield.solve.detection.statistics import Matches, log_evidence
 

@@ -27,7 +27,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative, non_negative
-from skinfield.solve.dual.problem import DROPPED, MOST
+from skinfield.solve.dual.problem import DROPPED, MOST, PENALTY
 from skinfield.solve.non_negative import NonNegativeOperator
 
 EXACT = 1e-12  # tolerance: until rounding leaves nothing to gain
@@ -350,7 +350,8 @@ def test_rounding_over_hundreds_of_nodes_is_in_the_proof(shrinkage: float) -> No
     solver = NonNegative(tolerance=1e-8, shrinkage=shrinkage)
     single = solver.prepare(model)
     double = replace(solver, tolerance=1e-12, precision=np.float64).prepare(model)
-    seen, penalty = double.problem.rows[:, : len(patch)].T, double.problem.penalty
+    seen = double.problem.rows[:, : len(patch)].T
+    penalty = double.problem.numbers[PENALTY] * double.problem.norms
     rng = np.random.default_rng(0)
     for _ in range(12):
         readings = pressed(model, rng, 6) * 10.0 ** rng.uniform(0, 3.3)

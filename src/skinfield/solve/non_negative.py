@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import LatticeConvolution, ObservationModel
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError, check_positive, check_range, check_shape
 from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
-    ALLOWED,
     COUNTS,
     DUAL,
     GAP,
@@ -26,7 +25,7 @@ from skinfield.solve.dual.problem import (
     Memory,
     Problem,
 )
-from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, taxel_distance
+from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, convolved, taxel_distance
 from skinfield.solve.operator import InverseOperator
 from skinfield.solve.tiles import SIDE, Tiles
 
@@ -71,7 +70,7 @@ def problem_of(
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
     return Problem(
         rows=filled,
-        nodes=np.stack([norms, dropped, np.ones(len(rows))]).astype(kind),
+        nodes=np.stack([norms, dropped]).astype(kind),
         whitening=np.ascontiguousarray(whitening, dtype=np.float64),
         bump=np.ascontiguousarray(bump, dtype=kind),
         stamps=stamps,
@@ -118,13 +117,6 @@ class NonNegativeOperator:
 
     Attributes
     ----------
-    iterations : int
-        Newton steps that the last reading took.
-    gap : float, dimensionless
-        The share of its objective by which the last answer may be above the minimum, at most: 0 to
-        1. It is proved, by a dual value; of an idle patch by its test.
-    objective : float, dimensionless
-        That of the last answer.
     deadline_met : bool
         Whether the last answer was there in time.
     """
@@ -164,7 +156,10 @@ class NonNegativeOperator:
 
     @property
     def gap(self) -> float:
-        """Share of the objective by which the last answer may be above the minimum."""
+        """Share of its objective, 0 to 1, by which the last answer is above the minimum at most.
+
+        It is proved, by a dual value; of an idle patch by its test.
+        """
         return float(self._memory.measures[GAP])
 
     @property
@@ -201,13 +196,6 @@ class NonNegativeOperator:
     def twin(self) -> "NonNegativeOperator":
         """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
         return self._with(self.problem)
-
-    def within(self, nodes: NDArray[np.bool_]) -> "NonNegativeOperator":
-        """Search only some nodes, by a mask (K,); the gap is still that of all nodes."""
-        check_shape("nodes", nodes, self.problem.norms.shape, "one per node")
-        part = self.problem.copy()
-        part.nodes[ALLOWED] = nodes
-        return self._with(part)
 
     def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Leave out taxels, by a mask (L,) of those to use.
@@ -330,8 +318,7 @@ def seen_through(bump: Floats, rows: Floats, grid: Grid) -> Floats:
     down, aside = min(reach, height - 1), min(reach, width - 1)
     part = bump[reach - down : reach + down + 1, reach - aside : reach + aside + 1]
     table[height - 1 - down : height + down, width - 1 - aside : width + aside] = part
-    blur = LatticeConvolution(table)
-    return np.stack([blur(row.reshape(height, width)).ravel() for row in rows])
+    return convolved(rows, table, grid)
 
 
 PITCHES = 0.3  # of the taxels, per length scale: longer than a linear field's, which may ring

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -244,87 +243,58 @@ def _inside(atoms: Floats, mesh: Mesh) -> NDArray[np.int64]:
         covered |= (away_x - along * east) ** 2 + (away_y - along * north) ** 2 <= radius * radius
     if covered.any():
         return np.asarray(np.flatnonzero(covered) + first * mesh.columns)
-    row, column = (
-        round((atoms[0, 1] - mesh.y) / mesh.pitch),
-        round((atoms[0, 0] - mesh.x) / mesh.pitch),
-    )
-    row, column = min(max(row, 0), mesh.rows - 1), min(max(column, 0), mesh.columns - 1)
+    row, column = np.rint((atoms[0, 1::-1] - (mesh.y, mesh.x)) / mesh.pitch).astype(int)
+    row, column = np.clip([row, column], 0, [mesh.rows - 1, mesh.columns - 1])
     return np.array([row * mesh.columns + column])
 
 
-@dataclass(frozen=True, eq=False)
-class ContactBuilder:
-    """From atoms to contacts on a grid.
+def contact_of(
+    grid: Grid,
+    surface: PressureTable,
+    atoms: Floats,
+    family: NDArray[np.int64],
+    covariance: Floats,
+) -> Contact:
+    """Contact on a grid of atoms (N, 6) that are one body.
 
-    Parameters
-    ----------
-    grid : Grid
-    surface : PressureTable
-        What round contacts look like.
+    `surface` is what round contacts look like; the covariance (6 N, 6 N) is that of all atoms.
     """
-
-    grid: Grid
-    surface: PressureTable
-
-    @cached_property
-    def _flat(self) -> tuple[Floats, Floats] | None:
-        """Origin (3,) and frame (3, 3) of a flat patch; None of a curved one."""
-        shape, zero = self.grid.patch.surface, np.zeros((1, 2))
-        if not shape.is_flat:
-            return None
-        return shape.position_from_plane(zero)[0], np.array(shape.frame_from_plane(zero)[0])
-
-    def contact(self, atoms: Floats, family: NDArray[np.int64], covariance: Floats) -> Contact:
-        """Contact of atoms (N, 6) that are one body, with the covariance (6 N, 6 N) of them all."""
-        force = atoms[:, 2]
-        total = float(force.sum())
-        share = force / total if total > 0.0 else np.full(len(atoms), 1.0 / len(atoms))
-        centre = share @ atoms[:, :2]
-        moves = _moves(atoms, share, centre, total)
-        pressure, mesh = np.empty(len(self.grid)), mesh_of(self.grid)
-        peak = render(atoms, family, self.surface, mesh, pressure)
-        cells = _inside(atoms, mesh)
-        shape = _shape_of(atoms, int(family[0]))
-        places = self._position(np.vstack([centre, shape.outline]))  # at once: it is slow if curved
-        normal, push, moment = self._resultant(places[0], centre, total, pressure)
-        return Contact(
-            position=places[0],
-            force=push,
-            moment=moment,
-            normal=normal,
-            area=shape.area,
-            peak_pressure=peak,
-            covariance=moves @ covariance @ moves.T,
-            area_std=_area_std(shape.moves, covariance),
-            radius=shape.radius,
-            shape=shape.name,
-            outline=places[1:],
-            axes=shape.axes,
-            angle=shape.angle,
-            cells=cells,
-        )
-
-    def _position(self, plane: Floats) -> Floats:
-        if self._flat is None:
-            return self.grid.patch.surface.position_from_plane(plane)
-        return np.asarray(self._flat[0] + plane @ self._flat[1][:, :2].T)
-
-    def _resultant(
-        self, position: Floats, centre: Floats, total: float, pressure: Floats
-    ) -> tuple[Floats, Floats, Floats]:
-        """Outward normal, force and moment about the position, (3,) each.
-
-        On a curved patch the force is the sum over the cells, less what lies off the grid.
-        """
-        if self._flat is not None:
-            normal = self._flat[1][:, 2]
-            return normal, 0.0 - total * normal, np.zeros(3)
-        normal = self.grid.patch.surface.frame_from_plane(centre[None])[0, :, 2]
+    force = atoms[:, 2]
+    total = float(force.sum())
+    share = force / total if total > 0.0 else np.full(len(atoms), 1.0 / len(atoms))
+    centre = share @ atoms[:, :2]
+    moves = _moves(atoms, share, centre, total)
+    pressure, mesh = np.empty(len(grid)), mesh_of(grid)
+    peak = render(atoms, family, surface, mesh, pressure)
+    shape, skin = _shape_of(atoms, int(family[0])), grid.patch.surface
+    grows = np.zeros((len(atoms), SIZE))
+    grows[:, 3:5] = shape.moves
+    variance = float(grows.ravel() @ covariance @ grows.ravel())  # of the area
+    # All places at once: it is slow on a curved skin.
+    places = skin.position_from_plane(np.vstack([centre, shape.outline]))
+    normal = np.array(skin.frame_from_plane(centre[None])[0, :, 2])
+    push, moment = 0.0 - total * normal, np.zeros(3)
+    if not skin.is_flat:  # the sum over the cells, less what lies off the grid
         cells = np.flatnonzero(pressure)
-        weight = pressure[cells] * self.grid.cell_area
-        forces = -weight[:, None] * self.grid.normals[cells]
-        lever = self.grid.positions[cells] - position
-        return normal, forces.sum(axis=0), np.cross(lever, forces).sum(axis=0)
+        forces = -(pressure[cells] * grid.cell_area)[:, None] * grid.normals[cells]
+        push = forces.sum(axis=0)
+        moment = np.cross(grid.positions[cells] - places[0], forces).sum(axis=0)
+    return Contact(
+        position=places[0],
+        force=push,
+        moment=moment,
+        normal=normal,
+        area=shape.area,
+        peak_pressure=peak,
+        covariance=moves @ covariance @ moves.T,
+        area_std=max(variance, 0.0) ** 0.5,
+        radius=shape.radius,
+        shape=shape.name,
+        outline=places[1:],
+        axes=shape.axes,
+        angle=shape.angle,
+        cells=_inside(atoms, mesh),
+    )
 
 
 def _moves(atoms: Floats, share: Floats, centre: Floats, total: float) -> Floats:
@@ -351,11 +321,3 @@ def _shape_of(atoms: Floats, family: int) -> Shape:
         moves=_area_moves(atoms),
         name="line" if half > LINE * radius else "flat" if family == FLAT else "sphere",
     )
-
-
-def _area_std(moves: Floats, covariance: Floats) -> float:
-    """Standard deviation of an area that grows by `moves` (N, 2) with radius and half-length."""
-    by_all = np.zeros((len(moves), SIZE))
-    by_all[:, 3:5] = moves
-    variance = float(by_all.ravel() @ covariance @ by_all.ravel())
-    return float(np.sqrt(max(variance, 0.0)))

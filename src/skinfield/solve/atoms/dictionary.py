@@ -37,16 +37,13 @@ class Bank:
     norms: Floats
     atoms: Floats
 
-    def scores(self, residual: Floats) -> NDArray[np.float32]:
-        """How well each template agrees with whitened residuals (L,), in standard deviations."""
-        return np.asarray(self.templates @ residual.astype(np.float32))
-
     def starts(self, residual: Floats, most: int, least: float = 0.0) -> Floats:
         """Atoms (S, 6) at the best places, each with the force that explains most.
 
-        None if no template agrees with the residual by more than `least` standard deviations.
+        None if no template agrees with the whitened residual (L,) by more than `least` standard
+        deviations.
         """
-        scores = self.scores(residual)
+        scores = np.asarray(self.templates @ residual.astype(np.float32))
         if not float(scores.max(initial=0.0)) > least:
             return np.empty((0, PARAMETERS))
         best = np.empty(most, np.int64)

@@ -1,6 +1,6 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact
 from skinfield.solve.atoms.dictionary import MARGIN, Bank, make_bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Priors
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors
 from skinfield.solve.atoms.posterior import belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
@@ -31,7 +31,7 @@ def explains(problem: Problem, found: AtomSet) -> bool:
     """Whether noise and model error account for what is left over, but for one reading in 1e4."""
     from scipy.special import chdtri
 
-    squares = np.square(problem.left(found.predicted) * problem.white).sum()
+    squares = np.square(problem.left(found.predicted) * problem.inputs.white).sum()
     return bool(squares <= chdtri(_freedom(found, problem.heard), ODD))
 
 
@@ -49,27 +49,25 @@ def noise_scale(problem: Problem, found: AtomSet, scale: float, most: int) -> fl
     read is no touch. Where as many atoms as there may be (`most`) do not explain the readings, all
     taxels tell it.
     """
-    left = problem.left(found.predicted) * problem.white
-    seen = (np.abs(found.predicted) * problem.white > 1.0) | (problem.white <= 0.0)
+    white = problem.inputs.white
+    left = problem.left(found.predicted) * white
+    seen = (np.abs(found.predicted) * white > 1.0) | (white <= 0.0)
     if not explains(problem, found):
         if len(found) >= most:
-            left, seen = problem.left(np.zeros(len(left))) * problem.white, problem.white <= 0.0
-        typical = _typical(left[~seen]) if np.count_nonzero(~seen) >= UNSEEN else 1.0
+            left, seen = problem.left(np.zeros(len(left))) * white, white <= 0.0
+        typical = 1.0
+        if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large ones do not move
+            typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
         return typical if LOUD < typical <= LOUDEST / scale else 1.0
     if not len(found):
         return 1.0
     squares, parameters = np.square(left), int(found.free.sum())
     share = float(squares.sum()) / _freedom(found, problem.heard)
-    seen &= problem.white > 0.0
+    seen &= white > 0.0
     if seen.sum() > parameters + 2:
         share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
     enough = QUIET if scale <= 1.0 else CALM
     return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
-
-
-def _typical(left: Floats) -> float:
-    """Deviation by the median of the absolute values, which a few large ones do not move."""
-    return float(np.median(np.abs(left))) / NORMAL_MEDIAN
 
 
 def significant(false_alarm_rate: float, taxels: int) -> float:
@@ -115,12 +113,11 @@ class Known:
     offset: Floats
     covariance: Floats
 
-
-def holds(known: Known, atom: Floats) -> bool:
-    """Whether an atom is still about where it was when its covariance was found."""
-    off = atom - known.atom
-    deviation = np.sqrt(np.diag(known.covariance)[:2])
-    return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
+    def holds(self, atom: Floats) -> bool:
+        """Whether an atom is still about where it was when its covariance was found."""
+        off = atom - self.atom
+        deviation = np.sqrt(np.diag(self.covariance)[:2])
+        return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
 
 
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
@@ -255,7 +252,7 @@ class ContactFitter:
         scale, start = self._scale if before is not None and len(before) else 1.0, before
         for _ in range(ROUNDS):
             if scale != 1.0:
-                problem = replace(problem, white=self._white(problem.readings, scale))
+                problem = self.problem(readings, deadline_ns, scale)
             found = search(problem, start, settings.most_contacts, settings.starts, shapes)
             step = noise_scale(problem, found, scale, settings.most_contacts)
             if step == 1.0 or problem.late:
@@ -273,33 +270,25 @@ class ContactFitter:
 
     def _shapes_due(self, problem: Problem) -> bool:
         """Whether the readings say much more, or less, than when shapes were last compared."""
-        energy = float(np.square(problem.readings * problem.white).sum())
+        energy = float(np.square(problem.inputs.readings * problem.inputs.white).sum())
         due = not self._compared / RISE < energy < self._compared * RISE
         if due:
             self._compared = energy
         return due
 
-    def problem(self, readings: Floats, deadline_ns: int | None = None) -> Problem:
-        """One reading beside all that is known."""
-        readings = np.ascontiguousarray(readings, dtype=np.float64)
-        return Problem(
-            readings,
-            self._white(readings, 1.0),
-            self._taxels,
-            self._tables,
-            self._priors,
-            self._bank,
-            self.noise,
-            self._places,
-            self._threshold,
-            self.settings.common_mode * float(self.noise[np.isfinite(self.noise)].mean()),
-            deadline_ns,
-        )
-
-    def _white(self, readings: Floats, scale: float) -> Floats:
-        """One over the deviation of noise, at a scale, and model together."""
+    def problem(
+        self, readings: Floats, deadline_ns: int | None = None, scale: float = 1.0
+    ) -> Problem:
+        """One reading beside all that is known, at a scale of the noise."""
+        readings, noise = np.ascontiguousarray(readings, dtype=np.float64), self.noise
         floor = self.settings.model_error * float(np.abs(readings).max())
-        return np.asarray(1.0 / np.hypot(scale * self.noise, floor))
+        white = 1.0 / np.hypot(scale * noise, floor)  # of noise and model together
+        common = self.settings.common_mode * float(noise[np.isfinite(noise)].mean())
+        shared = common**2 / (1.0 + common**2 * float(np.square(white).sum()))
+        inputs = Inputs(
+            readings, white, self._taxels, self._tables, self._priors, shared, self._places
+        )
+        return Problem(inputs, self._bank, noise, self._threshold, common, deadline_ns)
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
         """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
@@ -308,13 +297,13 @@ class ContactFitter:
         kept = []
         for index, atom in enumerate(found.atoms):
             known = self._kept[index] if same and index < len(self._kept) else None
-            if known is None or not holds(known, atom):
+            if known is None or not known.holds(atom):
                 effort = PLACES, self.settings.starts, STEP
                 if known is not None:
                     effort = FEW, 0, WIDE_STEP
                 belief = belief_of(problem, found, index, *effort)
                 offset = belief.mean(int(found.family[index])) - atom
-                if problem.white.max() * self.noise.min() > QUIETER:
+                if problem.inputs.white.max() * self.noise.min() > QUIETER:
                     offset[:] = 0.0  # what is left over is model error, of which no mean is known
                 odd = found.long[index] or found.family[index] == RING
                 error = belief.covariance + (ODD_ERROR if odd else ROUND_ERROR)

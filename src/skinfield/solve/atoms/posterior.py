@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, refined
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, refined
 from skinfield.solve.atoms.search import RARER, AtomSet, Problem
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
@@ -110,7 +110,7 @@ def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
     """
     free = found.free.ravel()
     hessian = found.hessian.copy()
-    width = problem.places[1] - problem.places[0]
+    width = problem.inputs.places[1] - problem.inputs.places[0]
     for axis in (0, 1):
         rows = np.arange(len(found)) * PARAMETERS + axis
         hessian[rows, rows] += 12.0 / width[axis] ** 2
@@ -143,7 +143,7 @@ def belief_of(
     axes = np.ascontiguousarray((direction * length).T)
     others = np.arange(len(found)) != index
     offset = problem.offset(found.predicted)
-    left = problem.readings - problem.alone(found, others) - offset
+    left = problem.inputs.readings - problem.alone(found, others) - offset
     seeds = own[None]
     if not free[4] and family != RING and starts and widest > SURE:
         seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, starts)])
@@ -157,11 +157,11 @@ def belief_of(
     return Belief(atoms, families, inner, weight / weight.sum())
 
 
-def _near(problem: Problem, own: Floats) -> NDArray[np.int64]:
+def _near(given: Inputs, own: Floats) -> NDArray[np.int64]:
     """Taxels that an atom may be read by, wherever the walk takes it."""
-    tables = problem.tables
+    tables = given.tables
     reach = np.exp(own[3]) + np.hypot(own[4], own[5]) + tables.pad_radius + tables.sight + AROUND
-    square = np.square(problem.taxels - own[:2]).sum(axis=1)
+    square = np.square(given.taxels - own[:2]).sum(axis=1)
     return np.flatnonzero(square <= reach**2)
 
 
@@ -200,11 +200,10 @@ def explore(
     weight : (C,) array
         Logarithm.
     """
-    near = _near(problem, seeds[0])
-    given = problem.inputs._replace(
-        readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
-    )
-    origin, (low, high) = seeds[0, :2], problem.places
+    near, given = _near(problem.inputs, seeds[0]), problem.inputs
+    white, taxels = given.white[near], given.taxels[near]
+    given = given._replace(readings=left[near], white=white, taxels=taxels, shared=0.0)
+    origin, (low, high) = seeds[0, :2], given.places
     moves = np.zeros((1, 1, 6), dtype=np.bool_)
     moves[..., 2:] = free[2:]
     waiting: list[tuple[int, int, Floats]] = []

@@ -13,9 +13,10 @@ from skinfield.errors import Floats, InputError, check_finite
 from skinfield.estimate import Contact
 from skinfield.estimate.ranking import by_falling_force
 from skinfield.skin import Grid
-from skinfield.solve.atoms.contacts import ContactBuilder, bodies
+from skinfield.solve.atoms.contacts import contact_of
 from skinfield.solve.atoms.render_kernels import (
     NODE,
+    SIZE,
     WEIGHT,
     Mesh,
     blend,
@@ -198,7 +199,6 @@ class AtomRenderer:
         self.grid, self._layer, self._mechanics = grid, layer, mechanics
         self._surface = pressure_table(layer, cast(Hashable, mechanics))
         self._mesh = mesh_of(grid)
-        self._builder = ContactBuilder(grid, self._surface)
 
     @cached_property
     def _moves(self) -> DisplacementTable:
@@ -239,7 +239,7 @@ class AtomRenderer:
         atoms: Floats,
         family: Family,
         covariance: Floats,
-        groups: Sequence[Sequence[int]] | None = None,
+        groups: Sequence[Sequence[int]],
     ) -> tuple[Contact, ...]:
         """Contacts of atoms, by falling normal force.
 
@@ -247,16 +247,18 @@ class AtomRenderer:
         ----------
         atoms : (N, 6) array
         family : (N,) int array
-        covariance : (N, 6, 6) or (6 N, 6 N) array
-            Of the parameters of each atom, or of all of them together.
-        groups : sequence of sequences of int, optional
-            Atoms of each contact; by default those that overlap belong to one.
+        covariance : (6 N, 6 N) array
+            Of the parameters of all atoms together.
+        groups : sequence of sequences of int
+            Atoms of each contact, such as those of `bodies`.
         """
         _check(atoms, family)
         found = []
-        for group in bodies(atoms) if groups is None else groups:
+        for group in groups:
             rows = np.asarray(group)
-            found.append(self._builder.contact(atoms[rows], family[rows], _joint(covariance, rows)))
+            each = (SIZE * rows[:, None] + np.arange(SIZE)).ravel()
+            own = covariance[np.ix_(each, each)]
+            found.append(contact_of(self.grid, self._surface, atoms[rows], family[rows], own))
         return by_falling_force(found)
 
 
@@ -266,15 +268,3 @@ def _check(atoms: Floats, family: Family) -> None:
         check_finite("atoms", atoms, "of these nothing can be drawn")
     if family.max(initial=BALL) > FLAT:
         raise InputError(f"family is {family}, expected {BALL} (ball) or {FLAT} (flat end)")
-
-
-def _joint(covariance: Floats, rows: NDArray[np.int64]) -> Floats:
-    """Covariance (6 n, 6 n) of some atoms."""
-    size = 6 * len(rows)
-    if covariance.ndim == 3:
-        out = np.zeros((size, size))
-        for at, row in enumerate(rows):
-            out[6 * at : 6 * at + 6, 6 * at : 6 * at + 6] = covariance[row]
-        return out
-    index = (6 * rows[:, None] + np.arange(6)).ravel()
-    return np.asarray(covariance[np.ix_(index, index)])

@@ -18,11 +18,11 @@ import numpy as np
 
 from skinfield.elastic import Layer, Mechanics
 from skinfield.errors import Floats
-from skinfield.solve.atoms.table import BALL, FLAT, splines, unit_pressure
+from skinfield.solve.atoms.table import BALL, FLAT, log_radii, splines, unit_pressure
 
 LOG_STEP = 0.2  # of ln(a/h)
 SMALLEST, LARGEST = 0.15, 8.0  # radii in thicknesses that are rendered as they are
-MARGIN = 3  # nodes beyond: where a B-spline feels the end of its data
+LOGS = log_radii(SMALLEST, LARGEST, LOG_STEP)  # nodes of ln(a/h)
 TERMS = 8  # of the pressure
 INNER = 10  # of the displacement below the contact
 OUTER = 64  # intervals of the displacement beside it
@@ -69,17 +69,11 @@ class DisplacementTable(NamedTuple):
     reach: float
 
 
-def _logs() -> Floats:
-    """Nodes of ln(a/h)."""
-    count = int(np.ceil(np.log(LARGEST / SMALLEST) / LOG_STEP)) + 2 * MARGIN + 1
-    return np.asarray(np.log(SMALLEST) - MARGIN * LOG_STEP + LOG_STEP * np.arange(count))
-
-
 @lru_cache(maxsize=8)
 def pressure_table(layer: Layer, mechanics: Mechanics) -> PressureTable:
     """Tabulate, once for each layer."""
     coefficients = splines(_all_pressure_terms(layer, cast(Hashable, mechanics)), (1,))
-    return PressureTable(coefficients, float(_logs()[0]), layer.thickness)
+    return PressureTable(coefficients, float(LOGS[0]), layer.thickness)
 
 
 @lru_cache(maxsize=8)
@@ -89,7 +83,7 @@ def displacement_table(layer: Layer, mechanics: Mechanics) -> DisplacementTable:
     response = _point_response(layer, mechanics)
     moved = [
         _displacement_terms(response, h, h * float(a), terms)
-        for a, terms in zip(np.exp(_logs()), coefficients.transpose(1, 0, 2), strict=True)
+        for a, terms in zip(np.exp(LOGS), coefficients.transpose(1, 0, 2), strict=True)
     ]
     finite = np.isfinite(mechanics.reach(layer))
     return DisplacementTable(
@@ -100,15 +94,10 @@ def displacement_table(layer: Layer, mechanics: Mechanics) -> DisplacementTable:
 @lru_cache(maxsize=8)
 def _all_pressure_terms(layer: Layer, mechanics: Mechanics) -> Floats:
     """Coefficients c (2, radii, TERMS)."""
-    radii = layer.thickness * np.exp(_logs())
+    radii = layer.thickness * np.exp(LOGS)
     return np.array(
         [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
     )
-
-
-def exponents(family: int) -> Floats:
-    """Powers of t in the pressure of a ball or a flat end."""
-    return np.asarray(2.0 * np.arange(TERMS) + (1.0 if family == BALL else -1.0))
 
 
 def _pressure_terms(layer: Layer, mechanics: Mechanics, family: int, a: float) -> Floats:
@@ -116,7 +105,7 @@ def _pressure_terms(layer: Layer, mechanics: Mechanics, family: int, a: float) -
     t = 0.5 - 0.5 * np.cos((np.arange(4 * TERMS) + 0.5) * np.pi / (4 * TERMS))
     weight = t if family == FLAT else np.ones_like(t)  # bounded: the edge of a flat end is not
     each = unit_pressure(layer, mechanics, family, a, a * np.sqrt(1.0 - t**2)) * (np.pi * a**2)
-    power = exponents(family)
+    power = 2.0 * np.arange(TERMS) + (1.0 if family == BALL else -1.0)  # of t
     terms = np.linalg.lstsq(t[:, None] ** power * weight[:, None], each * weight, rcond=None)[0]
     return np.asarray(terms / (terms @ (2.0 / (power + 2.0))))
 
@@ -161,14 +150,10 @@ def _displacement_terms(response: Kernel, h: float, a: float, terms: Floats) -> 
     return np.asarray(a * np.vstack([inner, outer]).T.reshape(2, 2, -1))
 
 
+@lru_cache(maxsize=64)
 def _rule(a: float, h: float) -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes and weights on [0, 1] that resolve a response of the layer."""
-    return _unit_rule(NODES + int(NODES_PER_THICKNESS * a / h))
-
-
-@lru_cache(maxsize=64)
-def _unit_rule(count: int) -> tuple[Floats, Floats]:
-    node, weight = np.polynomial.legendre.leggauss(count)
+    node, weight = np.polynomial.legendre.leggauss(NODES + int(NODES_PER_THICKNESS * a / h))
     return (node + 1.0) / 2.0, weight / 2.0
 
 

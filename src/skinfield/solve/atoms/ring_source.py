@@ -16,29 +16,26 @@ SHARE = 0.5  # thicknesses between them
 
 @dataclass(frozen=True, eq=False)
 class Drawable:
-    """Atoms without rings, and which of them are one body.
+    """Atoms without rings, and which of them are one body: those that overlap, or were a ring.
 
     Attributes
     ----------
     atoms : (N, 6) array
         Of x m, y m, force N, radius m, half-length m and angle rad.
     family : (N,) int array
-    covariance : (N, 6, 6) or (6 N, 6 N) array
-        Of each; of all together where there was a ring.
-    groups : list of lists of int, optional
-        Where there was a ring.
+    covariance : (6 N, 6 N) array
+        Of all together.
+    groups : list of lists of int
     """
 
     atoms: Floats
     family: NDArray[np.int64]
     covariance: Floats
-    groups: list[list[int]] | None
+    groups: list[list[int]]
 
     @property
     def each(self) -> Floats:
         """Covariance of each atom alone, (N, 6, 6)."""
-        if self.covariance.ndim == 3:
-            return self.covariance
         rows = np.arange(len(self.atoms))
         blocks = self.covariance.reshape(len(rows), PARAMETERS, len(rows), PARAMETERS)
         return np.ascontiguousarray(blocks[rows, :, rows, :])
@@ -48,12 +45,10 @@ def drawable(
     atoms: Floats, family: NDArray[np.int64], covariance: Floats, thickness: float
 ) -> Drawable:
     """Atoms (N, 6) in SI with their covariances (N, 6, 6), rings as rows of small balls."""
-    if not (family == RING).any():
-        return Drawable(atoms, family, covariance, None)
     from scipy.linalg import block_diag
 
     whole = np.flatnonzero(family != RING)
-    groups = [list(group) for group in bodies(atoms[whole])]
+    groups = bodies(atoms[whole])
     parts, blocks = [atoms[whole]], list(covariance[whole])
     for row in np.flatnonzero(family == RING):
         small, moves = _pearls(atoms[row], thickness)

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +10,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.estimate.ranking import falling_order, first_largest
 from skinfield.solve.atoms.dictionary import Bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors, predict, refined
-from skinfield.solve.atoms.table import BALL, FLAT, RING, Tables
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, predict, refined
+from skinfield.solve.atoms.table import BALL, FLAT, RING
 
 ROUND = np.array([True, True, True, True, False, False])
 LONG = np.ones(6, dtype=np.bool_)
@@ -65,17 +64,10 @@ class Problem:
 
     Attributes
     ----------
-    readings : (L,) array
-    white : (L,) array
-        One over the standard deviation of noise and model together.
-    taxels : (L, 2) array, thicknesses
-    tables : Tables
-    priors : Priors
+    inputs : Inputs
     bank : Bank
     noise : (L,) array
         By which the bank was whitened.
-    places : (2, 2) array, thicknesses
-        Lowest and highest x and y that contacts may have.
     threshold : float
         Gain in cost that a new contact must bring.
     common : float
@@ -83,48 +75,26 @@ class Problem:
     deadline_ns : int or None
     """
 
-    readings: Floats
-    white: Floats
-    taxels: Floats
-    tables: Tables
-    priors: Priors
+    inputs: Inputs
     bank: Bank
     noise: Floats
-    places: Floats
     threshold: float
     common: float = 0.0
     deadline_ns: int | None = None
 
-    @cached_property
-    def inputs(self) -> Inputs:
-        """As compiled functions take it."""
-        return Inputs(
-            self.readings,
-            self.white,
-            self.taxels,
-            self.tables,
-            self.priors,
-            self._shared,
-            self.places,
-        )
-
-    @cached_property
-    def _shared(self) -> float:
-        """Variance of the shared offset, given the readings."""
-        return self.common**2 / (1.0 + self.common**2 * float(np.square(self.white).sum()))
-
     def offset(self, predicted: Floats) -> float:
         """The shared offset that is most probable, if atoms are read as `predicted` (L,)."""
-        return self._shared * float(np.square(self.white) @ (self.readings - predicted))
+        given = self.inputs
+        return given.shared * float(np.square(given.white) @ (given.readings - predicted))
 
     def left(self, predicted: Floats) -> Floats:
         """Readings without what atoms are read as, and without the shared offset."""
-        return self.readings - predicted - self.offset(predicted)
+        return self.inputs.readings - predicted - self.offset(predicted)
 
     @property
     def heard(self) -> int:
         """Taxels that count."""
-        return int(np.count_nonzero(self.white))
+        return int(np.count_nonzero(self.inputs.white))
 
     @property
     def late(self) -> bool:
@@ -133,10 +103,10 @@ class Problem:
 
     def nothing(self) -> AtomSet:
         """No contact at all."""
-        zero = np.zeros(len(self.readings))
-        total = float(np.square(self.white) @ self.readings)
-        squares = float(np.square(self.readings * self.white).sum())
-        cost = 0.5 * (squares - self._shared * total**2)
+        zero = np.zeros(len(self.inputs.readings))
+        readings, white, shared = self.inputs.readings, self.inputs.white, self.inputs.shared
+        total = float(np.square(white) @ readings)
+        cost = 0.5 * (float(np.square(readings * white).sum()) - shared * total**2)
         none = np.empty((0, PARAMETERS))
         return AtomSet(none, np.empty(0, np.int64), cost, zero, np.empty((0, 0)))
 
@@ -154,7 +124,7 @@ class Problem:
 
     def misfit(self, found: AtomSet) -> float:
         """By how many standard deviations the squares of the residuals exceed their number."""
-        squares = float(np.square(self.left(found.predicted) * self.white).sum())
+        squares = float(np.square(self.left(found.predicted) * self.inputs.white).sum())
         return (squares - self.heard) / float(np.sqrt(2.0 * self.heard))
 
     def evidence(self, found: AtomSet) -> float:
@@ -169,23 +139,23 @@ class Problem:
         sign, size = np.linalg.slogdet(found.hessian[np.ix_(free, free)])
         if sign <= 0:
             return -np.inf
-        known = -len(found) * float(np.log(np.prod(self.places[1] - self.places[0]) * LOG_FORCES))
+        (low, high), priors = self.inputs.places, self.inputs.priors
+        known = -len(found) * float(np.log(np.prod(high - low) * LOG_FORCES))
         for family, long in zip(found.family, found.long, strict=True):
-            std = (self.priors.ball_std, self.priors.flat_std, self.priors.ring_std)[family]
+            std = (priors.ball_std, priors.flat_std, priors.ring_std)[family]
             known -= float(np.log(std)) + 0.5 * np.log(2 * np.pi) + RARER[family]
-            length = 2 * np.log(self.priors.length_std) + np.log(2 * np.pi)
+            length = 2 * np.log(priors.length_std) + np.log(2 * np.pi)
             known -= (float(length) + LONGER) * float(long)
         laplace = 0.5 * float(free.sum()) * np.log(2 * np.pi) - 0.5 * size
         return float(-found.cost + known + laplace)
 
     def alone(self, found: AtomSet, which: NDArray[np.bool_]) -> Floats:
         """What some of the atoms are read as, (L,)."""
-        out = np.zeros(len(self.readings))
+        out = np.zeros(len(self.inputs.readings))
         if which.any():
-            jacobian = np.empty((len(out), int(which.sum()), PARAMETERS))
-            predict(
-                found.atoms[which], found.family[which], self.taxels, self.tables, out, jacobian
-            )
+            atoms, given = found.atoms[which], self.inputs
+            jacobian = np.empty((len(out), len(atoms), PARAMETERS))
+            predict(atoms, found.family[which], given.taxels, given.tables, out, jacobian)
         return out
 
 
@@ -198,7 +168,7 @@ TRIED = 2  # of the places for a new atom: these are refined together with the o
 
 def one_more(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
     """The best set with one more ball, or None where none could bring enough."""
-    left = problem.readings - found.predicted
+    left = problem.inputs.readings - found.predicted
     least = float(np.sqrt(2.0 * problem.threshold / OFF_LATTICE))
     seeds = problem.bank.starts(problem.left(found.predicted) / problem.noise, starts, least)
     if not len(seeds):
@@ -307,7 +277,7 @@ def _instead(
 ) -> AtomSet:
     """The set with the best of some seeds in the place of some atoms."""
     others = ~np.isin(np.arange(len(found)), members)
-    left = problem.readings - problem.alone(found, others)
+    left = problem.inputs.readings - problem.alone(found, others)
     best = seeds[first_largest(-settle(problem, left, seeds, family, free))]
     atoms = np.concatenate([found.atoms[others], best[None]])
     return problem.refined(atoms, np.append(found.family[others], family))

@@ -176,11 +176,6 @@ def unit_indentation(
     return ring_sums(np.ascontiguousarray(r, dtype=np.float64), radii, forces, counts, point)
 
 
-def edges_of(layer: Layer, family: int, radius: float) -> Floats:
-    """Distances in m from the axis at which the surface is steep, or bent."""
-    return np.array(_rim(layer, radius) if family == RING else (radius,))
-
-
 def _fine_rings(
     layer: Layer, mechanics: Mechanics, family: int, radius: float, cell: float
 ) -> tuple[Floats, Floats]:
@@ -276,18 +271,17 @@ class Tables(NamedTuple):
     pad_radius: float
 
 
-def log_radii() -> Floats:
-    """Nodes of ln(a/h)."""
-    first = np.log(SMALLEST) - MARGIN * LOG_STEP
-    count = int(np.ceil((np.log(LARGEST) - np.log(SMALLEST)) / LOG_STEP)) + 2 * MARGIN + 1
-    return np.asarray(first + LOG_STEP * np.arange(count))
+def log_radii(smallest: float, largest: float, step: float) -> Floats:
+    """Nodes of ln(a/h), with `MARGIN` more at each end."""
+    count = int(np.ceil((np.log(largest) - np.log(smallest)) / step)) + 2 * MARGIN + 1
+    return np.asarray(np.log(smallest) - MARGIN * step + step * np.arange(count))
 
 
 @lru_cache(maxsize=8)
 def atom_tables(physics: Physics) -> Tables:
     """Tabulate, once for all taxels of a patch."""
     h = physics.layer.thickness
-    logs = log_radii()
+    logs = log_radii(SMALLEST, LARGEST, LOG_STEP)
     furthest = np.exp(logs[-1]) + physics.pad_diameter / 2 / h + SIGHT
     distances = np.arange(0.0, furthest, DISTANCE_STEP)
     nonlinear = isinstance(physics.quantity, Capacitance) and physics.quantity.order != 1
@@ -359,8 +353,9 @@ def _nonlinear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floa
     for family in FAMILIES:
         for index, radius in enumerate(radii):
             gap = smooth
-            if family != BALL or radius < SHARP * h:
-                gap = RoundGap.of(pad / h, distances / h, edges_of(layer, family, radius) / h)
+            if family != BALL or radius < SHARP * h:  # the surface is steep, or bent, at edges
+                edges = np.array(_rim(layer, radius) if family == RING else (radius,))
+                gap = RoundGap.of(pad / h, distances / h, edges / h)
             each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
             strain[family, index] = top = each.max()
             readings = gap.readings(depths[:, None] * (each / top))

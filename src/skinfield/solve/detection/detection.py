@@ -13,15 +13,12 @@ is extrapolated (Naiman and Priebe 2001, for scan statistics).
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.estimate.ranking import first_largest
-from skinfield.solve.detection.statistics import Lookback, Matches, Statistic, log_evidence
+from skinfield.solve.detection.statistics import Lookback, Matches, Statistic, compiled
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,69 +66,6 @@ class Detection:
     def __iter__(self) -> Iterator[float | bool]:
         yield self.statistic
         yield self.detected
-
-
-# What templates leave out: touches that are deep, or of other sizes. About the root mean square
-# errors of balls of 6 to 20 mm that press with 0.5 and 1.5 N, which noise does not explain. They
-# are skewed: between taxels, where less is felt, the force is taken for a smaller one.
-FORCE_ERROR = 0.5  # of the force
-PLACE_ERROR = 0.25  # of the distance of two taxels
-
-
-def detection(
-    lookback: Lookback,
-    matches: Matches,
-    positions: Floats,
-    statistic: float,
-    threshold: float,
-    touch_rate: float,
-    pitch: float,
-    valid: NDArray[np.bool_],
-) -> Detection:
-    r"""What one row of matches says.
-
-    By template the posterior of the force is a normal distribution of mean
-    :math:`(d - \lambda)/g^2` and deviation 1/g, cut off at 0: with z = (d - lambda)/g and the
-    hazard r = phi(z)/Phi(z) it has the mean (z + r)/g and the variance (1 - z r - r²)/g².
-
-    Parameters
-    ----------
-    positions : (P, 3) array, m
-        Of the places, in the patch's frame.
-    pitch : float, m
-        Of the taxels.
-    valid : (T, L) bool array
-        Values that are there, of all readings that take part.
-    """
-    templates = lookback.bank.templates
-    evidence, share, hazard = log_evidence(matches)
-    by_length = share.reshape(len(lookback.lengths), -1).sum(axis=1)
-    by_place = share.reshape(-1, len(positions)).sum(axis=0)
-    best = first_largest(by_place)
-    square = np.square(templates.places - templates.places[best]).sum(axis=1)
-    z = (matches.score[0] - matches.rate) * matches.spread
-    mean = (z + hazard) * matches.spread
-    variance = (1.0 - hazard * (z + hazard)) * matches.spread**2
-    unseen = matches.spread == 0.0  # the prior is all that is known there
-    if unseen.any():
-        mean = np.where(unseen, 1.0 / matches.rate, mean)
-        variance = np.where(unseen, mean**2, variance)
-    force = float(share @ mean)
-    spread = share @ (variance + (mean - force) ** 2)
-    apart = by_place @ square + templates.spacing**2 / 6
-    odds = np.log(touch_rate / (1.0 - touch_rate)) + evidence[0]
-    return Detection(
-        statistic=statistic,
-        threshold=threshold,
-        detected=statistic > threshold,
-        probability=float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0)))),
-        position=positions[best],
-        position_std=float(np.sqrt(apart + (PLACE_ERROR * pitch) ** 2)),
-        force=force,
-        force_std=float(np.sqrt(max(spread, 0.0) + (FORCE_ERROR * force) ** 2)),
-        readings=min(lookback.lengths[first_largest(by_length)], len(valid)),
-        left_out=int(valid.size - np.count_nonzero(valid)),
-    )
 
 
 DRAWS, LEAST = 4000, 1500  # least: where a patch has so many taxels that draws take long
@@ -222,7 +156,7 @@ def _sums(
 def _ratio(matches: Matches) -> Floats:
     """Density (N,) of readings with the touches that are drawn over that of idle ones."""
     out = np.empty(len(matches.score))
-    _compiled()(matches.score, matches.spread, out)
+    compiled(_tilt)(matches.score, matches.spread, out)
     return out
 
 
@@ -237,11 +171,3 @@ def _tilt(score: Floats, spread: Floats, out: Floats) -> None:
                 total += np.exp(((STD * z) ** 2 + MEAN * (2.0 * z - MEAN)) / (2.0 * wide))
                 seen += 1
         out[row] = total / (seen * np.sqrt(wide))
-
-
-@lru_cache(maxsize=1)
-def _compiled() -> Any:
-    """`_tilt` as machine code: over every draw and template."""
-    from skinfield.compiled import njit
-
-    return njit(_tilt)

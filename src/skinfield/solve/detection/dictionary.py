@@ -240,10 +240,6 @@ class Bank:
             out -= shared * self._shared_part(out @ self.noise.offset, shared)[..., None]
         return out
 
-    def score(self, whitened: Floats) -> Floats:
-        """Scores (N, J) of sums of whitened readings (N, L): see `Matches`."""
-        return np.asarray(whitened @ self.scaled.T)
-
     def information(self, valid: NDArray[np.bool_]) -> Floats:
         """Information g² (J,) of one reading in which some taxels answered: see `Matches`."""
         return self._known(np.asarray(valid).tobytes())

@@ -1,8 +1,8 @@
 """Detection statistics: a number per reading from the matches of templates over some time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property
 from math import erfc
 from typing import Any, Protocol
 
@@ -91,11 +91,13 @@ def log_evidence(matches: Matches) -> tuple[Floats, Floats, Floats]:
     """
     rows, entries = matches.score.shape
     evidence, share, hazard = np.empty(rows), np.empty(entries), np.empty(entries)
-    _compiled()(matches.score, matches.spread, matches.rate, _table(), evidence, share, hazard)
+    compiled(_marginal)(
+        matches.score, matches.spread, matches.rate, _table(), evidence, share, hazard
+    )
     return evidence, share, hazard
 
 
-@lru_cache(maxsize=1)
+@cache
 def _table() -> Floats:
     """R(z) from LOW to HIGH; linear between the entries it is good to 2e-5."""
     from scipy.special import erfcx
@@ -144,12 +146,12 @@ def _marginal(
     share /= total
 
 
-@lru_cache(maxsize=1)
-def _compiled() -> Any:
-    """`_marginal` as machine code: it runs per reading, over every template."""
+@cache
+def compiled(function: Callable[..., None]) -> Any:
+    """A function as machine code, made when it is first called: it runs over every template."""
     from skinfield.compiled import njit
 
-    return njit(_marginal)
+    return njit(function)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +239,7 @@ class Lookback:
             Readings that each sum has. Default the lengths.
         """
         weight = self.weight(self.lengths if used is None else used)
-        score = self.bank.score(sums.reshape(-1, sums.shape[-1])).reshape(*sums.shape[:2], -1)
+        score = (sums.reshape(-1, sums.shape[-1]) @ self.bank.scaled.T).reshape(*sums.shape[:2], -1)
         if self.bank.noise.correlation > 0:
             score *= weight[:, None]
         spread = self.spread if spread is None else spread

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 
-NORM, DROPPED, ALLOWED = range(3)  # rows of `Problem.nodes`
+NORM, DROPPED = range(2)  # rows of `Problem.nodes`
 THRESHOLD, PENALTY, TOLERANCE, ROUNDING, MOST, HEIGHT, WIDTH = range(7)  # of `Problem.numbers`
 TARGET, DUAL, PREDICTED, ASCENT, STEP, SCRATCH, LOWER = range(7)  # rows of `Memory.taxels`
 SLACK, TURN, EVERY, AMOUNT = range(4)  # rows of `Memory.nodes`
@@ -28,9 +28,8 @@ class Problem(NamedTuple):
     ----------
     rows : (K, W) array
         What each node's bump does to the taxels.
-    nodes : (3, K) array
-        Of each node: norm of its row, norm of what the stamps lack of it, and 1 if it may be
-        pressed, else 0.
+    nodes : (2, K) array
+        Of each node: norm of its row, and norm of what the stamps lack of it.
     whitening : (L,) float64 array, per unit of the reading
         0 for a taxel that is left out.
     bump : (2 n + 1, 2 n + 1) array, Pa
@@ -55,11 +54,6 @@ class Problem(NamedTuple):
     def norms(self) -> NDArray[Any]:
         """Of the rows, (K,)."""
         return np.asarray(self.nodes[NORM])
-
-    @property
-    def penalty(self) -> NDArray[Any]:
-        """On the amount of each node, (K,)."""
-        return np.asarray(self.numbers[PENALTY] * self.norms)
 
     @property
     def threshold(self) -> float:
@@ -115,8 +109,5 @@ class Memory(NamedTuple):
         """Room for a problem; pages that are never written are never taken."""
         lists = np.zeros((COUNTS + 1, max(nodes, COUNTED)), dtype=np.int64)
         lists[ALL] = np.arange(lists.shape[1])
-        taxels, by_node = (
-            np.zeros((LOWER + width, width), kind),
-            np.zeros((AMOUNT + 1, nodes), kind),
-        )
-        return cls(taxels, by_node, lists, np.zeros(TYPICAL + 3))
+        taxels = np.zeros((LOWER + width, width), kind)
+        return cls(taxels, np.zeros((AMOUNT + 1, nodes), kind), lists, np.zeros(TYPICAL + 3))

@@ -79,11 +79,8 @@ def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, dead
     search: so time decides in its last turn alone.
     """
     counts, measures, numbers = memory.lists[at.COUNTS], memory.measures, problem.numbers
-    target, dual, ascent = (
-        memory.taxels[at.TARGET],
-        memory.taxels[at.DUAL],
-        memory.taxels[at.ASCENT],
-    )
+    target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    ascent = memory.taxels[at.ASCENT]
     width, rows = len(target), problem.rows.size
     for taxel in range(len(readings)):
         weight = problem.whitening[taxel]
@@ -122,9 +119,9 @@ def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, dead
         if not provable:
             relax_pace(measures, at.PASS_PACE)
             break
-        proved, within = dual_values(problem, memory)
+        proved = dual_value(problem, memory)
         lower, passes = max(lower, proved), passes + 1
-        enough = best - within <= tolerance * best
+        enough = best - proved <= tolerance * best
         if enough or late or counts[at.STEPS] >= most or passes >= PASSES:
             break
         local *= STRICTER if solved else 1.0
@@ -168,7 +165,7 @@ def begin(problem: Problem, memory: Memory, best: float) -> float:
         return -1.0
     lower, started = 0.0, counts[at.STARTED] != 0
     counts[at.STARTED] = 0
-    if started and not dual_values(problem, memory)[1] > 0.0:  # no better than none
+    if started and not dual_value(problem, memory) > 0.0:  # no better than none
         see_all(problem, memory, target, threshold)
         started = False
     if not started:
@@ -256,8 +253,7 @@ def list_near(problem: Problem, memory: Memory) -> None:
     count, every, listed = 0, memory.nodes[at.EVERY], memory.lists[at.LISTED]
     least = problem.numbers[at.PENALTY] - MARGIN
     for node in range(len(every)):
-        near = every[node] > least * problem.nodes[at.NORM, node]
-        if near and problem.nodes[at.ALLOWED, node] > 0.0:
+        if every[node] > least * problem.nodes[at.NORM, node]:
             listed[count] = node
             count += 1
     memory.lists[at.COUNTS, at.SEARCHED] = count
@@ -307,31 +303,26 @@ def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float,
 
 
 @inner
-def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
-    """What no answer's objective is below, by a pass over all nodes; and none of those allowed."""
+def dual_value(problem: Problem, memory: Memory) -> float:
+    """What no answer's objective is below, by a pass over all nodes."""
     counts, numbers, every = memory.lists[at.COUNTS], problem.numbers, memory.nodes[at.EVERY]
     start, target, dual = now_ns(counts), memory.taxels[at.TARGET], memory.taxels[at.DUAL]
     penalty, rounding = numbers[at.PENALTY], numbers[at.ROUNDING]
     see_all(problem, memory, dual, penalty - MARGIN)
-    square, elsewhere, spread, pressed = 0.0, 0.0, 0.0, 0
+    square, spread, pressed = 0.0, 0.0, 0
     for node in range(len(every)):
         norm = np.float64(problem.nodes[at.NORM, node])
         over = every[node] - penalty * norm
-        if over <= 0.0:
-            continue
-        if problem.nodes[at.ALLOWED, node] > 0.0:
+        if over > 0.0:
             square += over * over
             spread += over * norm
             pressed += 1
-        else:
-            elsewhere += over * over
     own = 0.5 * dot(dual, dual)
     rounded = rounding * np.sqrt(own * 0.5 * dot(target, target))
     # and what the objective may be off, as readings are predicted by a sum over pressed nodes
     rounded += rounding / UNITS * np.sqrt(2.0 * own * pressed) * spread
-    within = dot(dual, target) - own - 0.5 * square - rounded
     learn_pace(memory.measures, at.PASS_PACE, now_ns(counts) - start, float(problem.rows.size))
-    return within - 0.5 * elsewhere, within
+    return float(dot(dual, target) - own - 0.5 * square - rounded)
 
 
 @inner(inline="always")
@@ -343,16 +334,10 @@ def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """
     counts, lists, rows = memory.lists[at.COUNTS], memory.lists, problem.rows
     listed, factored = lists[at.LISTED], lists[at.FACTORED]
-    target, dual, ascent = (
-        memory.taxels[at.TARGET],
-        memory.taxels[at.DUAL],
-        memory.taxels[at.ASCENT],
-    )
-    step, scratch, lower = (
-        memory.taxels[at.STEP],
-        memory.taxels[at.SCRATCH],
-        memory.taxels[at.LOWER :],
-    )
+    target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
+    ascent = memory.taxels[at.ASCENT]
+    step, scratch = memory.taxels[at.STEP], memory.taxels[at.SCRATCH]
+    lower = memory.taxels[at.LOWER :]
     turn, width, count = memory.nodes[at.TURN], len(dual), counts[at.SEARCHED]
     if anew or counts[at.FACTORS] == 0:
         for place in range(active):

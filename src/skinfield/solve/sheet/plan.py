@@ -1,14 +1,13 @@
 """Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import Layer, Mechanics, Quantity
+from skinfield.elastic import Physics
 from skinfield.errors import Floats, InputError, Ints, check_range
 from skinfield.skin import Grid, Patch
 from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov, taxel_distance
@@ -207,9 +206,7 @@ class SheetPlan:
         self,
         patch: Patch,
         noise_std: Floats,
-        layer: Layer,
-        mechanics: Mechanics,
-        quantity: Quantity,
+        physics: Physics,
         solver: GaussianField | Tikhonov,
         pitch: float,
         cut: float,
@@ -220,9 +217,7 @@ class SheetPlan:
         places = patch.plane
         _check_extent(len(places), np.ptp(places, axis=0) / pitch)
         self.length_scale = _length_scale(solver, places, pitch)
-        physics = cast(Hashable, mechanics), layer, cast(Hashable, quantity)
-        length = self.length_scale / pitch
-        self.stamps = stamps = stamps_on(*physics, pitch, patch.pad_diameter, cut, length)
+        self.stamps = stamps = stamps_on(physics, pitch, cut, self.length_scale / pitch)
         spread = stamps.spread
         both = (spread, stamps.read)
         before = max(stamp.reach for stamp in both)
@@ -236,15 +231,9 @@ class SheetPlan:
         self.offset = self.placing.offset.astype(precision)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
         self.noise_std = noise_std[self.placing.order]
-        self._scale(self.noise_std, solver.snr)
-
-    def _scale(self, noise_std: Floats, snr: float) -> None:
-        """Give the prior its variance and the matrix its diagonal."""
-        own = self.gram.own / noise_std**2
-        self.variance = snr**2 / float(np.mean(own))
-        diagonal = np.sqrt(1.0 + self.variance * own)
-        precision = self.gram.value.dtype
-        white = 1.0 / (noise_std * diagonal)
+        own = self.gram.own / self.noise_std**2
+        self.variance = solver.snr**2 / float(np.mean(own))
+        white = 1.0 / (self.noise_std * np.sqrt(1.0 + self.variance * own))
         self.scale = white.astype(precision)
         self.gain = (self.variance * white).astype(precision)
         weight, gram = (np.sqrt(self.variance) * white).astype(precision), self.gram

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from skinfield.elastic import Layer, Mechanics, Quantity
+from skinfield.elastic import Physics
 from skinfield.elastic.lattice import mirrored
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Grid, Patch
@@ -28,46 +28,33 @@ WIDEST = 32  # cells from a taxel to the end of its stamp
 # of a cell, to `reach` cells from the taxel, where it ends.
 
 
-class Response:
-    """What a taxel reads of a cell at any offset, by the quantity's own matrix of one cell."""
+def response(physics: Physics, pitch: float, offsets: Floats) -> Floats:
+    """What a taxel reads of a cell at offsets (N, 2) in cells: (N,) in its unit per Pa."""
+    pad = physics.pad_diameter
+    cell = Grid(Patch(np.zeros((1, 2)), pad, name="sheet"), (1, 1), pitch, np.zeros(2))
+    places = offsets * pitch
+    matrix = physics.quantity.matrix(physics.mechanics, physics.layer, cell, places, pad)
+    return np.asarray(matrix[:, 0])
 
-    def __init__(
-        self,
-        mechanics: Mechanics,
-        layer: Layer,
-        quantity: Quantity,
-        pitch: float,
-        pad_diameter: float,
-    ) -> None:
-        corners = np.array([[0.0, 0.0, 0.0], [pitch, 0.0, 0.0], [0.0, pitch, 0.0]])
-        self._cell = Grid(Patch(corners, pad_diameter, name="sheet"), (1, 1), pitch)
-        self._physics = (mechanics, layer)
-        self._quantity, self._pad = quantity, pad_diameter
 
-    def __call__(self, offsets: Floats) -> Floats:
-        """Unit of the reading per Pa, (N,), at offsets (N, 2) in cells."""
-        places = offsets * self._cell.pitch
-        matrix = self._quantity.matrix(*self._physics, self._cell, places, self._pad)
-        return np.asarray(matrix[:, 0])
-
-    def kernel(self, cut: float) -> Floats:
-        """Sampled as far as it exceeds `cut` of its peak."""
-        ray = np.arange(4 * WIDEST * 2 + 1) / 4.0
-        along, aside = (np.abs(self(np.column_stack([ray, share * ray]))) for share in (0, 1))
-        away = np.maximum.reduceat(np.maximum(along, aside), np.arange(0, len(ray) - 1, 4))
-        peak = float(max(along.max(), aside.max()))
-        reach = int(np.flatnonzero(away > cut * peak)[-1]) + 1
-        if reach > WIDEST:
-            raise InputError(
-                f"a taxel's response falls to {cut:g} of its peak only {reach} cells away, "
-                f"expected within {WIDEST}: a sheet is for short kernels; use larger cells, a "
-                "larger cut, BaseStress() or BondedLayer()"
-            )
-        count = reach * FINE + 1
-        i, j = np.tril_indices(count)
-        quadrant = np.empty((count, count))
-        quadrant[i, j] = quadrant[j, i] = self(np.column_stack([i, j]) / FINE)
-        return quadrant
+def response_kernel(physics: Physics, pitch: float, cut: float) -> Floats:
+    """The response, sampled as far as it exceeds `cut` of its peak."""
+    ray = np.arange(4 * WIDEST * 2 + 1) / 4.0
+    rays = np.vstack([np.column_stack([ray, share * ray]) for share in (0.0, 1.0)])
+    highest = np.abs(response(physics, pitch, rays)).reshape(2, -1).max(axis=0)
+    away = np.maximum.reduceat(highest, np.arange(0, len(ray) - 1, 4))
+    reach = int(np.flatnonzero(away > cut * highest.max())[-1]) + 1
+    if reach > WIDEST:
+        raise InputError(
+            f"a taxel's response falls to {cut:g} of its peak only {reach} cells away, "
+            f"expected within {WIDEST}: a sheet is for short kernels; use larger cells, a "
+            "larger cut, BaseStress() or BondedLayer()"
+        )
+    count = reach * FINE + 1
+    i, j = np.tril_indices(count)
+    quadrant = np.empty((count, count))
+    quadrant[i, j] = quadrant[j, i] = response(physics, pitch, np.column_stack([i, j]) / FINE)
+    return quadrant
 
 
 def smoothed_kernel(kernel: Floats, correlation: Floats, cut: float) -> Floats:
@@ -175,15 +162,15 @@ def stamp_of(kernel: Floats, tolerance: float) -> tuple[Stamp, float]:
     return Stamp(np.ascontiguousarray(np.moveaxis(table, -1, 1)), sign), misfit
 
 
-def misfit_between_samples(stamp: Stamp, response: Response, peak: float) -> float:
-    """How far a stamp is off the kernel itself, of its peak, at offsets between all samples."""
+def misfit_between_samples(stamp: Stamp, physics: Physics, pitch: float) -> float:
+    """How far a stamp is off the response itself at offsets between all samples."""
     index = np.arange(1, TRIALS + 1)
     inside = np.column_stack([index * 0.7548776662, index * 0.5698402910]) % 1.0  # evenly spread
     width = 2 * stamp.reach
     row, column = (index * 7) % width, (index * 11) % width
     offset = np.column_stack([column, row]) + (1 - stamp.reach) - inside
     made = stamp.at(inside)[index - 1, row, column]
-    return float(np.abs(made - response(offset)).max() / peak)
+    return float(np.abs(made - response(physics, pitch, offset)).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,26 +193,17 @@ class Stamps:
 
 
 @lru_cache(maxsize=16)
-def stamps_on(
-    mechanics: Mechanics,
-    layer: Layer,
-    quantity: Quantity,
-    pitch: float,
-    pad_diameter: float,
-    cut: float,
-    length: float,
-) -> Stamps:
+def stamps_on(physics: Physics, pitch: float, cut: float, length: float) -> Stamps:
     """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none."""
-    response = Response(mechanics, layer, quantity, pitch, pad_diameter)
-    kernel = response.kernel(cut)
-    peak = float(np.abs(kernel).max())
+    kernel = response_kernel(physics, pitch, cut)
     read, misfit = stamp_of(kernel, MISFIT * cut)
-    misfit = max(misfit, misfit_between_samples(read, response, peak))
+    between = misfit_between_samples(read, physics, pitch) / float(np.abs(kernel).max())
+    misfit = max(misfit, between)
     if misfit > cut:
         raise InputError(
-            f"the response of {quantity!r} on {mechanics!r} has edges: {MOST} products fit it to "
-            f"{misfit:.1e} of its peak only, expected to the cut of {cut:g}; use a larger "
-            "cut, pads that average, or loads that are uniform over a cell"
+            f"the response of {physics.quantity!r} on {physics.mechanics!r} has edges: {MOST} "
+            f"products fit it to {misfit:.1e} of its peak only, expected to the cut of {cut:g}; "
+            "use a larger cut, pads that average, or loads that are uniform over a cell"
         )
     if length == 0.0:
         return Stamps(read, read, neighbour_reach(kernel, kernel, cut))

@@ -13,6 +13,7 @@ from skinfield.elastic import (
     BondedLayer,
     Layer,
     Mechanics,
+    Physics,
     Quantity,
     check_skin,
     displacement_kernel,
@@ -28,7 +29,7 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
-from skinfield.estimate import Contact, ContactFinder, Estimate
+from skinfield.estimate import ContactFinder, Estimate
 from skinfield.skin import Patch
 from skinfield.solve.linear import GaussianField, Tikhonov
 from skinfield.solve.sheet.contacts import WindowNoise, contacts_on, highest_std
@@ -36,17 +37,6 @@ from skinfield.solve.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
 
 NOISE = 1e-20, 1e12  # in any unit of a reading
 LARGEST = 1e12  # deviations of the noise: their squares add up in single precision
-
-
-def check_settings(tolerance: float, most_iterations: int, precision: object) -> None:
-    """Raise InputError for settings that no iteration could go by."""
-    check_range("tolerance", tolerance, 1e-12, 0.5, "a share of the whitened readings")
-    check_count("most_iterations", most_iterations, 1, 10_000, "some ten are usual")
-    if precision not in (np.float32, np.float64):
-        raise InputError(
-            f"precision is {precision!r}, expected numpy.float32 or numpy.float64: the first is "
-            "faster, the second for comparisons"
-        )
 
 
 def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
@@ -136,13 +126,8 @@ class Conjugate:
         """
         from skinfield.solve.sheet.kernels import descend, take_in, turn
 
-        answer, valid, residual, way, moved = (
-            self.answer,
-            self.valid,
-            self._residual,
-            self._way,
-            self._moved,
-        )
+        answer, valid = self.answer, self.valid
+        residual, way, moved = self._residual, self._way, self._moved
         whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
         if not whole < LARGEST_SQUARE:
             raise InputError(
@@ -232,6 +217,8 @@ class Sheet:
         The taxels.
     grid : Grid
         The K cells.
+    deadline_met : bool
+        Whether the last pressure was there in time; True where no deadline was set.
 
     Raises
     ------
@@ -269,7 +256,13 @@ class Sheet:
         self.layer = Layer() if layer is None else layer
         self.quantity: Quantity = BaseStress() if quantity is None else quantity
         self.mechanics: Mechanics = BondedLayer() if mechanics is None else mechanics
-        check_settings(tolerance, most_iterations, precision)
+        check_range("tolerance", tolerance, 1e-12, 0.5, "a share of the whitened readings")
+        check_count("most_iterations", most_iterations, 1, 10_000, "some ten are usual")
+        if precision not in (np.float32, np.float64):
+            raise InputError(
+                f"precision is {precision!r}, expected numpy.float32 or numpy.float64: the first "
+                "is faster, the second for comparisons"
+            )
         self.tolerance, self.most_iterations = tolerance, most_iterations
         self.precision = precision
         positions = as_floats("positions", positions)
@@ -281,20 +274,11 @@ class Sheet:
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         self.noise_std = checked_noise(noise, len(self.patch))
         solver = GaussianField() if solver is None else solver
-        self.plan = SheetPlan(
-            self.patch,
-            self.noise_std,
-            self.layer,
-            self.mechanics,
-            self.quantity,
-            solver,
-            pitch,
-            cut,
-            precision,
-        )
+        physics = Physics(self.layer, self.mechanics, self.quantity, pad_diameter)
+        self.plan = SheetPlan(self.patch, self.noise_std, physics, solver, pitch, cut, precision)
         self.grid = self.plan.lattice
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
-        self._stamping_ns, self._deadline_met = 0, True
+        self._stamping_ns, self.deadline_met = 0, True
         self._weights = np.zeros(len(self.patch), dtype=precision)
         self._spread = parts_of(self.plan.stamps.spread, precision)
         self._read = parts_of(self.plan.stamps.read, precision)
@@ -327,11 +311,6 @@ class Sheet:
     def relative_residual(self) -> float:
         """What they left, as a share of the whitened readings."""
         return self._conjugate.relative_residual
-
-    @property
-    def deadline_met(self) -> bool:
-        """Whether the last pressure was there in time; True where no deadline was set."""
-        return self._deadline_met
 
     @cached_property
     def _kernel(self) -> NDArray[Any]:
@@ -399,7 +378,7 @@ class Sheet:
         add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out)
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
-        self._deadline_met = deadline_ns is None or end <= deadline_ns
+        self.deadline_met = deadline_ns is None or end <= deadline_ns
 
     def _rehearse(self) -> None:
         """Load the machine code and learn what a step and the stamps take."""
@@ -433,7 +412,9 @@ class Sheet:
             "traction": lambda: -pressure[:, None] * self.grid.normals,
             "displacement": lambda: self.displacement(pressure),
             "pressure_std": lambda: noise.std,
-            "contacts": lambda: self._contacts(pressure, noise),
+            "contacts": lambda: contacts_on(
+                self.grid, pressure, self.finder, noise, self.highest_std
+            ),
             "residual": lambda: linear - self.predict(pressure),
         }
         return Estimate.later(
@@ -445,9 +426,6 @@ class Sheet:
             iterations=self.iterations,
             deadline_met=self.deadline_met,
         )
-
-    def _contacts(self, pressure: NDArray[Any], noise: WindowNoise) -> tuple[Contact, ...]:
-        return contacts_on(self.grid, pressure, self.finder, noise, self.highest_std)
 
     def predict(self, pressure: NDArray[Any]) -> Floats:
         """What the taxels read (L,) of a pressure (K,) Pa: the linear map A."""
