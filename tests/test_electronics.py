@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from skinfield.errors import InputError
 from skinfield.signal import ICubByte
-from skinfield.signal.boards import firmware_drift
 from skinfield.simulate.electronics import (
     CrossTalk,
     CySkinBoard,
@@ -314,12 +313,3 @@ def test_the_skin_lags_behind_its_surroundings():
     assert away[0] == pytest.approx(0.0, abs=1e-9)
     time = np.arange(1001) / 10.0
     assert away[:, 5] == pytest.approx(10.0 * (1.0 - np.exp(-time / 30.0)), abs=0.02)
-
-
-def test_the_firmware_s_correction_is_bit_exact():
-    taken = firmware_drift(np.full(12, -200.0))
-    byte = ICubByte().counts_from_difference(np.where(np.arange(12) == 6, -200.0, 0.0) - taken)
-    assert bytes(byte.astype(np.uint8)) == bytes.fromhex("d5cbd0e2e2d5ff dfd2b0f0d2")
-    other = firmware_drift(np.full(12, -200.0), negated_first=True)
-    assert (taken - other).tolist() == [1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0]
-    assert (firmware_drift(200.0) == -firmware_drift(-200.0)).all()

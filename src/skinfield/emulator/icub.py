@@ -10,7 +10,7 @@ from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
 from skinfield.emulator.electronics import Converters, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
-from skinfield.simulate.electronics import ThermalPads
+from skinfield.signal.boards import GAINS
 from skinfield.skin import Skin
 from skinfield.wire.icub import BoardSettings, ICubEncoder, configuration_for
 from skinfield.wire.icub.commands import (
@@ -28,6 +28,8 @@ MIDDLE = 0x8000  # converter counts at rest, about
 APART = 2000.0  # converter counts: how far taxels at rest are from there, at most
 SIZE = -4.0  # converter counts per count of a byte, in which the electronics are given
 LOW, HIGH = 1.0, 65534.0  # 0 is a converter that does not answer, 65535 one that is not there
+PAD_DRIFT = 10.0  # converter counts/K of a thermal pad; assumed
+PAD_NOISE = 2.0  # converter counts; pads of a real foot had 0.5 to 0.7 of a byte at a shift of 2
 UNPLUGGED = 0xFFFF
 Shorts = NDArray[np.uint16]
 
@@ -78,17 +80,17 @@ def boards_of(skin: Skin) -> list[Board]:
 
 def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) -> Converters:
     """Counts of the taxels of all patches, and then of two thermal pads for each triangle."""
-    arrays, pads, starts = manufacture(skin, settings), ThermalPads(), starts_of(skin)
+    arrays, starts = manufacture(skin, settings), starts_of(skin)
     extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
     rng = np.random.default_rng([settings.seed, 3])
     level = np.rint(MIDDLE + rng.uniform(-APART, APART, int(starts[-1]) + extra))
     made = Converters(
         arrays, settings, level, (LOW, HIGH), size=SIZE,
-        drift=pads.per_kelvin, white=pads.noise * settings.noise, shared=len(THERMAL),
+        drift=PAD_DRIFT, white=PAD_NOISE * settings.noise, shared=len(THERMAL),
     )  # fmt: skip
     for number in {board.patch for board in boards if board.pads}:
-        gains = np.array(pads.gains, float)[arrays[number].wiring.stage]
-        made.drift[starts[number] : starts[number + 1]] = pads.per_kelvin * gains / 128.0
+        gains = np.array(GAINS, float)[arrays[number].wiring.stage]
+        made.drift[starts[number] : starts[number + 1]] = PAD_DRIFT * gains / 128.0
     return made
 
 

@@ -164,31 +164,6 @@ PAD, UNUSED = 6, 10
 """Channels of the pad that the firmware goes by, and of the one that it does not."""
 
 
-def firmware_drift(
-    pad_difference: ArrayLike, gains: ArrayLike = GAINS, *, negated_first: bool = False
-) -> Floats:
-    """What the firmware takes off a taxel for the warmth of its pad, converter counts; bit-exact.
-
-    ± ((|T - T_b| >> 2) · gain) >> 5, with the sign of T - T_b.
-
-    Parameters
-    ----------
-    pad_difference : array, converter counts
-        T - T_b of the pad, whole numbers.
-    gains : array of int
-        Broadcast against it.
-    negated_first : bool
-        Shift the negated product, as the mtb4 boards do, instead of negating the shifted one, as
-        the mtb3 boards do: rounds negative drifts the other way.
-    """
-    pad = as_floats("pad_difference", pad_difference)
-    product = np.floor(np.abs(pad) / 4.0) * np.asarray(gains)
-    sign = np.where(pad < 0, -1.0, 1.0)
-    if negated_first:
-        return np.asarray(np.floor(sign * product / 32.0))
-    return np.asarray(sign * np.floor(product / 32.0))
-
-
 def valid_from_counts(
     counts: ArrayLike,
     convention: Convention | None = None,

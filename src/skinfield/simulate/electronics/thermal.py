@@ -1,4 +1,4 @@
-"""Temperature: its effect on readings, and the iCub's thermal pads."""
+"""Temperature: its effect on readings."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, as_floats, check_positive, check_range
-from skinfield.signal.boards import GAINS
 from skinfield.simulate.electronics.delivery import Wiring
 
 ROOM = 298.15
@@ -65,23 +64,3 @@ class ThermalDrift:
         temperature = as_floats("temperature", temperature)
         time = np.arange(len(temperature)) / rate
         return lagged(time, temperature, self.time_constant, start=temperature[0]) - self.reference
-
-
-@dataclass(frozen=True, kw_only=True)
-class ThermalPads:
-    """Thermal pads of an iCub's triangle, and how taxels drift with what its firmware takes off.
-
-    Parameters
-    ----------
-    per_kelvin : float, converter counts/K
-        Of the pad. Assumed.
-    noise : float, converter counts
-        Standard deviation of a reading of the pad. The pads of a real foot had 0.5 to 0.7 counts
-        at a shift of 2, steps included.
-    gains : tuple of 12 int
-        Of the firmware, per channel, see `firmware_drift`.
-    """
-
-    per_kelvin: float = 10.0
-    noise: float = 2.0
-    gains: tuple[int, ...] = GAINS
