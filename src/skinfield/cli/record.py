@@ -200,27 +200,52 @@ def info(file: options.McapFile, /, *, as_json: options.Json = False) -> None:
 
 
 def _info_lines(summary: dict[str, Any]) -> Iterator[report.Shown]:
-    for name, value in summary.items():
-        if not isinstance(value, list):
-            yield f"{name.replace('_', ' '):<16}{_words(value)}"
-    began = summary["began_ns"] or 0
-    when = datetime.fromtimestamp(began * 1e-9, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    yield f"{'recorded':<16}{when if began else 'never'}"
-    if not summary["finished"]:
-        yield "not finished: skinfield recover makes a whole file"
+    yield from (f"{name:<16}{text}" for name, text in _lines(summary))
     if summary["patches"]:
         yield report.table_of(None, summary["patches"], PATCH)
     for event in summary["last_events"][-MOST_EVENTS:]:
-        yield f"{(event.get('wall_ns', 0) - began) * 1e-9:10.3f} s  {event.get('text')}"
+        when = (event.get("wall_ns", 0) - (summary["began_ns"] or 0)) * 1e-9
+        yield f"{when:10.3f} s  {event.get('text')}"
     for damage in summary["damage"][:MOST_EVENTS]:
         yield f"byte {damage['byte']}: {damage['why']}"
 
 
-def _words(value: Any) -> str:
-    if isinstance(value, dict):
-        return ", ".join(f"{key.replace('_', ' ')} {_words(each)}" for key, each in value.items())
-    if value is None or isinstance(value, bool):
-        return {None: "not known", True: "yes", False: "no"}[value]
-    if isinstance(value, float):
-        return f"{value:,.1f}"
-    return f"{value:,}" if isinstance(value, int) else str(value)
+def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    when = "never"
+    if summary["began_ns"]:
+        began = datetime.fromtimestamp(summary["began_ns"] * 1e-9, UTC)
+        when = began.strftime("%Y-%m-%d %H:%M:%S UTC")
+    lost, contacts = summary["lost"], summary["contacts"]
+    fields, fit = summary["fields"], summary["fit"]
+    rate = "?" if summary["cycle_rate"] is None else f"{summary['cycle_rate']:,.1f}"
+    whole = "" if summary["finished"] else "; not finished: skinfield recover makes a whole file"
+    enclosed = ", ".join(
+        f"{name} ({size:,} bytes)" for name, size in summary["attachments"].items()
+    )
+    return [
+        ("file", f"{summary['path']}, {summary['bytes'] / 1e6:.1f} MB{whole}"),
+        ("recorded", f"{when}, {summary['seconds']:.3f} s"),
+        ("skin", f"{summary['skin'] or 'layout not enclosed'}, {summary['taxels'] or '?'} taxels"),
+        ("readings", f"{summary['readings']['bytes'] / 1e6:.1f} MB of blocks, "
+                     f"{summary['readings']['missing_bytes']:,} bytes missing in between"),
+        ("cycles", f"{summary['cycles']:,} ({rate}/s), "
+                   f"{summary['cycles_missing']:,} missing, {summary['late']:,} late, "
+                   f"{summary['restarts']} restarts"),
+        ("woke late by", _quantiles(summary["wake_us"])),
+        ("answered after", _quantiles(summary["ready_us"])),
+        ("contacts", f"{contacts['tracks']:,} tracks in {contacts['cycles']:,} cycles, at most "
+                     f"{contacts['most_at_once']} at once"),
+        ("fields", f"{fields['messages']:,}, {fields['bytes'] / 1e6:.2f} MB"),
+        ("contact fit", f"{fit['answers']:,} answers, {fit['bytes'] / 1e6:.2f} MB"),
+        ("settings", f"{len(summary['settings'])} times told"),
+        ("lost", f"{lost['messages']:,} messages before the host; in the ring "
+                 f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
+                 f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),
+        ("enclosed", enclosed or "nothing"),
+    ]  # fmt: skip
+
+
+def _quantiles(micros: dict[str, float] | None) -> str:
+    if micros is None:
+        return "not known"
+    return ", ".join(f"{name} {value:,.0f} µs" for name, value in micros.items())
