@@ -17,7 +17,7 @@ from skinfield.wire.cyskin import (
     Unchecked,
     matching_checksums,
 )
-from skinfield.wire.cyskin.shared_memory import SensorOrder
+from skinfield.wire.cyskin.shared_memory import SharedMemoryReader
 
 INTERPRETED = True
 FENCE = 0x0123456789ABCDEF
@@ -112,9 +112,9 @@ def as_host(wire: CySkinWire, data: bytes) -> None:
 def as_memory(data: bytes) -> None:
     """Words of the shared memory."""
     uids, responses = np.frombuffer(data[: len(data) // 8 * 8], np.uint32).reshape(2, -1)
-    order, blocks = SensorOrder(BOARDS), Blocks(1 << 16)
-    order.follow(uids)
-    assert order.put(responses, blocks, 0, counters(), 5)
+    reader, blocks = SharedMemoryReader(BOARDS), Blocks(1 << 16)
+    reader.follow(uids)
+    assert reader.put(responses, blocks, 0, counters(), 5)
     Channels(48).apply(blocks)
 
 

@@ -3,6 +3,8 @@
 import json
 import math
 from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from skinfield.emulator import (
@@ -11,7 +13,7 @@ from skinfield.emulator import (
     fault_from_text,
     temperature_from_text,
 )
-from skinfield.emulator.scenes import scene_of_file
+from skinfield.emulator.scenes import scene_from_text
 from skinfield.emulator.transports import Request, answer_to, encoded
 from skinfield.errors import FileError, InputError
 from skinfield.skin import Skin
@@ -82,8 +84,10 @@ def texts(data: bytes) -> None:
     """A scene of both kinds, a fault, and a temperature."""
     text = data.decode("utf-8", "replace")
     for name in ("scene.toml", "scene.json"):
-        with suppress(FileError):
-            for track in scene_of_file(text, name, TRIANGLE).tracks:
+        with TemporaryDirectory() as folder, suppress(FileError):
+            path = Path(folder, name)
+            path.write_bytes(data)
+            for track in scene_from_text(str(path), TRIANGLE, 0).tracks:
                 for point in track.points:
                     assert math.isfinite(point.x + point.y + point.force + point.time)
                 track.at(1.0)

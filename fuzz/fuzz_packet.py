@@ -14,7 +14,7 @@ from skinfield.wire.packet import (
     PacketDevice,
     PacketScanner,
     encode_packet,
-    packets_of,
+    packet_from_bytes,
 )
 
 DEVICES = [PacketDevice(1, 40), PacketDevice(2, 7)]
@@ -96,9 +96,12 @@ def look(blocks: Blocks, whole: np.ndarray, decoder: PacketDecoder) -> None:
 
 def plain_packets(data: bytes) -> None:
     """What plain Python reads, it also writes."""
+    at = 0
     try:
-        for packet in packets_of(data):
+        while at < len(data):
+            packet = packet_from_bytes(data, at)
             assert len(packet.values) in (0, packet.count)
             encode_packet(packet)
+            at += 26 + len(packet.payload)
     except InputError:
         pass
