@@ -11,7 +11,7 @@ from skinfield.estimate.finder import area_moves
 from skinfield.estimate.uncertainty import normal_interval, normal_radius
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, InverseOperator, PseudoInverse, Tikhonov
-from skinfield.solve.linear import correlation, taxel_distance
+from skinfield.solve.linear import correlation
 from skinfield.testing.solver import square_patch
 
 SOLVERS = [GaussianField(snr=12.0, length_scale=3e-3), GaussianField(), Tikhonov()]
@@ -29,7 +29,7 @@ def dense(solver: GaussianField | Tikhonov) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(solver, Tikhonov):
         shape = np.eye(len(whole.grid))
     else:
-        length = solver.length_scale or 0.25 * taxel_distance(whole.taxels, 1.0)
+        length = solver.length_scale or 0.25 * 4e-3  # of the taxels' distance
         plane = whole.grid.plane
         scaled = np.sqrt(3) * np.linalg.norm(plane[:, None] - plane[None], axis=-1) / length
         shape = (1 + scaled) * np.exp(-scaled)
