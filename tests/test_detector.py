@@ -158,7 +158,6 @@ def test_an_idle_patch_is_detected_as_seldom_as_stated(statistic: object) -> Non
     values = detector.statistics(noise((20_000, 72), seed=11))
     for rate in (1e-2, 1e-3):
         alarms = int((values > detector.false_alarms.threshold(rate)).sum())
-        assert 0.6 * rate * 20_000 < alarms + 3 * np.sqrt(rate * 20_000)
         assert plausible(alarms, 0.92 * rate * 20_000)
     assert detector.threshold == detector.false_alarms.threshold(1e-3)
 

@@ -14,8 +14,6 @@ from skinfield.errors import Floats, InputError
 from skinfield.reconstruct.multigrid_levels import RestrictedPosterior, Restriction
 
 RUNGS = (6, 12, 24)
-
-
 READINGS = touched(PATCH, 0, taxel=4)
 
 
@@ -232,9 +230,7 @@ def test_all_is_that_of_a_reconstructor(
     assert ours.notes == (f"{missing} taxels left out",)
 
 
-def test_a_coarse_rung_is_its_means(
-    pair: tuple[sf.Ladder, sf.Reconstructor],
-) -> None:
+def test_a_coarse_rung_is_its_means(pair: tuple[sf.Ladder, sf.Reconstructor]) -> None:
     ladder, rec = pair
     readings = readings_lacking(12)
     whole = rec(readings)
