@@ -1,6 +1,7 @@
 """Contacts as they are defined, step by step and slowly: what the compiled code must agree with."""
 
 import numpy as np
+from scipy.stats import norm
 
 from skinfield.estimate import (
     Contact,
@@ -10,7 +11,6 @@ from skinfield.estimate import (
     PressureNoise,
     PressurePosterior,
 )
-from skinfield.estimate.finder import _significance
 from skinfield.skin import Grid
 
 ROUNDING = 0.0572  # cells of variance per side of a border
@@ -25,7 +25,7 @@ def contacts(
     model_error: ModelError | None = None,
 ) -> tuple[Contact, ...]:
     """As `ContactFinder.__call__`."""
-    sigmas = _significance(finder.false_alarm_rate, max(int(np.count_nonzero(noise.std)), 1))
+    sigmas = norm.isf(finder.false_alarm_rate / max(int(np.count_nonzero(noise.std)), 1))
     highest = float(pressure.max())
     needed = np.maximum(sigmas * noise.std, finder.relative_height * highest)
     if not (pressure > needed).any():

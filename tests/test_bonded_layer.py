@@ -30,7 +30,7 @@ def assert_close(got, expected, floor: float = 1e-6, rel: float = 1e-8) -> None:
 
 @pytest.mark.parametrize(
     ("nu", "cell"),  # cells in thicknesses
-    [(0.0, 0.25), (0.3, 0.1), (0.3, 0.75), (0.3, 10.0), (0.5, 0.25), (0.5, 2.5)],
+    [(0.0, 0.25), (0.3, 0.002), (0.3, 0.1), (0.3, 0.75), (0.3, 10.0), (0.5, 0.25), (0.5, 2.5)],
 )
 def test_points_against_plane_waves(nu: float, cell: float) -> None:
     offset = spread(40, 8.0)
@@ -155,6 +155,17 @@ def test_responses_fade_to_nothing_at_their_reach(cell: float) -> None:
     wide = far + np.array([3 * H, 0.0])  # a pad of radius 3 h ends as far from the cell
     peak = FREE.indentation(layer, np.zeros((1, 2)), cell * H)[0]
     assert (np.abs(FREE.indentation(layer, wide, cell * H, 6 * H)) <= bound * peak).all()
+
+
+def test_reach_leaves_out_less_than_a_part_in_1e11() -> None:
+    layer = Layer(H, E, 0.5)
+    place = np.array([[0.0, 0.0], [0.9999 * FREE.reach(layer), 0.0]])
+    for method in (FREE.surface_displacement, FREE.base_traction):
+        peak, last = np.abs(method(layer, place, 0.25 * H)).max(axis=(1, 2))
+        assert 0.0 < last < 1e-11 * peak
+    place[1, 0] += 3 * H  # what lies a pad's radius further is felt by its rim
+    peak, last = np.abs(FREE.base_stress(layer, place, 0.25 * H, 6 * H))
+    assert 0.0 < last < 1e-11 * peak
 
 
 def test_nothing_is_asked_nothing_is_given() -> None:

@@ -20,6 +20,8 @@ def test_the_factor_is_found_under_noise(factor: float, spread: float) -> None:
     assert fit.factor == pytest.approx(factor, rel=0.02)
     assert fit.rms == pytest.approx(factor * spread, rel=0.2, abs=1e-9 * factor)
     assert fit.held_out_rms >= 0.7 * fit.rms - 1e-9 * factor
+    scatter = factor * spread / np.linalg.norm(FORCE)  # of least squares, here known from 10 parts
+    assert fit.factor_std == pytest.approx(scatter, rel=0.5, abs=1e-9 * factor)
 
 
 def test_clocks_of_other_rates_are_aligned() -> None:
@@ -35,7 +37,9 @@ def test_a_load_that_the_skin_misses_shows_in_the_second_half() -> None:
     fit = fit_scale(STAMPS, FORCE, STAMPS, reference)
     assert fit.first_half == pytest.approx(1, rel=0.01)
     assert fit.held_out_rms == pytest.approx(10, rel=0.05)
-    assert "judged on the second: 10" in fit.sentences(100.0)
+    whole, held = (100 * rms / reference.mean() for rms in (fit.rms, fit.held_out_rms))
+    for part in ("second: 10", f", {whole:.0f} % of the mean", f"rms, {held:.0f} %\n"):
+        assert part in fit.sentences(100.0)
 
 
 def test_experiments_that_do_not_overlap_are_refused() -> None:

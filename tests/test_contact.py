@@ -263,6 +263,11 @@ def test_shear_leaves_the_normal_contact_as_it_is_and_tips_the_gap() -> None:
         added = after - before
         assert added[0] == pytest.approx(-added[1], rel=1e-3)
         assert abs(added[0]) > 0.02 * np.abs(before).max()
+    node, weight = np.polynomial.legendre.leggauss(8)
+    r, angle = 2e-3 * np.sqrt((node + 1) / 2), np.arange(16) * np.pi / 8
+    disc = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], -1).reshape(-1, 2)
+    points = sheared.gap_change(places[1] + disc, 0.0).reshape(8, 16).mean(axis=1)
+    assert weight / 2 @ points == pytest.approx(after[1], abs=1e-7)  # of the gap, by degree 5
     added = sheared.capacitance(places, 4e-3, order=1) - plain.capacitance(places, 4e-3, order=1)
     assert added[0] == pytest.approx(-added[1], rel=1e-3)
 

@@ -5,7 +5,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.estimate import Contact, Estimate
+from skinfield.estimate import Contact, Estimate, PressureNoise
 from skinfield.reconstruct import plan
 from skinfield.solve import InverseOperator, Solver
 from skinfield.solve.linear import PITCHES, taxel_distance
@@ -92,7 +92,7 @@ def test_fields_and_contacts_are_those_of_a_fresh_plan(solver: Solver, pressed: 
     mine, other = reconstructor(solver), reconstructor(Anew(solver))
     assert mine.plan.gaussian is not None
     assert other.plan.gaussian is None
-    valid = np.concatenate([masks(0, 2), masks(1), masks(5), masks(2), masks(20, 1)])
+    valid = np.concatenate([masks(0, 2), masks(1), masks(5), masks(71), masks(40, 1)])
     valid[6] = valid[3]  # a set that comes twice
     assert_same(mine(pressed, valid=valid), other(pressed, valid=valid))
     assert sum(map(len, mine(pressed, valid=valid).contacts)) > 10
@@ -100,6 +100,25 @@ def test_fields_and_contacts_are_those_of_a_fresh_plan(solver: Solver, pressed: 
         assert_same(mine(pressed[row], valid=valid[row]), other(pressed, valid=valid)[row])
         silent = np.where(valid[row], pressed[row], np.nan)
         assert_same(mine(silent), other(pressed, valid=valid)[row])
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=repr)
+def test_what_is_stated_of_sets_of_taxels_is_that_of_solvers_prepared_for_them(solver) -> None:
+    model = reconstructor(solver).model
+    whole = solver.prepare(model)
+    valid = np.concatenate([masks(silent, 1) for silent in (0, 1, 3, 40, 71)])
+    cells, weights = np.arange(100, 200), np.random.default_rng(1).normal(size=(2, 100))
+    for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors, strict=True):
+        other, alone = solver.prepare(model.subset(mask)), whole.without(mask)
+        assert apart(alone.matrix, other.matrix) < 1e-9
+        assert posterior.std == pytest.approx(other.pressure_std, rel=1e-9)
+        moved = PressureNoise(other.matrix * model.noise_std[mask])
+        assert noise.std == pytest.approx(moved.std, rel=1e-9)  # far cells too, 1e-6 of the rest
+        assert noise.felt == moved.felt
+        pairs = (posterior, other.posterior), (alone.posterior, other.posterior), (noise, moved)
+        for mine, theirs in pairs:
+            spread = theirs.covariance_of_sums(cells, weights)
+            assert apart(mine.covariance_of_sums(cells, weights), spread) < 1e-9
 
 
 def test_in_single_precision_and_in_a_window(pressed: np.ndarray) -> None:

@@ -13,6 +13,7 @@ from skinfield.elastic.axisymmetric import (
     punch,
 )
 from skinfield.elastic.electrostatics import (
+    SHALLOW,
     GapStrain,
     _series,
     _Waves,
@@ -167,6 +168,17 @@ def test_a_wide_plateau_holds_the_charge_of_plates(strain: float) -> None:
     charge = charge_below(strain * edge[:, None] * edge, STEP / H)
     assert charge[80, 80] == pytest.approx(1 / (1 - strain) - 1, rel=1e-4)
     assert abs(charge[0, 0]) < 1e-5
+
+
+def test_what_the_third_order_leaves_falls_with_the_fourth_power() -> None:
+    left = []
+    for depth in (0.04, 0.08):
+        strain = dent(depth)
+        spectrum = np.fft.rfft2(_series(strain.values, 3, _Waves.of(strain, H)))
+        third = np.fft.irfft2(spectrum * electrostatic(_k(121)), (121, 121))
+        left.append(np.abs(taken(strain) - third).max())
+    assert left[1] / left[0] == pytest.approx(16.0, rel=0.25)
+    assert left[0] * (SHALLOW / 0.04) ** 4 < 1e-5
 
 
 def test_a_reading_is_the_sum_of_the_pads_kernel_over_the_surface() -> None:

@@ -8,10 +8,10 @@ from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
 from skinfield.estimate import ContactFinder, ModelError, PressureNoise, PressurePosterior
 from skinfield.estimate.finder import area_moves
-from skinfield.estimate.uncertainty import normal_interval, normal_radius
+from skinfield.estimate.uncertainty import below, between, normal_interval, normal_radius
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, InverseOperator, PseudoInverse, Tikhonov
-from skinfield.solve.linear import correlation, taxel_distance
+from skinfield.solve.linear import correlation
 from skinfield.testing.solver import square_patch
 
 SOLVERS = [GaussianField(snr=12.0, length_scale=3e-3), GaussianField(), Tikhonov()]
@@ -29,7 +29,7 @@ def dense(solver: GaussianField | Tikhonov) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(solver, Tikhonov):
         shape = np.eye(len(whole.grid))
     else:
-        length = solver.length_scale or 0.25 * taxel_distance(whole.taxels, 1.0)
+        length = solver.length_scale or 0.25 * 4e-3  # of the taxels' distance
         plane = whole.grid.plane
         scaled = np.sqrt(3) * np.linalg.norm(plane[:, None] - plane[None], axis=-1) / length
         shape = (1 + scaled) * np.exp(-scaled)
@@ -172,3 +172,6 @@ def test_the_circle_of_a_normal_distribution_holds_its_share(level: float) -> No
     assert normal_radius(np.zeros((2, 2)), level) == 0.0
     low, high = normal_interval(1.0, 2.0, level)
     assert np.mean(np.abs(drawn[:, 0]) <= (high - low) / 2) == pytest.approx(level, abs=5e-3)
+    ranks = np.arange(1, 1000) / 1000  # evenly spread truths are their own shares
+    assert below(ranks, level) == pytest.approx(level, rel=1e-9)
+    assert between(ranks, level) == pytest.approx((0.5 - level / 2, 0.5 + level / 2), rel=1e-9)
