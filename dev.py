@@ -32,7 +32,7 @@ STAMP = VENV / "skinfield-setup.txt"  # root, hash of pyproject.toml, what was i
 COMMANDS = {  # what to install, which programs to run
     "demo": (".", ["skinfield demo"]),
     "test": (".[test]", ["pytest -n auto --dist worksteal --durations=5"]),
-    "run": (".[lab]", ["skinfield"]),
+    "run": (".[all]", ["skinfield"]),  # any command
     "python": (".", ["python"]),
     "lint": (".[lint]", ["ruff check", "ruff format --check"]),
     "types": (".[dev]", ["mypy"]),

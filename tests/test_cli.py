@@ -29,7 +29,7 @@ def commands() -> list[tuple[str, ...]]:
 @pytest.mark.parametrize("words", commands(), ids=" ".join)
 def test_every_command_teaches_by_example(words: tuple[str, ...]) -> None:
     named = " ".join(words[1:] if words[0] == "lab" else words)
-    assert f"skinfield {named}" in run(*words, "--help").split("\n", 2)[2]
+    assert f"\n  skinfield {named}" in run(*words, "--help").split("\n", 2)[2]
 
 
 def test_help_is_as_it_was() -> None:

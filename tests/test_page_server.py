@@ -88,7 +88,8 @@ def ask(talk: ClientConnection, **order: Any) -> dict[str, Any]:
 
 def get(page: Page, path: str, method: str = "GET", **headers: str) -> tuple[int, bytes, Any]:
     address = f"http://127.0.0.1:{page.port}{path}"
-    asked = urllib.request.Request(address, headers=headers, method=method)
+    body = None if method == "GET" else bytes(100_000)
+    asked = urllib.request.Request(address, body, headers, method=method)
     try:
         with urllib.request.urlopen(asked, timeout=LONG) as answer:
             return answer.status, answer.read(), answer.headers

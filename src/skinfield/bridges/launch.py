@@ -16,12 +16,7 @@ from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.yarp.settings import YarpSettings
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import (
-    Child,
-    SupervisedProcess,
-    exit_text,
-    start_python,
-)
+from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_python
 from skinfield.settings import BridgeSettings, ZenohAddresses, json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there
@@ -107,10 +102,7 @@ def bridge_settings(given: BridgeSettings) -> dict[str, Any]:
     if given.ros2:
         _need("rosbags", "ros")
         wanted["ros2"] = RosSettings(
-            robot=given.robot,
-            domain=given.ros_domain,
-            rates=given.ros_rates,
-            session=session,
+            robot=given.robot, domain=given.ros_domain, rates=given.ros_rates, session=session
         )
     if given.yarp:
         wanted["yarp"] = YarpSettings(robot=given.robot, name_server=given.yarp_name_server)

@@ -87,11 +87,7 @@ def bench(
     from skinfield.plot import save
 
     with report.progress("bench", 1) as step:
-        measured = run_bench(
-            SIZES[size],
-            seed,
-            lambda what, done, total: step(done, total, what),
-        )
+        measured = run_bench(SIZES[size], seed, lambda what, done, total: step(done, total, what))
     if output is not None:
         save(picture(measured), output)
     report.say_notes(measured["warnings"])

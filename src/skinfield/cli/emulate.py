@@ -10,7 +10,7 @@ from skinfield.emulator.settings import BoardSettings, VirtualSettings, Wires
 from skinfield.settings import Elastomer
 
 if TYPE_CHECKING:
-    from skinfield.emulator import VirtualSkin
+    from skinfield.emulator.skin import VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 
@@ -79,7 +79,7 @@ def emulate(
 
 def _play(settings: VirtualSettings) -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
-    from skinfield.emulator import VirtualSkin
+    from skinfield.emulator.skin import VirtualSkin
 
     skin = VirtualSkin(settings)
     before = {

@@ -56,7 +56,6 @@ def export(
     recording = LiveRecording.open(Path(file))
     work = Export(recording, patch)
     with ExitStack() as parts:
-        notes: list[str] = []
         if form is None:
             sink: LiveExport = parts.enter_context(TableExport(output, work))
         else:
@@ -68,7 +67,7 @@ def export(
                 step(at)
         if form is not None:
             work.taxels_into(sink)
-    notes += [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+    notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)

@@ -121,8 +121,10 @@ def convert(
 def info(text: LayoutWord, /, *, as_json: Json = False) -> None:
     """Print the patches of a layout: taxels, modules, pitch, size, shape.
 
-    skinfield layout info torso.pcd
-    skinfield layout info hexagon72 --json
+    LAYOUT is a file, or a generator by name.
+
+      skinfield layout info torso.pcd
+      skinfield layout info hexagon72 --json
     """
     _finish(skin_from_text(text), as_json)
 
@@ -144,8 +146,10 @@ def _finish(skin: Skin, as_json: bool, output: str = "") -> None:
 def generators(*, as_json: Json = False) -> None:
     """List the layouts that need no file, with their arguments and defaults.
 
-    skinfield layout generators
-    skinfield layout show cylinder:radius_mm=40 -o cylinder.png
+    Arguments stand behind a colon, by their names.
+
+      skinfield layout generators
+      skinfield layout show cylinder:radius_mm=40 -o cylinder.png
     """
     from skinfield.skin.generators import known
 

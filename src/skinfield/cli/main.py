@@ -63,7 +63,9 @@ COMMANDS = {
     "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
     **LAB,
 }
-LAB_HELP = "Simulated skins and their truth: press, rig, cases, validate, experiments."
+LAB_HELP = """Simulated skins and their truth: press, rig, cases, validate, experiments.
+
+  skinfield lab press --indenter "sphere radius=6" --skin hexagon72 --plot truth.png"""
 HELP = """Turn the readings of robot skin into force, deformation and contacts.
 
 Start with

@@ -22,13 +22,7 @@ from skinfield.settings import (
     from_plain,
     profile_of,
 )
-from skinfield.settings.tree import (
-    Positive,
-    QuantityName,
-    Range,
-    Section,
-    SolverName,
-)
+from skinfield.settings.tree import Positive, QuantityName, Range, Section, SolverName
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -60,7 +60,7 @@ def press(
       wedge     length width half_angle [edge_radius]      straight edge along x
       ring      inner_radius outer_radius [edge_radius]
       mesh      file [unit_mm] [down=0,0,-1]               STL, OBJ, PLY
-      heightmap file pixel [relief] [invert]               PNG (white touches first), NPY, NPZ, CSV
+      heightmap file pixel [relief] [invert]               PNG (white touches first), NPY, CSV
 
       skinfield press
       skinfield press --indenter "cylinder radius=5 edge_radius=0.5 tilt_y=3 depth=0.3"

@@ -9,7 +9,6 @@ from rich.text import Text
 
 from skinfield.cli.options import Json, LiveName
 from skinfield.cli.report import Shown, finish
-from skinfield.cli.status_table import draw, status_table
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.settings.tree import Positive
 
@@ -58,6 +57,8 @@ def status(
 
 def _lines(newest: Any, width: int) -> Iterator[Shown]:
     """The table, and what is to be said beside it."""
+    from skinfield.cli.status_table import status_table
+
     yield status_table(newest, width)
     sentences = notes_of(newest.notes)
     for time_ns, what, text in (newest.sidecars.get("supervisor") or {}).get("events", []):
@@ -68,6 +69,8 @@ def _lines(newest: Any, width: int) -> Iterator[Shown]:
 
 def _watch(console: Console, observer: Any, seconds: float) -> None:
     from rich.live import Live as Screen
+
+    from skinfield.cli.status_table import draw
 
     try:
         with Screen(console=console, auto_refresh=False, vertical_overflow="crop") as screen:

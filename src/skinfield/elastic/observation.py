@@ -290,8 +290,5 @@ class ObservationModel:
     def subset(self, rows: NDArray[np.bool_]) -> "ObservationModel":
         """Model of some of the taxels, by a mask (L,)."""
         return replace(
-            self,
-            matrix=self.matrix[rows],
-            noise_std=self.noise_std[rows],
-            taxels=self.taxels[rows],
+            self, matrix=self.matrix[rows], noise_std=self.noise_std[rows], taxels=self.taxels[rows]
         )

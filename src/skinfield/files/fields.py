@@ -174,11 +174,11 @@ def create_array(
         shape=shape,
         chunks=chunks,
         dtype=kind,
-        fill_value=float("nan") if kind[0] == "f" else 0,
+        # of a chunk that holds nothing else no file is written: no reading has this stamp
+        fill_value=float("nan") if kind[0] == "f" else -(1 << 63),
         compressors=(BloscCodec(cname="zstd", clevel=3, shuffle="bitshuffle"), Crc32cCodec()),
         dimension_names=("reading", *axes)[-len(shape) :],
         attributes={"units": unit, "long_name": meaning},
-        config={"write_empty_chunks": True},  # a chunk that is missing is a damage
     )
 
 

@@ -169,7 +169,7 @@ class LiveController(Controller):
         if state == State.CALIBRATING:
             return "the engine takes its baseline: the skin must not be touched"
         if state != State.RUNNING:
-            return f"the engine is {state.name.lower()}"
+            return f"the engine has {state.name.lower()}"
         before, until = self._taring
         tares = before == self._source().live.tares and time.monotonic() < until
         return "a baseline is being taken: the skin must not be touched" if tares else ""

@@ -54,9 +54,6 @@ class HttpApi:
 
     async def answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
         """Answer a request; None where the socket is meant and may be used."""
-        if request.method != "GET":
-            wrong = f"method is {request.method!r:.80}, expected GET: nothing is changed from here"
-            return _response(HTTPStatus.METHOD_NOT_ALLOWED, {"error": wrong}, Allow="GET")
         try:
             url = urlsplit(request.path)
             host = urlsplit(f"//{request.headers.get('Host', 'localhost')}").hostname or ""
@@ -134,6 +131,7 @@ class HttpApi:
             rows += [
                 row | {"engine": source.name, "by": by}
                 for row, by in zip(found, view.by, strict=True)
+                if not view.old
             ]
         return {"contacts": rows}
 
@@ -148,6 +146,30 @@ def _response(
     headers = Headers(HEADERS | {"Content-Type": kind, "Content-Length": str(len(data))} | more)
     headers["Connection"] = "close"
     return Response(status.value, status.phrase, headers, data)
+
+
+def _connection() -> "type[ServerConnection]":
+    """Class of connections that refuse other methods than GET; its base drops what has a body."""
+    from websockets.asyncio.server import ServerConnection
+
+    class Connection(ServerConnection):
+        is_get: bool | None = None  # not known before the first bytes
+
+        def data_received(self, data: bytes) -> None:
+            if self.is_get is None:
+                self.is_get = b"GET ".startswith(data[:4])
+                if not self.is_get:
+                    method = data.split(b" ")[0].decode("latin-1")
+                    wrong = f"method is {method!r:.80}, expected GET: nothing is changed from here"
+                    refusal = _response(
+                        HTTPStatus.METHOD_NOT_ALLOWED, {"error": wrong}, Allow="GET"
+                    )
+                    self.transport.write(refusal.serialize())
+                    self.transport.write_eof()  # the rest is read: a reset would take the answer
+            if self.is_get:
+                super().data_received(data)
+
+    return Connection
 
 
 CLIENTS = 16
@@ -228,6 +250,7 @@ class Page:
                     settings.host.strip("[]"),
                     port,
                     process_request=api.answer,
+                    create_connection=_connection(),
                     compression=None,  # numbers hardly shrink, and it would cost more than they do
                     max_size=LARGEST,
                     max_queue=64,

@@ -12,7 +12,7 @@ from skinfield.skin.flattening import Surface, surface_through
 from skinfield.skin.geometry import spans_plane
 
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
-COARSEST = 0.5  # m between taxels under one sheet: no skin has that, so these are millimetres
+COARSEST = 0.1  # m between taxels under one sheet: no skin has that, so these are millimetres
 WIDEST = 10.0  # m from end to end of one sheet
 LARGEST_PAD = 0.1  # m
 

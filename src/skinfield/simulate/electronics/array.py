@@ -289,11 +289,7 @@ def recording(
             "or lower lost_readings"
         )
     return Recording(
-        stamps,
-        counts[rows],
-        array.patch.uid.copy(),
-        array.electronics.board.unit,
-        source,
+        stamps, counts[rows], array.patch.uid.copy(), array.electronics.board.unit, source
     )
 
 

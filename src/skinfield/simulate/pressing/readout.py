@@ -105,10 +105,7 @@ def _sampled(values: Floats, ratio: int) -> Floats:
 def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice, slice]:
     """Where a window lies on a mesh of `split` squares along a cell, from column and row `low`."""
     row, column = window.row * split - int(low[1]), window.column * split - int(low[0])
-    return (
-        slice(row, row + window.rows * split),
-        slice(column, column + window.columns * split),
-    )
+    return (slice(row, row + window.rows * split), slice(column, column + window.columns * split))
 
 
 def _extent(
