@@ -7,7 +7,7 @@ import pytest
 from indenter_bodies import (
     fillet_profile,
     hull,
-    rod_points,
+    lying_rod,
     rounded_box_points,
     swept_ring,
     turned,
@@ -33,24 +33,24 @@ STEEP = np.radians(70.0)
 X, Y = np.meshgrid(*[np.linspace(-9 * MM, 9 * MM, 61)] * 2)
 SHAPES: dict[str, tuple[Indenter, tuple]] = {
     "flat cylinder": (
-        Cylinder(radius=5 * MM), hull(turned(*fillet_profile(5 * MM, 0.0, False, 0.0)))),
+        Cylinder(radius=5 * MM), turned(*fillet_profile(5 * MM, 0.0, False, 0.0))),
     "rounded cylinder": (
         Cylinder(radius=5 * MM, edge_radius=MM),
-        hull(turned(*fillet_profile(5 * MM, MM, False, 0.0)))),
+        turned(*fillet_profile(5 * MM, MM, False, 0.0))),
     "sharp cone": (
         Cone(radius=5 * MM, half_angle=STEEP),
-        hull(turned(*fillet_profile(5 * MM, 0.0, True, 1 / np.tan(STEEP))))),
+        turned(*fillet_profile(5 * MM, 0.0, True, 1 / np.tan(STEEP)))),
     "rounded cone": (
         Cone(radius=5 * MM, half_angle=STEEP, edge_radius=2 * MM),
-        hull(turned(*fillet_profile(5 * MM, 2 * MM, True, 1 / np.tan(STEEP))))),
+        turned(*fillet_profile(5 * MM, 2 * MM, True, 1 / np.tan(STEEP)))),
     "bar": (Bar(length=12 * MM, width=4 * MM), hull(rounded_box_points(12 * MM, 4 * MM, 0.0))),
     "rounded bar": (
         Bar(length=12 * MM, width=4 * MM, edge_radius=MM),
         hull(rounded_box_points(12 * MM, 4 * MM, MM))),
-    "rod": (Rod(radius=3 * MM, length=12 * MM), hull(rod_points(3 * MM, 12 * MM, 0.0))),
+    "rod": (Rod(radius=3 * MM, length=12 * MM), lying_rod(3 * MM, 12 * MM, 0.0)),
     "capsule": (
         Rod(radius=3 * MM, length=12 * MM, edge_radius=3 * MM),
-        hull(rod_points(3 * MM, 12 * MM, 3 * MM))),
+        lying_rod(3 * MM, 12 * MM, 3 * MM)),
     "wedge": (
         Wedge(half_angle=STEEP, length=10 * MM, width=6 * MM),
         hull(wedge_points(STEEP, 10 * MM, 6 * MM))),
