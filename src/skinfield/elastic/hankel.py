@@ -14,7 +14,7 @@ for every alpha > 0 and 0 <= nu <= 1/2, and are scaled by exp(-2 alpha) above an
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
 
 import numpy as np
@@ -226,6 +226,7 @@ def bessel(order: int, x: Floats) -> Floats:
     return np.where(x < 1.0, quarter * series, 2 * j1(safe) / safe - j0(safe))
 
 
+@lru_cache(maxsize=64)
 def gauss_legendre(low: float, high: float, panels: int, order: int = 20) -> tuple[Floats, Floats]:
     """Nodes and weights of a composite Gauss-Legendre rule on [low, high]."""
     node, weight = np.polynomial.legendre.leggauss(order)
