@@ -20,20 +20,20 @@ def turned(radius: Floats, height: Floats) -> tuple[Floats, NDArray[np.int64]]:
     return np.vstack(rings), np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def fillet_profile(half_width: float, edge: float, tip: bool, slope: float) -> tuple:
-    """Meridian (r, z) of a cylinder (no tip) or cone with edges of a radius, up to the wall."""
+def filleted(half_width: float, edge: float, slope: float = 0.0) -> tuple:
+    """A cylinder, or a cone of a slope, with edges of a radius, up to its wall."""
     core = half_width - edge
-    if not tip:
+    if not slope:
         r = core + edge * np.sin(FILLET)
         z = edge - edge * np.cos(FILLET)
-        return np.concatenate([[0.0], r, [half_width]]), np.concatenate([[0.0], z, [HIGH]])
+        return turned(np.r_[0.0, r, half_width], np.r_[0.0, z, HIGH])
     flank = np.arctan(slope)  # from the plane
     nose = np.linspace(0.0, flank, 61)
     shoulder = np.linspace(flank, np.pi / 2, 61)
     r = np.concatenate([edge * np.sin(nose), core + edge * np.sin(shoulder), [half_width]])
     z = np.concatenate([edge - edge * np.cos(nose),
                         edge + slope * core - edge * np.cos(shoulder), [HIGH]])  # fmt: skip
-    return r, z
+    return turned(r, z)
 
 
 def hull(points: Floats) -> tuple[Floats, NDArray[np.int64]]:

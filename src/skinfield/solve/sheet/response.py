@@ -93,8 +93,7 @@ def neighbour_reach(read: Floats, spread: Floats, cut: float) -> float:
     """
     product = np.abs(convolved(mirrored(read[::FINE, ::FINE]), mirrored(spread[::FINE, ::FINE])))
     middle = len(product) // 2
-    row, column = np.indices(product.shape) - middle
-    far = np.hypot(row, column)
+    far = np.hypot(*(np.indices(product.shape) - middle))
     return float(far[product > cut * product[middle, middle]].max()) + 0.5
 
 
