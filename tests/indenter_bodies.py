@@ -40,8 +40,7 @@ def hull(points: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Triangles of the convex hull."""
     from scipy.spatial import ConvexHull
 
-    found = ConvexHull(points)
-    return points, found.simplices.astype(np.int64)
+    return points, ConvexHull(points).simplices.astype(np.int64)
 
 
 def swept_ring(inner: float, outer: float, edge: float) -> tuple[Floats, NDArray[np.int64]]:
