@@ -2,10 +2,13 @@
 
 Properties are tried on the same cases every time, so that a slow machine or a lucky draw fails
 nobody's first run; `pytest --hypothesis-profile=default` draws new ones.
+
+Bytecode is written even where a variable forbids it: every worker would rewrite all assertions.
 """
 
 import gc
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +16,8 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("repeatable")
 

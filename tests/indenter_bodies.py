@@ -9,35 +9,38 @@ FILLET = np.linspace(0.0, np.pi / 2, 61)
 HIGH = 20e-3  # how far up the walls go, m
 
 
-def turned(radius: Floats, height: Floats) -> Floats:
-    """Points of a surface of revolution about z from its meridian."""
-    circle = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-    rings = [np.column_stack([r * circle, np.full(len(circle), z)])
+def turned(radius: Floats, height: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Points and triangles of a surface of revolution about z from its meridian."""
+    circle, around = np.stack([np.cos(TURN), np.sin(TURN)], axis=1), len(TURN)
+    rings = [np.column_stack([r * circle, np.full(around, z)])
              for r, z in zip(radius, height, strict=True)]  # fmt: skip
-    return np.vstack(rings)
+    ring, step = np.meshgrid(np.arange(len(rings) - 1), np.arange(around), indexing="ij")
+    a, b = ring * around + step, ring * around + (step + 1) % around
+    quads = np.stack([a, b, b + around, a + around], axis=-1).reshape(-1, 4)
+    return np.vstack(rings), np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def fillet_profile(half_width: float, edge: float, tip: bool, slope: float) -> tuple:
-    """Meridian (r, z) of a cylinder (no tip) or cone with edges of a radius, up to the wall."""
+def filleted(half_width: float, edge: float, slope: float = 0.0) -> tuple:
+    """A cylinder, or a cone of a slope, with edges of a radius, up to its wall."""
     core = half_width - edge
-    if not tip:
+    if not slope:
         r = core + edge * np.sin(FILLET)
-        return np.append(r, half_width), np.append(edge - edge * np.cos(FILLET), HIGH)
+        z = edge - edge * np.cos(FILLET)
+        return turned(np.r_[0.0, r, half_width], np.r_[0.0, z, HIGH])
     flank = np.arctan(slope)  # from the plane
     nose = np.linspace(0.0, flank, 61)
     shoulder = np.linspace(flank, np.pi / 2, 61)
     r = np.concatenate([edge * np.sin(nose), core + edge * np.sin(shoulder), [half_width]])
     z = np.concatenate([edge - edge * np.cos(nose),
                         edge + slope * core - edge * np.cos(shoulder), [HIGH]])  # fmt: skip
-    return r, z
+    return turned(r, z)
 
 
 def hull(points: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Triangles of the convex hull."""
     from scipy.spatial import ConvexHull
 
-    found = ConvexHull(points)
-    return points, found.simplices.astype(np.int64)
+    return points, ConvexHull(points).simplices.astype(np.int64)
 
 
 def swept_ring(inner: float, outer: float, edge: float) -> tuple[Floats, NDArray[np.int64]]:
@@ -46,11 +49,7 @@ def swept_ring(inner: float, outer: float, edge: float) -> tuple[Floats, NDArray
                         outer - edge + edge * np.sin(FILLET), [outer]])  # fmt: skip
     z = np.concatenate([[HIGH], (edge - edge * np.cos(FILLET))[::-1],
                         edge - edge * np.cos(FILLET), [HIGH]])  # fmt: skip
-    points, around = turned(r, z), len(TURN)
-    ring, step = np.meshgrid(np.arange(len(r) - 1), np.arange(around), indexing="ij")
-    a, b = ring * around + step, ring * around + (step + 1) % around
-    quads = np.stack([a, b, b + around, a + around], axis=-1).reshape(-1, 4)
-    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int64)
+    return turned(r, z)
 
 
 def rounded_box_points(length: float, width: float, edge: float) -> Floats:
@@ -64,13 +63,12 @@ def rounded_box_points(length: float, width: float, edge: float) -> Floats:
     return np.vstack([corner * [a, b, 1] for a in (1, -1) for b in (1, -1)])
 
 
-def rod_points(radius: float, length: float, edge: float) -> Floats:
-    """A lying rod: a cylinder with filleted ends, turned about its axis."""
-    along = np.concatenate([length / 2 - edge + edge * np.sin(FILLET)])
-    around = radius - edge + edge * np.cos(FILLET)
-    standing = turned(around, along)
-    lying = np.column_stack([standing[:, 2], standing[:, 0], standing[:, 1] + radius])
-    return np.vstack([lying, lying * [-1, 1, 1]])
+def lying_rod(radius: float, length: float, edge: float) -> tuple[Floats, NDArray[np.int64]]:
+    """A cylinder with filleted ends, turned about its axis."""
+    along = np.append(length / 2 - edge + edge * np.sin(FILLET), length / 2)
+    around = np.append(radius - edge + edge * np.cos(FILLET), 0.0)
+    standing, faces = turned(np.r_[around[::-1], around], np.r_[-along[::-1], along])
+    return standing[:, [2, 0, 1]] + [0.0, 0.0, radius], faces
 
 
 def wedge_points(half_angle: float, length: float, width: float) -> Floats:

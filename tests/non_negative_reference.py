@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, ObservationModel
 from skinfield.errors import Floats
@@ -131,7 +131,7 @@ def _dense(solver: NonNegative, model: ObservationModel) -> Dense:
     scale = solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
     seen, spread = seen * scale, spread * scale
     norms = np.linalg.norm(seen, axis=0)
-    threshold = float(norm.isf(solver.false_alarm_rate / np.count_nonzero(norms)))
+    threshold = float(-ndtri(solver.false_alarm_rate / np.count_nonzero(norms)))
     penalty = solver.shrinkage * threshold * norms
     return Dense(seen, spread, penalty, threshold, model.noise_std)
 

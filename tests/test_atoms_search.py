@@ -1,5 +1,6 @@
 """The search for atoms: its minima, evidence and posterior against other ways to get them."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from contact_truth import LAYER, PATCH, truth
 from numpy.testing import assert_array_equal
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
@@ -40,12 +42,18 @@ def noisy(name: str, seed: int, place: tuple[float, float] = PLACE, body: Any = 
     return truth(body, place, name) + rng.normal(scale=NOISE[name], size=len(PATCH))
 
 
+@cache
+def log_curvature_force() -> CubicSpline:
+    """Of the exact contact, by the logarithm of its radius in thicknesses."""
+    logs = np.linspace(-4.0, 4.0, 161)
+    return CubicSpline(logs, [np.log(curvature_force(LAYER, float(np.exp(x) * H))) for x in logs])
+
+
 def ball_residuals(problem: Problem, atom: Floats) -> Floats:
     """Of the readings and of the priors of a ball, made of the exact contact, and of an offset."""
     one = AtomSet(np.append(atom, [0.0, 0.0])[None], np.array([BALL]), 0.0, np.empty(0), np.eye(6))
     predicted = problem.alone(one, np.ones(1, dtype=np.bool_))
-    curvature = curvature_force(LAYER, float(np.exp(atom[3]) * H)) / np.exp(atom[2])
-    prior = (np.log(curvature) - np.log(6e-3)) / CURVATURE_STD
+    prior = (float(log_curvature_force()(atom[3])) - atom[2] - np.log(6e-3)) / CURVATURE_STD
     off = (problem.inputs.readings - predicted) * problem.inputs.white
     if not problem.common:
         return np.append(off, prior)

@@ -23,6 +23,7 @@ BODIES = (
     Sphere(radius=6e-3, force=1.0, position=(-4e-3, 0.0)),
     Cylinder(radius=2e-3, force=0.5, position=(5e-3, 1e-3)),
 )
+MOVE = (1.3e-3, -2.1e-3, 0.4)  # m, m, rad
 
 
 @pytest.fixture(scope="module")
@@ -70,26 +71,30 @@ def test_truth_of_a_press(two: Press, case: Case) -> None:
         assert np.hypot(*(expected - contact.position)) < 0.15e-3
 
 
+@pytest.fixture(scope="module")
+def there() -> Press:
+    x, y, angle = MOVE
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    bodies = [
+        replace(body, position=tuple(turn @ body.position + [x, y]), rotation=angle)
+        for body in BODIES
+    ]
+    return press(LAYER, bodies, extent=30e-3, cell=0.5e-3)
+
+
 @pytest.mark.parametrize(  # the electrostatics are sampled on a mesh of 0.2 mm
     ("quantity", "close"), [("stress", 1e-3), ("gap", 1e-3), ("capacitance", 1.5e-2)]
 )
 def test_moved_press_is_a_press_that_was_solved_there(
-    two: Press, quantity: str, close: float
+    two: Press, there: Press, quantity: str, close: float
 ) -> None:
-    x, y, angle = 1.3e-3, -2.1e-3, 0.4
-    moved = Case.from_press("moved", two, hexagon72(), quantity, (x, y, angle))
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    there = [
-        replace(body, position=tuple(turn @ body.position + [x, y]), rotation=angle)
-        for body in BODIES
-    ]
-    solved = press(LAYER, there, extent=30e-3, cell=0.5e-3)
-    again = Case.from_press("there", solved, hexagon72(), quantity)
+    moved = Case.from_press("moved", two, hexagon72(), quantity, MOVE)
+    again = Case.from_press("there", there, hexagon72(), quantity)
     scale = np.abs(again.readings).max()
     np.testing.assert_allclose(moved.readings, again.readings, atol=close * scale)
     for one, other in zip(moved.truth.contacts, again.truth.contacts, strict=True):
         assert one.position == pytest.approx(other.position, abs=0.02e-3)
-    place = np.argmin(np.linalg.norm(again.truth.plane - [x, y], axis=1))
+    place = np.argmin(np.linalg.norm(again.truth.plane - MOVE[:2], axis=1))
     near = np.argmin(np.linalg.norm(moved.truth.plane - again.truth.plane[place], axis=1))
     np.testing.assert_allclose(
         moved.truth.displacement[near], again.truth.displacement[place], atol=0.08e-3

@@ -4,15 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from indenter_bodies import (
-    fillet_profile,
-    hull,
-    rod_points,
-    rounded_box_points,
-    swept_ring,
-    turned,
-    wedge_points,
-)
+from indenter_bodies import filleted, hull, lying_rod, rounded_box_points, swept_ring, wedge_points
 
 from skinfield.errors import InputError
 from skinfield.simulate import (
@@ -32,32 +24,21 @@ MM = 1e-3
 STEEP = np.radians(70.0)
 X, Y = np.meshgrid(*[np.linspace(-9 * MM, 9 * MM, 61)] * 2)
 SHAPES: dict[str, tuple[Indenter, tuple]] = {
-    "flat cylinder": (
-        Cylinder(radius=5 * MM), hull(turned(*fillet_profile(5 * MM, 0.0, False, 0.0)))),
-    "rounded cylinder": (
-        Cylinder(radius=5 * MM, edge_radius=MM),
-        hull(turned(*fillet_profile(5 * MM, MM, False, 0.0)))),
-    "sharp cone": (
-        Cone(radius=5 * MM, half_angle=STEEP),
-        hull(turned(*fillet_profile(5 * MM, 0.0, True, 1 / np.tan(STEEP))))),
-    "rounded cone": (
-        Cone(radius=5 * MM, half_angle=STEEP, edge_radius=2 * MM),
-        hull(turned(*fillet_profile(5 * MM, 2 * MM, True, 1 / np.tan(STEEP))))),
+    "flat cylinder": (Cylinder(radius=5 * MM), filleted(5 * MM, 0.0)),
+    "rounded cylinder": (Cylinder(radius=5 * MM, edge_radius=MM), filleted(5 * MM, MM)),
+    "sharp cone": (Cone(radius=5 * MM, half_angle=STEEP), filleted(5 * MM, 0.0, 1 / np.tan(STEEP))),
+    "rounded cone": (Cone(radius=5 * MM, half_angle=STEEP, edge_radius=2 * MM),
+        filleted(5 * MM, 2 * MM, 1 / np.tan(STEEP))),
     "bar": (Bar(length=12 * MM, width=4 * MM), hull(rounded_box_points(12 * MM, 4 * MM, 0.0))),
-    "rounded bar": (
-        Bar(length=12 * MM, width=4 * MM, edge_radius=MM),
+    "rounded bar": (Bar(length=12 * MM, width=4 * MM, edge_radius=MM),
         hull(rounded_box_points(12 * MM, 4 * MM, MM))),
-    "rod": (Rod(radius=3 * MM, length=12 * MM), hull(rod_points(3 * MM, 12 * MM, 0.0))),
-    "capsule": (
-        Rod(radius=3 * MM, length=12 * MM, edge_radius=3 * MM),
-        hull(rod_points(3 * MM, 12 * MM, 3 * MM))),
-    "wedge": (
-        Wedge(half_angle=STEEP, length=10 * MM, width=6 * MM),
+    "rod": (Rod(radius=3 * MM, length=12 * MM), lying_rod(3 * MM, 12 * MM, 0.0)),
+    "capsule": (Rod(radius=3 * MM, length=12 * MM, edge_radius=3 * MM),
+        lying_rod(3 * MM, 12 * MM, 3 * MM)),
+    "wedge": (Wedge(half_angle=STEEP, length=10 * MM, width=6 * MM),
         hull(wedge_points(STEEP, 10 * MM, 6 * MM))),
-    "ring": (
-        Ring(inner_radius=4 * MM, outer_radius=6 * MM), swept_ring(4 * MM, 6 * MM, 0.0)),
-    "O-ring": (
-        Ring(inner_radius=4 * MM, outer_radius=6 * MM, edge_radius=MM),
+    "ring": (Ring(inner_radius=4 * MM, outer_radius=6 * MM), swept_ring(4 * MM, 6 * MM, 0.0)),
+    "O-ring": (Ring(inner_radius=4 * MM, outer_radius=6 * MM, edge_radius=MM),
         swept_ring(4 * MM, 6 * MM, MM)),
 }  # fmt: skip
 POSES = {

@@ -16,7 +16,7 @@ from live_skins import LAYER, settings, skin_ring, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 from recorder_ring import contact
-from scipy.stats import norm
+from scipy.special import ndtr
 
 import skinfield as sf
 from skinfield.estimate.live_contacts import CONTACT
@@ -112,7 +112,7 @@ def test_a_taxel_that_is_left_out_now_and_then_is_the_mean_of_its_own() -> None:
 def test_rounding_of_averages_against_the_expected_value_of_a_rounded_count(noise: float) -> None:
     places, counts = np.linspace(-0.5, 0.5, 201), np.arange(-8, 9)
     if noise:
-        edges = norm.cdf((counts + 0.5 - places[:, None]) / noise)
+        edges = ndtr((counts + 0.5 - places[:, None]) / noise)
         chance = np.diff(edges, axis=1, prepend=0.0)
     else:
         chance = (np.rint(places)[:, None] == counts).astype(float)

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from live_skins import LAYER, REST, Ticking, cycle_of, pressed_counts, settings
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.signal import lfilter
 
 import skinfield as sf
 from skinfield.errors import InputError
@@ -265,6 +264,8 @@ def test_smoothing_is_a_low_pass_of_first_order(updater: Updater) -> None:
     plain = np.array([slot.values for slot in answered(updater, readings)])
     updater.forget()
     updater.tune(Tuning(smoothing=0.03))
+    from scipy.signal import lfilter
+
     smooth = np.array([slot.values for slot in answered(updater, readings)])
     part = 0.01 / (0.03 + 0.01)
     start = (1 - part) * plain[:1]

@@ -71,7 +71,7 @@ def test_twins_may_work_at_the_same_time() -> None:
         thread.join()
     for mine, theirs in zip(found, expected, strict=True):
         for one, other in zip(mine, theirs, strict=True):
-            assert one == pytest.approx(other, abs=1e-3 * max(other.max(), 1.0))
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-3 * max(other.max(), 1.0))
 
 
 @pytest.mark.parametrize("quantity", BOTH)

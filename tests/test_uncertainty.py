@@ -57,9 +57,10 @@ def test_sums_over_cells_have_the_dense_covariance(
     found = posterior_of(solver).covariance_of_sums(cells, weights)
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-8 * np.abs(expected).max())
     whole = posterior_of(solver)
-    assert whole.std**2 == pytest.approx(np.diag(dense(solver)[1]), rel=1e-6)
+    np.testing.assert_allclose(whole.std**2, np.diag(dense(solver)[1]), rtol=1e-6)
     gain = dense(solver)[1] @ model().matrix.T / model().noise_std ** 2
-    assert solver.prepare(model()).matrix == pytest.approx(gain, rel=1e-6, abs=1e-8 * gain.max())
+    off = np.abs(solver.prepare(model()).matrix - gain)
+    assert (off <= np.maximum(1e-6 * np.abs(gain), 1e-8 * gain.max())).all()
     assert whole.on(cells).covariance_of_sums(np.arange(count), weights) == pytest.approx(found)
 
 

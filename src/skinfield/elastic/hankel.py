@@ -14,7 +14,7 @@ for every alpha > 0 and 0 <= nu <= 1/2, and are scaled by exp(-2 alpha) above an
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
 
 import numpy as np
@@ -193,17 +193,13 @@ class CoveredTransfer:
 
     def base_normal(self, alpha: Floats) -> Floats:
         """Normal traction on the base per normal traction."""
-        free = self._free
-        return free.base_normal(alpha) - free.base_normal_from_shear(alpha) * self._shear_taken(
-            alpha
-        )
+        free, taken = self._free, self._shear_taken(alpha)
+        return free.base_normal(alpha) - free.base_normal_from_shear(alpha) * taken
 
     def base_shear_from_normal(self, alpha: Floats) -> Floats:
         """Traction along k on the base per normal traction."""
-        free = self._free
-        return free.base_shear_from_normal(alpha) - free.base_shear(alpha) * self._shear_taken(
-            alpha
-        )
+        free, taken = self._free, self._shear_taken(alpha)
+        return free.base_shear_from_normal(alpha) - free.base_shear(alpha) * taken
 
 
 DEGREE = 12  # of the polynomial on one panel
@@ -215,10 +211,8 @@ def bessel(order: int, x: Floats) -> Floats:
     """Bessel function J0, J1 or J2; the recurrence is ten times faster than the general routine."""
     from scipy.special import j0, j1
 
-    if order == 0:
-        return np.asarray(j0(x))
-    if order == 1:
-        return np.asarray(j1(x))
+    if order < 2:
+        return np.asarray((j0, j1)[order](x))
     safe, quarter = np.maximum(x, 1.0), np.minimum(x, 1.0) ** 2 / 4
     series = np.zeros_like(quarter)
     for n in range(8, -1, -1):  # of J2, where the recurrence cancels
@@ -226,6 +220,7 @@ def bessel(order: int, x: Floats) -> Floats:
     return np.where(x < 1.0, quarter * series, 2 * j1(safe) / safe - j0(safe))
 
 
+@lru_cache(maxsize=64)
 def gauss_legendre(low: float, high: float, panels: int, order: int = 20) -> tuple[Floats, Floats]:
     """Nodes and weights of a composite Gauss-Legendre rule on [low, high]."""
     node, weight = np.polynomial.legendre.leggauss(order)

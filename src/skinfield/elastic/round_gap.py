@@ -104,31 +104,30 @@ class RoundGap:
             If the surface reaches the pads.
         """
         check_shape("strain", strain, (None, len(self.nodes)), "one row per indentation, at nodes")
-        charge = np.array([self._charge(each) for each in strain]).reshape(strain.shape)
-        return np.asarray(charge @ self.averages.T)
+        return np.asarray(self._charge(strain) @ self.averages.T)
 
     def _charge(self, strain: Floats) -> Floats:
-        """Density of charge (M,) at the nodes, relative to that of plates at rest, less one.
+        """Density of charge (P, M) at the nodes, relative to that of plates at rest, less one.
 
-        None where the surface is long at rest.
+        None where all surfaces are long at rest.
         """
         from scipy.interpolate import Akima1DInterpolator
 
-        out = np.zeros(len(strain))
+        out, size = np.zeros(strain.shape), np.abs(strain)
         _check_open(strain)
-        bent = np.flatnonzero(np.abs(strain) > REST * np.abs(strain).max())
+        bent = np.flatnonzero((size > REST * size.max(axis=1, keepdims=True)).any(axis=0))
         if not len(bent):
             return out
         last = int(np.searchsorted(self.nodes, self.nodes[bent[-1]] + BEYOND)) + 1
-        nodes, heights = self.nodes[:last], 1.0 - strain[:last]
+        nodes, heights = self.nodes[:last], 1.0 - strain[:, :last]
         rings = nodes[:-1, None] + np.diff(nodes)[:, None] * AT
         mirrored = np.concatenate([-nodes[2:0:-1], nodes])
-        surface = Akima1DInterpolator(mirrored, np.concatenate([heights[2:0:-1], heights]))
+        surface = Akima1DInterpolator(mirrored, np.hstack([heights[:, 2:0:-1], heights]), axis=1)
         line, between = np.hypot(1.0, surface.derivative()(rings)), surface(rings)
         _check_open(1.0 - between)
-        out[:last] = _charge_density(
-            np.stack([nodes, heights], axis=-1), np.stack([rings, between], axis=-1), line
-        )
+        for row, height in enumerate(heights):
+            ends, points = np.stack([nodes, height], -1), np.stack([rings, between[row]], -1)
+            out[row, :last] = _charge_density(ends, points, line[row])
         return out
 
 

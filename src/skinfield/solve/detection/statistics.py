@@ -1,5 +1,6 @@
 """Detection statistics: a number per reading from the matches of templates over some time."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -218,9 +219,8 @@ class Lookback:
             return None
         parts, total, first = [], np.zeros(len(self.bank.scaled)), 0
         for length, weight in zip(used, self.weight(used), strict=True):
-            masks, counts = np.unique(valid[first:length], axis=0, return_counts=True)
-            for mask, count in zip(masks, counts, strict=True):
-                total = total + count * self.bank.information(mask)
+            for mask, count in Counter(row.tobytes() for row in valid[first:length]).items():
+                total = total + count * self.bank.information(np.frombuffer(mask, dtype=bool))
             first = length
             parts.append(spread_of(total * weight))
         return np.concatenate(parts)

@@ -57,13 +57,21 @@ def response_kernel(physics: Physics, pitch: float, cut: float) -> Floats:
     return quadrant
 
 
+def convolved(one: Floats, other: Floats) -> Floats:
+    """Convolution (n + m - 1 squared) of kernels (n, n) and (m, m)."""
+    from scipy import fft  # scipy.signal takes half a second to load
+
+    count = len(one) + len(other) - 1
+    fast = [fft.next_fast_len(count, real=True)] * 2
+    product = fft.rfft2(one, fast) * fft.rfft2(other, fast)
+    return np.asarray(fft.irfft2(product, fast)[:count, :count])
+
+
 def smoothed_kernel(kernel: Floats, correlation: Floats, cut: float) -> Floats:
     """A kernel convolved with a prior's correlation (2 n + 1, 2 n + 1) of cells, cut anew."""
-    from scipy.signal import fftconvolve
-
     spread = np.zeros(((len(correlation) - 1) * FINE + 1,) * 2)
     spread[::FINE, ::FINE] = correlation
-    full = fftconvolve(mirrored(kernel), spread)
+    full = convolved(mirrored(kernel), spread)
     quadrant: Floats = full[len(full) // 2 :, len(full) // 2 :]
     peak = float(np.abs(quadrant).max())
     away = np.abs(quadrant).max(axis=0)
@@ -83,12 +91,9 @@ def neighbour_reach(read: Floats, spread: Floats, cut: float) -> float:
 
     As a share of what each reads of its own, for taxels in the middle of cells.
     """
-    from scipy.signal import fftconvolve
-
-    product = np.abs(fftconvolve(mirrored(read[::FINE, ::FINE]), mirrored(spread[::FINE, ::FINE])))
+    product = np.abs(convolved(mirrored(read[::FINE, ::FINE]), mirrored(spread[::FINE, ::FINE])))
     middle = len(product) // 2
-    row, column = np.indices(product.shape) - middle
-    far = np.hypot(row, column)
+    far = np.hypot(*(np.indices(product.shape) - middle))
     return float(far[product > cut * product[middle, middle]].max()) + 0.5
 
 
