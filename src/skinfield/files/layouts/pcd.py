@@ -13,8 +13,7 @@ from skinfield.files.layouts.text import integer, read_bytes, spoilt
 
 NAME = "pcd"
 EXTENSIONS = (".pcd",)
-EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii or binary"
-PACKINGS = "DATA ascii or binary: pcl_convert_pcd_ascii_binary in.pcd out.pcd 1 makes one of it"
+EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii, binary or binary_compressed"
 POINT = ("x", "y", "z")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 TYPES = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
@@ -103,22 +102,60 @@ def _columns(path: Path, data: bytes) -> dict[str, Floats]:
         table = _ascii(path, body, points, sum(counts))
         starts = np.cumsum([0, *counts[:-1]]).tolist()
         return {name: table[:, start] for name, start in zip(fields, starts, strict=True)}
-    if packing != "binary":
-        raise header.wrong("DATA", PACKINGS)
-    rows = np.dtype(
-        [
-            (f"f{i}", f"<{kind.lower()}{size}", (count,))
-            for i, (kind, size, count) in enumerate(zip(kinds, sizes, counts, strict=True))
-        ]
-    )
-    if len(body) < rows.itemsize * points:
+    if packing not in ("binary", "binary_compressed"):
+        raise header.wrong("DATA", "DATA ascii, binary or binary_compressed")
+    types = [f"<{kind.lower()}{size}" for kind, size in zip(kinds, sizes, strict=True)]
+    width = int(np.dot(sizes, counts))
+    if packing == "binary_compressed":
+        body = _unpacked(path, body, width * points)
+    if len(body) < width * points:
         raise FileError(
-            f"{path}: {len(body)} bytes behind the header, expected "
-            f"{rows.itemsize * points} for {points} points: the file is cut short"
+            f"{path}: {len(body)} bytes behind the header, expected {width * points} for {points} "
+            "points: the file is cut short"
         )
-    found = np.frombuffer(body, rows, points)
-    with np.errstate(all="ignore"):
-        return {n: found[f"f{i}"][:, 0].astype(np.float64) for i, n in enumerate(fields)}
+    starts = np.cumsum([0, *np.multiply(sizes, counts)[:-1]]).tolist()
+    columns = {}
+    for name, kind, start, size, count in zip(fields, types, starts, sizes, counts, strict=True):
+        by_field = (points * start, (size * count,))  # compressed: one field after the other
+        offset, strides = (start, (width,)) if packing == "binary" else by_field
+        column: Floats = np.ndarray((points,), kind, body, offset, strides)
+        with np.errstate(all="ignore"):
+            columns[name] = column.astype(np.float64)
+    return columns
+
+
+def _unpacked(path: Path, body: bytes, size: int) -> bytes:
+    """Unpack LZF behind its two sizes, (packed, unpacked) uint32, to exactly `size` bytes.
+
+    A control byte below 32 is followed by that many + 1 literal bytes; any other holds the length
+    (3 bits, a further byte when all are set, plus 2) and the distance (13 bits, plus 1) of a copy
+    from what was unpacked before.
+    """
+    packed = int.from_bytes(body[:4], "little")
+    data, out, at = body[8 : 8 + packed], bytearray(), 0
+    try:
+        while at < len(data) and len(out) <= size:
+            control, at = data[at], at + 1
+            if control < 32:
+                out += data[at : at + control + 1]
+                at += control + 1
+                continue
+            length = control >> 5
+            if length == 7:
+                length, at = length + data[at], at + 1
+            first, at = len(out) - ((control & 31) << 8 | data[at]) - 1, at + 1
+            if first < 0:
+                raise IndexError
+            for i in range(first, first + length + 2):  # byte by byte: a copy may overlap itself
+                out.append(out[i])
+    except IndexError:
+        out.clear()
+    if len(data) < packed or len(out) != size:
+        raise FileError(
+            f"{path}: {len(data)} of {packed} bytes of LZF unpack to {len(out)}, expected {size}: "
+            "the file is cut short or broken; save the cloud again, also as DATA binary"
+        )
+    return bytes(out)
 
 
 def _ascii(path: Path, body: bytes, points: int, width: int) -> Floats:
