@@ -18,9 +18,9 @@ from skinfield.emulator import VirtualSettings
 from skinfield.emulator.packet import Ear
 from skinfield.emulator.transports import open_link
 from skinfield.signal import Blocks, CanMessages, Channels, Count, Source, Stream
+from skinfield.signal.contract import SourceContract
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
-from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.cyskin import CySkinEncoder, on_boards, uids_of
 from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc

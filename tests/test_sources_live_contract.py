@@ -20,7 +20,7 @@ from live_devices import (
 )
 
 from skinfield.signal import Source, Stream
-from skinfield.testing import SourceContract
+from skinfield.signal.contract import SourceContract
 from skinfield.wire.can import BusSettings
 from skinfield.wire.icub import configuration_for
 from skinfield.wire.sources import CySkinSharedMemory, ICubCan, PacketUdp, ReplaySource

@@ -275,6 +275,30 @@ class Calibration:
             )
 
 
+def strain_from_relative_capacitance(relative_capacitance: ArrayLike) -> Floats:
+    """Gap strain v = indentation / thickness from c = ΔC/C₀: v = c / (1 + c).
+
+    C/C₀ = 1 / (1 - v), from eq. (1) and (2). It holds for a gap that is uniform over the pad and
+    around it; under a contact narrower than the pad and its gap it is 10-35 % off, and the
+    electrostatic observation model is the right one. NaN stays NaN.
+
+    Raises
+    ------
+    InputError
+        If ΔC/C₀ is -1 or less: no gap takes away all capacitance.
+    """
+    change = as_floats("relative_capacitance", relative_capacitance)
+    bad = np.argwhere((change <= -1.0) | np.isinf(change))
+    if len(bad):
+        where = tuple(int(i) for i in bad[0])
+        raise InputError(
+            f"relative_capacitance{list(where) if where else ''} is {change[where]}, expected a "
+            f"finite number above -1 ({len(bad)} of {change.size} are not): a pad cannot lose all "
+            "capacitance"
+        )
+    return np.asarray(change / (1.0 + change))
+
+
 FORMAT = "skinfield-calibration"
 VERSION = 1
 _COLUMNS = ("baseline", "gain", "noise_std", "alive", "uid")
