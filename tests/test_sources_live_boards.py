@@ -15,20 +15,11 @@ from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, P
 from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import (
-    Blocks,
-    CanMessages,
-    Count,
-    Kind,
-    Lasting,
-    Port,
-    Source,
-    Status,
-    counters,
-)
+from skinfield.signal import Blocks, Count, Kind, Lasting, Port, Source, Status, counters
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.wire.icub import (
     BoardSettings,

@@ -10,9 +10,9 @@ from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
 from skinfield.emulator.electronics import Converters, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
-from skinfield.signal.boards import GAINS
 from skinfield.skin import Skin
 from skinfield.wire.icub import BoardSettings, ICubEncoder, configuration_for
+from skinfield.wire.icub.codec import GAINS
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
     TAXELS,

@@ -19,8 +19,6 @@ from skinfield.signal.calibration import save_calibration as save_calibration
 from skinfield.signal.calibration import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.signal.can import CanDecoder as CanDecoder
-from skinfield.signal.can import CanMessages as CanMessages
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from skinfield.errors import InputError, check_count, check_type
-from skinfield.signal.can import CanMessages
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.links import BreakingLink, place_text
 from skinfield.wire.links import host_and_port as host_and_port
 
