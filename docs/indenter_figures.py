@@ -11,7 +11,6 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.files.shapes import load_height_map, load_mesh
 from skinfield.plot import save
 from skinfield.plot.style import INK, QUIET, new_figure, number, signed_colours, style
 from skinfield.simulate import (
@@ -28,6 +27,7 @@ from skinfield.simulate import (
     Wedge,
     press,
 )
+from skinfield.simulate.indenters.shape_files import load_height_map, load_mesh
 
 IMAGES = Path(__file__).parent / "images"
 LAYER = sf.Layer(2e-3, 150e3)

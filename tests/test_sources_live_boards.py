@@ -12,6 +12,7 @@ from bus_peers import wait_for
 from icub_files import SKIN, SPEC
 from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, PacketSocket
 
+from skinfield.cli.sources import source_from_options
 from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
@@ -30,7 +31,6 @@ from skinfield.wire.icub import (
 )
 from skinfield.wire.sources import CySkinCan, ICubCan, NoReadingError, PacketUdp, StreamReader
 from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
-from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND

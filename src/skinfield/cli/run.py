@@ -293,12 +293,12 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
+    from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
     from skinfield.loop.client import Live
     from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
-    from skinfield.wire.sources.factory import skin_for, source_from_options
 
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
