@@ -11,8 +11,7 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.plot import save
-from skinfield.plot.style import INK, QUIET, new_figure, number, signed_colours, style
+from skinfield.plot import INK, QUIET, new_figure, number, save, signed_colours, style
 from skinfield.simulate import (
     Bar,
     Cone,

@@ -10,7 +10,7 @@ import numpy as np
 
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import start
-from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
+from skinfield.plot import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
 from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.can.messages import CanMessages
 

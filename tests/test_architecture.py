@@ -16,7 +16,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"page", "bridges"},
     {"lab", "record", "emulator"},
     {"loop"},
-    {"wire", "settings", "plot"},
+    {"wire", "settings"},
     {"files"},
     {"reconstruct"},
     {"design"},
@@ -25,7 +25,8 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"signal", "estimate"},
     {"elastic", "ring"},
     {"skin"},
-    {"errors", "compiled"},  # modules, not rooms: what everyone needs
+    {"plot"},
+    {"errors", "compiled"},  # modules, not rooms, as is plot: what everyone needs
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 BASE = FLOORS[-1]
@@ -38,7 +39,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "msgspec": {"bridges", "files", "lab", "settings"},
     "tomli_w": {"settings", "signal"},
     "threadpoolctl": {"cli"},
-    "matplotlib": {"plot", "lab"},
+    "matplotlib": {"plot", "skin", "estimate", "simulate", "design", "signal", "lab"},
     "contourpy": {"simulate"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},

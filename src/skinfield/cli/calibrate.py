@@ -74,8 +74,9 @@ def scale(
     """
     from skinfield.cli.reconstruct_jobs import Plan
     from skinfield.files import open_recording, write_summary
-    from skinfield.plot import draw_timeline, save
+    from skinfield.plot import save
     from skinfield.signal import column_of, fit_scale
+    from skinfield.signal.plot import draw_timeline
 
     report.check_picture("--plot", plot, force)
     report.check_output("--output", output, force, ".json")

@@ -56,7 +56,7 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
-    from skinfield.plot.style import duration
+    from skinfield.plot import duration
     from skinfield.simulate import press as pressed
 
     picture = report.free_name(PICTURE) if output is None else output

@@ -72,9 +72,9 @@ def design(
     maps : tuple of str
         File of the maps, one row per place: .csv.
     """
+    from skinfield.design.plot import draw_judgement
     from skinfield.files.pending import write_bytes
     from skinfield.plot import save
-    from skinfield.plot.design import draw_judgement
 
     picture = report.free_name(PICTURE) if output is None else output
     report.check_picture("--output", picture, force)

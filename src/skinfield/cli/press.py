@@ -89,8 +89,8 @@ def press(
     from skinfield.files.pending import write_npz
     from skinfield.lab.scenarios.indenters import indenter_from_text
     from skinfield.plot import save
-    from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
+    from skinfield.simulate.pressing.plot import draw_press
     from skinfield.simulate.pressing.press import arrays_of
 
     picture = report.free_name(PICTURE) if plot is None else plot

@@ -86,11 +86,6 @@ def say_notes(notes: Iterable[str], where: Console | None = None) -> None:
         note(f"note: {text}", "yellow", where)
 
 
-def plural(count: int, noun: str) -> str:
-    """Such as "1 contact" and "3 contacts"."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
 class Column(NamedTuple):
     """Column of a table of rows: heading, key of a row's value, factor from SI to its unit.
 
@@ -223,7 +218,7 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
 def check_picture(flag: str, name: str | None, force: bool) -> None:
     """Raise InputError unless a figure can be saved under a name, where there is one."""
     if name is not None:
-        from skinfield.plot.style import check_name
+        from skinfield.plot import check_name
 
         check_name(name)
         check_output(flag, name, force)
@@ -245,7 +240,8 @@ def save_picture(
     truth: Sequence[tuple[Any, Any, float]] = (),
 ) -> None:
     """Draw an estimate and its reading, in the units that people read."""
-    from skinfield.plot import draw_estimate, save
+    from skinfield.estimate.plot import draw_estimate
+    from skinfield.plot import save
 
     unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
     names = {"quantity_name": quantity.symbol, "quantity_unit": unit}

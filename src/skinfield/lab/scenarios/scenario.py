@@ -18,7 +18,6 @@ from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
 from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
-from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
 from skinfield.signal import save_calibration
 from skinfield.simulate.electronics import (
@@ -45,6 +44,7 @@ from skinfield.simulate.rig import (
     Tool,
     run_rig,
 )
+from skinfield.simulate.rig.plot import draw_rig_run
 from skinfield.skin import Patch
 
 VERSION = 1

@@ -7,8 +7,7 @@ import numpy as np
 from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
-from skinfield.plot.style import (
+from skinfield.plot import (
     ABOVE,
     INK,
     TITLE,
@@ -17,6 +16,7 @@ from skinfield.plot.style import (
     new_figure,
     style,
 )
+from skinfield.skin.maps import MM, draw_cells, frame_axes, outline_pads
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
-from skinfield.plot.style import (
+from skinfield.plot import (
     FAINT,
     INK,
     QUIET,
@@ -19,6 +18,7 @@ from skinfield.plot.style import (
 )
 from skinfield.skin import Patch, Skin
 from skinfield.skin.geometry import facing_from_positions
+from skinfield.skin.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, Ints
-from skinfield.plot.maps import MM, draw_circles, extent_of_pads, frame_axes
-from skinfield.plot.style import (
+from skinfield.plot import (
     BLUE,
     INK,
     ORANGE,
@@ -18,6 +17,7 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.simulate.rig import RigRun
+from skinfield.skin.maps import MM, draw_circles, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
