@@ -16,7 +16,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"page", "bridges"},
     {"lab", "record", "emulator"},
     {"loop"},
-    {"wire", "settings"},
+    {"wire"},
     {"files"},
     {"reconstruct"},
     {"design"},
@@ -25,8 +25,8 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"signal", "estimate"},
     {"elastic", "ring"},
     {"skin"},
-    {"plot"},
-    {"errors", "compiled"},  # modules, not rooms, as is plot: what everyone needs
+    {"plot", "settings"},
+    {"errors", "compiled"},  # modules, not rooms, as are plot and settings: what everyone needs
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 BASE = FLOORS[-1]
@@ -37,7 +37,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "rich": {"cli"},
     "cyclopts": {"cli"},
     "msgspec": {"bridges", "files", "lab", "settings"},
-    "tomli_w": {"settings", "signal"},
+    "tomli_w": {"cli", "signal"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "skin", "estimate", "simulate", "design", "signal", "lab"},
     "contourpy": {"simulate"},

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from skinfield.cli import options, report
 from skinfield.errors import InputError
-from skinfield.settings.tree import Range
+from skinfield.settings import Range
 
 if TYPE_CHECKING:
     from skinfield.skin import Skin

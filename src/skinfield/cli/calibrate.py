@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.cli import options, report
 from skinfield.cli.main import new_app
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
     from skinfield.cli.reconstruct_jobs import Plan

@@ -6,7 +6,7 @@ from typing import Annotated
 from skinfield.cli import options, report
 from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
-from skinfield.settings.tree import Range
+from skinfield.settings import Range
 
 KINDS = 22
 Number = Annotated[int | None, Range(1, 10_000, "cases")]

@@ -9,8 +9,8 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import InputError, as_floats
-from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
     from skinfield import Estimate

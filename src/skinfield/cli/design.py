@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 import numpy as np
 
 from skinfield.cli import options, report
+from skinfield.cli.settings import Elastomer
 from skinfield.design import Judgement, Places, SkinDesign, Touch, judge
-from skinfield.settings import Elastomer
-from skinfield.settings.tree import Positive, Range
+from skinfield.settings import Positive, Range
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"

@@ -11,24 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 from cyclopts import Group, Parameter
 
 import skinfield as sf
+from skinfield.cli.profiles import Profile, profile_of
 from skinfield.cli.report import note
+from skinfield.cli.settings import Elastomer, ModelSettings, QuantityName, Settings, SolverName
 from skinfield.errors import InputError
-from skinfield.settings import (
-    Elastomer,
-    ModelSettings,
-    PageSettings,
-    Profile,
-    Settings,
-    from_plain,
-    profile_of,
-)
-from skinfield.settings.tree import (
-    Positive,
-    QuantityName,
-    Range,
-    Section,
-    SolverName,
-)
+from skinfield.page.settings import PageSettings
+from skinfield.settings import Positive, Range, Section, from_plain
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -7,9 +7,9 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, MechanicsName
 from skinfield.errors import Floats
-from skinfield.settings import Elastomer
-from skinfield.settings.tree import MechanicsName, Positive
+from skinfield.settings import Positive
 
 if TYPE_CHECKING:
     from skinfield.simulate import Indenter, Press

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from skinfield.cli import options, report
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
-from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor

@@ -20,6 +20,7 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
@@ -38,7 +39,6 @@ from skinfield.plot import plural
 from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
-from skinfield.settings import Elastomer, ModelSettings
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
 

@@ -14,7 +14,7 @@ from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import InputError
 from skinfield.plot import plural
-from skinfield.settings.tree import Range
+from skinfield.settings import Range
 
 MOST_EVENTS = 12
 PATCH = (

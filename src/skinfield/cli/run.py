@@ -13,14 +13,13 @@ from rich.console import Console
 from rich.live import Live as Screen
 
 import skinfield as sf
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
-from skinfield.errors import InputError, SkinfieldError
-from skinfield.settings import (
-    BridgeSettings,
+from skinfield.cli.profiles import Profile
+from skinfield.cli.settings import (
     LiveModelSettings,
+    LiveSolverName,
     LoopSettings,
-    PageSettings,
-    Profile,
     RecordSettings,
     Settings,
     SkinSettings,
@@ -28,7 +27,8 @@ from skinfield.settings import (
     changed,
     toml_from_settings,
 )
-from skinfield.settings.tree import LiveSolverName
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
 SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
@@ -259,10 +259,10 @@ def newest_source(name: str) -> Callable[[], Sequence[Any]]:
 @contextmanager
 def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
-    from skinfield.page import serve_page
     from skinfield.page.live_controller import LiveController
     from skinfield.page.recordings import Recordings
     from skinfield.page.replay import ReplaySource
+    from skinfield.page.server import serve_page
     from skinfield.record.launch import ReadyRecorders
 
     name = wanted.loop.name

@@ -19,7 +19,7 @@ from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
-from skinfield.settings.tree import Positive, Range
+from skinfield.settings import Positive, Range
 
 WIDE = 180  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from skinfield.bridges.child import say_ready
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
@@ -28,7 +29,6 @@ from skinfield.loop.model_config import configuration_of
 from skinfield.loop.slots import Head
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
-from skinfield.settings import BridgeSettings
 
 JSON, BYTES = "application/json", "application/octet-stream"
 WHOLE = {  # what is published of an engine: kind of bytes, and priority

@@ -18,7 +18,7 @@ from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
 from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
-from skinfield.settings.text import text_of_file
+from skinfield.settings import text_of_file
 from skinfield.signal import save_calibration
 from skinfield.simulate.electronics import (
     Board,
