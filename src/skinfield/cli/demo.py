@@ -78,7 +78,7 @@ def demo(
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
-    report.save_picture(picture, estimate, readings, quantity, truth)
+    report.save_picture(picture, estimate, readings, config, truth)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     result = {
         "contacts": report.plain_contacts(estimate.contacts),

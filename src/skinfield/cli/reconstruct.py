@@ -228,7 +228,7 @@ def _reconstruct_one(
         write_summary(summary, plain)
     report.say_notes(doubts(results.reconstructor, best))
     if plot:
-        report.save_picture(plot, best, values[0], results.config.quantity)
+        report.save_picture(plot, best, values[0], results.config)
     report.finish(as_json, plain, names, _lines(plain, best, when))
 
 

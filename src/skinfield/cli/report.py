@@ -17,7 +17,7 @@ from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
     from skinfield import Contact, Estimate
-    from skinfield.elastic import Quantity
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 MOST_CONTACTS = 12
 NONE = "–"  # in a cell whose number does not exist
@@ -236,15 +236,15 @@ def save_picture(
     path: str,
     estimate: "Estimate",
     reading: Floats,
-    quantity: "Quantity",
+    config: "ReconstructorConfig",
     truth: Sequence[tuple[Any, Any, float]] = (),
 ) -> None:
     """Draw an estimate and its reading, in the units that people read."""
     from skinfield.estimate.plot import draw_estimate
     from skinfield.plot import save
 
-    unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    names = {"quantity_name": quantity.symbol, "quantity_unit": unit}
+    unit = {"1": "%", "Pa": "kPa"}[config.quantity.unit]
+    names = {"quantity_name": config.quantity.symbol, "quantity_unit": unit}
     save(draw_estimate(estimate, reading, truth=truth, **names), path)
 
 
