@@ -123,14 +123,24 @@ def text_of_file(path: str | Path) -> str:
         raise FileError(f"{path} is not text in UTF-8: {error}") from error
 
 
+def plain_from_toml(text: str, path: str) -> dict[str, Any]:
+    """Tables of a TOML text; `path` is what errors call it.
+
+    Raises
+    ------
+    FileError
+        If it is not TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise FileError(f"{path} is not TOML: {error}") from error
+
+
 def value_from_toml(kind: type[T], text: str, path: str) -> T:
     """Object of a dataclass `kind` of a TOML text; `path` is what errors call it."""
     try:
-        plain = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise FileError(f"{path} is not TOML: {error}") from error
-    try:
-        return from_plain(kind, plain)
+        return from_plain(kind, plain_from_toml(text, path))
     except Misfit as error:
         line = line_of(text, error.table, error.key)
         raise FileError(f"{path}:{line}: {error}" if line else f"{path}: {error}") from error

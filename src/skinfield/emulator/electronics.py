@@ -30,7 +30,8 @@ def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
     """
     icub = settings.hardware == "icub"
     known, words = icub_electronics() if icub else cyskin_electronics(), CySkinBoard()
-    noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
+    white = known.noise.white * settings.noise_scale
+    noise = replace(known.noise, white=white, flicker=0.0, walk=0.0)
     electronics = Electronics(
         board=known.board if icub else replace(words, gain=words.convention.usual_gain),
         gain_spread=settings.gain_spread,

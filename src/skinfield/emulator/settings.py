@@ -281,11 +281,6 @@ class BoardSettings(Section):
                     raise SettingError(name, f"is {text!r}: {error}") from error
 
     @property
-    def noise(self) -> float:
-        """Times that of real boards."""
-        return self.noise_scale
-
-    @property
     def faults(self) -> tuple[Fault, ...]:
         """What fails, and when."""
         return tuple(map(fault_from_text, self.fault))

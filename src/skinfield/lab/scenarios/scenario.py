@@ -1,6 +1,5 @@
 """Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
-import tomllib
 from collections.abc import Mapping
 from functools import partial
 from importlib.resources import files
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from skinfield.elastic import StandardLinearSolid
-from skinfield.errors import FileError
 from skinfield.files.layouts.load import save_layout, skin_from_text
 from skinfield.files.pending import write_bytes, write_npz
 from skinfield.files.recordings.archive import save_recording, seconds
@@ -18,7 +16,7 @@ from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
 from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
-from skinfield.settings import text_of_file
+from skinfield.settings import plain_from_toml, text_of_file
 from skinfield.signal import save_calibration
 from skinfield.simulate.electronics import (
     Board,
@@ -97,11 +95,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     FileError
         For a key or word that there is not, a value of another kind or out of range.
     """
-    try:
-        content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise FileError(f"{path} is not TOML: {error}") from error
-    table, usual = Table(content, "", path, text), Scenario()
+    table, usual = Table(plain_from_toml(text, path), "", path, text), Scenario()
     if table.value("skinfield_rig", int) != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     layer = table.table("layer")
