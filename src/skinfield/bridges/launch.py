@@ -14,7 +14,7 @@ from typing import Any
 
 from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.settings import BridgeSettings, ZenohAddresses
-from skinfield.bridges.yarp.settings import YarpSettings
+from skinfield.bridges.yarp.publisher import YarpSettings
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
 from skinfield.loop.process_supervisor import (
