@@ -86,7 +86,7 @@ class Bus(BreakingLink):
         Parameters
         ----------
         identifier : int
-            With the bits of `signal.can` where it has 29 bits or is a remote request.
+            With the bits of `can.messages` where it has 29 bits or is a remote request.
         data : bytes
             Up to 8.
         """
