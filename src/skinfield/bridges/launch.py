@@ -17,12 +17,7 @@ from skinfield.bridges.settings import BridgeSettings, ZenohAddresses
 from skinfield.bridges.yarp.publisher import YarpSettings
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import (
-    Child,
-    SupervisedProcess,
-    exit_text,
-    start_python,
-)
+from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_python
 from skinfield.settings import json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there

@@ -23,14 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.design.design import (
-    Places,
-    SkinDesign,
-    Touch,
-    near_taxels,
-    respond,
-    sight_of,
-)
+from skinfield.design.design import Places, SkinDesign, Touch, near_taxels, respond, sight_of
 from skinfield.errors import Floats, InputError, check_range
 
 SIZE_PRIOR = 0.6  # standard deviation of ln radius of everyday contacts

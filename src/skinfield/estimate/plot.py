@@ -27,14 +27,7 @@ from skinfield.plot import (
     style,
 )
 from skinfield.skin import Grid
-from skinfield.skin.maps import (
-    MM,
-    draw_cells,
-    draw_pads,
-    extent_of,
-    frame_axes,
-    hatch_uncovered,
-)
+from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of, frame_axes, hatch_uncovered
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,14 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import (
-    FileError,
-    Floats,
-    InputError,
-    SkinfieldError,
-    check_count,
-    check_shape,
-)
+from skinfield.errors import FileError, Floats, InputError, SkinfieldError, check_count, check_shape
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import Row, arrow_table, load_pyarrow, rows_from_estimate
 from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, load_zarr

@@ -5,17 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.plot import (
-    FAINT,
-    INK,
-    QUIET,
-    TITLE,
-    add_title,
-    new_figure,
-    number,
-    plural,
-    style,
-)
+from skinfield.plot import FAINT, INK, QUIET, TITLE, add_title, new_figure, number, plural, style
 from skinfield.skin import Patch, Skin
 from skinfield.skin.geometry import facing_from_positions
 from skinfield.skin.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
