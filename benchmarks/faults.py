@@ -23,6 +23,7 @@ from typing import Any
 from rich.console import Console
 
 import skinfield as sf
+from skinfield.cli.sources import source_from_options
 from skinfield.emulator.process import VirtualProcess, start
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.files.mcap.live import LiveRecording
@@ -32,7 +33,6 @@ from skinfield.loop.status import Observer, Status
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
 from skinfield.signal import ICubByte
-from skinfield.wire.sources.factory import source_from_options
 
 RATE = 100.0
 WATCH = 3.0  # s

@@ -25,6 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 import skinfield as sf
+from skinfield.cli.sources import source_from_options
 from skinfield.emulator.process import start
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
@@ -36,7 +37,6 @@ from skinfield.loop.status import Observer, Status
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
 from skinfield.signal import ICubByte
-from skinfield.wire.sources.factory import source_from_options
 
 BOARDS = 30  # of SCHED_FIFO: boards keep their time, whatever the computer does
 

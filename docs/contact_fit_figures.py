@@ -19,9 +19,9 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.plot.maps import outline_pads
-from skinfield.plot.style import add_colour_bar, add_title, new_figure, save, signed_colours, style
+from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_colours, style
 from skinfield.simulate.pressing.press import readings_anywhere
+from skinfield.skin.maps import outline_pads
 
 IMAGES = Path(__file__).parent / "images"
 PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer()

@@ -12,8 +12,7 @@ import numpy as np
 import skinfield as sf
 from skinfield.elastic import StandardLinearSolid
 from skinfield.errors import Floats
-from skinfield.plot import save
-from skinfield.plot.style import (
+from skinfield.plot import (
     BLUE,
     FAINT,
     INK,
@@ -22,6 +21,7 @@ from skinfield.plot.style import (
     TITLE,
     add_title,
     new_figure,
+    save,
     style,
 )
 from skinfield.simulate.electronics import (

@@ -17,8 +17,7 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.plot import save
-from skinfield.plot.style import ABOVE, BELOW, FAINT, INK, QUIET, add_title, new_figure, style
+from skinfield.plot import ABOVE, BELOW, FAINT, INK, QUIET, add_title, new_figure, save, style
 from skinfield.reconstruct.engine import CycleReport
 from skinfield.reconstruct.engine.state import Step
 

@@ -38,9 +38,7 @@ import skinfield as sf
 from skinfield.cli import main as skinfield
 from skinfield.errors import Floats
 from skinfield.files import open_recording
-from skinfield.plot import draw_timeline
-from skinfield.plot.maps import draw_cells, extent_of, frame_axes, outline_pads
-from skinfield.plot.style import (
+from skinfield.plot import (
     BLUE,
     FAINT,
     INK,
@@ -53,8 +51,10 @@ from skinfield.plot.style import (
     save,
     style,
 )
+from skinfield.signal.plot import draw_timeline
 from skinfield.simulate import Cylinder, Sphere
 from skinfield.skin.geometry import inside_hull
+from skinfield.skin.maps import draw_cells, extent_of, frame_axes, outline_pads
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

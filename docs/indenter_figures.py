@@ -11,9 +11,7 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.files.shapes import load_height_map, load_mesh
-from skinfield.plot import save
-from skinfield.plot.style import INK, QUIET, new_figure, number, signed_colours, style
+from skinfield.plot import INK, QUIET, new_figure, number, save, signed_colours, style
 from skinfield.simulate import (
     Bar,
     Cone,
@@ -28,6 +26,7 @@ from skinfield.simulate import (
     Wedge,
     press,
 )
+from skinfield.simulate.indenters.shape_files import load_height_map, load_mesh
 
 IMAGES = Path(__file__).parent / "images"
 LAYER = sf.Layer(2e-3, 150e3)

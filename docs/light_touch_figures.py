@@ -34,7 +34,7 @@ from skinfield.lab.sections.detection import (
     shares_of,
     threshold,
 )
-from skinfield.plot.style import plural
+from skinfield.plot import plural
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
 
 IMAGES = Path(__file__).parent / "images"

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from skinfield.plot.style import INK
+from skinfield.plot import INK
 
 DASHES = ((0, (6, 2)), ":")
 

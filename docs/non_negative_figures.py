@@ -23,9 +23,9 @@ from skinfield.lab.case_sets import AROUND, KINDS
 from skinfield.lab.cases import Case
 from skinfield.lab.score import column
 from skinfield.lab.validation import Entrant
-from skinfield.plot.maps import outline_pads
-from skinfield.plot.style import add_colour_bar, add_title, new_figure, save, signed_colours, style
+from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_colours, style
 from skinfield.simulate import Press, press
+from skinfield.skin.maps import outline_pads
 
 IMAGES = Path(__file__).parent / "images"
 PATCH = sf.layouts.hexagon72()

@@ -14,13 +14,13 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.plot import save
-from skinfield.plot.style import (
+from skinfield.plot import (
     INK,
     QUIET,
     add_colour_bar,
     add_title,
     new_figure,
+    save,
     signed_colours,
     style,
 )

@@ -10,9 +10,9 @@ import numpy as np
 
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import start
-from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
-from skinfield.signal import CanMessages
+from skinfield.plot import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
 from skinfield.wire.can import BusSettings, open_bus
+from skinfield.wire.can.messages import CanMessages
 
 SECONDS, RATE = 12.0, 100.0
 FAULTS = ("unplug 2@5s+1.5s", "reboot 0@8s+1s")

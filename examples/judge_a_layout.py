@@ -17,8 +17,8 @@ from skinfield.design import (
     judge,
     place_accuracy,
 )
+from skinfield.design.plot import draw_judgement
 from skinfield.plot import save
-from skinfield.plot.design import draw_judgement
 
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 thin = SkinDesign(

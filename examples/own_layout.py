@@ -3,7 +3,8 @@
 import numpy as np
 
 import skinfield as sf
-from skinfield.plot import draw_estimate, save
+from skinfield.estimate.plot import draw_estimate
+from skinfield.plot import save
 
 x, y = np.meshgrid(np.arange(8) * 4e-3, np.arange(8) * 4e-3)
 patch = sf.Patch(np.column_stack([x.ravel(), y.ravel()]), pad_diameter=3e-3, name="my array")

@@ -3,8 +3,8 @@
 import numpy as np
 
 from skinfield.errors import InputError
+from skinfield.files.recordings.replay import BlockReplayStream
 from skinfield.signal import Blocks, Kind, blocks_of
-from skinfield.wire.sources.replay import BlockReplayStream
 
 INTERPRETED = True
 NOW = 1_700_000_000_000_000_000

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from skinfield.signal import CanMessages
-from skinfield.signal.can import ERROR, EXTENDED, REMOTE
 from skinfield.wire.can.adapters import structs_of
 from skinfield.wire.can.kernel import CONTROL, messages_of_structs, take_headers
+from skinfield.wire.can.messages import ERROR, EXTENDED, REMOTE, CanMessages
 
 INTERPRETED = True
 DATAGRAMS, ROOM = 3, 16

@@ -5,7 +5,8 @@ from contextlib import suppress
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import (
     Crc,
     CySkinBoard,

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.icub import (
     BoardState,
     Firmware,

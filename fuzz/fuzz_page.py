@@ -15,7 +15,7 @@ from skinfield.page.page_state import PageState
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.server import HttpApi
 from skinfield.page.session import flag, number, press_of, text
-from skinfield.settings import PageSettings
+from skinfield.page.settings import PageSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -5,19 +5,13 @@ from contextlib import suppress
 
 import skinfield as sf
 from skinfield.bridges.ros2.publisher import RosSettings
+from skinfield.cli.settings import Settings, settings_from_toml, toml_from_settings
 from skinfield.errors import InputError
 from skinfield.files.ros.names import LONGEST, is_topic, token_of, tokens_of
 from skinfield.loop.control import order_of
 from skinfield.loop.model_config import Configuration
 from skinfield.loop.runtime_parameters import Limits, Tuning
-from skinfield.settings import (
-    Settings,
-    from_plain,
-    json_from_value,
-    settings_from_toml,
-    toml_from_settings,
-    value_from_json,
-)
+from skinfield.settings import from_plain, json_from_value, value_from_json
 
 LIMITS = Limits(rungs=(10, 20), longest=9e-4, patches=("palm", "thumb"))
 SEEDS = [

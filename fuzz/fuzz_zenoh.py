@@ -24,7 +24,7 @@ from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.model_config import Configuration, ModelConfig, Models
 from skinfield.loop.ring_fields import describe
 from skinfield.loop.runtime_parameters import Tuning
-from skinfield.loop.slots import Sizes
+from skinfield.loop.slots import Sizes, SlotLayout
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import plain_contacts
 from skinfield.signal import ICubByte, Port
@@ -42,9 +42,9 @@ MODEL_CONFIG = ModelConfig(
     budget=1e-3,
     rows=3,
 )
-FIELDS = tuple(Sizes.of(MODEL_CONFIG.skin, MODEL_CONFIG.rungs, MODEL_CONFIG.rows).fields())
+SIZES = Sizes.of(MODEL_CONFIG.skin, MODEL_CONFIG.rungs, MODEL_CONFIG.rows)
 TOLD = describe("one", MODEL_CONFIG, ["Source"], 1e-3)
-DESCRIPTION = described("robot", "one", TOLD, FIELDS)
+DESCRIPTION = described("robot", "one", TOLD, SlotLayout.of(SIZES.fields()))
 PLAN = Plan.of(DESCRIPTION)
 KNOWN = Configuration(1, Tikhonov(), Tuning())
 NOISE = Calibration(1, KNOWN, np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
@@ -54,11 +54,11 @@ HEAD = EstimateHead(1, 2, 3, 4, 5, 6, PLAN.fingerprint).packed()
 
 def cycle() -> bytes:
     """A good one, with a contact."""
-    slot = PLAN.empty()
+    slot = PLAN.layout.slot()
     slot.patches["answer"], slot.patches["rung"], slot.patches["contacts"] = 2, 8, 1
     slot.patches["stamp_ns"] = 10**18
-    data = bytearray(PLAN.slot_bytes)
-    for placed in PLAN.fields:
+    data = bytearray(PLAN.layout.size)
+    for placed in PLAN.layout.fields:
         octets = getattr(slot, placed.field.name).tobytes()
         data[placed.offset : placed.offset + placed.size] = octets
     return bytes(data)
@@ -111,8 +111,8 @@ def read_cycle(data: bytes) -> None:
 def read_description(data: bytes) -> None:
     """A description, and the slots that follow from it."""
     plan = Plan.of(data)
-    assert plan.slot_bytes < 1 << 29
-    plan.empty()
+    assert plan.layout.size < 1 << 29
+    plan.layout.slot()
 
 
 def read_calibration(data: bytes) -> None:

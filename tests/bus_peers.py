@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from skinfield.signal import Blocks, CanDecoder, CanMessages, counters
-from skinfield.signal.can import EXTENDED, REMOTE
+from skinfield.signal import Blocks, counters
 from skinfield.wire.can import Bus, BusSettings, open_bus
+from skinfield.wire.can.messages import EXTENDED, REMOTE, CanDecoder, CanMessages
 
 PATIENCE = 30.0  # s, after which something is broken, however busy the machine
 

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from skinfield.signal import Blocks, CanMessages, Count, blocks_of, counters
+from skinfield.signal import Blocks, Count, blocks_of, counters
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.icub import ICubDecoder
 
 MS = 1_000_000

@@ -17,11 +17,12 @@ from bus_peers import free_port, rows_of, wait_for
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.packet import Ear
 from skinfield.emulator.transports import open_link
-from skinfield.signal import Blocks, CanMessages, Channels, Count, Source, Stream
+from skinfield.signal import Blocks, Channels, Count, Source, Stream
+from skinfield.signal.contract import SourceContract
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
-from skinfield.testing import SourceContract
 from skinfield.wire.can import BusSettings, open_bus
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import CySkinEncoder, on_boards, uids_of
 from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for

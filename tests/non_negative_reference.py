@@ -13,10 +13,10 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative
+from skinfield.solve.contract import square_patch
 from skinfield.solve.dual.problem import AMOUNT, COUNTS, PRESSED, PRESSING
 from skinfield.solve.linear import taxel_distance
 from skinfield.solve.non_negative import NonNegativeOperator, bump_of
-from skinfield.testing.solver import square_patch
 
 Either = BaseStress | Capacitance
 

@@ -11,11 +11,10 @@ import pytest
 from bus_peers import drawn_messages, free_port, group, opened, pair, receive, wait_for
 
 from skinfield.errors import InputError
-from skinfield.signal import CanMessages
-from skinfield.signal.can import ERROR, EXTENDED, REMOTE
 from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.can.adapters import BATCH, PER_DATAGRAM, SocketCanBus
 from skinfield.wire.can.kernel import TOO_LONG, take_headers
+from skinfield.wire.can.messages import ERROR, EXTENDED, REMOTE, CanMessages
 
 STRUCT = struct.Struct("=IB3x8s")  # struct can_frame of linux/can.h
 

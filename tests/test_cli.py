@@ -11,7 +11,7 @@ from command_line import invoke, refused, result_of, run
 
 from skinfield.cli.main import COMMANDS, LAB, app_for
 from skinfield.cli.report import print_json
-from skinfield.settings import load_settings, settings_from_toml
+from skinfield.cli.settings import load_settings, settings_from_toml
 
 SNAPSHOT = Path(__file__).with_name("cli_help.txt")  # UPDATE_HELP=1 writes it anew
 GROUPS = ("layout", "calibrate")

@@ -17,10 +17,11 @@ from live_skins import unique_name, wait_for
 from websockets.sync.client import ClientConnection, connect
 
 from skinfield.cli.report import end_undisturbed, signals_end
+from skinfield.cli.settings import RecordSettings, load_settings
 from skinfield.errors import InputError
 from skinfield.loop.slots import Head
+from skinfield.page.settings import PageSettings
 from skinfield.ring import Field, Ring, RingReader, State
-from skinfield.settings import PageSettings, RecordSettings, load_settings
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 FOLDER = Path("/dev/shm")

@@ -10,7 +10,6 @@ from skinfield.errors import InputError
 from skinfield.signal import (
     CySkinCount,
     ICubByte,
-    rest_capacitance,
     strain_from_relative_capacitance,
 )
 
@@ -65,14 +64,14 @@ def test_zero_is_the_floor_of_a_word_and_valid():
 
 def test_the_paper_pad_has_a_sixth_of_a_picofarad():
     # 8.8541878128e-12 * 3 * pi * (2e-3)^2 / 2e-3, by hand
-    assert rest_capacitance(Layer(), 4e-3) == pytest.approx(1.66897e-13, rel=1e-5)
+    assert Layer().rest_capacitance(4e-3) == pytest.approx(1.66897e-13, rel=1e-5)
     with pytest.raises(InputError, match="pad_diameter is -1"):
-        rest_capacitance(Layer(), -1)
+        Layer().rest_capacitance(-1)
 
 
 @given(st.floats(-5.0, 0.999))
 def test_strain_is_that_of_a_plate_that_came_nearer(strain):
-    rest, now = (rest_capacitance(Layer(thickness=h), 4e-3) for h in (0.1, 0.1 * (1 - strain)))
+    rest, now = (Layer(thickness=h).rest_capacitance(4e-3) for h in (0.1, 0.1 * (1 - strain)))
     change = (now - rest) / rest
     assert strain_from_relative_capacitance(change) == pytest.approx(strain, rel=1e-9, abs=1e-12)
 

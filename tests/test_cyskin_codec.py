@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
-from skinfield.signal.can import EXTENDED
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
 from skinfield.skin.generators import hexagon72
+from skinfield.wire.can.messages import EXTENDED, CanMessages
 from skinfield.wire.cyskin import (
     Command,
     Crc,

@@ -6,7 +6,8 @@ from cyskin_reference import Reference, crc8
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import CySkinBoard, CySkinDecoder, CySkinEncoder, CySkinModule
 
 BOARDS = (

@@ -10,16 +10,8 @@ from hypothesis import strategies as st
 from icub_streams import BOARDS, MS, decoded, filled, head, regular
 
 from skinfield.errors import InputError
-from skinfield.signal import (
-    Blocks,
-    CanMessages,
-    Count,
-    ICubByte,
-    Kind,
-    blocks_of,
-    counters,
-)
-from skinfield.signal.can import ERROR, EXTENDED, REMOTE
+from skinfield.signal import Blocks, Count, ICubByte, Kind, blocks_of, counters
+from skinfield.wire.can.messages import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.icub import (
     BoardState,
     Firmware,

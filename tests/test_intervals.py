@@ -27,7 +27,7 @@ from skinfield.reconstruct.interval_training import (
 )
 from skinfield.simulate import Bar, Cylinder, Sphere, press
 from skinfield.skin import Grid
-from skinfield.testing.solver import square_patch
+from skinfield.solve.contract import square_patch
 
 PATCH = square_patch(side=8, pitch=5e-3)
 LAYER = sf.Layer(2e-3, 100e3, 0.5)

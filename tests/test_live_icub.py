@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from live_skins import settings, wait_for
 
+from skinfield.cli.sources import source_from_options
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.process import VirtualProcess, start
 from skinfield.loop.client import Live, Snapshot, Stale, connect
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import Supervisor
-from skinfield.wire.sources.factory import source_from_options
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 

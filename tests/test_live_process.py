@@ -20,6 +20,7 @@ from numpy.testing import assert_array_equal
 
 import skinfield as sf
 from skinfield.bridges.launch import Bridge
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop import process_supervisor
@@ -36,7 +37,6 @@ from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
 from skinfield.ring import Field, Ring, State
 from skinfield.ring.files import sidecar
-from skinfield.settings import BridgeSettings
 from skinfield.signal import Count
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")

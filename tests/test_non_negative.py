@@ -15,8 +15,7 @@ from skinfield.errors import InputError
 from skinfield.simulate import Bar, Ring, press
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, NonNegative
-from skinfield.testing import SolverContract
-from skinfield.testing.solver import square_patch
+from skinfield.solve.contract import SolverContract, square_patch
 
 BOTH = [BaseStress(), Capacitance()]
 

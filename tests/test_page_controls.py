@@ -16,13 +16,13 @@ from live_skins import unique_name, wait_for
 from websockets.sync.client import connect
 
 from skinfield.errors import InputError
-from skinfield.page import serve_page
 from skinfield.page.live_controller import LiveController, tune
 from skinfield.page.presser import MOST, Press, Presser
 from skinfield.page.recordings import SILENT, Recordings
+from skinfield.page.server import serve_page
+from skinfield.page.settings import PageSettings
 from skinfield.page.source import DataSource, LiveSource
 from skinfield.record.recorder import RecorderState, forget_state
-from skinfield.settings import PageSettings
 
 
 class Skin:

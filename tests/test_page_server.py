@@ -20,10 +20,10 @@ from websockets.sync.client import ClientConnection, connect
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.page import Page, serve_page
 from skinfield.page.scene_layout import PlacedPatch
+from skinfield.page.server import Page, serve_page
+from skinfield.page.settings import PageSettings
 from skinfield.page.wire import packed, scaled
-from skinfield.settings import PageSettings
 from skinfield.skin import Grid
 
 LONG = 60.0  # s

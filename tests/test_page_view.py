@@ -18,8 +18,8 @@ from page_gestures import Hand
 from page_sources import StillSource
 from replay_sample import PERIOD, Known, write
 
-from skinfield.page import serve_page
-from skinfield.settings import PageSettings
+from skinfield.page.server import serve_page
+from skinfield.page.settings import PageSettings
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 TOKEN = "a-long-enough-secret"

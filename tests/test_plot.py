@@ -22,9 +22,11 @@ from skinfield import plot
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import Contact, Estimate
 from skinfield.estimate.developed_plane import Chart
-from skinfield.plot.press import draw_press, heading
-from skinfield.plot.style import duration, number, plus_minus, signed_colours
+from skinfield.estimate.plot import draw_estimate
+from skinfield.plot import duration, number, plus_minus, signed_colours
+from skinfield.signal.plot import draw_timeline
 from skinfield.simulate import Cylinder, Press, Ring, Sphere, press
+from skinfield.simulate.pressing.plot import draw_press, heading
 
 
 def hexagon_patch() -> sf.Patch:
@@ -160,7 +162,7 @@ def drawn() -> tuple[Figure, Estimate, np.ndarray, list[tuple[np.ndarray, float,
     valid[3] = False
     readings[40] = np.nan
     estimate = replace(estimate, valid=valid)
-    return plot.draw_estimate(estimate, readings, truth=presses), estimate, readings, presses
+    return draw_estimate(estimate, readings, truth=presses), estimate, readings, presses
 
 
 def test_every_axis_names_its_quantity_and_unit(drawn):
@@ -291,13 +293,13 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_no_words_overlap_or_leave_the_page(case):
     estimate, truth = CASES[case]()
-    figure = plot.draw_estimate(estimate, readings_of(estimate), truth=truth)
+    figure = draw_estimate(estimate, readings_of(estimate), truth=truth)
     assert clashes(figure) == []
 
 
 def test_more_contacts_than_fit_are_summed():
     estimate, _ = many_presses()
-    figure = plot.draw_estimate(estimate)
+    figure = draw_estimate(estimate)
     words = [t.get_text() for t in panel(figure, "Contacts").texts]
     (others,) = [w for w in words if w.endswith(" others")]
     left = int(others.split()[0])
@@ -308,7 +310,7 @@ def test_more_contacts_than_fit_are_summed():
 
 def test_no_contact_is_said():
     estimate = estimate_of(sf.Grid.square(hexagon_patch(), 20), [])
-    words = words_of(plot.draw_estimate(estimate, truth=[((0.0, 0.0), 1.0, 3e-3)]))
+    words = words_of(draw_estimate(estimate, truth=[((0.0, 0.0), 1.0, 3e-3)]))
     assert "no contact above the noise" in words
     assert "truth: no contact found" in words
     assert "palm: no contact" in words
@@ -316,7 +318,7 @@ def test_no_contact_is_said():
 
 def test_without_readings_the_residual_is_shown():
     estimate, _, _ = two_presses()
-    axes = panel(plot.draw_estimate(estimate, quantity_unit="1"), "Residual")
+    axes = panel(draw_estimate(estimate, quantity_unit="1"), "Residual")
     pads = next(c for c in axes.collections if isinstance(c, EllipseCollection))
     np.testing.assert_allclose(pads.get_array(), estimate.residual)
 
@@ -324,7 +326,7 @@ def test_without_readings_the_residual_is_shown():
 def test_a_curved_patch_is_drawn_in_space_moved_along_its_normals():
     estimate, truth = curved()
     grid = estimate.grid
-    figure = plot.draw_estimate(estimate, readings_of(estimate), truth=truth)
+    figure = draw_estimate(estimate, readings_of(estimate), truth=truth)
     (axes,) = [a for a in figure.axes if a.name == "3d"]
     note = next(w for w in words_of(figure) if w.startswith("indentation drawn"))
     factor = float(note.split()[2])
@@ -341,7 +343,7 @@ def test_all_taxels_invalid_and_odd_names_are_drawn():
     estimate, readings, _ = two_presses()
     patch = replace(estimate.grid.patch, name="left $arm_1$ \\frac{")
     estimate = replace(estimate, grid=replace(estimate.grid, patch=patch))
-    figure = plot.draw_estimate(estimate, readings * np.nan)
+    figure = draw_estimate(estimate, readings * np.nan)
     figure.draw_without_rendering()
     assert "pads to scale; crossed: 72 left out" in words_of(figure)
     assert "ΔC/C₀ (%)" not in words_of(figure)  # no colour, no bar
@@ -350,7 +352,7 @@ def test_all_taxels_invalid_and_odd_names_are_drawn():
 def test_a_square_grid_over_a_long_patch_is_cut_to_the_patch():
     plane = array_of(8, 30).grid.patch.plane
     grid = sf.Grid.square(sf.Patch(plane), 40)
-    figure = plot.draw_estimate(estimate_of(grid, [(grid.positions[820], 30.0, 12e-3)]))
+    figure = draw_estimate(estimate_of(grid, [(grid.positions[820], 30.0, 12e-3)]))
     low, high = plane.min(axis=0) * 1e3, plane.max(axis=0) * 1e3
     for title in ("Pressure", "Residual"):
         bottom, top = panel(figure, title).get_ylim()
@@ -367,7 +369,7 @@ def test_tiny_grids_are_drawn(taxels, shape):
     patch = sf.Patch(np.array([[0.0, 0.0], [5e-3, 0.0]])[:taxels])
     grid = sf.Grid(patch, shape, 3e-3)
     estimate = estimate_of(grid, [(np.zeros(3), 1.0, 5e-3)])
-    plot.draw_estimate(estimate, [0.1, 0.2][:taxels]).draw_without_rendering()
+    draw_estimate(estimate, [0.1, 0.2][:taxels]).draw_without_rendering()
 
 
 def test_a_batch_is_refused_and_the_highest_load_is_named():
@@ -377,8 +379,8 @@ def test_a_batch_is_refused_and_the_highest_load_is_named():
     fields["pressure"][1] *= 3
     batch = replace(estimate, contacts=(estimate.contacts,) * 3, **fields)
     with pytest.raises(InputError, match=r"3 readings, expected one.*estimate\[1\]"):
-        plot.draw_estimate(batch, readings)
-    plot.draw_estimate(batch[1], readings)
+        draw_estimate(batch, readings)
+    draw_estimate(batch[1], readings)
 
 
 @pytest.mark.parametrize(
@@ -392,9 +394,9 @@ def test_a_batch_is_refused_and_the_highest_load_is_named():
 def test_wrong_readings_and_truths_are_refused(truth, words):
     estimate, readings, _ = two_presses()
     with pytest.raises(InputError, match=words):
-        plot.draw_estimate(estimate, readings, truth=[truth])
+        draw_estimate(estimate, readings, truth=[truth])
     with pytest.raises(InputError, match=r"readings has shape \(71,\), expected \(72\)"):
-        plot.draw_estimate(estimate, readings[:-1])
+        draw_estimate(estimate, readings[:-1])
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -412,7 +414,7 @@ def test_the_plane_is_found_again_from_space(seed):
 def test_a_picture_is_written_the_same_twice(tmp_path):
     grid = sf.Grid.square(sf.layouts.icub_triangle(), 6)
     estimate = estimate_of(grid, [(grid.positions[14], 1.0, 5e-3)])
-    figures = [plot.draw_estimate(estimate, readings_of(estimate)) for _ in range(2)]
+    figures = [draw_estimate(estimate, readings_of(estimate)) for _ in range(2)]
     for ending in ("png", "pdf", "svg"):
         one, other = (plot.save(each, tmp_path / f"a.{ending}").read_bytes() for each in figures)
         assert one == other
@@ -421,7 +423,7 @@ def test_a_picture_is_written_the_same_twice(tmp_path):
 
 
 def test_the_extension_chooses_the_format_and_others_are_refused(tmp_path):
-    figure = plot.draw_timeline(np.arange(9.0), np.arange(9.0), np.ones(9))
+    figure = draw_timeline(np.arange(9.0), np.arange(9.0), np.ones(9))
     heads = {"png": b"\x89PNG", "PNG": b"\x89PNG", "jpg": b"\xff\xd8", "jpeg": b"\xff\xd8"}
     for ending, head in {**heads, "pdf": b"%PDF", "svg": b"<?xml"}.items():
         content = plot.save(figure, tmp_path / f"map.{ending}", dpi=50).read_bytes()
@@ -464,7 +466,7 @@ def test_a_timeline_states_its_difference():
     force = 10 + np.sin(time)
     force[7] = np.nan
     reference = np.where(time <= 9, 2 * time, np.nan)  # ends before the skin
-    figure = plot.draw_timeline(time, force, reference, label="foot")
+    figure = draw_timeline(time, force, reference, label="foot")
     difference = (force - reference)[np.isfinite(force - reference)]
     mean, rms = difference.mean(), np.sqrt((difference**2).mean())
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), force - reference)
@@ -472,25 +474,25 @@ def test_a_timeline_states_its_difference():
     assert f"foot − reference: mean {mean:.2f} N, root mean square {rms:.2f} N" in words
     assert {"normal force (N)", "difference (N)", "time (s)"} <= set(words)
     assert clashes(figure) == []
-    apart = plot.draw_timeline(time, force, np.full(201, np.nan))
+    apart = draw_timeline(time, force, np.full(201, np.nan))
     assert apart.axes[1].get_title(loc="left") == "nothing in common with the reference"
 
 
 def test_timelines_of_unequal_length_are_refused():
     with pytest.raises(InputError, match=r"force_N has shape \(3,\), expected \(4\)"):
-        plot.draw_timeline(np.arange(4.0), np.arange(3.0), np.arange(4.0))
+        draw_timeline(np.arange(4.0), np.arange(3.0), np.arange(4.0))
     with pytest.raises(InputError, match=r"reference has shape \(3,\)"):
-        plot.draw_timeline(np.arange(4.0), np.arange(4.0), np.arange(3.0))
+        draw_timeline(np.arange(4.0), np.arange(4.0), np.arange(3.0))
     with pytest.raises(InputError, match=r"time_s\[1\] is nan"):
-        plot.draw_timeline([0.0, np.nan], np.arange(2.0), np.arange(2.0))
+        draw_timeline([0.0, np.nan], np.arange(2.0), np.arange(2.0))
 
 
 def test_drawing_leaves_the_callers_settings_and_loads_no_display():
     code = (
-        "import sys, skinfield.plot\n"
+        "import sys, skinfield.signal.plot\n"
         "assert 'matplotlib' not in sys.modules\n"
         "import matplotlib; before = matplotlib.rcParams.copy()\n"
-        "skinfield.plot.draw_timeline([0, 1], [1, 2], [1, 1])\n"
+        "skinfield.signal.plot.draw_timeline([0, 1], [1, 2], [1, 1])\n"
         "assert matplotlib.rcParams.copy() == before\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )

@@ -19,13 +19,13 @@ import skinfield as sf
 from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.files import fields, results, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files.manifest import Manifest
 from skinfield.files.recordings import lines, spool
 from skinfield.files.results import read_results
 from skinfield.reconstruct.bulk import CHUNK
-from skinfield.settings import Elastomer, ModelSettings
 from skinfield.skin.reading import Recording
 
 for package in ("distributed", "xarray", "zarr", "pyarrow"):

@@ -12,23 +12,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.cli.options import flag_of
-from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.load import layout_format
-from skinfield.settings import (
-    PROFILES,
-    PageSettings,
+from skinfield.cli.profiles import PROFILES, load_profile, profile_of
+from skinfield.cli.settings import (
     Settings,
     SkinSettings,
     changed,
-    json_from_value,
-    load_profile,
     load_settings,
-    profile_of,
     settings_from_toml,
     toml_from_settings,
-    value_from_json,
 )
-from skinfield.settings.tree import Positive, Range, SettingError
+from skinfield.errors import FileError, InputError
+from skinfield.files.layouts.load import layout_format
+from skinfield.page.settings import PageSettings
+from skinfield.settings import Positive, Range, SettingError, json_from_value, value_from_json
 
 TEXT = st.text(st.characters(exclude_categories=("Cs", "Cc")), min_size=1, max_size=12)
 WORDS = {  # fields whose values are checked in their own way

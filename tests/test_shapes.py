@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.shapes import load_height_map, load_mesh
 from skinfield.simulate import Cylinder
+from skinfield.simulate.indenters.shape_files import load_height_map, load_mesh
 
 trimesh = pytest.importorskip("trimesh")
 MM = 1e-3

@@ -8,8 +8,7 @@ from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, Observa
 from skinfield.errors import InputError
 from skinfield.skin import Grid
 from skinfield.solve import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
-from skinfield.testing import SolverContract
-from skinfield.testing.solver import square_patch
+from skinfield.solve.contract import SolverContract, square_patch
 
 
 class TestTikhonov(SolverContract):

@@ -12,23 +12,15 @@ from bus_peers import wait_for
 from icub_files import SKIN, SPEC
 from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, Host, ICubBoard, PacketSocket
 
+from skinfield.cli.sources import source_from_options
 from skinfield.emulator import VirtualSettings, VirtualSkin
 from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.signal import (
-    Blocks,
-    CanMessages,
-    Count,
-    Kind,
-    Lasting,
-    Port,
-    Source,
-    Status,
-    counters,
-)
+from skinfield.signal import Blocks, Count, Kind, Lasting, Port, Source, Status, counters
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.wire.icub import (
     BoardSettings,
@@ -39,7 +31,6 @@ from skinfield.wire.icub import (
 )
 from skinfield.wire.sources import CySkinCan, ICubCan, NoReadingError, PacketUdp, StreamReader
 from skinfield.wire.sources.boards import AT_ONCE, cyskin_supervision, icub_supervision, ports_of
-from skinfield.wire.sources.factory import source_from_options
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND

@@ -19,11 +19,12 @@ from live_devices import (
     WithDevice,
 )
 
+from skinfield.files.recordings.replay import ReplaySource
 from skinfield.signal import Source, Stream
-from skinfield.testing import SourceContract
+from skinfield.signal.contract import SourceContract
 from skinfield.wire.can import BusSettings
 from skinfield.wire.icub import configuration_for
-from skinfield.wire.sources import CySkinSharedMemory, ICubCan, PacketUdp, ReplaySource
+from skinfield.wire.sources import CySkinSharedMemory, ICubCan, PacketUdp
 
 
 class TestICubCan(Leaving):

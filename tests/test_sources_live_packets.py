@@ -12,7 +12,8 @@ from live_devices import Host, PacketServer, SerialLine, packet
 from packet_reference import packets_of
 
 from skinfield.errors import InputError
-from skinfield.signal import CanMessages, Count
+from skinfield.signal import Count
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.packet import PacketDevice
 from skinfield.wire.packet.packets import PacketKind
 from skinfield.wire.sources import PacketSerial, PacketUdp

@@ -12,10 +12,9 @@ from live_devices import HEXAGON
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import CycleLayout
+from skinfield.files.recordings.replay import BlockReplayStream, ReplaySource, tape_of
 from skinfield.signal import Block, Blocks, Channels, Count, Kind, Port, Status, blocks_of
 from skinfield.skin import Patch
-from skinfield.wire.sources import ReplaySource
-from skinfield.wire.sources.replay import BlockReplayStream, tape_of
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000

@@ -11,8 +11,8 @@ from skinfield.estimate.finder import area_moves
 from skinfield.estimate.uncertainty import below, between, normal_interval, normal_radius
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, InverseOperator, PseudoInverse, Tikhonov
+from skinfield.solve.contract import square_patch
 from skinfield.solve.linear import correlation
-from skinfield.testing.solver import square_patch
 
 SOLVERS = [GaussianField(snr=12.0, length_scale=3e-3), GaussianField(), Tikhonov()]
 DRAWS = 3000  # a variance is then known to 2.6 %, a standard deviation to 1.3 %

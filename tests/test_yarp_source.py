@@ -10,9 +10,10 @@ from bus_peers import wait_for
 from live_devices import HEXAGON, Leaving
 from yarp_peers import NameServer, Sender
 
+from skinfield.cli.sources import source_from_options
 from skinfield.errors import InputError
 from skinfield.signal import Block, Blocks, Count, Kind, Stream, blocks_of
-from skinfield.wire.sources import YarpPort, YarpText, source_from_options
+from skinfield.wire.sources import YarpPort, YarpText
 
 FOREARM = "/icub/skin/left_forearm"
 

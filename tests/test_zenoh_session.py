@@ -18,9 +18,10 @@ import pytest
 from live_skins import fill, skin_ring, unique_name, wait_for
 
 from skinfield.bridges.launch import bridge_settings, bridges
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
 from skinfield.ring import Ring
-from skinfield.settings import BridgeSettings, from_plain, json_from_value, value_from_json
+from skinfield.settings import from_plain, json_from_value, value_from_json
 
 pytest.importorskip("zenoh")
 from zenoh_peers import free_port, listening

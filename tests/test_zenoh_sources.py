@@ -269,7 +269,7 @@ def test_what_makes_no_sense_is_refused_and_counted(scene) -> None:
     head = scene.publisher._head(scene.publisher._taken)
     good = scene.publisher._octets.tobytes()
     bad = bytearray(good)
-    patches = source.plan.fields[1].offset
+    patches = source.plan.layout.fields[1].offset
     bad[patches : patches + 4] = (77).to_bytes(4, "little")  # no such answer
     wait_for(lambda: source.latest() is not None, LONG)
     kept = source.latest().number

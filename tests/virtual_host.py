@@ -4,8 +4,8 @@ import numpy as np
 from bus_peers import rows_of, wait_for
 
 from skinfield.emulator import VirtualSettings, VirtualSkin, Wires
-from skinfield.signal import CanMessages
 from skinfield.wire.can import BusSettings, open_bus
+from skinfield.wire.can.messages import CanMessages
 
 SECOND = 1_000_000_000
 QUIET = {"noise_scale": 0.0, "scene": "idle", "bus": "udp"}

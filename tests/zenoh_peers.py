@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from live_skins import fill, settings, skin_ring
 
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.bridges.zenoh.publisher import Publisher, serve
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 from skinfield.errors import InputError
 from skinfield.loop.client import Live
 from skinfield.ring import Ring
-from skinfield.settings import BridgeSettings
 
 FORCE = 1.5  # N
 

@@ -13,11 +13,12 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from skinfield.bridges.ros2.publisher import RosSettings
-from skinfield.bridges.yarp.settings import YarpSettings
+from skinfield.bridges.settings import BridgeSettings, ZenohAddresses
+from skinfield.bridges.yarp.publisher import YarpSettings
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
 from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_python
-from skinfield.settings import BridgeSettings, ZenohAddresses, json_from_value
+from skinfield.settings import json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there
 LOOK = 0.3  # s between looks whether all shall end

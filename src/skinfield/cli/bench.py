@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from skinfield.cli import options, report
 from skinfield.errors import InputError
-from skinfield.settings.tree import Range
+from skinfield.settings import Range
 
 if TYPE_CHECKING:
     from skinfield.skin import Skin
@@ -100,9 +100,9 @@ def virtual_boards(
     skin: "Skin", rate: float, priority: int
 ) -> Iterator[tuple[Any, Callable[[str], Any]]]:
     """Virtual skin of iCub's boards, idle at first, as `run_jitter` takes it."""
+    from skinfield.cli.sources import source_from_options
     from skinfield.emulator.process import start
     from skinfield.emulator.settings import VirtualSettings
-    from skinfield.wire.sources.factory import source_from_options
 
     settings = VirtualSettings(rate=rate, scene="idle", lead_in=0.0, priority=priority)
     with start(settings) as boards:

@@ -9,7 +9,7 @@ from skinfield.cli.report import NONE, table
 from skinfield.lab.bench.jitter import QUANTILES
 from skinfield.lab.bench.run import INVERSION, PAPER, PAPER_REST_MS, Row, prepared_gain
 from skinfield.loop.realtime import RealTimeStatus
-from skinfield.plot.style import duration
+from skinfield.plot import duration
 
 if TYPE_CHECKING:
     from rich.table import Table

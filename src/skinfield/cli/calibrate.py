@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.cli import options, report
 from skinfield.cli.main import new_app
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
     from skinfield.cli.reconstruct_jobs import Plan
@@ -74,8 +74,9 @@ def scale(
     """
     from skinfield.cli.reconstruct_jobs import Plan
     from skinfield.files import open_recording, write_summary
-    from skinfield.plot import draw_timeline, save
+    from skinfield.plot import save
     from skinfield.signal import column_of, fit_scale
+    from skinfield.signal.plot import draw_timeline
 
     report.check_picture("--plot", plot, force)
     report.check_output("--output", output, force, ".json")

@@ -5,7 +5,8 @@ from typing import Annotated
 
 from skinfield.cli import options, report
 from skinfield.errors import FileError, InputError
-from skinfield.settings.tree import Range
+from skinfield.plot import plural
+from skinfield.settings import Range
 
 KINDS = 22
 Number = Annotated[int | None, Range(1, 10_000, "cases")]
@@ -69,7 +70,7 @@ def cases(
             written.append(str(place / f"{case.name}.npz"))
             save_case(case, written[-1])
             step()
-    lines = [f"wrote {report.plural(total, 'case')} to {folder}"]
+    lines = [f"wrote {plural(total, 'case')} to {folder}"]
     report.finish(as_json, {"folder": folder, "files": written}, lines=lines)
 
 
@@ -84,7 +85,7 @@ def _prepared(folder: Path, force: bool) -> Path:
         raise FileError(f"{folder} cannot be made: {error}, expected a new folder") from error
     if before and not force:
         raise FileError(
-            f"{folder} holds {report.plural(len(before), 'NPZ file')} such as {before[0].name}, "
+            f"{folder} holds {plural(len(before), 'NPZ file')} such as {before[0].name}, "
             "expected a folder without: take a new one, or remove them with --force"
         )
     return folder

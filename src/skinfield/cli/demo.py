@@ -9,8 +9,8 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import InputError, as_floats
-from skinfield.settings import Elastomer, ModelSettings
 
 if TYPE_CHECKING:
     from skinfield import Estimate
@@ -56,7 +56,7 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
-    from skinfield.plot.style import duration
+    from skinfield.plot import duration
     from skinfield.simulate import press as pressed
 
     picture = report.free_name(PICTURE) if output is None else output
@@ -78,7 +78,7 @@ def demo(
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
-    report.save_picture(picture, estimate, readings, quantity, truth)
+    report.save_picture(picture, estimate, readings, config, truth)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     result = {
         "contacts": report.plain_contacts(estimate.contacts),

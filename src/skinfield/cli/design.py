@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 import numpy as np
 
 from skinfield.cli import options, report
+from skinfield.cli.settings import Elastomer
 from skinfield.design import Judgement, Places, SkinDesign, Touch, judge
-from skinfield.settings import Elastomer
-from skinfield.settings.tree import Positive, Range
+from skinfield.settings import Positive, Range
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
@@ -72,9 +72,9 @@ def design(
     maps : tuple of str
         File of the maps, one row per place: .csv.
     """
+    from skinfield.design.plot import draw_judgement
     from skinfield.files.pending import write_bytes
     from skinfield.plot import save
-    from skinfield.plot.design import draw_judgement
 
     picture = report.free_name(PICTURE) if output is None else output
     report.check_picture("--output", picture, force)

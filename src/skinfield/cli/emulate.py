@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rich.console import Console
 
 from skinfield.cli import options, report
+from skinfield.cli.settings import Elastomer
 from skinfield.emulator.settings import BoardSettings, VirtualSettings, Wires
-from skinfield.settings import Elastomer
 
 if TYPE_CHECKING:
     from skinfield.emulator.skin import VirtualSkin

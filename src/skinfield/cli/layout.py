@@ -55,8 +55,8 @@ def show(
     output : str
         Figure to write: .png, .pdf or .svg.
     """
-    from skinfield.plot.layout import draw_layout
-    from skinfield.plot.style import save
+    from skinfield.plot import save
+    from skinfield.skin.plot import draw_layout
 
     check_picture("--output", output, force)
     skin = skin_from_text(text)

@@ -14,8 +14,7 @@ from rich.box import Box
 
 from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
-from skinfield.settings.text import nearest
-from skinfield.settings.tree import SettingError
+from skinfield.settings import SettingError, nearest
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
 PLAIN = Box("    \n" * 8)  # no lines around help
@@ -159,7 +158,7 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
     """Take from FILE of `run FILE` what no flag says."""
     if commands != ("run",):
         return
-    from skinfield.settings import changed, load_settings
+    from skinfield.cli.settings import changed, load_settings
 
     file = next(each for each in arguments if each.field_info.name == "file")
     for path in (token.value for token in file.tokens):

@@ -11,26 +11,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 from cyclopts import Group, Parameter
 
 import skinfield as sf
+from skinfield.cli.profiles import Profile, profile_of
 from skinfield.cli.report import note
+from skinfield.cli.settings import Elastomer, ModelSettings, QuantityName, Settings, SolverName
 from skinfield.errors import InputError
-from skinfield.settings import (
-    Elastomer,
-    ModelSettings,
-    PageSettings,
-    Profile,
-    Settings,
-    from_plain,
-    profile_of,
-)
-from skinfield.settings.tree import Positive, QuantityName, Range, Section, SolverName
+from skinfield.page.settings import PageSettings
+from skinfield.settings import Positive, Range, Section, from_plain
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from skinfield.elastic import Mechanics, Quantity
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.signal import Calibration
+
+    KnownQuantity = sf.BaseStress | sf.Capacitance | sf.Gap
 
 SOLVERS = {
     "gaussian": "GaussianField",
@@ -161,16 +156,16 @@ def solver_of(name: str) -> Any:
     return getattr(sf, SOLVERS[name])()
 
 
-def mechanics_of(name: str) -> "Mechanics":
+def mechanics_of(name: str) -> "sf.BondedLayer | sf.HalfSpace":
     """Model of the elastomer, by its name on the command line."""
     if name == "half-space":
         return sf.HalfSpace()
     return sf.BondedLayer(inextensible_cover=name == "covered-layer")
 
 
-def quantity_of(name: str) -> "Quantity":
+def quantity_of(name: str) -> "KnownQuantity":
     """What a taxel reads, by its name on the command line."""
-    quantity: Quantity = getattr(sf, QUANTITIES[name])()
+    quantity: KnownQuantity = getattr(sf, QUANTITIES[name])()
     return quantity
 
 
@@ -216,7 +211,7 @@ def nodes_for(patch: "sf.Patch", most: int = FINEST) -> int:
 def config_of(
     patch: "sf.Patch",
     layer: "sf.Layer",
-    quantity: "Quantity",
+    quantity: "KnownQuantity",
     noise_std: "ArrayLike",
     model: ModelSettings,
 ) -> "ReconstructorConfig":

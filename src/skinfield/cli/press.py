@@ -7,9 +7,9 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, MechanicsName
 from skinfield.errors import Floats
-from skinfield.settings import Elastomer
-from skinfield.settings.tree import MechanicsName, Positive
+from skinfield.settings import Positive
 
 if TYPE_CHECKING:
     from skinfield.simulate import Indenter, Press
@@ -86,17 +86,16 @@ def press(
     output : str, optional
         File of fields, readings and resultants to write (.npz).
     """
-    from skinfield.files.presses import check_press_name, save_press
+    from skinfield.files.pending import write_npz
     from skinfield.lab.scenarios.indenters import indenter_from_text
     from skinfield.plot import save
-    from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
+    from skinfield.simulate.pressing.plot import draw_press
+    from skinfield.simulate.pressing.press import arrays_of
 
     picture = report.free_name(PICTURE) if plot is None else plot
     report.check_picture("--plot", picture, force)
-    report.check_output("--output", output, force)
-    if output is not None:
-        check_press_name(output)
+    report.check_output("--output", output, force, ".npz")
     profile = options.profile_in_use(elastomer, layout=layout or PLACELESS)
     texts = indenter or (DEFAULT,)
     bodies = [options.parsed("--indenter", text, indenter_from_text) for text in texts]
@@ -115,7 +114,7 @@ def press(
     shown = None if readings is None else readings * factor
     save(draw_press(result, taxels, shown, label=label), picture)
     if output is not None:
-        save_press(result, output, taxels)
+        write_npz(output, arrays_of(result, taxels))
     plain = _plain(result, readings)
     report.finish(as_json, plain, (picture, output), _lines(plain, shown, label))
 

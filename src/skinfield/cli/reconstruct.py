@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from skinfield.cli import options, report
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import FileError, InputError
-from skinfield.settings import Elastomer, ModelSettings
+from skinfield.plot import plural
 
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor
@@ -227,7 +228,7 @@ def _reconstruct_one(
         write_summary(summary, plain)
     report.say_notes(doubts(results.reconstructor, best))
     if plot:
-        report.save_picture(plot, best, values[0], results.config.quantity)
+        report.save_picture(plot, best, values[0], results.config)
     report.finish(as_json, plain, names, _lines(plain, best, when))
 
 
@@ -248,13 +249,13 @@ def _readings_of(text: str | None, count: int) -> range:
 def _lines(plain: dict[str, Any], best: "Estimate", when: float) -> Iterator[report.Shown]:
     """A line on all readings, and the contacts of one."""
     yield (
-        f"{plain['recording']}: {report.plural(plain['readings'], 'reading')} in "
+        f"{plain['recording']}: {plural(plain['readings'], 'reading')} in "
         f"{plain['duration_s']:.2f} s, {plain['taxels']} taxels of {plain['patch']} "
         f"({plain['taxels_left_out']} left out), {plain['skipped_lines']} lines skipped; "
         f"{plain['latency_ms_per_reading']:.3g} ms per reading"
     )
     load = sum(contact.normal_force for contact in best.contacts)
-    contacts = report.plural(len(best.contacts), "contact")
+    contacts = plural(len(best.contacts), "contact")
     title = f"reading {plain['highest_load_reading']} at {when:.2f} s: {load:.2f} N in {contacts}"
     yield report.table_of_contacts(best.contacts, title)
 

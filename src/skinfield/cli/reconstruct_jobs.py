@@ -20,6 +20,7 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
@@ -34,10 +35,10 @@ from skinfield.files.results import (
     write_contacts_at,
     write_fields_at,
 )
+from skinfield.plot import plural
 from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
-from skinfield.settings import Elastomer, ModelSettings
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
 
@@ -399,7 +400,7 @@ def reconstruct_many(
     report.finish(as_json, {"folder": str(folder), "recordings": rows}, lines=lines)
     if failures:
         each = "\n\n".join(f"{name}: {why}" for name, why in failures.items())
-        count = report.plural(len(manifest.names), "recording")
+        count = plural(len(manifest.names), "recording")
         raise SkinfieldError(
             f"{len(failures)} of {count} failed, the others are complete; the same command "
             f"tries again.\n\n{each}"
@@ -409,14 +410,14 @@ def reconstruct_many(
 @contextmanager
 def _watched(recordings: int) -> Iterator[Callable[[str, str, int], None]]:
     """Progress over all readings that are known of."""
-    with report.progress(f"reading {report.plural(recordings, 'recording')}") as step:
+    with report.progress(f"reading {plural(recordings, 'recording')}") as step:
         known = {"intake": 0, "window": 0, "recordings": 0}
 
         def watch(kind: str, _: str, readings: int) -> None:
             known[kind] += readings
             known["recordings"] += kind == "intake"
             missing = recordings - known["recordings"]
-            what = f"reading {report.plural(missing, 'recording')}, " if missing else ""
+            what = f"reading {plural(missing, 'recording')}, " if missing else ""
             step(known["window"], known["intake"], f"{what}reconstructing")
 
         yield watch

@@ -13,7 +13,8 @@ from rich.console import Console
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import InputError
-from skinfield.settings.tree import Range
+from skinfield.plot import plural
+from skinfield.settings import Range
 
 MOST_EVENTS = 12
 PATCH = (
@@ -171,7 +172,7 @@ def _recovered_lines(result: Any, bad: str, output: str) -> Iterator[report.Show
         yield f"{bad} is whole: nothing was wrong with it; {output} is a copy"
     counts = ", ".join(f"{count} on {topic}" for topic, count in sorted(result.messages.items()))
     seconds = (result.last_ns - result.first_ns) * 1e-9
-    saved = f"saved {report.plural(result.messages.total(), 'message')} of {seconds:.3f} s"
+    saved = f"saved {plural(result.messages.total(), 'message')} of {seconds:.3f} s"
     yield f"{saved}: {counts}" if counts else saved
     if not result.was_whole and not result.dropped_bytes and not result.damage:
         yield f"{bad} had no end; nothing had to be left out"

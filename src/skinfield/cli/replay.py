@@ -10,11 +10,12 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
+from skinfield.bridges.settings import ZenohAddresses
 from skinfield.cli.options import Duration, Json, McapFile, Page, part
 from skinfield.cli.report import note, print_json, say, show_address, signals_end
 from skinfield.errors import InputError
-from skinfield.settings import PageSettings, ZenohAddresses
-from skinfield.settings.tree import Positive
+from skinfield.page.settings import PageSettings
+from skinfield.settings import Positive
 
 REFRESH = 0.25  # s between pictures of the table
 DAMAGE = 3  # places that are named
@@ -119,7 +120,7 @@ def show_page(
     from rich.live import Live
 
     from skinfield.cli.status_table import draw
-    from skinfield.page import serve_page
+    from skinfield.page.server import serve_page
 
     end = float("inf") if duration is None else time.monotonic() + duration
     screen = Live(console=console, auto_refresh=False, vertical_overflow="crop")

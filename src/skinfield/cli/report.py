@@ -17,7 +17,7 @@ from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
     from skinfield import Contact, Estimate
-    from skinfield.elastic import Quantity
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 MOST_CONTACTS = 12
 NONE = "–"  # in a cell whose number does not exist
@@ -84,11 +84,6 @@ def say_notes(notes: Iterable[str], where: Console | None = None) -> None:
     """Notes on stderr, marked as such."""
     for text in notes:
         note(f"note: {text}", "yellow", where)
-
-
-def plural(count: int, noun: str) -> str:
-    """Such as "1 contact" and "3 contacts"."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 class Column(NamedTuple):
@@ -223,7 +218,7 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
 def check_picture(flag: str, name: str | None, force: bool) -> None:
     """Raise InputError unless a figure can be saved under a name, where there is one."""
     if name is not None:
-        from skinfield.plot.style import check_name
+        from skinfield.plot import check_name
 
         check_name(name)
         check_output(flag, name, force)
@@ -241,14 +236,15 @@ def save_picture(
     path: str,
     estimate: "Estimate",
     reading: Floats,
-    quantity: "Quantity",
+    config: "ReconstructorConfig",
     truth: Sequence[tuple[Any, Any, float]] = (),
 ) -> None:
     """Draw an estimate and its reading, in the units that people read."""
-    from skinfield.plot import draw_estimate, save
+    from skinfield.estimate.plot import draw_estimate
+    from skinfield.plot import save
 
-    unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    names = {"quantity_name": quantity.symbol, "quantity_unit": unit}
+    unit = {"1": "%", "Pa": "kPa"}[config.quantity.unit]
+    names = {"quantity_name": config.quantity.symbol, "quantity_unit": unit}
     save(draw_estimate(estimate, reading, truth=truth, **names), path)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import InputError
+from skinfield.plot import plural
 
 if TYPE_CHECKING:
     from skinfield.lab.runner import Outcome, Task
@@ -85,7 +86,7 @@ def rig(
     tasks = _tasks(scenario)
     if dry_run:
         planned = _planned(tasks, Path(output))
-        lines = [report.table_of(report.plural(len(tasks), "run"), planned, PLANNED)]
+        lines = [report.table_of(plural(len(tasks), "run"), planned, PLANNED)]
         report.finish(as_json, planned, lines=lines)
         return
     outcomes = _run(tasks, Path(output), number)
@@ -98,13 +99,13 @@ def rig(
         for one in outcomes
     ]
     reused = sum(outcome.reused for outcome in outcomes)
-    made = report.plural(len(outcomes) - len(failed), "run")
+    made = plural(len(outcomes) - len(failed), "run")
     count = f"{made} in {output}, {reused} of them from before"
     report.finish(as_json, rows, lines=[report.table_of("Runs", rows, MADE), count])
     if failed:
         report.say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
         raise InputError(
-            f"{len(failed)} of {report.plural(len(outcomes), 'run')} failed: "
+            f"{len(failed)} of {plural(len(outcomes), 'run')} failed: "
             f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
             f"{output}/*.failed.txt"
         )

@@ -9,18 +9,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, get_args
 
+import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live as Screen
 
 import skinfield as sf
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
-from skinfield.errors import InputError, SkinfieldError
-from skinfield.settings import (
-    BridgeSettings,
+from skinfield.cli.profiles import Profile
+from skinfield.cli.settings import (
     LiveModelSettings,
+    LiveSolverName,
     LoopSettings,
-    PageSettings,
-    Profile,
     RecordSettings,
     Settings,
     SkinSettings,
@@ -28,9 +29,11 @@ from skinfield.settings import (
     changed,
     toml_from_settings,
 )
-from skinfield.settings.tree import LiveSolverName
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
+DIGITS = 4  # to which numbers of contacts are rounded: what they are good for
 SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
@@ -259,10 +262,10 @@ def newest_source(name: str) -> Callable[[], Sequence[Any]]:
 @contextmanager
 def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
-    from skinfield.page import serve_page
     from skinfield.page.live_controller import LiveController
     from skinfield.page.recordings import Recordings
     from skinfield.page.replay import ReplaySource
+    from skinfield.page.server import serve_page
     from skinfield.record.launch import ReadyRecorders
 
     name = wanted.loop.name
@@ -293,12 +296,12 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     `parts` ends them all, the last one first.
     """
     from skinfield.bridges.launch import bridges
+    from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
     from skinfield.loop.client import Live
     from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
-    from skinfield.wire.sources.factory import skin_for, source_from_options
 
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
@@ -357,11 +360,11 @@ def watch(
 ) -> dict[str, Any]:
     """Show the skin until its time is over, or Ctrl-C, and sum it up."""
     from skinfield.cli.status_table import draw
-    from skinfield.loop.contact_summary import ContactSummaries
     from skinfield.loop.status import Observer
 
     live = running.live
-    contacts = ContactSummaries([patch.name for patch in live.skin])
+    contacts: dict[int, dict[str, Any]] = {}
+    patches = [patch.name for patch in live.skin]
     observer = Observer(live.reader, window=RECENT)
     try:
         began = _wait_running(running.supervisor, observer, screen, console)
@@ -374,7 +377,7 @@ def watch(
             now = time.monotonic()
             running.check()
             if newest is not None:
-                contacts.take(newest.contacts, now - began)
+                sum_up_contacts(contacts, newest.contacts, patches, now - began)
             if screen is not None and now - drawn > REFRESH:
                 drawn = now
                 draw(screen, observer.look())
@@ -383,7 +386,33 @@ def watch(
     finally:
         if screen is not None:
             screen.stop()
-    return summary_of(observer.look(), running.supervisor, contacts.contacts)
+    return summary_of(observer.look(), running.supervisor, list(contacts.values()))
+
+
+def sum_up_contacts(
+    known: dict[int, dict[str, Any]], rows: NDArray[Any], patches: list[str], seconds: float
+) -> None:
+    """Take the contacts of one cycle, `seconds` after watching began, into those that are known.
+
+    Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; its
+    largest force `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in
+    the patch's frame, `area_mm2`, `peak_kpa`.
+    """
+    now = round(seconds, DIGITS)
+    for row in rows:
+        track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
+        new = {"track": track, "patch": patches[int(row["patch"])], "force_n": 0.0, "first_s": now}
+        contact = known.setdefault(track, new)
+        contact["last_s"] = now
+        if force >= contact["force_n"]:
+            std = float(row["force_std"])
+            contact |= {
+                "force_n": force,
+                "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
+                "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
+                "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
+                "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+            }
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:

@@ -10,7 +10,7 @@ from rich.text import Text
 from skinfield.cli.options import Json, LiveName
 from skinfield.cli.report import Shown, finish
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.settings.tree import Positive
+from skinfield.settings import Positive
 
 MICRO, MILLI = 1e-6, 1e-3
 

@@ -12,7 +12,7 @@ from skinfield.cli.report import NONE, Column, table, table_of
 from skinfield.loop.realtime import Quantiles
 from skinfield.loop.status import Status
 from skinfield.loop.status_text import start_in_words
-from skinfield.plot.style import duration
+from skinfield.plot import duration
 
 NARROW, NAME = 80, 15  # columns of a terminal, and of them for a patch's name
 STYLES = {"running": "green", "calibrating": "yellow", "starting": "yellow"}

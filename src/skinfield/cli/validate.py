@@ -18,7 +18,8 @@ import skinfield as sf
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.errors import FileError, InputError
-from skinfield.settings.tree import Positive, Range
+from skinfield.plot import plural
+from skinfield.settings import Positive, Range
 
 WIDE = 180  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
@@ -208,7 +209,7 @@ def _report(findings: Any, where: str, values: dict[str, Any]) -> bool:
     from skinfield.lab.score import rows_by_case, write_csv
 
     summary = accuracy_rows(findings, seed=values["seed"])
-    count = report.plural(len({row["case"] for row in findings.rows}), "case")
+    count = plural(len({row["case"] for row in findings.rows}), "case")
     if values["as_json"]:
         report.print_json(summary)
     else:  # wider than other tables

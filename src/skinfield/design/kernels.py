@@ -6,12 +6,7 @@ import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import (
-    HIGHEST_LOG,
-    LOWEST_LOG,
-    cholesky_solve,
-    predict,
-)
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, cholesky_solve, predict
 from skinfield.solve.atoms.table import Tables
 
 

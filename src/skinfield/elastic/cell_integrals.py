@@ -11,13 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import (
-    Floats,
-    as_floats,
-    check_finite,
-    check_positive,
-    check_shape,
-)
+from skinfield.errors import Floats, as_floats, check_finite, check_positive, check_shape
 
 SMALLEST_ORDER, LARGEST_ORDER = 3, 40
 DIGITS = 15.0

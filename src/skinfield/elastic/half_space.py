@@ -23,13 +23,7 @@ from skinfield.elastic.cell_integrals import (
 )
 from skinfield.elastic.elastomer import Layer, in_thicknesses
 from skinfield.elastic.hankel import RadialKernel, electrostatic, jinc
-from skinfield.errors import (
-    Floats,
-    InputError,
-    as_floats,
-    check_positive,
-    check_shape,
-)
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 
 
 def traction_kernel(x: Floats, y: Floats, depth: float) -> Floats:

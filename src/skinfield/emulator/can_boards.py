@@ -11,11 +11,11 @@ from skinfield.emulator.electronics import Converters
 from skinfield.emulator.hardware import Hardware, Wire
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
-from skinfield.signal import CanMessages
 from skinfield.skin import Skin
 from skinfield.wire.can import Bus, open_bus
 from skinfield.wire.can.adapters import UdpBus
 from skinfield.wire.can.bus import bus_settings
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.links import place_text
 
 if TYPE_CHECKING:

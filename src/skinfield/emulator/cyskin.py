@@ -93,5 +93,5 @@ def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Convert
     level[: sum(len(patch) for patch in skin)] = 0.0
     return Converters(
         manufacture(skin, settings), settings, level, (0.0, 65535.0),
-        drift=PER_KELVIN, white=PLAIN_NOISE * settings.noise,
+        drift=PER_KELVIN, white=PLAIN_NOISE * settings.noise_scale,
     )  # fmt: skip

@@ -8,7 +8,6 @@ import numpy as np
 
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Floats, Ints
-from skinfield.signal.boards import CYSKIN_GAIN
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Electronics,
@@ -30,10 +29,11 @@ def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
     spreads, cross-talk and defects that the settings do not ask for.
     """
     icub = settings.hardware == "icub"
-    known = icub_electronics() if icub else cyskin_electronics()
-    noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
+    known, words = icub_electronics() if icub else cyskin_electronics(), CySkinBoard()
+    white = known.noise.white * settings.noise_scale
+    noise = replace(known.noise, white=white, flicker=0.0, walk=0.0)
     electronics = Electronics(
-        board=known.board if icub else CySkinBoard(gain=CYSKIN_GAIN),
+        board=known.board if icub else replace(words, gain=words.convention.usual_gain),
         gain_spread=settings.gain_spread,
         drift=known.drift,
         noise=noise,

@@ -10,9 +10,9 @@ from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
 from skinfield.emulator.electronics import Converters, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
-from skinfield.signal.boards import GAINS
 from skinfield.skin import Skin
 from skinfield.wire.icub import BoardSettings, ICubEncoder, configuration_for
+from skinfield.wire.icub.codec import GAINS
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
     TAXELS,
@@ -86,7 +86,7 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
     level = np.rint(MIDDLE + rng.uniform(-APART, APART, int(starts[-1]) + extra))
     made = Converters(
         arrays, settings, level, (LOW, HIGH), size=SIZE,
-        drift=PAD_DRIFT, white=PAD_NOISE * settings.noise, shared=len(THERMAL),
+        drift=PAD_DRIFT, white=PAD_NOISE * settings.noise_scale, shared=len(THERMAL),
     )  # fmt: skip
     for number in {board.patch for board in boards if board.pads}:
         gains = np.array(GAINS, float)[arrays[number].wiring.stage]

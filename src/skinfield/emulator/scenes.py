@@ -9,8 +9,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from skinfield.errors import FileError, InputError, check_choice, check_count, check_range
-from skinfield.settings.text import text_of_file, value_from_json, value_from_toml
-from skinfield.settings.tree import Range, Section
+from skinfield.settings import Range, Section, text_of_file, value_from_json, value_from_toml
 from skinfield.simulate import Cylinder, Sphere
 from skinfield.skin import Patch, Skin
 

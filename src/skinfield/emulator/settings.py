@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from skinfield.elastic import Layer
 from skinfield.errors import InputError, check_choice, check_type
-from skinfield.settings.tree import Positive, Range, Section, SettingError
+from skinfield.settings import Positive, Range, Section, SettingError
 
 ROOM = 25.0
 NUMBER = r"[+-]?\d+(?:\.\d*)?"
@@ -279,11 +279,6 @@ class BoardSettings(Section):
                     read(text)
                 except InputError as error:
                     raise SettingError(name, f"is {text!r}: {error}") from error
-
-    @property
-    def noise(self) -> float:
-        """Times that of real boards."""
-        return self.noise_scale
 
     @property
     def faults(self) -> tuple[Fault, ...]:

@@ -14,8 +14,7 @@ from skinfield.emulator.hardware import Wire
 from skinfield.emulator.scenes import FINGER, Place
 from skinfield.emulator.settings import PROBABILITY, VirtualSettings
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.settings import from_plain
-from skinfield.settings.tree import Range
+from skinfield.settings import Range, from_plain
 from skinfield.wire.datagrams import bound_socket
 from skinfield.wire.links import host_and_port, place_text, resolved
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT

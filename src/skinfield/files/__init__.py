@@ -1,4 +1,4 @@
-"""Files: recordings, layouts, results, shapes and tables; a file has its name once it is whole."""
+"""Files: recordings, layouts, results and tables; a file has its name once it is whole."""
 
 from skinfield.estimate.contact_table import rows_from_estimate as rows_from_estimate
 from skinfield.files.fields import open_fields as open_fields

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, draw_cells, extent_of, frame_axes, outline_pads
-from skinfield.plot.style import FAINT, INK, QUIET, add_colour_bar, add_title, new_figure, style
+from skinfield.plot import FAINT, INK, QUIET, add_colour_bar, add_title, new_figure, style
 from skinfield.skin import Grid
+from skinfield.skin.maps import MM, draw_cells, extent_of, frame_axes, outline_pads
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.lab.bench.machine import versions
 from skinfield.lab.paper import FALSE_ALARMS, LAYER, NOISES
-from skinfield.plot.style import METADATA, number
+from skinfield.plot import METADATA, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from skinfield.files.mcap.schema import Cycle as Recorded
 from skinfield.files.mcap.schema import CycleFlag, CycleLayout
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field
+from skinfield.ring.layout import LINE, Placed, place
+from skinfield.ring.reader import Slot as Copy
 from skinfield.skin import Skin
 
 Array = NDArray[Any]
@@ -162,6 +164,25 @@ class Slot(SlotViews):
         times = due, wake, acquired, ready, wall
         rows = self.used_contacts(), self.patches.copy()
         return Recorded(number, CycleFlag(flags), *times, position, *rows)
+
+
+class SlotLayout(NamedTuple):
+    """Places of the arrays in the bytes of a slot, and how many bytes it has."""
+
+    fields: tuple[Placed, ...]
+    size: int
+
+    @classmethod
+    def of(cls, fields: Sequence[Field]) -> "SlotLayout":
+        """Of a slot with these arrays, in their order."""
+        return cls(*place("slot", fields, LINE))
+
+    def slot(self, octets: bytes | None = None) -> Slot:
+        """A slot in memory of its own, of the bytes of another; else of zeros."""
+        copy = Copy(self.fields, self.size)
+        if octets is not None:
+            copy.octets[:] = np.frombuffer(octets, np.uint8)
+        return Slot.of(copy.arrays)
 
 
 def say_nothing(slot: Slot, tracks: int) -> None:

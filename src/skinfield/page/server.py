@@ -16,8 +16,8 @@ from skinfield.loop.status import plain_contacts
 from skinfield.page.controller import Controller
 from skinfield.page.page_state import PageState
 from skinfield.page.session import Session
+from skinfield.page.settings import PORT, PageSettings
 from skinfield.page.source import DataSource
-from skinfield.settings import PORT, PageSettings
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection

@@ -23,7 +23,6 @@ from skinfield.signal import (
     strain_from_relative_capacitance,
     valid_from_counts,
 )
-from skinfield.signal.boards import CYSKIN_GAIN
 from skinfield.signal.faults import merged_faults
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
@@ -124,7 +123,6 @@ class Conditioner:
 
 
 Blocks = Callable[[], Iterator[Recording]]  # anew at each call
-ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
 USUAL_RATE = 50.0  # 1/s, of recordings that do not tell theirs
 FEWEST = 16  # readings that tell a noise
 UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
@@ -269,7 +267,7 @@ def _of_counts(
     if calibration is None:
         gain = how.gain
         if gain is None:
-            gain = icub_gain(board) if isinstance(board, ICubByte) else CYSKIN_GAIN
+            gain = board.usual_gain
             notes += (
                 f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
                 "scales with it; loads that are known give the true one",
@@ -296,11 +294,6 @@ def _measures(board: Convention, baseline: Baseline) -> bool:
     if not np.isfinite(board.rest):
         return True
     return baseline.quiet and not isinstance(board, CySkinCount)
-
-
-def icub_gain(board: ICubByte) -> float:
-    """Guess of the bytes per unit of ΔC/C₀ of a board that drops so many bits."""
-    return float(ICUB_GAIN * 2.0 ** (ICubByte().shift - board.shift))
 
 
 def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) -> Faults:

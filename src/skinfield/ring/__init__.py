@@ -8,10 +8,7 @@ from pathlib import Path
 
 from skinfield.ring.layout import Field as Field
 from skinfield.ring.layout import State as State
-from skinfield.ring.log import LogReader as LogReader
-from skinfield.ring.reader import RingInfo as RingInfo
 from skinfield.ring.reader import RingReader as RingReader
-from skinfield.ring.reader import Slot as Slot
 from skinfield.ring.ring import Ring as Ring
 
 

@@ -16,10 +16,7 @@ from skinfield.signal.boards import valid_from_counts as valid_from_counts
 from skinfield.signal.calibration import Calibration as Calibration
 from skinfield.signal.calibration import load_calibration as load_calibration
 from skinfield.signal.calibration import save_calibration as save_calibration
-from skinfield.signal.can import CanDecoder as CanDecoder
-from skinfield.signal.can import CanMessages as CanMessages
-from skinfield.signal.capacitance import rest_capacitance as rest_capacitance
-from skinfield.signal.capacitance import (
+from skinfield.signal.calibration import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
 from skinfield.signal.faults import Faults as Faults

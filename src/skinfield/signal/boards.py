@@ -34,6 +34,11 @@ class Convention(Protocol):
         """Sign of the change of a count under pressure: -1 or +1."""
         ...
 
+    @property
+    def usual_gain(self) -> float:
+        """Guess of the counts per unit of ΔC/C₀, where nothing was measured."""
+        ...
+
     def saturated(self, counts: Floats) -> Bools:
         """Where a count is at a clamp and says only that the load is off the scale."""
         ...
@@ -75,6 +80,11 @@ class ICubByte:
         """The byte of an unloaded taxel."""
         return float(self.no_load)
 
+    @property
+    def usual_gain(self) -> float:
+        """That of the pads of the paper: `gain` of 0.167 pF and 16 pF over 65536 counts."""
+        return -171.0 * 2.0 ** (2 - self.shift)
+
     def saturated(self, counts: Floats) -> Bools:
         """Where a byte is at either clamp."""
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
@@ -107,6 +117,7 @@ class _Word:
 
     lowest = 0.0
     direction = 1
+    usual_gain = 20_000.0  # a firm press reads 20 000; no maker's figure
 
     def __post_init__(self) -> None:
         check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
@@ -153,15 +164,6 @@ class PlainCount(_Word):
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the least or the largest one: nothing is connected, or off the scale."""
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
-
-
-CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
-GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
-"""Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
-GAINS_V2 = (58, 91, 39, 23, 35, 90, 0, 38, 68, 115, 0, 86)
-"""Of the firmware, skin type 8: pads of the second generation."""
-PAD, UNUSED = 6, 10
-"""Channels of the pad that the firmware goes by, and of the one that it does not."""
 
 
 def valid_from_counts(

@@ -1,6 +1,5 @@
 """Calibration per taxel: counts to ΔC/C₀ and back; on disk as NPZ for programs, TOML for people."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import FileError, Floats, InputError, as_floats, check_shape
+from skinfield.settings import plain_from_toml, text_of_file
 from skinfield.signal.baseline import Baseline
 from skinfield.signal.boards import Bools, Convention
 from skinfield.skin import Patch
@@ -275,6 +275,30 @@ class Calibration:
             )
 
 
+def strain_from_relative_capacitance(relative_capacitance: ArrayLike) -> Floats:
+    """Gap strain v = indentation / thickness from c = ΔC/C₀: v = c / (1 + c).
+
+    C/C₀ = 1 / (1 - v), from eq. (1) and (2). It holds for a gap that is uniform over the pad and
+    around it; under a contact narrower than the pad and its gap it is 10-35 % off, and the
+    electrostatic observation model is the right one. NaN stays NaN.
+
+    Raises
+    ------
+    InputError
+        If ΔC/C₀ is -1 or less: no gap takes away all capacitance.
+    """
+    change = as_floats("relative_capacitance", relative_capacitance)
+    bad = np.argwhere((change <= -1.0) | np.isinf(change))
+    if len(bad):
+        where = tuple(int(i) for i in bad[0])
+        raise InputError(
+            f"relative_capacitance{list(where) if where else ''} is {change[where]}, expected a "
+            f"finite number above -1 ({len(bad)} of {change.size} are not): a pad cannot lose all "
+            "capacitance"
+        )
+    return np.asarray(change / (1.0 + change))
+
+
 FORMAT = "skinfield-calibration"
 VERSION = 1
 _COLUMNS = ("baseline", "gain", "noise_std", "alive", "uid")
@@ -311,11 +335,10 @@ def load_calibration(path: Path | str, patch: Patch | None = None) -> Calibratio
         If the file is missing, of another format or version, broken, or of another patch.
     """
     path = Path(path)
-    read = _read_npz if _ending(path) == ".npz" else _read_toml
-    try:
-        content = read(path)
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
+    if _ending(path) == ".npz":
+        content = _read_npz(path)
+    else:
+        content = plain_from_toml(text_of_file(path), str(path))
     _check_head(path, content)
     missing = [name for name in (*_COLUMNS, *_TEXTS) if name not in content]
     if missing:
@@ -369,17 +392,10 @@ def _read_npz(path: Path) -> Mapping[str, Any]:
     try:
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
-    except OSError:
-        raise
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
     except Exception as error:  # zipfile, zlib and NumPy raise all kinds on garbage
         raise FileError(f"{path} is not an NPZ file that can be read: {error}") from error
-
-
-def _read_toml(path: Path) -> Mapping[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise FileError(f"{path} is not TOML: {error}") from error
 
 
 def _toml(table: dict[str, Any]) -> str:

@@ -8,13 +8,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
-from skinfield.estimate import (
-    Contact,
-    ModelError,
-    PressureError,
-    PressureNoise,
-    PressurePosterior,
-)
+from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise, PressurePosterior
 from skinfield.solve.gaussian_model import GaussianModel
 
 EXACT = ModelError()

@@ -3,8 +3,7 @@
 import sys
 
 from skinfield.bridges.child import run_child
-from skinfield.bridges.yarp.publisher import serve
-from skinfield.bridges.yarp.settings import YarpSettings
+from skinfield.bridges.yarp.publisher import YarpSettings, serve
 
 if __name__ == "__main__":
     sys.exit(run_child(YarpSettings, serve))

@@ -2,25 +2,80 @@
 
 import threading
 import time
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from skinfield.bridges.child import say_ready
 from skinfield.bridges.yarp.contacts import ContactList
-from skinfield.bridges.yarp.settings import YarpSettings
-from skinfield.errors import InputError
+from skinfield.errors import InputError, check_range
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Patch
-from skinfield.wire.yarp import Port, envelope
+from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.yarp import PORT, NameServer, Port, checked_name, envelope
 
 HERE = 10.0  # s to wait for the ring
 SLICE = 0.02  # s at most without a look at the port
 PAUSE = 2e-3  # s after a look that found no new reading
 ASK = 10.0  # s between questions whether the name server still knows the port
 NUMBERS = 1 << 31  # of messages, after which they begin anew
+LOCAL = "127.0.0.1"
+NOWHERE = "none"
+USUAL = "robot"  # a robot that was not named
+
+
+@dataclass(frozen=True, kw_only=True)
+class YarpSettings:
+    """What is published, where and how often.
+
+    Parameters
+    ----------
+    robot : str
+        Its name comes before the ports' of all robots but "robot".
+    name_server : str, optional
+        ``host:port``, where the ports are registered; default this machine's, port 10000;
+        ``none``: nowhere, and then nobody can tell us to connect.
+    port : str, optional
+        Name of the port for contacts; default ``/skinfield/NAME/skin_events:o`` with the live
+        skin's name, or ``/ROBOT/skinfield/NAME/...``. ``/skinManager/skin_events:o`` takes the
+        place of skinManager's.
+    host : str
+        Address to listen at; empty for all of this machine.
+    rate : float, 1/s
+        Messages at most; the newest reading wins.
+    parts : mapping of str to sequence of int
+        Body part, link and skin part of patches whose names do not tell them.
+    taxels : bool
+        Whether what each patch's taxels read is published as well.
+    """
+
+    robot: str = USUAL
+    name_server: str | None = None
+    port: str | None = None
+    host: str = ""
+    rate: float = 100.0
+    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    taxels: bool = False
+
+    def __post_init__(self) -> None:
+        check_range("rate", self.rate, 0.1, 10_000.0, "messages per second")
+        if self.port is not None:
+            checked_name(self.port)
+        self.server  # noqa: B018 - refuses an address that cannot be read
+
+    @property
+    def server(self) -> NameServer | None:
+        """The name server; None for none."""
+        text = self.name_server or LOCAL
+        return None if text == NOWHERE else NameServer(*host_and_port(text, LOCAL, PORT))
+
+    def prefix(self, name: str) -> str:
+        """Before the names of the ports, of the live skin of that name."""
+        return f"/skinfield/{name}" if self.robot == USUAL else f"/{self.robot}/skinfield/{name}"
 
 
 class Publisher:

@@ -3,8 +3,8 @@
 import sys
 
 from skinfield.bridges.child import run_child
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.bridges.zenoh.publisher import serve
-from skinfield.settings import BridgeSettings
 
 if __name__ == "__main__":
     sys.exit(run_child(BridgeSettings, serve))

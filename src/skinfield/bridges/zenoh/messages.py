@@ -17,11 +17,8 @@ from skinfield.files.layouts.load import save_layout
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Configuration, ModelConfig
 from skinfield.loop.realtime.timing import TIMES, TOTALS
-from skinfield.loop.slots import CONTACT, Sizes, Slot
+from skinfield.loop.slots import CONTACT, Sizes, Slot, SlotLayout
 from skinfield.loop.snapshot import Snapshot
-from skinfield.ring import Field
-from skinfield.ring.layout import LINE, Placed, place
-from skinfield.ring.reader import Slot as Copy
 from skinfield.skin import Patch, Skin
 
 VERSION = 1
@@ -117,19 +114,18 @@ def fingerprint_of(description: bytes) -> bytes:
     return hashlib.sha256(description).digest()[:16]
 
 
-def described(robot: str, part: str, ring: Mapping[str, Any], fields: tuple[Field, ...]) -> bytes:
+def described(robot: str, part: str, ring: Mapping[str, Any], layout: SlotLayout) -> bytes:
     """The description that others ask for: that of the ring, and what a slot holds.
 
     Not how the boards are connected: that is nobody's business elsewhere.
     """
-    placed, size = place("slot", fields, LINE)
     return strict_json(
         {
             "skinfield_zenoh": VERSION,
             "robot": robot,
             "part": part,
-            "slot_bytes": size,
-            "slot": [_PlacedField.of(each) for each in placed],
+            "slot_bytes": layout.size,
+            "slot": _placed(layout),
             "ring": {key: value for key, value in ring.items() if key != "source_settings"},
         }
     )
@@ -141,9 +137,9 @@ class _PlacedField(Struct):
     shape: tuple[int, ...]
     offset: int
 
-    @classmethod
-    def of(cls, placed: Placed) -> "_PlacedField":
-        return cls(*placed.field, placed.offset)
+
+def _placed(layout: SlotLayout) -> list[_PlacedField]:
+    return [_PlacedField(*each.field, each.offset) for each in layout.fields]
 
 
 class _Ring(Struct):
@@ -166,15 +162,12 @@ class Plan(NamedTuple):
     ----------
     model_config : ModelConfig
     fingerprint : bytes
-    fields : tuple of Placed
-        Of a slot.
-    slot_bytes : int
+    layout : SlotLayout
     """
 
     model_config: ModelConfig
     fingerprint: bytes
-    fields: tuple[Placed, ...]
-    slot_bytes: int
+    layout: SlotLayout
 
     @classmethod
     def of(cls, data: bytes) -> "Plan":
@@ -192,14 +185,14 @@ class Plan(NamedTuple):
                 "same skinfield on all computers"
             )
         model_config = ModelConfig.from_json(message.ring.model_config)
-        fields, size = place("slot", _sizes(model_config).fields(), LINE)
-        own = [_PlacedField.of(each) for each in fields]
-        if message.slot_bytes != size or message.slot != own:
+        layout = SlotLayout.of(_sizes(model_config).fields())
+        own = _placed(layout)
+        if message.slot_bytes != layout.size or message.slot != own:
             raise InputError(
-                f"slots have {message.slot_bytes} bytes, expected {size} of "
+                f"slots have {message.slot_bytes} bytes, expected {layout.size} of "
                 f"{', '.join(each.name for each in own)}: is it another skinfield?"
             )
-        return cls(model_config, fingerprint_of(data), fields, size)
+        return cls(model_config, fingerprint_of(data), layout)
 
     def slot(self, data: bytes) -> Slot:
         """The slot of these octets, checked.
@@ -209,17 +202,11 @@ class Plan(NamedTuple):
         InputError
             If they are no cycle of this engine.
         """
-        if len(data) != self.slot_bytes:
-            raise InputError(f"an estimate has {len(data)} bytes, expected {self.slot_bytes}")
-        copy = Copy(self.fields, self.slot_bytes)
-        copy.octets[:] = np.frombuffer(data, np.uint8)
-        slot = Slot.of(copy.arrays)
+        if len(data) != self.layout.size:
+            raise InputError(f"an estimate has {len(data)} bytes, expected {self.layout.size}")
+        slot = self.layout.slot(data)
         check_slot(slot, self.model_config)
         return slot
-
-    def empty(self) -> Slot:
-        """A slot in which every patch is missing."""
-        return Slot.of(Copy(self.fields, self.slot_bytes).arrays)
 
 
 def _sizes(model_config: ModelConfig) -> Sizes:

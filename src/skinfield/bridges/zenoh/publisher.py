@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from skinfield.bridges.child import say_ready
+from skinfield.bridges.settings import BridgeSettings
 from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
@@ -25,10 +26,9 @@ from skinfield.loop import State
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.model_config import configuration_of
-from skinfield.loop.slots import Head
+from skinfield.loop.slots import Head, SlotLayout
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
-from skinfield.settings import BridgeSettings
 
 JSON, BYTES = "application/json", "application/octet-stream"
 WHOLE = {  # what is published of an engine: kind of bytes, and priority
@@ -136,8 +136,8 @@ class Publisher:
     def __init__(self, session: Any, live: Live, part: Part, rate: float = RATE) -> None:
         self._live, self._reader = live, live.reader
         self._observer, self._fit = Observer(live.reader, window=RECENT), FitReader(live.name)
-        fields = live.reader.slot_fields
-        self._description = described(part.robot, part.name, live.reader.description, fields)
+        layout = SlotLayout.of(live.reader.slot_fields)
+        self._description = described(part.robot, part.name, live.reader.description, layout)
         self._fingerprint = fingerprint_of(self._description)
         self._patches = range(len(live.skin))
         self._starts = live.models.starts

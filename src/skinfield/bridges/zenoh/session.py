@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote, unquote
 
+from skinfield.bridges.settings import ZenohAddresses
 from skinfield.errors import InputError
-from skinfield.settings import ZenohAddresses
 
 ROOT = "skinfield"
 ALL_ALIVE = f"{ROOT}/*/*/alive"

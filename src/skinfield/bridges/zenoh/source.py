@@ -200,7 +200,7 @@ class ZenohSource:
             if received is None:
                 return None
             if self.gone:
-                slot = self.plan.empty()
+                slot = self.plan.layout.slot()
                 slot.patches["stamp_ns"] = received.slot.patches["stamp_ns"]
                 slot.counts[:] = np.nan
                 return Snapshot(slot, 0, self._models, received.wall_ns)

@@ -2,8 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,45 +16,21 @@ from skinfield.skin import Grid
 from skinfield.solve import ContactFit, NonNegative
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What a contender found last.
+class Answer(NamedTuple):
+    """What a contender found last."""
 
-    Attributes
-    ----------
-    pressure : (K,) float32 array, Pa
-        A copy.
-    contacts : function
-        Of no argument: finds the contacts.
-    gap : float
-        Certified, relative; NaN where none is known.
-    """
-
-    pressure: Any
-    contacts: Callable[[], Sequence[Contact]]
-    gap: float = 0.0
+    pressure: Any  # (K,) float32 array, Pa: a copy
+    contacts: Callable[[], Sequence[Contact]]  # finds them
+    gap: float = 0.0  # certified, relative; NaN where none is known
 
 
-@dataclass(frozen=True, eq=False)
-class Contender:
-    """A prepared solver that answers reading by reading.
+class Contender(NamedTuple):
+    """A prepared solver that answers reading by reading."""
 
-    Parameters
-    ----------
-    name : str
-        As it stands in tables and figures.
-    answer : function of readings (L,) and a time of `time.perf_counter_ns`, or None
-        Finds pressure or contacts by then.
-    last : function
-        Returns what was found last.
-    reset : function
-        Forgets the reading before.
-    """
-
-    name: str
-    answer: Callable[[Floats, int | None], object]
+    name: str  # as it stands in tables and figures
+    answer: Callable[[Floats, int | None], object]  # of readings (L,), by a `perf_counter_ns`
     last: Callable[[], Answer]
-    reset: Callable[[], object] = lambda: None
+    reset: Callable[[], object] = lambda: None  # forgets the reading before
 
 
 def linear(name: str, rec: Reconstructor) -> Contender:
@@ -122,16 +97,8 @@ def paper_prepared(name: str, nodes: int) -> Contender:
     return linear(name, PAPER.prepared(nodes, NOISE, np.float32))
 
 
-@dataclass(frozen=True, eq=False)
-class Chain:
-    """What T readings took and brought, in order.
-
-    Attributes
-    ----------
-    seconds : (T,) array
-        Of each call.
-    answers : list of T Answer
-    """
+class Chain(NamedTuple):
+    """What T readings took, (T,) s, and brought, in order."""
 
     seconds: Floats
     answers: list[Answer]

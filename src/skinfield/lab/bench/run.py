@@ -21,14 +21,7 @@ from skinfield.lab.bench.contenders import (
     run_chain,
 )
 from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
-from skinfield.lab.bench.scene import (
-    FIT_DEADLINES,
-    GAPS,
-    LEAD,
-    BenchSize,
-    Scene,
-    make_scene,
-)
+from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchSize, Scene, make_scene
 from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import LAYER, paper_patch, reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched

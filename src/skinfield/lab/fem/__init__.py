@@ -4,6 +4,5 @@ Needs scikit-fem: pip install 'skinfield[lab]'.
 """
 
 from skinfield.lab.fem.electrostatics import pad_capacitance as pad_capacitance
-from skinfield.lab.fem.small_strain import AxisymmetricSolution as AxisymmetricSolution
 from skinfield.lab.fem.small_strain import Profile as Profile
 from skinfield.lab.fem.small_strain import indent as indent

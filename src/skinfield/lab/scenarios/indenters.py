@@ -33,7 +33,7 @@ class Shape:
 def _mesh(
     *, folder: Path, file: str, unit: float = 1e-3, down: Any = (0.0, 0.0, -1.0), **pose: Any
 ) -> Indenter:
-    from skinfield.files.shapes import load_mesh
+    from skinfield.simulate.indenters.shape_files import load_mesh
 
     return replace(load_mesh(folder / file, unit=unit, down=down), **{"force": None, **pose})
 
@@ -42,7 +42,7 @@ def _height_map(
     *, folder: Path, file: str, pixel: float, relief: float | None = None, invert: bool = False,
     **pose: Any,
 ) -> Indenter:  # fmt: skip
-    from skinfield.files.shapes import load_height_map
+    from skinfield.simulate.indenters.shape_files import load_height_map
 
     found = load_height_map(folder / file, pixel, relief, invert=invert)
     return replace(found, **{"force": None, **pose})

@@ -1,6 +1,5 @@
 """Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
-import tomllib
 from collections.abc import Mapping
 from functools import partial
 from importlib.resources import files
@@ -10,16 +9,15 @@ from typing import Any
 import numpy as np
 
 from skinfield.elastic import StandardLinearSolid
-from skinfield.errors import FileError
-from skinfield.files.layouts.load import skin_from_text
-from skinfield.files.rig import save_rig_run
+from skinfield.files.layouts.load import save_layout, skin_from_text
+from skinfield.files.pending import write_bytes, write_npz
+from skinfield.files.recordings.archive import save_recording, seconds
 from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
 from skinfield.lab.scenarios.table import Table, key_of
 from skinfield.plot import save
-from skinfield.plot.rig import draw_rig_run
-from skinfield.settings.text import text_of_file
-from skinfield.signal import ICubByte
+from skinfield.settings import plain_from_toml, text_of_file
+from skinfield.signal import save_calibration
 from skinfield.simulate.electronics import (
     Board,
     CySkinBoard,
@@ -35,6 +33,7 @@ from skinfield.simulate.rig import (
     BetweenThree,
     BetweenTwo,
     Loads,
+    LoadSeries,
     OverTaxels,
     Places,
     Random,
@@ -43,6 +42,7 @@ from skinfield.simulate.rig import (
     Tool,
     run_rig,
 )
+from skinfield.simulate.rig.plot import draw_rig_run
 from skinfield.skin import Patch
 
 VERSION = 1
@@ -95,11 +95,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     FileError
         For a key or word that there is not, a value of another kind or out of range.
     """
-    try:
-        content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise FileError(f"{path} is not TOML: {error}") from error
-    table, usual = Table(content, "", path, text), Scenario()
+    table, usual = Table(plain_from_toml(text, path), "", path, text), Scenario()
     if table.value("skinfield_rig", int) != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     layer = table.table("layer")
@@ -164,7 +160,8 @@ def _board(table: Table, usual: Board) -> Board:
         return table.read(made, () if kind is LinearBoard else ("gain",))
     byte, sizes = ("no_load", "shift"), ("rest_capacitance", "farads_per_count")
     table.taken |= {key_of(name) for name in (*byte, *sizes)}
-    return table.read(ICubBoard(), sizes, convention=table.read(ICubByte(), byte))
+    usual = ICubBoard()
+    return table.read(usual, sizes, convention=table.read(usual.convention, byte))
 
 
 def template() -> str:
@@ -186,7 +183,11 @@ def make_run(folder: Path, scenario: Scenario) -> dict[str, Any]:
         If a file cannot be written.
     """
     done = run_rig(scenario)
-    save_rig_run(done, folder)
+    save_recording(done.recording, folder / "recording.npz")
+    save_load_cell(done.load_cell, folder / "load_cell.csv")
+    write_npz(folder / "truth.npz", done.truth.arrays())
+    save_layout(done.scenario.patch, folder / "layout.toml")
+    save_calibration(done.skin.calibration, folder / "calibration.toml")
     save(draw_rig_run(done), folder / PICTURE)
     truth = done.truth
     return {
@@ -200,3 +201,15 @@ def make_run(folder: Path, scenario: Scenario) -> dict[str, Any]:
         "highest_change": float(truth.reading_change.max()),
         "saturated": int(np.count_nonzero(done.load_cell.saturated)),
     }
+
+
+def save_load_cell(series: LoadSeries, path: str | Path) -> None:
+    """Write a load cell's series as a force sensor's CSV: ``time_s,fx,fy,fz``, pushed to -z."""
+    full = int(series.saturated.sum())
+    lines = [
+        f"# {full} of {len(series.force)} samples are at the end of the cell's range\n",
+        "time_s,fx,fy,fz\n",
+    ]
+    for stamp, force in zip(series.stamp_ns.tolist(), series.force.tolist(), strict=True):
+        lines.append(f"{seconds(stamp)},0.0,0.0,{0.0 - force!r}\n")
+    write_bytes(path, "".join(lines).encode())

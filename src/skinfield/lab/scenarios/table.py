@@ -10,7 +10,7 @@ from typing import Any, TypeVar, get_origin, get_type_hints
 import numpy as np
 
 from skinfield.errors import FileError
-from skinfield.settings.text import line_of, nearest
+from skinfield.settings import line_of, nearest
 
 T = TypeVar("T")
 UNITS = {  # endings of keys, with the power of ten to SI

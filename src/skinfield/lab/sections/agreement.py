@@ -18,14 +18,7 @@ from skinfield.lab.fem.electrostatics import pad_capacitance
 from skinfield.lab.fem.small_strain import indent
 from skinfield.lab.paper import LAYER, LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
-from skinfield.lab.report import (
-    Picture,
-    Section,
-    Settings,
-    Table,
-    Verdict,
-    spread_in_words,
-)
+from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, spread_in_words
 from skinfield.lab.score import Row, column, where
 from skinfield.simulate import Cylinder, Press, Sphere, press
 

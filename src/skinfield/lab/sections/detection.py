@@ -19,22 +19,8 @@ from skinfield.lab.paper import (
     readings,
     sites,
 )
-from skinfield.lab.plots import (
-    Curve,
-    FieldPanel,
-    Panel,
-    Scale,
-    draw_fields,
-    draw_panels,
-)
-from skinfield.lab.report import (
-    Picture,
-    Section,
-    Settings,
-    Table,
-    Verdict,
-    verdict_of,
-)
+from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
+from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.lab.score import wilson
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid

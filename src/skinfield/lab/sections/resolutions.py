@@ -7,16 +7,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.lab.paper import (
-    BALL,
-    FIELD,
-    NOISES,
-    PAPER,
-    PLACES,
-    Method,
-    readings,
-    sites,
-)
+from skinfield.lab.paper import BALL, FIELD, NOISES, PAPER, PLACES, Method, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
 from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.skin import Grid

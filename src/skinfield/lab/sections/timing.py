@@ -17,7 +17,7 @@ from skinfield.lab.report import (
     verdict_of,
 )
 from skinfield.lab.score import Row
-from skinfield.plot.style import number
+from skinfield.plot import number
 
 PREPARED_LAPS = 100  # per lap of the paper's algorithm
 NAMES = {

@@ -2,7 +2,6 @@
 
 from skinfield.loop.realtime.clock import EventWaiter as EventWaiter
 from skinfield.loop.realtime.clock import PeriodicClock as PeriodicClock
-from skinfield.loop.realtime.clock import Waiter as Waiter
 from skinfield.loop.realtime.layout import WORDS as WORDS
 from skinfield.loop.realtime.setup import RealTime as RealTime
 from skinfield.loop.realtime.setup import RealTimeStatus as RealTimeStatus

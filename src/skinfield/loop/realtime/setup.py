@@ -95,28 +95,6 @@ class Outcome:
     refused: list[str] = field(default_factory=list)
 
 
-def request_all(wanted: "RealTime") -> Outcome:
-    """Make all requests of `wanted`."""
-    nothing = {"scheduler": "of this system", "priority": 0, "cpu": None, "isolated": False}
-    outcome = Outcome({**nothing, "memory": "not locked", "gc_frozen": wanted.freeze_gc})
-    if wanted.freeze_gc:
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-    if not system.LINUX:
-        outcome.refused.append(
-            f"real time not granted: it is asked for on Linux only and this is {sys.platform}; "
-            "run the engine on a Linux machine for times that hold"
-        )
-        return outcome
-    _pin(wanted, outcome)
-    _lock(wanted, outcome)
-    _stay_awake(wanted, outcome)
-    _slack(outcome)
-    _schedule(wanted, outcome)  # last: the requests before may take milliseconds
-    return outcome
-
-
 def _schedule(wanted: "RealTime", outcome: Outcome) -> None:
     number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
     policies = {getattr(os, name): name for name in POLICIES}
@@ -257,7 +235,7 @@ def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
     _awake.append(held)
 
 
-def _slack(outcome: Outcome) -> None:
+def _slack(_: "RealTime", outcome: Outcome) -> None:
     try:
         system.call("prctl", system.PR_SET_TIMERSLACK, 1, 0, 0, 0)
     except OSError as error:
@@ -312,7 +290,20 @@ class RealTime:
         garbage collector frozen as they are then. Processes and threads that are started later are
         not real-time themselves; they do inherit the processor.
         """
-        outcome = request_all(self)
+        granted = {"scheduler": "of this system", "priority": 0, "cpu": None, "isolated": False}
+        outcome = Outcome(granted | {"memory": "not locked", "gc_frozen": self.freeze_gc})
+        if self.freeze_gc:
+            gc.collect()
+            gc.freeze()
+            gc.disable()
+        if system.LINUX:
+            for request in (_pin, _lock, _stay_awake, _slack, _schedule):
+                request(self, outcome)  # the last of them last: the others may take milliseconds
+        else:
+            outcome.refused.append(
+                f"real time not granted: it is asked for on Linux only and this is {sys.platform}; "
+                "run the engine on a Linux machine for times that hold"
+            )
         return RealTimeStatus(
             **outcome.granted,
             kernel=system.kernel(),

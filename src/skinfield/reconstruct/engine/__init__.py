@@ -2,7 +2,5 @@
 
 from skinfield.reconstruct.engine.engine import Engine as Engine
 from skinfield.reconstruct.engine.report import CycleReport as CycleReport
-from skinfield.reconstruct.engine.report import PatchReport as PatchReport
-from skinfield.reconstruct.engine.results import Estimates as Estimates
 from skinfield.reconstruct.engine.results import MissingPatch as MissingPatch
 from skinfield.reconstruct.engine.skin_contacts import SkinContacts as SkinContacts

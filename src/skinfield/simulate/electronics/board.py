@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, as_floats, check_positive
-from skinfield.signal import CySkinCount, ICubByte, rest_capacitance
+from skinfield.signal import CySkinCount, ICubByte
 
-PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
+PAD_CAPACITANCE = Layer().rest_capacitance(4e-3)
 """F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
 AD7147_FARADS = 16e-12 / 65536
 """F per count of the converter on these boards: 16 bits over about 16 pF, 0.244 fF."""

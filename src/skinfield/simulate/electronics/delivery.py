@@ -5,13 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import (
-    Floats,
-    InputError,
-    Ints,
-    check_positive,
-    check_range,
-)
+from skinfield.errors import Floats, InputError, Ints, check_positive, check_range
 from skinfield.skin import Patch
 
 INPUTS = 12

@@ -338,6 +338,56 @@ def parts_of(press: Press) -> list[dict[str, Any]]:
     return parts
 
 
+def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
+    """All that is known of a press as arrays by name, in SI units, for a file.
+
+    Of the cells: `x` (columns,), `y` (rows,) m; `pressure` (rows, columns) Pa; `traction`
+    (rows, columns, 3) Pa and `displacement` (rows, columns, 3) m, z outward; `gap` (rows, columns)
+    m between surface and body, infinite under none; `contact` (rows, columns); `base_stress`
+    (rows, columns) Pa. Of the indenters: `kind`, `position` (bodies, 2) m, `depth` (bodies,) m,
+    `forces` (bodies,) N, `centres` of pressure (bodies, 2) m, `areas` (bodies,) m². Of all:
+    `force` N, `moment` (3,) N m about the origin, `contact_area` m², `residual`. Of the layer:
+    `thickness` m, `young_modulus` Pa, `poisson_ratio`. Of the taxels of a patch: `pad_position`
+    (L, 2) m, `pad_diameter` m, `pad_stress` (L,) Pa, `pad_gap_change` (L,) m, `pad_capacitance`
+    (L,) ΔC/C₀.
+    """
+    shape, parts = press.grid.shape, parts_of(press)
+    plane = press.grid.plane.reshape(*shape, 2)
+    found = {
+        "x": plane[0, :, 0],
+        "y": plane[:, 0, 1],
+        "pressure": press.pressure.reshape(shape),
+        "traction": press.traction.reshape(*shape, 3),
+        "displacement": press.displacement.reshape(*shape, 3),
+        "gap": press.gap.reshape(shape),
+        "contact": press.contact.reshape(shape),
+        "base_stress": base_stress_below_cells(press).reshape(shape),
+        "kind": np.array([body.kind for body in press.indenters]),
+        "position": np.array([body.position for body in press.indenters]),
+        "depth": press.approach,
+        "forces": press.forces,
+        "centres": np.array([[part["x_m"], part["y_m"]] for part in parts]),
+        "areas": np.array([part["area_m2"] for part in parts]),
+        "force": press.force,
+        "moment": press.moment,
+        "contact_area": press.contact_area,
+        "residual": press.residual,
+        "thickness": press.layer.thickness,
+        "young_modulus": press.layer.young_modulus,
+        "poisson_ratio": press.layer.poisson_ratio,
+    }
+    if patch is not None:
+        places, diameter = patch.plane, patch.pad_diameter
+        found |= {
+            "pad_position": places,
+            "pad_diameter": diameter,
+            "pad_stress": press.base_stress(places, diameter),
+            "pad_gap_change": press.gap_change(places, diameter),
+            "pad_capacitance": press.capacitance(places, diameter),
+        }
+    return found
+
+
 def pressure_by_body(press: Press) -> Floats:
     """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
     out = np.zeros((len(press.indenters), *press.grid.shape))

@@ -11,13 +11,7 @@ import numpy as np
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_tables import (
-    LARGEST,
-    LOG_STEP,
-    SMALLEST,
-    TERMS,
-    PressureTable,
-)
+from skinfield.solve.atoms.render_tables import LARGEST, LOG_STEP, SMALLEST, TERMS, PressureTable
 from skinfield.solve.atoms.table import FLAT, cubic
 
 STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right

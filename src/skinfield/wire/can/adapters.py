@@ -18,8 +18,8 @@ import numpy as np
 
 from skinfield.errors import InputError, Ints
 from skinfield.signal.block import Octets
-from skinfield.signal.can import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
+from skinfield.wire.can.messages import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.datagrams import DatagramLink, address_from_octets
 from skinfield.wire.links import Place, let_go, peer_from_text, resolved
 
@@ -87,7 +87,7 @@ class StructBus(DatagramLink, Bus):
 
     def send_many(self, messages: CanMessages, count: int) -> int:
         """See `Bus`; a full queue of the system takes fewer."""
-        messages.check_rows(0, count)
+        messages.check_rows(count)
         octets, size = structs_of(messages, count), STRUCT * self.together
         for sent in range(0, len(octets), size):
             if not self.put(octets[sent : sent + size]):
@@ -280,7 +280,7 @@ class PythonCanBus(Bus):
 
     def send_many(self, messages: CanMessages, count: int) -> int:
         """See `Bus`."""
-        messages.check_rows(0, count)
+        messages.check_rows(count)
         for row in range(count):
             if self._bus is None:
                 return row

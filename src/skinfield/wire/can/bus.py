@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from skinfield.errors import InputError, check_count, check_type
-from skinfield.signal.can import CanMessages
+from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.links import BreakingLink, place_text
 from skinfield.wire.links import host_and_port as host_and_port
 
@@ -86,7 +86,7 @@ class Bus(BreakingLink):
         Parameters
         ----------
         identifier : int
-            With the bits of `signal.can` where it has 29 bits or is a remote request.
+            With the bits of `can.messages` where it has 29 bits or is a remote request.
         data : bytes
             Up to 8.
         """

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError, Ints, check_count
-from skinfield.signal import Blocks, CanDecoder, CanMessages
+from skinfield.signal import Blocks
 from skinfield.signal.block import Octets
+from skinfield.wire.can.messages import CanDecoder, CanMessages
 from skinfield.wire.cyskin.modules import (
     MODULES,
     RESPONSES,

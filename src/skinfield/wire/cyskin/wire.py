@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError, check_count
-from skinfield.signal.can import EXTENDED
+from skinfield.wire.can.messages import EXTENDED
 from skinfield.wire.cyskin.modules import (
     EXTENDED_ID,
     EXTENDED_SHIFT,

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import InputError, Ints, check_count, check_range, check_shape
-from skinfield.signal import Blocks, CanDecoder, CanMessages, Status
+from skinfield.signal import Blocks, Status
 from skinfield.signal.block import Octets
-from skinfield.signal.boards import GAINS, GAINS_V2, PAD
+from skinfield.wire.can.messages import CanDecoder, CanMessages
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
     BOARDS,
@@ -120,6 +120,11 @@ def checked_boards(boards: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], 
     return pairs
 
 
+GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
+"""Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
+GAINS_V2 = (58, 91, 39, 23, 35, 90, 0, 38, 68, 115, 0, 86)
+"""Of the firmware, skin type 8: pads of the second generation."""
+PAD = 6  # channel of the pad that the firmware goes by
 PALM_PAD = 11
 LAST_FINGERTIP = 4  # triangles 0 to 4 of an ergoCub's hand are its fingertips
 NO_GAINS = (0,) * TAXELS

@@ -3,13 +3,9 @@
 from skinfield.wire.sources.boards import CySkinCan as CySkinCan
 from skinfield.wire.sources.boards import CySkinSharedMemory as CySkinSharedMemory
 from skinfield.wire.sources.boards import ICubCan as ICubCan
-from skinfield.wire.sources.factory import skin_for as skin_for
-from skinfield.wire.sources.factory import source_from_options as source_from_options
-from skinfield.wire.sources.factory import third_parties as third_parties
 from skinfield.wire.sources.packets import PacketSerial as PacketSerial
 from skinfield.wire.sources.packets import PacketTcp as PacketTcp
 from skinfield.wire.sources.packets import PacketUdp as PacketUdp
-from skinfield.wire.sources.replay import ReplaySource as ReplaySource
 from skinfield.wire.sources.streams import NoReadingError as NoReadingError
 from skinfield.wire.sources.streams import StreamReader as StreamReader
 from skinfield.wire.sources.yarp import YarpPort as YarpPort

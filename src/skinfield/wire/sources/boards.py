@@ -22,9 +22,10 @@ from time import time_ns
 import numpy as np
 
 from skinfield.errors import InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, CanDecoder, CanMessages, Count, Port, counters
+from skinfield.signal import Blocks, Count, Port, counters
 from skinfield.wire.can.adapters import open_bus
 from skinfield.wire.can.bus import Bus, BusSettings
+from skinfield.wire.can.messages import CanDecoder, CanMessages
 from skinfield.wire.cyskin.board import start_messages, stop_messages
 from skinfield.wire.cyskin.codec import CySkinDecoder
 from skinfield.wire.cyskin.modules import CySkinBoard, checked_boards, port_of

@@ -7,16 +7,8 @@ import numpy as np
 from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
-from skinfield.plot.style import (
-    ABOVE,
-    INK,
-    TITLE,
-    add_colour_bar,
-    add_title,
-    new_figure,
-    style,
-)
+from skinfield.plot import ABOVE, INK, TITLE, add_colour_bar, add_title, new_figure, style
+from skinfield.skin.maps import MM, draw_cells, frame_axes, outline_pads
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

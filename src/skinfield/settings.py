@@ -1,15 +1,19 @@
-"""Settings as TOML and JSON, both ways; what cannot be used is said with its file, line and key."""
+"""Settings as typed sections, and as TOML and JSON, both ways.
+
+A field's name is its key, and its flag with dashes. Each value is checked when its section is made;
+what cannot be used is said with its file, line and key.
+"""
 
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
 
-from skinfield.errors import FileError, InputError
-from skinfield.settings.tree import Settings
+from skinfield.errors import FileError, InputError, check_count, check_positive, check_range
 
 T = TypeVar("T")
 _WHERE = re.compile(r"(.*?)(?: - at `\$\.?(.*?)`)?", re.DOTALL)
@@ -19,15 +23,88 @@ _KINDS = {
 }  # fmt: skip
 
 
-def load_settings(path: str | Path) -> Settings:
-    """Read a file of settings; what it leaves out is as usual.
+class SettingError(InputError):
+    """A value of a setting that cannot be used.
 
-    Raises
-    ------
-    FileError
-        If it cannot be read, or holds what is not known or cannot be used.
+    Parameters
+    ----------
+    name : str
+        Of the field.
+    text : str
+        What is wrong, from the value on.
     """
-    return settings_from_toml(text_of_file(path), str(path))
+
+    def __init__(self, name: str, text: str) -> None:
+        super().__init__(f"{name} {text}")
+        self.name, self.text = name, text
+
+
+class Positive(NamedTuple):
+    """A finite number above 0."""
+
+    why: str
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless it is one."""
+        check_positive(name, value, self.why)
+
+
+class Range(NamedTuple):
+    """A number, or a whole number, from `low` to `high`."""
+
+    low: float
+    high: float
+    why: str
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless it is one."""
+        if isinstance(self.low, int) and isinstance(self.high, int):
+            check_count(name, value, self.low, self.high, self.why)
+        else:
+            check_range(name, value, self.low, self.high, self.why)
+
+
+@cache
+def _checks(section: Any) -> tuple[tuple[str, Positive | Range], ...]:
+    hints = get_type_hints(section, include_extras=True)
+    return tuple(
+        (each.name, check)
+        for each in fields(section)
+        for check in getattr(hints[each.name], "__metadata__", ())
+        if isinstance(check, Positive | Range)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """Part of the settings; its values are checked as their annotations say."""
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)  # a class, which mypy takes for no Hashable here
+        for name, check in _checks(kind):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            try:
+                check.check(name, value)
+            except InputError as error:
+                raise SettingError(name, str(error).removeprefix(f"{name} ")) from error
+        self.check()
+
+    def check(self) -> None:
+        """Raise SettingError where values do not fit each other."""
+
+    def wrong(self, name: str, expected: str) -> SettingError:
+        """Error about a value."""
+        return SettingError(name, f"is {getattr(self, name)!r}, expected {expected}")
+
+
+def pair_from_text(name: str, text: str, example: str) -> tuple[str, str]:
+    """Key and value of "key=value"."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise SettingError(name, f"is {text!r}, expected KEY=VALUE, such as {example}")
+    return key, value
 
 
 def text_of_file(path: str | Path) -> str:
@@ -46,49 +123,27 @@ def text_of_file(path: str | Path) -> str:
         raise FileError(f"{path} is not text in UTF-8: {error}") from error
 
 
-def settings_from_toml(text: str, path: str = "settings") -> Settings:
-    """Settings of a TOML text; `path` is what errors call it.
+def plain_from_toml(text: str, path: str) -> dict[str, Any]:
+    """Tables of a TOML text; `path` is what errors call it.
 
     Raises
     ------
     FileError
-        If it is not TOML, or holds what is not known or cannot be used.
+        If it is not TOML.
     """
-    return value_from_toml(Settings, text, path)
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise FileError(f"{path} is not TOML: {error}") from error
 
 
 def value_from_toml(kind: type[T], text: str, path: str) -> T:
-    """Object of a dataclass `kind` of a TOML text; see `settings_from_toml`."""
+    """Object of a dataclass `kind` of a TOML text; `path` is what errors call it."""
     try:
-        plain = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise FileError(f"{path} is not TOML: {error}") from error
-    try:
-        return from_plain(kind, plain)
+        return from_plain(kind, plain_from_toml(text, path))
     except Misfit as error:
         line = line_of(text, error.table, error.key)
         raise FileError(f"{path}:{line}: {error}" if line else f"{path}: {error}") from error
-
-
-def toml_from_settings(settings: Settings) -> str:
-    """Text that `settings_from_toml` makes equal settings of: what differs from the usual."""
-    import tomli_w
-
-    return tomli_w.dumps(changed(settings))
-
-
-def changed(settings: Settings) -> dict[str, dict[str, Any]]:
-    """Values that differ from the usual ones, by section and name."""
-    plain, usual = asdict(settings), asdict(Settings())
-    found = {
-        section: {
-            name: list(value) if isinstance(value, tuple) else value
-            for name, value in values.items()
-            if value != usual[section][name]
-        }
-        for section, values in plain.items()
-    }
-    return {section: values for section, values in found.items() if values}
 
 
 def json_from_value(value: Any) -> str:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from live_devices import CYSKIN_BOARDS, HEXAGON, ON_CYSKIN
 
+from skinfield.cli.sources import GROUP, skin_for, source_from_options, third_parties
 from skinfield.errors import InputError
+from skinfield.files.recordings.replay import ReplaySource
 from skinfield.signal import Source
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
@@ -20,11 +22,6 @@ from skinfield.wire.sources import (
     PacketSerial,
     PacketTcp,
     PacketUdp,
-    ReplaySource,
-    factory,
-    skin_for,
-    source_from_options,
-    third_parties,
 )
 
 
@@ -117,7 +114,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text(
-        f"[{factory.GROUP}]\nmine = {__name__}:Own\nbroken = nonesuch_package:Source\n"
+        f"[{GROUP}]\nmine = {__name__}:Own\nbroken = nonesuch_package:Source\n"
         f"nothing = {__name__}:bool_of\n"
     )
     monkeypatch.syspath_prepend(tmp_path)

@@ -5,20 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.plot.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
-from skinfield.plot.style import (
-    FAINT,
-    INK,
-    QUIET,
-    TITLE,
-    add_title,
-    new_figure,
-    number,
-    plural,
-    style,
-)
+from skinfield.plot import FAINT, INK, QUIET, TITLE, add_title, new_figure, number, plural, style
 from skinfield.skin import Patch, Skin
 from skinfield.skin.geometry import facing_from_positions
+from skinfield.skin.maps import MM, draw_circles, draw_modules, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.plot.style import FAINT, INK, QUIET, signed_colours
+from skinfield.plot import FAINT, INK, QUIET, signed_colours
 from skinfield.skin import Grid, Patch
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.estimate import Estimate
-from skinfield.plot.maps import MM, axis_names, extent_of
-from skinfield.plot.style import QUIET, signed_colours
+from skinfield.plot import QUIET, signed_colours
 from skinfield.skin import Grid, Patch
+from skinfield.skin.maps import MM, axis_names, extent_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

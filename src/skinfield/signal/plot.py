@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import as_floats, check_finite, check_shape
-from skinfield.plot.style import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
+from skinfield.plot import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,6 +8,7 @@ from inspect import signature
 from typing import Any
 
 from skinfield.errors import InputError, check_offers
+from skinfield.files.recordings.replay import ReplaySource
 from skinfield.signal import Source
 from skinfield.skin import Skin
 from skinfield.wire.can.bus import bus_settings, udp_places
@@ -18,7 +19,6 @@ from skinfield.wire.links import host_and_port
 from skinfield.wire.packet.codec import PacketDevice
 from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
 from skinfield.wire.sources.packets import PacketSerial, PacketTcp, PacketUdp
-from skinfield.wire.sources.replay import ReplaySource
 from skinfield.wire.sources.yarp import YarpPort, YarpText
 from skinfield.wire.yarp import PORT as YARP_PORT
 from skinfield.wire.yarp import port_of

@@ -55,12 +55,12 @@ class CanMessages:
         self.ids[row], self.lengths[row], self.stamp_ns[row] = identifier, len(data), 0
         self.data[row] = np.frombuffer(data.ljust(8, b"\0"), np.uint8)
 
-    def check_rows(self, first: int, count: int) -> None:
-        """Raise InputError unless rows `first` to `first + count` are there."""
-        if first < 0 or count < 0 or first + count > len(self):
+    def check_rows(self, count: int) -> None:
+        """Raise InputError unless the first `count` rows are there."""
+        if not 0 <= count <= len(self):
             raise InputError(
-                f"rows {first} to {first + count} are asked for, expected some of 0 to "
-                f"{len(self)}: the room of these messages"
+                f"rows 0 to {count} are asked for, expected some of 0 to {len(self)}: the room of "
+                "these messages"
             )
 
 

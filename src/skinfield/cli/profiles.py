@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Annotated
 
+from skinfield.cli.settings import Elastomer, MechanicsName
 from skinfield.errors import InputError
-from skinfield.settings.text import nearest, text_of_file, value_from_toml
-from skinfield.settings.tree import Elastomer, MechanicsName, Positive, Range, Section
+from skinfield.settings import Positive, Range, Section, nearest, text_of_file, value_from_toml
 
 PROFILES = ("generic", "icub", "cyskin", "silicone-2mm")
 OF_HARDWARE = {"icub": "icub", "yarp": "icub", "cyskin": "cyskin", "shm": "cyskin"}
@@ -75,7 +75,7 @@ def load_profile(name: str) -> Profile:
         If the file cannot be read, or holds what is not known or cannot be used.
     """
     if name in PROFILES:
-        text = files("skinfield.settings").joinpath("profiles", f"{name}.toml").read_text("utf-8")
+        text = files("skinfield.cli").joinpath("profiles", f"{name}.toml").read_text("utf-8")
         return value_from_toml(Profile, text, name)
     if not name.endswith(".toml"):
         raise InputError(

@@ -5,19 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, Ints
-from skinfield.plot.maps import MM, draw_circles, extent_of_pads, frame_axes
-from skinfield.plot.style import (
-    BLUE,
-    INK,
-    ORANGE,
-    QUIET,
-    add_title,
-    new_figure,
-    number,
-    open_axes,
-    style,
-)
+from skinfield.plot import BLUE, INK, ORANGE, QUIET, add_title, new_figure, number, open_axes, style
 from skinfield.simulate.rig import RigRun
+from skinfield.skin.maps import MM, draw_circles, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,8 +19,7 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
-from skinfield.simulate import HeightMap, Mesh
-from skinfield.simulate.indenters.surfaces import corners_of
+from skinfield.simulate.indenters.surfaces import HeightMap, Mesh, corners_of
 
 MOST_BYTES = 256 * 2**20
 MESHES, PICTURE, TABLES = (".stl", ".obj", ".ply"), ".png", (".npy", ".csv")

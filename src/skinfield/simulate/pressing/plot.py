@@ -5,15 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, check_shape
-from skinfield.plot.maps import (
-    MM,
-    draw_cells,
-    draw_pads,
-    extent_of_pads,
-    frame_axes,
-    outline_pads,
-)
-from skinfield.plot.style import (
+from skinfield.plot import (
     BLUE,
     FAINT,
     INK,
@@ -29,6 +21,7 @@ from skinfield.plot.style import (
 from skinfield.simulate import Press
 from skinfield.simulate.pressing.press import base_stress_below_cells, pressure_by_body
 from skinfield.skin import Patch
+from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of_pads, frame_axes, outline_pads
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,6 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints, check_range
+from skinfield.files.mcap.container import MAGIC
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.recordings.matching import readings_for
+from skinfield.files.recordings.open import open_recording
 from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
 from skinfield.signal.block import LONGEST, WORD, Words, block_bytes
 from skinfield.skin import Patch, Skin
@@ -226,8 +230,6 @@ class ReplaySource:
         InputError
             If its columns do not fit the skin.
         """
-        from skinfield.files.recordings import open_recording
-
         recording, name = self.recording, "recording"
         if not isinstance(recording, Recording):
             path, name = Path(recording), str(recording)
@@ -262,8 +264,6 @@ class ReplaySource:
 
 def _on_channels(recording: Recording, patch: Patch) -> Floats:
     """Counts on the channels of a patch, NaN on those that no taxel has."""
-    from skinfield.files.recordings import readings_for
-
     if recording.uid is None and recording.counts.shape[1] == patch.n_channels:
         return recording.counts
     table = np.full((len(recording), patch.n_channels), np.nan)
@@ -272,8 +272,6 @@ def _on_channels(recording: Recording, patch: Patch) -> Floats:
 
 
 def _begins_as_mcap(path: Path) -> bool:
-    from skinfield.files.mcap.container import MAGIC
-
     with suppress(OSError, ValueError), path.open("rb") as file:  # whoever reads it next says why
         return file.read(len(MAGIC)) == MAGIC
     return False
@@ -281,8 +279,6 @@ def _begins_as_mcap(path: Path) -> bool:
 
 def recorded_blocks(path: Path) -> tuple[tuple[Port, ...], Words]:
     """Ports of a live skin's recording, none if it does not say, and all its blocks."""
-    from skinfield.files.mcap.live import LiveRecording
-
     recording = LiveRecording.open(path)
     data = b"".join(logged.data for logged in recording.blocks())
     if not data or len(data) % WORD:

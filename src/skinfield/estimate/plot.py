@@ -9,17 +9,9 @@ from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
 from skinfield.estimate import Contact, Estimate
+from skinfield.estimate.deformation_plot import draw_deformation
 from skinfield.estimate.developed_plane import Chart
-from skinfield.plot.deformation import draw_deformation
-from skinfield.plot.maps import (
-    MM,
-    draw_cells,
-    draw_pads,
-    extent_of,
-    frame_axes,
-    hatch_uncovered,
-)
-from skinfield.plot.style import (
+from skinfield.plot import (
     BLUE,
     FAINT,
     INK,
@@ -35,6 +27,7 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.skin import Grid
+from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of, frame_axes, hatch_uncovered
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,274 @@
+"""Settings of a live skin: one tree of typed values, with their units in their names.
+
+The same tree is a TOML file, the command line and the JSON in a recording.
+"""
+
+from dataclasses import asdict, dataclass, field
+from math import inf
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from skinfield.bridges.settings import BridgeSettings
+from skinfield.page.settings import PageSettings
+from skinfield.settings import (
+    Positive,
+    Range,
+    Section,
+    pair_from_text,
+    text_of_file,
+    value_from_toml,
+)
+
+LiveSolverName = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
+SolverName = Literal[LiveSolverName, "contact"]
+MechanicsName = Literal["layer", "covered-layer", "half-space"]
+QuantityName = Literal["capacitance", "gap", "stress"]
+FASTEST = 1e5  # cycles per second
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elastomer(Section):
+    """What is known of the elastomer; what is left out is the profile's.
+
+    Parameters
+    ----------
+    profile : str
+        Whose skin it is: generic, icub, cyskin, silicone-2mm, or a file (.toml); auto goes by the
+        boards and the layout.
+    thickness_mm : float, mm, optional
+        Thickness of the elastomer, mm.
+    modulus_kpa : float, kPa, optional
+        Young's modulus, kPa.
+    poisson : float, optional
+        Poisson's ratio, 0 to 0.5.
+    """
+
+    profile: str = "auto"
+    thickness_mm: Annotated[float | None, Positive("thickness of the elastomer")] = None
+    modulus_kpa: Annotated[float | None, Positive("Young's modulus")] = None
+    poisson: Annotated[float | None, Range(0.0, 0.5, "Poisson's ratio")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkinSettings(Elastomer):
+    """Where the taxels are, under what, and what a count means; see also `Elastomer`.
+
+    Parameters
+    ----------
+    layout : str
+        Layout file, or a generator by name.
+    gain : float, optional
+        Counts per unit of ΔC/C₀; negative where pressure lowers them.
+    no_load : int, optional
+        What an iCub byte rests at.
+    """
+
+    layout: str = "hexagon72"
+    gain: float | None = None
+    no_load: Annotated[int | None, Range(1, 255, "what an iCub byte rests at")] = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        if self.gain is not None and not (0 < abs(self.gain) < inf):
+            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceSettings(Section):
+    """Where readings come from; without hardware, a virtual skin that is started for it.
+
+    Parameters
+    ----------
+    hardware : str, optional
+        Whose boards: icub, yarp, cyskin, packet. Without it a virtual skin is started.
+    bus : str, optional
+        How it is connected: udp (CAN in UDP), socketcan, serial ...
+    channel : tuple of str
+        Of the bus: can0, an address and port, a device; again for several buses.
+    options : tuple of str
+        A setting of the source, such as config=robot.xml; again for more.
+    scene : str
+        What presses the virtual skin.
+    virtual_rate_hz : float, 1/s
+        Readings of the virtual skin per second.
+    seed : int
+        Of the virtual skin's noise.
+    """
+
+    hardware: str | None = None
+    bus: str | None = None
+    channel: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    scene: str = "press"
+    virtual_rate_hz: Annotated[float, Positive("readings per second")] = 100.0
+    seed: Annotated[int, Range(0, 1 << 63, "of the virtual skin's noise")] = 0
+
+    def check(self) -> None:
+        """See `Section`."""
+        self.named_options  # noqa: B018 - refuses what is no KEY=VALUE
+
+    @property
+    def named_options(self) -> dict[str, str]:
+        """Further settings of the source, by name."""
+        return dict(pair_from_text("options", text, "config=robot.xml") for text in self.options)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelSettings(Section):
+    """What a taxel reads of a traction, and how that is inverted.
+
+    Parameters
+    ----------
+    solver : str, optional
+        How readings become pressure; contact fits the fewest contacts instead. Default gaussian.
+    mechanics : str, optional
+        Model of the elastomer; the paper's is the half-space. Default the profile's.
+    quantity : str, optional
+        What a taxel reads. Default what the recording's unit says, else capacitance.
+    grid : int, optional
+        Nodes on a side of the finest grid. Default by pitch and extent of the patch.
+    """
+
+    solver: SolverName | None = None
+    mechanics: MechanicsName | None = None
+    quantity: QuantityName | None = None
+    grid: Annotated[int | None, Range(4, 1000, "4 nodes on a side or more")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveModelSettings(ModelSettings):
+    """The same of a live skin, whose contacts are fitted beside the solver; see `ModelSettings`.
+
+    Parameters
+    ----------
+    solver : str, optional
+        How readings become pressure. Default nonnegative.
+    """
+
+    solver: LiveSolverName | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopSettings(Section):
+    """When cycles are, what they publish, and what is asked of the system.
+
+    Parameters
+    ----------
+    name : str
+        By which other programs find it.
+    rate_hz : float, 1/s
+        Cycles per second.
+    events : bool
+        A cycle when readings arrive, at no rate.
+    deadline_us : float, µs, optional
+        Time for the reconstruction in each cycle, µs.
+    late_after_ms : float, ms, optional
+        When an estimate counts as late, ms; by default after one period.
+    threshold_n : float, N
+        Contacts of a smaller force are not published, N.
+    smoothing_ms : float, ms
+        Time constant of a low-pass of what each taxel reads, ms; 0: none.
+    tare_s : float, s
+        Time of an untouched skin at the start, for its baseline, s.
+    fit : bool
+        Fit contacts beside the engine: surer places and forces, some 10 ms later.
+    priority : int
+        Of SCHED_FIFO, where it is granted; 0: not asked for.
+    cpu : int, optional
+        Processor to pin the engine to. Default an isolated one.
+    """
+
+    name: str = "skin"
+    rate_hz: Annotated[
+        float, Positive("cycles per second; or events: a cycle when readings arrive")
+    ] = 1000.0
+    events: bool = False
+    deadline_us: Annotated[float | None, Positive("microseconds")] = None
+    late_after_ms: Annotated[float | None, Positive("milliseconds")] = None
+    threshold_n: Annotated[float, Range(0.0, 5.0, "N, of contacts")] = 0.0
+    smoothing_ms: Annotated[float, Range(0.0, 1000.0, "ms; 0: none")] = 0.0
+    tare_s: Annotated[float, Positive("seconds of an untouched skin")] = 1.0
+    fit: bool = True
+    priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 80
+    cpu: Annotated[int | None, Range(0, 1 << 16, "number of a processor")] = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        if self.rate_hz > FASTEST:
+            raise self.wrong("rate_hz", f"{FASTEST:g} cycles per second at most")
+        period = 1e6 / self.rate_hz
+        if self.deadline_us is not None and not self.events and self.deadline_us >= period:
+            raise self.wrong(
+                "deadline_us",
+                f"less than the period of {period:g} µs at {self.rate_hz:g} cycles per second: "
+                "taking in readings needs time too",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordSettings(Section):
+    """Into which file the skin is recorded.
+
+    Parameters
+    ----------
+    into : str, optional
+        Record into this MCAP file.
+    """
+
+    into: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings(Section):
+    """All settings of a live skin, section by section."""
+
+    skin: SkinSettings = field(default_factory=SkinSettings)
+    source: SourceSettings = field(default_factory=SourceSettings)
+    model: LiveModelSettings = field(default_factory=LiveModelSettings)
+    loop: LoopSettings = field(default_factory=LoopSettings)
+    page: PageSettings = field(default_factory=PageSettings)
+    bridges: BridgeSettings = field(default_factory=BridgeSettings)
+    record: RecordSettings = field(default_factory=RecordSettings)
+
+
+def load_settings(path: str | Path) -> Settings:
+    """Read a file of settings; what it leaves out is as usual.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, or holds what is not known or cannot be used.
+    """
+    return settings_from_toml(text_of_file(path), str(path))
+
+
+def settings_from_toml(text: str, path: str = "settings") -> Settings:
+    """Settings of a TOML text; `path` is what errors call it.
+
+    Raises
+    ------
+    FileError
+        If it is not TOML, or holds what is not known or cannot be used.
+    """
+    return value_from_toml(Settings, text, path)
+
+
+def toml_from_settings(settings: Settings) -> str:
+    """Text that `settings_from_toml` makes equal settings of: what differs from the usual."""
+    import tomli_w
+
+    return tomli_w.dumps(changed(settings))
+
+
+def changed(settings: Settings) -> dict[str, dict[str, Any]]:
+    """Values that differ from the usual ones, by section and name."""
+    plain, usual = asdict(settings), asdict(Settings())
+    found = {
+        section: {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in values.items()
+            if value != usual[section][name]
+        }
+        for section, values in plain.items()
+    }
+    return {section: values for section, values in found.items() if values}
