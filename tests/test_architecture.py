@@ -19,7 +19,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"wire"},
     {"files"},
     {"reconstruct"},
-    {"design"},
+    {"design", "testing"},
     {"solve"},
     {"simulate"},
     {"signal", "estimate"},

@@ -9,6 +9,7 @@ from typing import Any
 
 from skinfield.errors import InputError, check_offers
 from skinfield.files.recordings.replay import ReplaySource
+from skinfield.settings import nearest
 from skinfield.signal import Source
 from skinfield.skin import Skin
 from skinfield.wire.can.bus import bus_settings, udp_places
@@ -69,7 +70,7 @@ def source_from_options(
         more = ", ".join(sorted(others)) or "none"
         raise InputError(
             f"hardware is {hardware!r}, expected one of {', '.join(HARDWARE)}, or of those that "
-            f"installed packages bring: {more}"
+            f"installed packages bring: {more}{nearest(hardware, HARDWARE)}"
         )
     where = {"bus": bus, "channels": ",".join(channels)}
     texts = {name: text for name, text in where.items() if text} | texts

@@ -23,6 +23,7 @@ from skinfield.files.layouts import (
 )
 from skinfield.files.layouts.repair import Finding, mend
 from skinfield.files.layouts.text import listed, many, read_bytes
+from skinfield.settings import nearest
 from skinfield.skin.generators import GENERATORS, by_name
 from skinfield.skin.patch import Patch, Skin
 
@@ -139,7 +140,7 @@ def skin_from_text(text: str) -> Skin:
     if not Path(text).exists():
         raise FileError(
             f"{text}: no such file, and no generator, expected the path of a layout file or one "
-            f"of {', '.join(GENERATORS)}"
+            f"of {', '.join(GENERATORS)}{nearest(name, GENERATORS)}"
         )
     return load_layout(text)
 
