@@ -57,14 +57,21 @@ def response_kernel(physics: Physics, pitch: float, cut: float) -> Floats:
     return quadrant
 
 
-def smoothed_kernel(kernel: Floats, correlation: Floats, cut: float) -> Floats:
-    """A kernel convolved with a prior's correlation (2 n + 1, 2 n + 1) of cells, cut anew."""
-    from scipy.signal import fftconvolve
+def convolved(one: Floats, other: Floats) -> Floats:
+    """Quadrant (N + M - 1, N + M - 1) of the convolution of two even kernels, by their own."""
+    from scipy.fft import irfft2, rfft2  # scipy.signal would take 25 MB
 
+    far = len(one) + len(other) - 2
+    size = (2 * far + 1,) * 2
+    full = irfft2(rfft2(mirrored(one), size) * rfft2(mirrored(other), size), size)
+    return np.asarray(full[far:, far:])
+
+
+def smoothed_kernel(kernel: Floats, correlation: Floats, cut: float) -> Floats:
+    """A kernel convolved with the quadrant (n + 1, n + 1) of a prior's correlation, cut anew."""
     spread = np.zeros(((len(correlation) - 1) * FINE + 1,) * 2)
     spread[::FINE, ::FINE] = correlation
-    full = fftconvolve(mirrored(kernel), spread)
-    quadrant: Floats = full[len(full) // 2 :, len(full) // 2 :]
+    quadrant = convolved(kernel, spread)
     peak = float(np.abs(quadrant).max())
     away = np.abs(quadrant).max(axis=0)
     reach = int(np.ceil(np.flatnonzero(away > cut * peak)[-1] / FINE))
@@ -83,13 +90,9 @@ def neighbour_reach(read: Floats, spread: Floats, cut: float) -> float:
 
     As a share of what each reads of its own, for taxels in the middle of cells.
     """
-    from scipy.signal import fftconvolve
-
-    product = np.abs(fftconvolve(mirrored(read[::FINE, ::FINE]), mirrored(spread[::FINE, ::FINE])))
-    middle = len(product) // 2
-    row, column = np.indices(product.shape) - middle
-    far = np.hypot(row, column)
-    return float(far[product > cut * product[middle, middle]].max()) + 0.5
+    product = np.abs(convolved(read[::FINE, ::FINE], spread[::FINE, ::FINE]))
+    far = np.hypot(*np.indices(product.shape))
+    return float(far[product > cut * product[0, 0]].max()) + 0.5
 
 
 STEPS = 64  # offsets per cell of a profile, linear in between
@@ -212,11 +215,11 @@ def stamps_on(physics: Physics, pitch: float, cut: float, length: float) -> Stam
 
 
 def correlation(length: float) -> Floats:
-    """Matérn-3/2 correlation of cells, (2 n + 1, 2 n + 1), as far as it counts."""
+    """Matérn-3/2 correlation of cells as far as it counts: the quadrant (n + 1, n + 1) from 0."""
     scaled = 1.0
     while (1.0 + scaled) * np.exp(-scaled) > FAINT:
         scaled += 0.1
     count = int(np.ceil(scaled * length / np.sqrt(3.0)))
-    offset = np.arange(-count, count + 1)
+    offset = np.arange(count + 1)
     scaled_offset = np.sqrt(3.0) * np.hypot(offset[:, None], offset) / length
     return np.asarray((1 + scaled_offset) * np.exp(-scaled_offset))
