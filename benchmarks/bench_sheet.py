@@ -13,7 +13,7 @@ each time; the pressure is solved for from nothing ("cold") and from the reading
 * force alone: the stamps of the taxels' weights added to the cells.
 * FFT: the same sum for taxels that stood in the middle of their cells, by scipy.fft in float32 with
   the kernel's transform at hand. For taxels anywhere it would need a finer lattice.
-* displacement: three components on all cells, by FFT in strips.
+* displacement: three components on all cells, by FFT in blocks.
 * peak: resident memory of the whole process at its highest, with interpreter, SciPy and the
   displacement of one reading.
 

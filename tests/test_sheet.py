@@ -222,13 +222,13 @@ def test_fields_are_those_of_the_grid() -> None:
     assert not estimate.traction[:, :2].any()
 
 
-def test_displacement_does_not_know_of_strips() -> None:
+def test_displacement_does_not_know_of_blocks() -> None:
     from skinfield.elastic import Deformation
 
-    sheet = sf.Sheet(np.outer([0.0, 1.0, 2.0, 3.0], [3e-3, 0.3]), LAYER)
+    sheet = sf.Sheet(np.outer([0.0, 1.0, 2.0, 3.0], [0.25, 0.3]), LAYER)
     pressure = np.random.default_rng(0).normal(size=len(sheet.grid))
     exact = Deformation(sheet.grid, LAYER, sheet.mechanics)(pressure)
-    assert sheet.shape[0] > 600
+    assert min(sheet.shape) > 500
     assert np.abs(sheet.displacement(pressure) - exact).max() < 1e-4 * np.abs(exact).max()
 
 

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.elastic.elastomer import Layer, Mechanics
 from skinfield.errors import Floats
@@ -115,24 +117,27 @@ class LatticeConvolution:
 
     Parameters
     ----------
-    kernel : (..., 2 rows - 1, 2 columns - 1) array
-        At every offset of two nodes of a lattice of rows x columns.
+    kernel : (..., 2 down + 1, 2 right + 1) array
+        At every offset of two nodes, in the precision of the sum; none is farther.
+    shape : (rows, columns), optional
+        Of the lattice; default that whose farthest nodes are down and right apart.
     """
 
-    def __init__(self, kernel: Floats) -> None:
+    def __init__(self, kernel: NDArray[Any], shape: tuple[int, int] | None = None) -> None:
         from scipy import fft
 
-        self.shape = ((kernel.shape[-2] + 1) // 2, (kernel.shape[-1] + 1) // 2)
-        # Offsets from -(n - 1) to n - 1 fit a period of 2 n - 1: what wraps around falls outside.
-        self._padded = [fft.next_fast_len(2 * n - 1, real=True) for n in self.shape]
-        periodic = np.zeros((*kernel.shape[:-2], *self._padded))
+        self.reach = reach = kernel.shape[-2] // 2, kernel.shape[-1] // 2
+        self.shape = shape or (reach[0] + 1, reach[1] + 1)
+        # Offsets up to `reach` fit a period of n + reach: what wraps around falls outside.
+        self._padded = [fft.next_fast_len(int(n), real=True) for n in np.add(self.shape, reach)]
+        periodic = np.zeros((*kernel.shape[:-2], *self._padded), dtype=kernel.dtype)
         row, column = (
-            np.arange(1 - n, n) % m for n, m in zip(self.shape, self._padded, strict=True)
+            np.arange(-far, far + 1) % m for far, m in zip(reach, self._padded, strict=True)
         )
         periodic[..., row[:, None], column] = kernel
         self._spectrum = fft.rfft2(periodic)
 
-    def __call__(self, values: Floats, total: bool = False) -> Floats:
+    def __call__(self, values: NDArray[Any], total: bool = False) -> NDArray[Any]:
         """Convolve a field (rows, columns): (..., rows, columns).
 
         With `total` fields (J, rows, columns): the sum over j of kernel [..., j] and field j.

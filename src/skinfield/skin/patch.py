@@ -14,6 +14,7 @@ from skinfield.skin.geometry import spans_plane
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
 COARSEST = 0.1  # m between taxels under one sheet: no skin has that, so these are millimetres
 WIDEST = 10.0  # m from end to end of one sheet
+MOST_APART = 30_000  # taxels: no more fit flat into that, of which half stand COARSEST from all others
 LARGEST_PAD = 0.1  # m
 
 
@@ -72,9 +73,9 @@ class Patch:
         columns = {
             "positions": positions,
             "normals": _unit(self.normals, rows) if given else _default_normals(positions),
-            "module": _whole("module", self.module, np.zeros_like(rows)).astype(np.int64),
-            "uid": _whole("uid", self.uid, rows).astype(np.uint64),
-            "channel": _whole("channel", self.channel, rows).astype(np.int64),
+            "module": _whole("module", self.module, np.zeros(len(rows), np.int64)),
+            "uid": _whole("uid", self.uid, rows.view(np.uint64)),
+            "channel": _whole("channel", self.channel, rows),
             "link_from_patch": _pose(self.link_from_patch),
         }
         highest = int(columns["channel"].max()) + 1
@@ -84,7 +85,6 @@ class Patch:
                 "every channel must be a column of the port"
             )
         for name, value in columns.items():
-            value = np.array(value, order="C")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "n_channels", int(self.n_channels) or highest)
@@ -180,6 +180,8 @@ def millimetres_in(positions: Floats) -> str:
     from skinfield.skin.geometry import nearest_distance
 
     extent = float(np.ptp(positions, axis=0).max())
+    if extent <= WIDEST and len(positions) > MOST_APART:
+        return ""
     distance = nearest_distance(positions)
     pitch = float(np.median(distance)) if np.isfinite(distance).all() else 0.0
     if pitch <= COARSEST and extent <= WIDEST:
@@ -212,8 +214,8 @@ def _positions(values: ArrayLike) -> Floats:
         )
     check_finite("positions", positions, "an absent taxel is left out, not marked by NaN")
     if positions.shape[1] == 2:
-        positions = np.column_stack([positions, np.zeros(len(positions))])
-    return positions
+        return np.column_stack([positions, np.zeros(len(positions))])
+    return np.array(positions, order="C")
 
 
 def _default_normals(positions: Floats) -> Floats:
@@ -241,11 +243,11 @@ def _unit(values: ArrayLike, rows: Ints) -> Floats:
             f"normals[{row}] is {normals[row]}, expected a vector that points out of the skin: "
             "leave normals out to have them estimated from the positions"
         )
-    return np.asarray(normals / length)
+    return np.ascontiguousarray(normals / length)
 
 
-def _whole(name: str, values: ArrayLike | None, default: Ints) -> NDArray[np.generic]:
-    """Whole numbers from 0, one per taxel, in the type they came in."""
+def _whole(name: str, values: ArrayLike | None, default: Ints) -> Ints:
+    """Whole numbers from 0, one per taxel, a copy in the type of the default."""
     if values is None:
         return default
     column = np.asarray(values)
@@ -253,11 +255,11 @@ def _whole(name: str, values: ArrayLike | None, default: Ints) -> NDArray[np.gen
     whole = column.dtype.kind in "iu" or (column.dtype.kind == "f" and (column % 1 == 0).all())
     if not whole or (column < 0).any():
         raise InputError(f"{name} is {column}, expected whole numbers from 0, one per taxel")
-    return column
+    return column.astype(default.dtype)
 
 
 def _pose(values: ArrayLike | None) -> Floats:
-    pose = np.eye(4) if values is None else as_floats("link_from_patch", values)
+    pose = np.eye(4) if values is None else np.array(as_floats("link_from_patch", values))
     check_shape("link_from_patch", pose, (4, 4), "a homogeneous pose")
     turn = pose[:3, :3]
     rigid = np.abs(turn @ turn.T - np.eye(3)).max() < 0.01 and np.linalg.det(turn) > 0

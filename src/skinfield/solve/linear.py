@@ -32,6 +32,7 @@ from skinfield.elastic.resample import resampling_matrix
 from skinfield.errors import Floats, InputError, check_positive, check_range
 from skinfield.estimate import ModelError, PressurePosterior
 from skinfield.skin import Grid
+from skinfield.skin.geometry import nearest_distance
 from skinfield.solve.gaussian_model import GaussianModel
 from skinfield.solve.operator import InverseOperator, propagated_std
 
@@ -265,13 +266,8 @@ class GaussianField:
 
 def taxel_distance(taxels: Floats, alone: float) -> float:
     """Median distance of a taxel to the nearest other, m; `alone` if there is none."""
-    from scipy.spatial import cKDTree
-
-    distinct = np.unique(taxels.round(9), axis=0)
-    if len(distinct) < 2:
-        return alone
-    distance = np.asarray(cKDTree(distinct).query(distinct, k=2)[0])
-    return float(np.median(distance[:, 1]))
+    distance = float(np.median(nearest_distance(np.unique(taxels.round(9), axis=0))))
+    return distance if np.isfinite(distance) else alone
 
 
 def correlation(grid: Grid, length: float) -> Floats:

@@ -124,8 +124,7 @@ class WindowNoise:
         )
         if not (factors.U.diagonal() > 0.0).all():
             raise InputError(TOO_DENSE)
-        per_std = self.plan.scale[near] * self.plan.noise_std[near]
-        return np.asarray(factors.solve(sums) * per_std[:, None], dtype=np.float64)
+        return np.asarray(factors.solve(sums) * self.plan.share[near, None], dtype=np.float64)
 
 
 def highest_std(plan: SheetPlan) -> float:

@@ -17,8 +17,9 @@ from skinfield.solve.sheet.response import GROUP, LANES
 from skinfield.solve.tiles_kernel import data, load, place, repeat, size_of
 
 Array = NDArray[Any]
-Parts = tuple[Array, Array, Array, Array, int, int]  # see `gram.parts_of`
+Parts = tuple[Array, Array, Array, Array, int, int]  # see `plan.parts_of`
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
+SAME = 1e-6  # cells between two taxels at one place
 
 
 def _add_block(
@@ -233,14 +234,13 @@ def earlier(
     """Write the taxels before one of strip `row` that are within reach; returns their number.
 
     They are in that strip and in the len(first) - 1 before it; `first` holds where in each of
-    these the search begins, which never goes back from one taxel of a strip to the next. Those
-    that do not fit into `found` are counted only.
+    these the search begins, which never goes back from one taxel of a strip to the next.
     """
     x, y = place[taxel]
     count = 0
     for back in range(min(len(first) - 1, row), -1, -1):
         end = taxel if back == 0 else strip[row - back + 1]
-        at = first[back]
+        at = strip[row - back] if taxel == strip[row] else first[back]
         while at < end and place[at, 0] < x - reach:
             at += 1
         first[back] = at
@@ -248,47 +248,57 @@ def earlier(
             if place[other, 0] > x + reach:
                 break
             if (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2 <= reach * reach:
-                if count < len(found):
-                    found[count] = other
+                found[count] = other
                 count += 1
     return count
 
 
 @njit
-def count_pairs(place: Array, strip: Array, reach: float, back: int, count: Array) -> None:
-    """Write how many earlier neighbours each taxel has, (L,), in its strip and `back` before."""
-    first, none = np.empty(back + 1, np.int64), np.empty(0, np.int64)
+def search(place: Array, strip: Array, reach: float, back: int) -> tuple[Array, Array]:
+    """Number of each taxel's earlier neighbours and distance to the nearest of all, both (L,).
+
+    In its strip and `back` before; the distance is that to another place, at most `reach`.
+    """
+    count, nearest = np.empty(len(place), np.int64), np.full(len(place), reach)
+    first, found = np.empty(back + 1, np.int64), np.empty(len(place), np.int64)
     for row in range(len(strip) - 1):
-        for step in range(min(back, row) + 1):
-            first[step] = strip[row - step]
         for taxel in range(strip[row], strip[row + 1]):
-            count[taxel] = earlier(place, strip, row, taxel, reach, first, none)
+            count[taxel] = earlier(place, strip, row, taxel, reach, first, found)
+            for other in found[: count[taxel]]:
+                x, y = place[taxel, 0] - place[other, 0], place[taxel, 1] - place[other, 1]
+                apart = np.sqrt(x * x + y * y)
+                if apart > SAME:
+                    nearest[taxel] = min(nearest[taxel], apart)
+                    nearest[other] = min(nearest[other], apart)
+    return count, nearest
 
 
 @njit(fastmath=FAST)
-def overlap(one: Array, other: Array, down: int, across: int) -> float:
-    """Sum of products of two stamps, the other's corner `down` rows and `across` cells further."""
-    first, last = max(0, across), min(one.shape[1], other.shape[1] + across)
+def overlap(one: Array, other: Array, columns: int, down: int, across: int) -> float:
+    """Sum of products of two stamps, the other's corner `down` rows and `across` cells further.
+
+    Both flat, rows of `columns` cells that end in so many zeros that no row meets another's next.
+    """
+    first, last = max(0, down), min(len(one), len(other) + down * columns) // columns
+    begin = first * columns + max(0, across)
+    end = max(begin, last * columns + min(0, across))
+    mine, beside = one[begin:end], other[begin - down * columns - across :]
     total = one.dtype.type(0.0)
-    for row in range(max(0, down), min(one.shape[0], other.shape[0] + down)):
-        mine, beside = one[row, first:last], other[row - down, first - across :]
-        for cell in range(len(mine)):
-            total += mine[cell] * beside[cell]
+    for cell in range(len(mine)):
+        total += mine[cell] * beside[cell]
     return float(total)
 
 
 @njit(fastmath=FAST)
 def fill_pairs(
     place: Array,
-    cell: Array,
     offset: Array,
     strip: Array,
     reach: float,
+    back: int,
     read: Parts,
     spread: Parts,
-    first: Array,
-    found: Array,
-    ring: Array,
+    room: int,
     start: Array,
     other_of: Array,
     value: Array,
@@ -296,29 +306,28 @@ def fill_pairs(
 ) -> None:
     """Write what each taxel reads of itself, (L,), and of its earlier neighbours.
 
-    `read` and `spread` are what a taxel reads and the pressure that its reading makes; `first` and
-    `found` are room for `earlier`, and `ring` (N, rows, width) for the last stamps, as many as all
-    strips of a search hold.
+    `read` and `spread` are what a taxel reads and the pressure that its reading makes; `room` is
+    the number of taxels that `back` strips and one hold.
     """
     ra, rd, rx, ry, rrows, rwidth = read
     sa, sd, sx, sy, srows, swidth = spread
-    mine = np.empty((srows, swidth), ring.dtype)
     shift = (srows - rrows) // 2  # of the corners of one taxel's stamps
+    columns = swidth + shift + int(reach) + 1
+    mine = np.empty(srows * columns, value.dtype)
+    ring = np.empty((room, rrows * columns), value.dtype)  # the last stamps
+    first, found = np.empty(back + 1, np.int64), np.empty(room, np.int64)
     for row in range(len(strip) - 1):
-        for step in range(min(len(first) - 1, row) + 1):
-            first[step] = strip[row - step]
         for taxel in range(strip[row], strip[row + 1]):
             mine[:] = 0.0
-            add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, swidth, mine.ravel())
-            here = ring[taxel % len(ring)]
+            add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, columns, mine)
+            here = ring[taxel % room]
             here[:] = 0.0
-            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, here.ravel())
-            own[taxel] = overlap(mine, here, shift, shift)
-            count = earlier(place, strip, row, taxel, reach, first, found)
-            for index in range(count):
+            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, columns, here)
+            own[taxel] = overlap(mine, here, columns, shift, shift)
+            for index in range(earlier(place, strip, row, taxel, reach, first, found)):
                 beside = found[index]
-                down = cell[beside, 1] - cell[taxel, 1] + shift
-                across = cell[beside, 0] - cell[taxel, 0] + shift
+                down = int(place[beside, 1]) - int(place[taxel, 1]) + shift
+                across = int(place[beside, 0]) - int(place[taxel, 0]) + shift
                 entry = start[taxel] + index
                 other_of[entry] = beside
-                value[entry] = overlap(mine, ring[beside % len(ring)], down, across)
+                value[entry] = overlap(mine, ring[beside % room], columns, down, across)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skinfield.elastic import Physics
 from skinfield.errors import Floats, InputError, Ints, check_range
 from skinfield.skin import Grid, Patch
-from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov, taxel_distance
+from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov
 from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps, stamps_on
 
 
@@ -21,7 +21,8 @@ def lattice_of(patch: Patch, pitch: float, before: int, after: int) -> Grid:
     behind it. The outermost taxels stand half a cell away from where that would not hold, as
     nothing is checked when stamps are written.
     """
-    low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
+    places = patch.positions[:, :2]
+    low, high = places.min(axis=0), places.max(axis=0)
     columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
     shape = (rows + 2 * before + 1, columns + before + after + 1)
     return Grid(patch, shape, pitch, low - (before - 0.5) * pitch)
@@ -33,7 +34,7 @@ class Placing:
 
     Attributes
     ----------
-    order : (L,) int array
+    order : (L,) int32 array
         Row of each taxel in what the caller hands in.
     place : (L, 2) array
         In cells from the lattice's origin, in that order.
@@ -43,7 +44,7 @@ class Placing:
         Of a strip, in cells.
     """
 
-    order: Ints
+    order: NDArray[np.int32]
     place: Floats
     strip: Ints
     height: float
@@ -53,7 +54,7 @@ class Placing:
         """Sort places (L, 2) into strips of some height in cells."""
         row = (place[:, 1] / height).astype(np.int64)
         width = float(place[:, 0].max()) + 1.0
-        order = np.argsort(row * width + place[:, 0])  # x is below width: a strip after another
+        order = np.argsort(row * width + place[:, 0]).astype(np.int32)  # a strip after another
         strip = np.zeros(int(row.max()) + 2, dtype=np.int64)
         np.cumsum(np.bincount(row), out=strip[1:])
         return cls(order, place[order], strip, height)
@@ -68,9 +69,9 @@ class Placing:
         """Place in the cell, (L, 2), 0 to 1."""
         return self.place - np.floor(self.place)
 
-    def corner(self, reach: int, columns: int) -> Ints:
+    def corner(self, reach: int, columns: int) -> NDArray[np.int32]:
         """Flat index of the first cell of a stamp that reaches some cells, (L,)."""
-        column, row = (self.cell - (reach - 1)).T.astype(np.int64)
+        column, row = (self.cell - (reach - 1)).T
         return np.asarray(row * columns + column)
 
 
@@ -111,14 +112,13 @@ class Gram:
         return csr_array((self.value, self.other, self.start), shape=(taxels, taxels))
 
 
-def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
-    """Sum the products of the stamps of all taxels that are neighbours."""
-    from skinfield.solve.sheet.kernels import count_pairs, fill_pairs
+def gram_of(placing: Placing, offset: NDArray[Any], stamps: Stamps) -> Gram:
+    """Sum the products of the stamps of all neighbours; in the precision of `offset` (L, 2)."""
+    from skinfield.solve.sheet.kernels import fill_pairs, search
 
-    taxels, reach = len(placing.order), stamps.neighbours
+    taxels, reach, precision = len(placing.order), stamps.neighbours, offset.dtype.type
     back = int(np.ceil(reach / placing.height - 1e-9))
-    count = np.empty(taxels, dtype=np.int64)
-    count_pairs(placing.place, placing.strip, reach, back, count)
+    count, _ = search(placing.place, placing.strip, reach, back)
     room = -(-count // GROUP) * GROUP
     gram = Gram(
         np.append(0, np.cumsum(room)),
@@ -126,21 +126,17 @@ def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
         np.zeros(room.sum(), dtype=precision),
         np.empty(taxels, dtype=precision),
     )
-    ends = placing.strip[
-        np.minimum(np.arange(len(placing.strip)) + back + 1, len(placing.strip) - 1)
-    ]
+    ends = np.append(placing.strip, np.full(back + 1, taxels))[back + 1 :]
     read, spread = parts_of(stamps.read, precision), parts_of(stamps.spread, precision)
     fill_pairs(
         placing.place,
-        placing.cell,
-        placing.offset.astype(precision),
+        offset,
         placing.strip,
         reach,
+        back,
         read,
         spread,
-        np.empty(back + 1, dtype=np.int64),
-        np.empty(count.max(), dtype=np.int64),
-        np.empty((int((ends - placing.strip).max()), read[4], read[5]), dtype=precision),
+        int((ends - placing.strip).max()),
         gram.start,
         gram.other,
         gram.value,
@@ -191,7 +187,8 @@ class SheetPlan:
         Of the taxels in their cells.
     corner : (L,) int array
         First cell of the pressure that a taxel adds.
-    noise_std : (L,) array, unit of the reading
+    share : (L,) array
+        Of the noise in a reading's deviation, as the prior has it.
     variance : float, Pa²
         Of a cell, as the prior has it.
     gram : Gram
@@ -214,7 +211,7 @@ class SheetPlan:
     ) -> None:
         check_range("pitch", pitch, 1e-6, 1.0, "the side of a cell, in metres")
         check_range("cut", cut, 1e-6, 0.1, "a share of a response's peak")
-        places = patch.plane
+        places = patch.positions[:, :2]  # its plane, which takes its surface: few ask for that
         _check_extent(len(places), np.ptp(places, axis=0) / pitch)
         self.length_scale = _length_scale(solver, places, pitch)
         self.stamps = stamps = stamps_on(physics, pitch, cut, self.length_scale / pitch)
@@ -227,13 +224,14 @@ class SheetPlan:
         self.placing = Placing.of((places - self.lattice.origin) / pitch, height)
         for stamp in both:
             _check_inside(self.lattice, self.placing, stamp)
-        self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
+        self.gram = gram_of(self.placing, self.offset, stamps)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
-        self.noise_std = noise_std[self.placing.order]
-        own = self.gram.own / self.noise_std**2
+        noise_std = noise_std[self.placing.order]
+        own = self.gram.own / noise_std**2
         self.variance = solver.snr**2 / float(np.mean(own))
-        white = 1.0 / (self.noise_std * np.sqrt(1.0 + self.variance * own))
+        share = 1.0 / np.sqrt(1.0 + self.variance * own)
+        white, self.share = share / noise_std, share.astype(precision)
         self.scale = white.astype(precision)
         self.gain = (self.variance * white).astype(precision)
         weight, gram = (np.sqrt(self.variance) * white).astype(precision), self.gram
@@ -243,6 +241,8 @@ class SheetPlan:
 
 def _length_scale(solver: object, places: Floats, pitch: float) -> float:
     """Of the prior's smoothness, m; 0 for none."""
+    from skinfield.solve.sheet.kernels import search
+
     if isinstance(solver, Tikhonov):
         return 0.0
     if not isinstance(solver, GaussianField):
@@ -252,7 +252,9 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
         )
     if solver.length_scale is not None:
         return float(solver.length_scale)
-    return PITCHES * min(taxel_distance(places, LOCAL * pitch), LOCAL * pitch)
+    placing = Placing.of((places - places.min(axis=0)) / pitch, LOCAL)
+    nearest = search(placing.place, placing.strip, LOCAL, 1)[1]
+    return PITCHES * pitch * float(np.median(nearest))
 
 
 def _check_inside(lattice: Grid, placing: Placing, stamp: Stamp) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import (
     BaseStress,
     BondedLayer,
+    LatticeConvolution,
     Layer,
     Mechanics,
     Physics,
@@ -21,7 +22,6 @@ from skinfield.elastic import (
 from skinfield.errors import (
     Floats,
     InputError,
-    Ints,
     as_floats,
     check_count,
     check_offers,
@@ -43,7 +43,7 @@ def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
     """One standard deviation per taxel, (L,)."""
     noise = as_floats("noise_std", noise_std)
     if noise.ndim == 0:
-        noise = np.full(taxels, float(noise))
+        noise = np.broadcast_to(noise, (taxels,))
     check_shape("noise_std", noise, (taxels,), "one number, or one per taxel")
     for index in np.flatnonzero(~((noise >= NOISE[0]) & (noise <= NOISE[1])))[:1]:
         check_range(f"noise_std[{index}]", float(noise[index]), *NOISE, "no reading is exact")
@@ -96,6 +96,8 @@ class Conjugate:
     ----------
     answer, valid : (L,) arrays
         u, and 1 for each taxel that answered, else 0.
+    room : (L,) array
+        For whatever is needed between two readings.
     iterations : int
     relative_residual : float
         As a share of the norm of b.
@@ -103,11 +105,11 @@ class Conjugate:
         What a step took lately, at its slowest.
     """
 
-    def __init__(self, gram: Gram, order: Ints, scale: NDArray[Any]) -> None:
+    def __init__(self, gram: Gram, order: NDArray[Any], scale: NDArray[Any]) -> None:
         self.gram, self.order, self.scale = gram, order, scale
         self.iterations, self.step_ns, self.relative_residual = 0, 0, 0.0
         self.valid = np.ones_like(scale)
-        self.answer, self._target, self._residual, self._way, self._moved = (
+        self.answer, self._target, self._residual, self._way, self.room = (
             np.zeros_like(scale) for _ in range(5)
         )
 
@@ -127,7 +129,7 @@ class Conjugate:
         from skinfield.solve.sheet.kernels import descend, take_in, turn
 
         answer, valid = self.answer, self.valid
-        residual, way, moved = self._residual, self._way, self._moved
+        residual, way, moved = self._residual, self._way, self.room
         whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
         if not whole < LARGEST_SQUARE:
             raise InputError(
@@ -156,9 +158,9 @@ class Conjugate:
         """Write the first residual; return the square of its norm."""
         residual = self._residual
         if self.answer.any():
-            self._moved[:] = self.answer
-            self._multiply(self.answer, self._moved)
-            np.subtract(self._target, self._moved, out=residual)
+            self.room[:] = self.answer
+            self._multiply(self.answer, self.room)
+            np.subtract(self._target, self.room, out=residual)
             residual *= self.valid
             square = float(residual @ residual)
             if square < whole:
@@ -178,7 +180,7 @@ class Conjugate:
 MOST = 1e6  # s: a deadline that is as good as none
 FAINT = 1e-5  # of the largest: what a displacement kernel is cut at
 LONGEST = 256  # cells from a load to the end of its displacement
-STRIP = 256  # rows of which the displacement is found together
+BLOCK = 16  # reaches along a side of cells whose displacement is found together
 
 
 class Sheet:
@@ -279,7 +281,6 @@ class Sheet:
         self.grid = self.plan.lattice
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
         self._stamping_ns, self.deadline_met = 0, True
-        self._weights = np.zeros(len(self.patch), dtype=precision)
         self._spread = parts_of(self.plan.stamps.spread, precision)
         self._read = parts_of(self.plan.stamps.read, precision)
         self._rehearse()
@@ -313,32 +314,35 @@ class Sheet:
         return self._conjugate.relative_residual
 
     @cached_property
-    def _kernel(self) -> NDArray[Any]:
-        """Displacement by a unit pressure on one cell, (3, 2 reach + 1, 2 reach + 1)."""
+    def _convolution(self) -> LatticeConvolution:
+        """From pressure to displacement on a block of cells and what reaches it on one side."""
         ray = np.arange(LONGEST + 1) * self.pitch
         offsets = np.column_stack([ray, np.zeros_like(ray)])
         moved = self.mechanics.surface_displacement(self.layer, offsets, self.pitch)[:, :, 2]
         size = np.abs(moved).max(axis=1)
-        reach = int(np.flatnonzero(size > FAINT * size[0])[-1])
+        reach = max(int(np.flatnonzero(size > FAINT * size[0])[-1]), 1)
         kernel = displacement_kernel(self.mechanics, self.layer, self.pitch, reach, reach)
-        return np.asarray(-kernel, dtype=np.float32)  # pressure pushes inwards
+        rows, columns = (min(BLOCK * reach, cells + reach) for cells in self.shape)
+        return LatticeConvolution(-kernel.astype(np.float32), (rows, columns))  # pushes inwards
 
     def displacement(self, pressure: NDArray[Any]) -> NDArray[Any]:
         """Displacement of the surface (K, 3) m by a pressure (K,) Pa: along x, along y, outwards.
 
-        In single precision, strip by strip, so that memory does not grow with the sheet.
+        In single precision, block by block, so that memory does not grow with the sheet.
         """
-        from scipy.signal import oaconvolve
-
         check_shape("pressure", pressure, (len(self.grid),), "one per cell")
         field = np.asarray(pressure, dtype=np.float32).reshape(self.shape)
-        out, reach = np.empty((*self.shape, 3), dtype=np.float32), self._kernel.shape[1] // 2
-        for row in range(0, len(field), STRIP):
-            first = max(row - reach, 0)
-            part, rows = field[first : row + STRIP + reach], slice(row - first, row - first + STRIP)
-            for axis, kernel in enumerate(self._kernel):
-                out[row : row + STRIP, :, axis] = oaconvolve(part, kernel, "same")[rows]
-        return out.reshape(-1, 3)
+        out, convolve = np.empty((3, *self.shape), dtype=np.float32), self._convolution
+        reach = convolve.reach[0]
+        rows, columns = (cells - reach for cells in convolve.shape)
+        for row in range(0, self.shape[0], rows):
+            for column in range(0, self.shape[1], columns):
+                low, left = max(row - reach, 0), max(column - reach, 0)
+                part = field[low : row + rows + reach, left : column + columns + reach]
+                to = out[:, row : row + rows, column : column + columns]
+                moved = convolve(part)[:, row - low :, column - left :]
+                to[:] = moved[:, : to.shape[1], : to.shape[2]]
+        return out.reshape(3, -1).T
 
     @cached_property
     def highest_std(self) -> float:
@@ -373,9 +377,9 @@ class Sheet:
         last = None if deadline_ns is None else deadline_ns - self._stamping_ns
         conjugate.solve(readings, self.tolerance, most, last)
         begin = time.perf_counter_ns()
-        np.multiply(conjugate.answer, plan.gain, out=self._weights)
+        weights = np.multiply(conjugate.answer, plan.gain, out=conjugate.room)
         columns = self.shape[1]
-        add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out)
+        add_stamps(weights, plan.corner, plan.offset, self._spread, columns, out)
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
         self.deadline_met = deadline_ns is None or end <= deadline_ns
