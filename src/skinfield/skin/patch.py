@@ -14,7 +14,7 @@ from skinfield.skin.geometry import spans_plane
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
 COARSEST = 0.1  # m between taxels under one sheet: no skin has that, so these are millimetres
 WIDEST = 10.0  # m from end to end of one sheet
-MOST_APART = 30_000  # taxels: no more fit flat into that, of which half stand COARSEST from all others
+MOST_APART = 30_000  # taxels: no more fit flat into that with half of them COARSEST from all others
 LARGEST_PAD = 0.1  # m
 
 
