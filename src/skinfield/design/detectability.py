@@ -154,10 +154,10 @@ class SearchedPlaces:
 
     def false_alarm_rate(self, level: float) -> float:
         """Probability that noise alone exceeds `level` anywhere; good where it is below 0.1."""
-        from scipy.stats import norm
+        from scipy.special import ndtr
 
         fall = np.exp(-(level**2) / 2)
-        flat = self.pieces * float(norm.sf(level))
+        flat = self.pieces * float(ndtr(-level))
         rim = self.half_outline * fall / (2 * np.pi)
         return float(flat + rim + self.area * level * fall / (2 * np.pi) ** 1.5)
 
@@ -173,10 +173,10 @@ class SearchedPlaces:
 
     def independent(self, false_alarm_rate: float) -> float:
         """How many places that do not know of each other have the same false alarms together."""
-        from scipy.stats import norm
+        from scipy.special import ndtr
 
         level = self.level(false_alarm_rate)
-        return false_alarm_rate / float(norm.sf(level))
+        return false_alarm_rate / float(ndtr(-level))
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,14 +225,14 @@ def detectable_force(
         Per reading of all taxels. To judge a mean of n readings with white noise, divide the
         design's noise by the root of n.
     """
-    from scipy.stats import norm
+    from scipy.special import ndtri
 
     check_range("false_alarm_rate", false_alarm_rate, 1e-12, 0.1, "beyond it touch means nothing")
     check_range("detection_rate", detection_rate, 0.5, 1 - 1e-9, "beyond it is no detection")
     places = Places.over(design.patch) if places is None else places
     light = respond(design, Touch(TRIAL, touch.radius), places.plane)
     searched = searched_places(places, light)
-    needed = searched.level(false_alarm_rate) + float(norm.ppf(detection_rate))
+    needed = searched.level(false_alarm_rate) + float(ndtri(detection_rate))
     forces = force_for_snr(design, touch, places.plane, light.snr / TRIAL, needed)
     return DetectableForce(places, forces, false_alarm_rate, detection_rate, searched)
 

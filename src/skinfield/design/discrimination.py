@@ -138,11 +138,11 @@ class TwoPointDistance:
 def needed_noncentrality(error_rate: float) -> float:
     """Noncentrality at which both errors of the test occur at `error_rate`."""
     from scipy.optimize import brentq
-    from scipy.stats import chi2, ncx2
+    from scipy.special import chdtri, chndtr
 
     check_range("error_rate", error_rate, 1e-9, 0.3, "of one for two, and of two for one")
-    level = chi2.isf(error_rate, UNKNOWN)
-    return float(brentq(lambda n: ncx2.cdf(level, UNKNOWN, n) - error_rate, 1e-6, 1e4))
+    level = chdtri(UNKNOWN, error_rate)
+    return float(brentq(lambda n: chndtr(level, UNKNOWN, n) - error_rate, 1e-6, 1e4))
 
 
 def two_point_distance(
