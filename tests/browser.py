@@ -255,9 +255,8 @@ class Look:
         )
 
     def draw(self) -> None:
-        """Wait for the next picture of the skin."""
-        drawn = self.value("skinfield.scene.drawn")
-        self.until("(drawn) => skinfield.scene.drawn > drawn", drawn)
+        """Wait until the page shows what it knows."""
+        self.value("skinfield.scene.whenDrawn()")
 
     def shoot(self, name: str, after_ms: float = 0.0) -> None:
         """Keep a picture, after a while, where `SKINFIELD_PICTURES` names a folder for them."""
