@@ -160,11 +160,14 @@ def test_a_bus_that_goes_away_and_returns(skin: Skin) -> None:
     wait_for(skin.quiet, PATIENCE)
 
 
-@pytest.mark.parametrize("kind", ["lose", "duplicate"])
-def test_what_happens_on_the_wires_is_counted(skin: Skin, kind: str) -> None:
-    name = {"lose": "lost", "duplicate": "duplicated"}[kind]
+@pytest.mark.parametrize(
+    ("kind", "name", "chance"), [("lose", "lost", 0.04), ("duplicate", "duplicated", 0.1)]
+)
+def test_what_happens_on_the_wires_is_counted(
+    skin: Skin, kind: str, name: str, chance: float
+) -> None:
     seen, done = skin.counted(), skin.boards.counts()
-    skin.boards.wires(**{kind: 0.08})
+    skin.boards.wires(**{kind: chance})
     wait_for(lambda: skin.boards.counts()[name] - done[name] >= 150, PATIENCE)
     skin.boards.wires(**{kind: 0.0})
     truth = skin.boards.counts()[name] - done[name]
