@@ -30,6 +30,8 @@ CODE = (
     "from skinfield.cli.main import main; main()\n"
 )
 NOISE = ("GL Driver Message", "WebGL-0x")  # what rendering in software says of itself
+SCREEN = """window.requestAnimationFrame = (draw) => setTimeout(draw, 80);
+window.cancelAnimationFrame = clearTimeout;"""  # a slow one: a processor draws all pictures
 
 
 def browser_path() -> str:
@@ -252,9 +254,15 @@ class Look:
             [t_s, before],
         )
 
-    def shoot(self, folder: Path, name: str) -> None:
-        """Keep a picture."""
-        self.page.screenshot(path=str(folder / f"{name}.png"))
+    def draw(self) -> None:
+        """Wait until the page shows what it knows."""
+        self.value("skinfield.scene.whenDrawn()")
+
+    def shoot(self, name: str, after_ms: float = 0.0) -> None:
+        """Keep a picture, after a while, where `SKINFIELD_PICTURES` names a folder for them."""
+        if asked := os.environ.get("SKINFIELD_PICTURES"):
+            self.page.wait_for_timeout(after_ms)
+            self.page.screenshot(path=Path(asked) / "page" / f"{name}.png")
 
 
 ROWS = """() => [...document.querySelectorAll(
@@ -267,16 +275,9 @@ def looking(browser: Any, size: dict[str, int] = DESK, **more: Any) -> Iterator[
     """A page of its own, at first empty."""
     context = browser.new_context(viewport=size, **more)
     try:
+        context.add_init_script(SCREEN)
         look = Look(context.new_page())
         look.listen()
         yield look
     finally:
         context.close()
-
-
-def pictures(default: Path) -> Path:
-    """Where pictures are kept."""
-    asked = os.environ.get("SKINFIELD_PICTURES")
-    folder = Path(asked) / "page" if asked else default
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder

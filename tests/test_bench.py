@@ -21,7 +21,7 @@ from skinfield.lab.paper import Method, paper_patch
 from skinfield.solve import GaussianField, NonNegative
 
 PATCH = paper_patch()
-TINY = replace(SMOKE, readings=3, nodes=10, grids=(10,), cell=1e-3)
+TINY = replace(SMOKE, readings=3, nodes=10, grids=(10,))
 
 
 @pytest.fixture(scope="module")

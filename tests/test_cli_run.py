@@ -266,7 +266,8 @@ def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> 
 def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     """On a ring that was left behind, whose engine had a baseline."""
     port = free_port()
-    with running("--json", "--record", str(file), "--port", str(port), name=name) as found:
+    words = ("--json", "--scene", "two-balls", "--record", str(file), "--port", str(port))
+    with running(*words, name=name) as found:
         found.wait_for(found.feels)
         assert sum(map(records, found.seen)) == 1  # nobody looks on
         found.opened(port)

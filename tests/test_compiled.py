@@ -143,7 +143,8 @@ def test_what_is_compiled_is_reported_once() -> None:
 
 
 @pytest.mark.slow
-def test_warmup_is_a_run_that_answers() -> None:
+def test_warmup_is_a_run_that_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("skinfield.cli.run.SETTLE", 1.0)
     found = result_of("warmup")
-    assert found["cycles"] > 100
-    assert found["seconds"] > 3.0
+    assert found["cycles"] > 35
+    assert found["seconds"] > 1.0

@@ -53,7 +53,7 @@ def started(parts: ExitStack) -> Skin:
     boards = parts.enter_context(start(virtual))
     made = settings(rungs=(10, 20))
     source = source_from_options("icub", "udp", tuple(boards.channels), made.skin)
-    made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.5, stale_after=STALE)
+    made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.0, stale_after=STALE)
     supervisor = parts.enter_context(Supervisor(made))
     supervisor.wait(STARTS).close()
     return Skin(boards, parts.enter_context(connect(made.name)), supervisor)
@@ -160,11 +160,14 @@ def test_a_bus_that_goes_away_and_returns(skin: Skin) -> None:
     wait_for(skin.quiet, PATIENCE)
 
 
-@pytest.mark.parametrize("kind", ["lose", "duplicate"])
-def test_what_happens_on_the_wires_is_counted(skin: Skin, kind: str) -> None:
-    name = {"lose": "lost", "duplicate": "duplicated"}[kind]
+@pytest.mark.parametrize(
+    ("kind", "name", "chance"), [("lose", "lost", 0.04), ("duplicate", "duplicated", 0.1)]
+)
+def test_what_happens_on_the_wires_is_counted(
+    skin: Skin, kind: str, name: str, chance: float
+) -> None:
     seen, done = skin.counted(), skin.boards.counts()
-    skin.boards.wires(**{kind: 0.04})
+    skin.boards.wires(**{kind: chance})
     wait_for(lambda: skin.boards.counts()[name] - done[name] >= 150, PATIENCE)
     skin.boards.wires(**{kind: 0.0})
     truth = skin.boards.counts()[name] - done[name]

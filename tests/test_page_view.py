@@ -12,7 +12,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from browser import DESK, ENDS, PATIENCE, Look, Served, looking, pictures, running_browser, served
+from browser import DESK, ENDS, PATIENCE, Look, Served, looking, running_browser, served
 from live_skins import unique_name
 from page_gestures import Hand
 from page_sources import StillSource
@@ -73,7 +73,7 @@ def one_within(low: float, high: float, rows: list[dict[str, str]]) -> bool:
 # a recording
 
 
-def test_a_recording_is_shown_as_it_was(look: Look, made: list[Known], tmp_path: Path) -> None:
+def test_a_recording_is_shown_as_it_was(look: Look, made: list[Known]) -> None:
     assert look.value("skinfield.state.hello.mode") == "replay"
     assert look.value("skinfield.state.hello.replay.end_s") == pytest.approx((CYCLES - 1) * 0.01)
     look.stand_still()
@@ -82,7 +82,7 @@ def test_a_recording_is_shown_as_it_was(look: Look, made: list[Known], tmp_path:
         # the bar has steps, and a cycle lasts 10 ms: it is one of the nearest
         near = [made[place + off].force for off in (-2, -1, 0, 1, 2)]
         look.wait_rows(partial(one_within, min(near) - 5e-3, max(near) + 5e-3))
-    look.shoot(pictures(tmp_path), "view")
+    look.shoot("view")
     assert look.at("tare").is_disabled()
     assert look.at("record").is_disabled()
 
@@ -135,16 +135,16 @@ def test_a_page_without_the_token_says_so(browser: Any, view: Served) -> None:
 
 def test_a_curved_skin_is_pressed_and_its_page_connects_again(folder: Path, browser: Any) -> None:
     words = ("run", "--name", unique_name(), "--skin", "cylinder", "--headless", "--scene", "idle",
-             "--grid", "20", "--rate-hz", "200", "--priority", "0", "--no-fit")  # fmt: skip
+             "--grid", "20", "--rate-hz", "100", "--priority", "0", "--no-fit")  # fmt: skip
     with served(*words, folder=folder) as running:
         running.wait_running()
         with looking(browser) as look:
             look.open(running.address)
-            curved(look, folder)
-            reconnects(look, running, folder)
+            curved(look)
+            reconnects(look, running)
 
 
-def curved(look: Look, folder: Path) -> None:
+def curved(look: Look) -> None:
     """A curved patch is pressed where one clicks."""
     assert look.value("skinfield.state.hello.patches[0].flat") is False
     hand = Hand(look)
@@ -153,20 +153,19 @@ def curved(look: Look, folder: Path) -> None:
     assert float(rows[0]["truthXMm"]) == pytest.approx(3.0, abs=0.2)
     assert float(rows[0]["truthYMm"]) == pytest.approx(4.0, abs=0.2)
     look.wait_rows(lambda rows: len(rows) == 1 and float(rows[0]["errorMm"]) < 3.0)
-    look.page.wait_for_timeout(1000)
-    look.shoot(pictures(folder), "curved")
+    look.shoot("curved", 1000)
     hand.lift()
     assert look.wrong == []
 
 
-def reconnects(look: Look, running: Served, folder: Path) -> None:
+def reconnects(look: Look, running: Served) -> None:
     """The page goes on by itself when a server is there again."""
     source, port = StillSource(), running.port
     source.read(1.0)
     running.kill()
     look.until("!skinfield.socket.open")
     look.until("document.querySelector('#status-line').textContent.includes('lost')")
-    look.shoot(pictures(folder), "connection-lost")
+    look.shoot("connection-lost")
     look.value("skinfield.state.lastUpdate = null")
     with serve_page(PageSettings(port=port), lambda: (source,)):
         look.until("skinfield.socket.open && skinfield.state.lastUpdate !== null")

@@ -205,8 +205,7 @@ def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
     engine.keep = False
 
     def write_on() -> float:
-        for _ in range(20):
-            step(engine, recorder)
+        step(engine, recorder, 200)
         return recorder._disk.failing_since
 
     wait_for(write_on)

@@ -69,9 +69,9 @@ def test_what_arrives_is_what_it_says_it_sent(icub, host):
     silence(icub, host)
     host.messages()
     before = icub.counts()
-    icub.wires(lose=0.02, duplicate=0.02, swap=0.02)
+    icub.wires(lose=0.04, duplicate=0.04, swap=0.04)
     host.tell("07 00")
-    messages = host.wait_for(3000)
+    messages = host.wait_for(1500)
     host.tell("07 01")
     wait_for(lambda: icub.counts()["commands"] == before["commands"] + 2)
     counts = icub.counts()
@@ -203,7 +203,7 @@ def test_settings_that_cannot_be_used_are_said_where_it_was_started():
 
 def test_the_command_says_what_it_sent(tmp_path):
     truth = tmp_path / "truth.jsonl"
-    words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "1.5"]
+    words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "0.7"]
     words += ["--rate-hz", "100", "--fault", "unplug 1@1ms", "--truth", str(truth), "--json"]
     result = invoke(words)
     assert result.exit_code == 0, result.output

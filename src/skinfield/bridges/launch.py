@@ -12,9 +12,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.settings import BridgeSettings, ZenohAddresses
-from skinfield.bridges.yarp.publisher import YarpSettings
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
 from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_python
@@ -102,10 +100,14 @@ def bridge_settings(given: BridgeSettings) -> dict[str, Any]:
         wanted["zenoh"] = given
     if given.ros2:
         _need("rosbags", "ros")
+        from skinfield.bridges.ros2.publisher import RosSettings
+
         wanted["ros2"] = RosSettings(
             robot=given.robot, domain=given.ros_domain, rates=given.ros_rates, session=session
         )
     if given.yarp:
+        from skinfield.bridges.yarp.publisher import YarpSettings
+
         wanted["yarp"] = YarpSettings(robot=given.robot, name_server=given.yarp_name_server)
     return wanted
 

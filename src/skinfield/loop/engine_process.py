@@ -464,10 +464,8 @@ def main() -> None:
         sys.stdout.buffer.flush()
         if sys.stdin.buffer.readline() != GO:
             return  # it is not wanted any more
-    engine = EngineProcess(settings, prepared)
-    engine.run()
-    if engine.ending != State.STOPPED:  # the next one waits for the end of this process
-        os._exit(0)
+    EngineProcess(settings, prepared).run()
+    os._exit(0)  # others wait for the end of this process: to tear Numba down takes 0.1 s
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ def measure(settings: JitterSettings, granted: RealTimeStatus, reader: Any, supe
     supervisor : Supervisor
         Of the engine.
     """
-    second = time.monotonic_ns() // 10**9 + 2
+    second = int(time.monotonic() + 2 * BEFORE) + 1
     _sleep_until(second - BEFORE)
     running, missing = _paired(settings, granted)
     try:

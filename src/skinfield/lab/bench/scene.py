@@ -58,7 +58,7 @@ class BenchSize:
 
 SMOKE = BenchSize(
     name="smoke", grids=(10, 20), nodes=20, deadlines=(30e-6, 1e-3), readings=6, rounds=1,
-    paper_laps=2, laps=200, steps=6, cell=0.5e-3,
+    paper_laps=2, laps=200, steps=6, cell=1e-3,
 )  # fmt: skip
 SHORT = BenchSize(name="short", readings=100, rounds=5, paper_laps=10, laps=600, steps=40)
 FULL = BenchSize(name="full", readings=300, rounds=15, paper_laps=60, laps=1000, steps=100)
