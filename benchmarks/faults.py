@@ -29,7 +29,7 @@ from skinfield.emulator.settings import VirtualSettings
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.loop.client import Live
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.status import Observer, Status
+from skinfield.loop.status import LiveStatus, Observer
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
 from skinfield.signal import ICubByte
@@ -71,7 +71,7 @@ class Bench:
         return self.live.reader.pid
 
 
-def said(before: Status, now: Status, worst: dict[str, Any]) -> list[str]:
+def said(before: LiveStatus, now: LiveStatus, worst: dict[str, Any]) -> list[str]:
     """Sentences on what has changed between two looks."""
     lines = []
     for name, counts in now.sources.items():
@@ -100,7 +100,7 @@ def said(before: Status, now: Status, worst: dict[str, Any]) -> list[str]:
     return lines or ["nothing: no count, state or age changed"]
 
 
-def watch(bench: Bench, seconds: float) -> tuple[Status, dict[str, Any]]:
+def watch(bench: Bench, seconds: float) -> tuple[LiveStatus, dict[str, Any]]:
     """Look again and again; the last look, and the worst that was seen."""
     worst: dict[str, Any] = {"invalid": 0, "missing": False, "age": 0.0, "states": set()}
     end = time.monotonic() + seconds

@@ -33,7 +33,7 @@ from skinfield.files.mcap.live import LiveRecording
 from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.loop.client import Live
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.status import Observer, Status
+from skinfield.loop.status import LiveStatus, Observer
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
 from skinfield.signal import ICubByte
@@ -185,7 +185,7 @@ def watched(
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         time.sleep(min(left, 60.0))
-        status: Status = observer.look()
+        status: LiveStatus = observer.look()
         for name, pid in pids.items():
             memory[name].append(resident(pid))
         wake, ready = status.lately.wake, status.lately.ready

@@ -14,7 +14,7 @@ from skinfield.errors import Floats
 from skinfield.lab.accuracy import NOISES, PRIORS, AccuracyPlan, Findings, computed
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.score import column, where
-from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, Level, known_entrants
+from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, NoiseLevel, known_entrants
 from skinfield.plot import save
 
 IMAGES = Path(__file__).parent / "images"
@@ -78,7 +78,9 @@ def picture_of_errors(quantity: str, findings: Findings) -> Figure:
 
 if __name__ == "__main__":
     presses, workers = (*map(int, sys.argv[1:]), *(200, 1)[len(sys.argv) - 1 :])
-    levels = tuple(Level(quantity, noise) for quantity, each in NOISES.items() for noise in each)
+    levels = tuple(
+        NoiseLevel(quantity, noise) for quantity, each in NOISES.items() for noise in each
+    )
     found = computed(
         AccuracyPlan(entrants=known_entrants(), levels=levels, presses=presses), workers
     )

@@ -19,7 +19,7 @@ from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import Floats
 from skinfield.lab.paper import FALSE_ALARMS, LAYER, NOISES, PAPER, PLACES, RATE, paper_patch
 from skinfield.lab.plots import Curve, draw_panels
-from skinfield.lab.report import SHORT, SIZES, Picture, Settings
+from skinfield.lab.report import SHORT, SIZES, Effort, Picture
 from skinfield.lab.sections.detection import (
     Statistic,
     Trial,
@@ -69,7 +69,7 @@ class Touch(Trial):
 
 
 @lru_cache(maxsize=8)
-def detector(settings: Settings, quantity: str, method: str) -> Detector:
+def detector(settings: Effort, quantity: str, method: str) -> Detector:
     """Ours, for the paper's patch."""
     return Detector(
         paper_patch(),
@@ -83,7 +83,7 @@ def detector(settings: Settings, quantity: str, method: str) -> Detector:
     )
 
 
-def limit(trial: Trial, settings: Settings, seed: int, alarms: Floats, averaged: int) -> Floats:
+def limit(trial: Trial, settings: Effort, seed: int, alarms: Floats, averaged: int) -> Floats:
     """Share (A,) that a matched filter finds which is told place and shape, at false alarms (A,).
 
     By Neyman and Pearson nothing finds more, and as nobody knows the place, all find less.
@@ -101,7 +101,7 @@ def limit(trial: Trial, settings: Settings, seed: int, alarms: Floats, averaged:
 class LightTouch:
     """The detectors beside the paper's method and the highest taxel, by quantity."""
 
-    settings: Settings
+    settings: Effort
 
     @cached_property
     def methods(self) -> dict[str, dict[str, Statistic]]:

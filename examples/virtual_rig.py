@@ -12,8 +12,8 @@ scenario = rig.Scenario(
     tools=(rig.Tool(name="ball", indenter=sf.simulate.Sphere(radius=8e-3)),),
     places=(rig.OverTaxels(), rig.Random(count=2)),
     loads=rig.Loads(forces=(1.0,)),
-    profile=rig.Profile(rest=1.0, hold=1.0, pause=0.5),
-    solving=rig.Solving(extent=16e-3, rungs=4),
+    profile=rig.LoadProfile(rest=1.0, hold=1.0, pause=0.5),
+    solving=rig.ContactAccuracy(extent=16e-3, rungs=4),
 )
 run = rig.run_rig(scenario)  # run.recording is an ordinary recording, run.load_cell a force's
 

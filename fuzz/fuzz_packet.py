@@ -7,7 +7,7 @@ import numpy as np
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
 from skinfield.wire.packet import (
-    Answer,
+    CommandReply,
     Hello,
     Packet,
     PacketDecoder,
@@ -31,7 +31,8 @@ def good(kind: int, count: int, payload: bytes, sequence: int = 0) -> bytes:
 SEEDS = [
     good(2, 3, b"123456") + good(1, 40, bytes(40), 1),
     good(5, 2, b"abcd") + b"noise" + good(4, 9, b"\x01\x01", 5) + good(3, 1, bytes(4), 2),
-    good(16, 0, Hello(channels=40, name="palm").payload) + good(17, 0, Answer(34, 0, 9).payload),
+    good(16, 0, Hello(channels=40, name="palm").payload)
+    + good(17, 0, CommandReply(34, 0, 9).payload),
     good(34, 0, b"\x01\0\0\0") + b"SF\x01",
 ]
 

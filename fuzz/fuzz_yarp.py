@@ -7,9 +7,9 @@ import numpy as np
 
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
-from skinfield.wire.links import Place
+from skinfield.wire.links import LinkAddress
 from skinfield.wire.sources.yarp import YarpLink
-from skinfield.wire.yarp import Answer, Carrier, bytes_from_bottle, text_from_bottle
+from skinfield.wire.yarp import Carrier, NameReply, bytes_from_bottle, text_from_bottle
 from skinfield.wire.yarp.carriers import Lines, from_octets, greeting, message
 from skinfield.wire.yarp.contacts import known_name, part_of, port_of
 from skinfield.wire.yarp.port import Connection
@@ -65,7 +65,7 @@ class Link(YarpLink):
     """A connection that brought bytes, whose lines may have 60 of them."""
 
     def __init__(self, data: bytes) -> None:
-        super().__init__("/out", Place(0, ()), "me", CHANNELS)
+        super().__init__("/out", LinkAddress(0, ()), "me", CHANNELS)
         self._lines = Lines(60)
         self._lines.feed(data)
 
@@ -108,7 +108,7 @@ def connection(data: bytes) -> None:
 
 def answers(data: bytes) -> None:
     """What a name server, or a reader, says."""
-    answer = Answer()
+    answer = NameReply()
     with suppress(InputError):
         answer.feed(data)
     _ = answer.place

@@ -8,16 +8,16 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.bridges.zenoh.messages import (
-    Calibration,
+    EstimateForm,
     EstimateHead,
-    Plan,
+    RemoteCalibration,
     contact_plain,
     contacts_from,
     described,
     status_from,
     strict_json,
 )
-from skinfield.bridges.zenoh.session import Part
+from skinfield.bridges.zenoh.session import Keys
 from skinfield.elastic import BondedLayer, Capacitance
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
@@ -45,9 +45,9 @@ MODEL_CONFIG = ModelConfig(
 SIZES = Sizes.of(MODEL_CONFIG.skin, MODEL_CONFIG.rungs, MODEL_CONFIG.rows)
 TOLD = describe("one", MODEL_CONFIG, ["Source"], 1e-3)
 DESCRIPTION = described("robot", "one", TOLD, SlotLayout.of(SIZES.fields()))
-PLAN = Plan.of(DESCRIPTION)
+PLAN = EstimateForm.of(DESCRIPTION)
 KNOWN = Configuration(1, Tikhonov(), Tuning())
-NOISE = Calibration(1, KNOWN, np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
+NOISE = RemoteCalibration(1, KNOWN, np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
 STATUS = strict_json(status_from(b'{"name": "one", "state": "running"}', MODEL_CONFIG.skin))
 HEAD = EstimateHead(1, 2, 3, 4, 5, 6, PLAN.fingerprint).packed()
 
@@ -110,14 +110,14 @@ def read_cycle(data: bytes) -> None:
 
 def read_description(data: bytes) -> None:
     """A description, and the slots that follow from it."""
-    plan = Plan.of(data)
+    plan = EstimateForm.of(data)
     assert plan.layout.size < 1 << 29
     plan.layout.slot()
 
 
 def read_calibration(data: bytes) -> None:
     """Noise and solver."""
-    found = Calibration.of(data, len(MODEL_CONFIG.skin[0]))
+    found = RemoteCalibration.of(data, len(MODEL_CONFIG.skin[0]))
     assert np.isfinite(found.noise_std).all()
 
 
@@ -131,7 +131,7 @@ def read_status(data: bytes) -> None:
 def read_head(data: bytes) -> None:
     """Head of an estimate; and a key."""
     assert EstimateHead.of(data).packed() == data
-    Part.of(data.decode(errors="replace"))
+    Keys.of(data.decode(errors="replace"))
 
 
 def read_contacts(data: bytes) -> None:

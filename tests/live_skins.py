@@ -11,13 +11,13 @@ from uuid import uuid4
 import numpy as np
 
 import skinfield as sf
-from skinfield.loop.baseline import Baseline
+from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
 from skinfield.loop.realtime import RealTime
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, State
@@ -122,7 +122,7 @@ def cycle_of(made: LiveSettings, noise: float = 0.004) -> Updater:
         made, (Port("port", max(int(p.channel.max()) for p in made.skin) + 1),)
     )
     table = np.tile([REST, GAIN, 0.6, 1.0], (taxels, 1))
-    return Updater(model_config, Baseline(table, np.full(taxels, noise), 10**8))
+    return Updater(model_config, TareBaseline(table, np.full(taxels, noise), 10**8))
 
 
 @cache
@@ -170,10 +170,10 @@ def fill(
     ring: Ring, rng: np.random.Generator, stamp_ns: int, *forces: float, fresh: int = 1
 ) -> int:
     """A cycle with these contacts and a pressure by chance."""
-    slot = Slot.of(ring.begin())
+    slot = CycleSlot.of(ring.begin())
     slot.head[:] = 0
-    slot.head[Head.FRESH], slot.head[Head.CONTACTS] = fresh, len(forces)
-    slot.head[Head.WALL_NS], slot.head[Head.GENERATION] = stamp_ns, ring.generation
+    slot.head[CycleHead.FRESH], slot.head[CycleHead.CONTACTS] = fresh, len(forces)
+    slot.head[CycleHead.WALL_NS], slot.head[CycleHead.GENERATION] = stamp_ns, ring.generation
     rows = slot.patches
     rows["answer"], rows["rung"], rows["stamp_ns"] = int(Answer.LINEAR), 20, stamp_ns
     rows["contacts"], rows["force"], rows["gap"] = len(forces), sum(forces), np.nan

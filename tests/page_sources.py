@@ -11,10 +11,10 @@ from live_skins import REST, cycle_of, pressed_counts, settings
 
 from skinfield.errors import InputError
 from skinfield.loop.model_config import ModelConfig, Models
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import CycleSlot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.controller import Controller
-from skinfield.page.presser import Press
+from skinfield.page.presser import PressRequest
 from skinfield.signal import Blocks, Channels, Kind
 from skinfield.skin import Skin
 
@@ -51,7 +51,7 @@ class StillSource:
         now, blocks = time.time_ns(), Blocks(1 << 12)
         blocks.put(now, 0, counts, Kind.BYTES)
         self._channels.apply(blocks)
-        slot = Slot.empty(self._cycle.sizes)
+        slot = CycleSlot.empty(self._cycle.sizes)
         self._cycle.answer(self._channels, now, slot, reset=True, budget=0.05)
         self._newest = Snapshot(slot, self._number, self._models, now)
 
@@ -104,7 +104,7 @@ class NotingController(Controller):
             }
         ]  # fmt: skip
 
-    def press(self, press: Press) -> dict[str, Any]:
+    def press(self, press: PressRequest) -> dict[str, Any]:
         if press.force is not None and press.force > 2.0:
             raise InputError(f"force is {press.force:g} N, expected 2 N at most")
         self.orders.append(("press", press))

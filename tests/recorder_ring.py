@@ -16,7 +16,7 @@ from skinfield.loop.model_config import Configuration, ModelConfig, write_config
 from skinfield.loop.ring_fields import description_of, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import PATCH, Head, Sizes, Slot
+from skinfield.loop.slots import PATCH, CycleHead, CycleSlot, Sizes
 from skinfield.record.recorder import Recorder, forget_state
 from skinfield.ring import Ring, State
 from skinfield.signal import Blocks, Kind, Port
@@ -68,11 +68,11 @@ class Engine:
         self.ring = Ring.reopen(self.ring.name, *self.layout)
         self.ring.set_state(State.RUNNING)
 
-    def begin(self, now_ns: int) -> Slot:
+    def begin(self, now_ns: int) -> CycleSlot:
         """The next slot: empty, but for the time and how far the log goes."""
-        slot = Slot.of(self.ring.begin())
+        slot = CycleSlot.of(self.ring.begin())
         slot.head[:] = 0
-        slot.head[Head.WALL_NS], slot.head[Head.LOG_POSITION] = now_ns, self.ring.log_end
+        slot.head[CycleHead.WALL_NS], slot.head[CycleHead.LOG_POSITION] = now_ns, self.ring.log_end
         slot.patches[:] = np.zeros(len(self.skin), PATCH)
         slot.valid[:] = 1
         return slot
@@ -117,9 +117,9 @@ class FakeEngine(Engine):
         data = self.blocks.data
         self.ring.log(data)
         slot, mono = self.begin(now), time.monotonic_ns()
-        slot.head[Head.FLAGS] = CycleFlag.LATE * (self.number % 10 == 0)
-        slot.head[Head.FRESH] = 1
-        slot.head[Head.DUE_NS : Head.WALL_NS] = mono + np.arange(4)
+        slot.head[CycleHead.FLAGS] = CycleFlag.LATE * (self.number % 10 == 0)
+        slot.head[CycleHead.FRESH] = 1
+        slot.head[CycleHead.DUE_NS : CycleHead.WALL_NS] = mono + np.arange(4)
         slot.counts[:], slot.values[:] = counts, 1e-3 * self.number
         slot.pressure[:] = 0.0
         slot.pressure[0, self.number % 16] = self.number

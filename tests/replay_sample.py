@@ -15,7 +15,7 @@ from skinfield.files.mcap.schema import CYCLES, FIELDS, Enclosed, FieldRecord
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import LAYOUT as ROWS
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.signal import Blocks, Channels, Kind
 
 START = 1_700_000_000_000_000_000
@@ -57,7 +57,7 @@ def write(
     without: range = range(0),
     tared_at: int = -1,
     every: int = 1,
-    beside: Callable[[RecordingWriter, Slot, int], None] | None = None,
+    beside: Callable[[RecordingWriter, CycleSlot, int], None] | None = None,
 ) -> list[Known]:
     """Write `cycles` cycles of a press that comes and goes.
 
@@ -84,7 +84,7 @@ def write(
     )
     fit = None if beside is None else FIT
     writer = RecordingWriter(path, skin_files, layout=ROWS, fit=fit, overwrite=True)
-    channels, slot, blocks = Channels(72), Slot.empty(cycle.sizes), Blocks(1 << 13)
+    channels, slot, blocks = Channels(72), CycleSlot.empty(cycle.sizes), Blocks(1 << 13)
     change, position = pressed_counts() - REST, 0
     for number in range(cycles):
         wall = START + number * PERIOD
@@ -116,21 +116,21 @@ def write(
     return made
 
 
-def _field(number: int, wall: int, slot: Slot) -> FieldRecord:
+def _field(number: int, wall: int, slot: CycleSlot) -> FieldRecord:
     taxels = slot.counts, slot.values, slot.valid
     return FieldRecord.of(number, wall, slot.patches["rung"], slot.pressure, taxels)
 
 
-def _stamp(slot: Slot, wall: int, position: int) -> None:
+def _stamp(slot: CycleSlot, wall: int, position: int) -> None:
     head = slot.head
-    head[Head.FLAGS], head[Head.WALL_NS], head[Head.LOG_POSITION] = 0, wall, position
-    head[Head.DUE_NS] = wall - START
-    head[Head.WAKE_NS] = wall - START + 20_000
-    head[Head.ACQUIRED_NS] = wall - START + 40_000
-    head[Head.READY_NS] = wall - START + 300_000
+    head[CycleHead.FLAGS], head[CycleHead.WALL_NS], head[CycleHead.LOG_POSITION] = 0, wall, position
+    head[CycleHead.DUE_NS] = wall - START
+    head[CycleHead.WAKE_NS] = wall - START + 20_000
+    head[CycleHead.ACQUIRED_NS] = wall - START + 40_000
+    head[CycleHead.READY_NS] = wall - START + 300_000
 
 
-def _known(told: Any, slot: Slot) -> Known:
+def _known(told: Any, slot: CycleSlot) -> Known:
     rung = int(slot.patches["rung"][0])
     touched = int(slot.patches["answer"][0]) > 1
     pressure = slot.pressure[0, : rung * rung] if touched else slot.pressure[0, :0]

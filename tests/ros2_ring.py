@@ -6,7 +6,7 @@ import numpy as np
 from recorder_ring import Engine
 
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.slots import Head
+from skinfield.loop.slots import CycleHead
 from skinfield.signal import Kind
 from skinfield.skin import Patch, Skin
 
@@ -50,7 +50,7 @@ class TwoPatches(Engine):
             self.blocks.put(now, 0, counts, Kind.SHORTS)
             self.ring.log(self.blocks.data)
         slot = self.begin(now)
-        slot.head[Head.FRESH] = 2
+        slot.head[CycleHead.FRESH] = 2
         slot.patches["answer"] = answers
         slot.patches["fresh"] = TAXELS
         slot.patches["stamp_ns"] = (now, now) if stamps_ns is None else stamps_ns

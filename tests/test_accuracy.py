@@ -21,7 +21,7 @@ from skinfield.lab.validation import (
     GAUSSIAN,
     PAPER,
     Entrant,
-    Level,
+    NoiseLevel,
     at_level,
     known_entrants,
     rows_of_case,
@@ -107,7 +107,7 @@ def test_a_soft_layer_bears_no_load(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def plan_of(**changes: object) -> AccuracyPlan:
     small = AccuracyPlan(
-        entrants=known_entrants()[:2], levels=(Level("stress", 380.0),), presses=2,
+        entrants=known_entrants()[:2], levels=(NoiseLevel("stress", 380.0),), presses=2,
         cell=0.5e-3, idle=300,
     )  # fmt: skip
     return replace(small, **changes)  # type: ignore[arg-type]
@@ -149,17 +149,19 @@ class Blind:
 def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:
     blind = Entrant(name="blind", solver=Blind(), nodes=10)
     case = case_of(presses()[1])
-    [row] = rows_of_case(case, [Level("stress", 380.0)], [blind], 0)
+    [row] = rows_of_case(case, [NoiseLevel("stress", 380.0)], [blind], 0)
     assert row["missed"] == row["contacts"] == len(presses()[1].press.indenters)
     assert (row["force_error"], row["false"], row["matched"]) == (-1.0, 0, 0)
     assert np.isnan(row["place_error_mm"])
-    [quiet] = accuracy.idle_rows(Path(), plan_of(entrants=(blind,)), Level("stress", 380.0))["idle"]
+    [quiet] = accuracy.idle_rows(Path(), plan_of(entrants=(blind,)), NoiseLevel("stress", 380.0))[
+        "idle"
+    ]
     assert (quiet["idle"], quiet["seen"]) == (300, 0)
 
 
 def test_rows_of_the_known_methods() -> None:
     case = case_of(presses()[2])
-    levels = [Level("stress", 0.0), Level("stress", 380.0)]
+    levels = [NoiseLevel("stress", 0.0), NoiseLevel("stress", 380.0)]
     rows = list(rows_of_case(case, levels, known_entrants()[:2], 0))
     assert [row["method"] for row in rows] == [PAPER, GAUSSIAN] * 2
     for row in rows:
@@ -172,14 +174,14 @@ def test_rows_of_the_known_methods() -> None:
 
 def test_exact_readings_are_told_with_the_floor() -> None:
     case = case_of(presses()[2])
-    exact = at_level(case, Level("stress", 0.0), 3)
+    exact = at_level(case, NoiseLevel("stress", 0.0), 3)
     np.testing.assert_array_equal(exact.readings, np.stack([case.readings] * 2))
     assert (exact.noise_std == FLOORS["stress"]).all()
-    some = at_level(case, Level("stress", 500.0), 3)
+    some = at_level(case, NoiseLevel("stress", 500.0), 3)
     spread = (some.readings - case.readings).std()
     assert 350 < spread < 650
     with pytest.raises(InputError, match="noise is -1"):
-        Level("stress", -1.0)
+        NoiseLevel("stress", -1.0)
 
 
 def test_table_of_rows_made_by_hand() -> None:

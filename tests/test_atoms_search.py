@@ -15,7 +15,7 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationM
 from skinfield.solve.atoms.fit_kernel import refined
 from skinfield.solve.atoms.fitter import CURVATURE_STD, ContactFitter
 from skinfield.solve.atoms.posterior import belief_of, laplace
-from skinfield.solve.atoms.search import LOG_FORCES, AtomSet, Problem, search
+from skinfield.solve.atoms.search import LOG_FORCES, AtomSet, FitProblem, search
 from skinfield.solve.atoms.table import BALL, curvature_force
 
 Floats = NDArray[np.float64]
@@ -49,7 +49,7 @@ def log_curvature_force() -> CubicSpline:
     return CubicSpline(logs, [np.log(curvature_force(LAYER, float(np.exp(x) * H))) for x in logs])
 
 
-def ball_residuals(problem: Problem, atom: Floats) -> Floats:
+def ball_residuals(problem: FitProblem, atom: Floats) -> Floats:
     """Of the readings and of the priors of a ball, made of the exact contact, and of an offset."""
     one = AtomSet(np.append(atom, [0.0, 0.0])[None], np.array([BALL]), 0.0, np.empty(0), np.eye(6))
     predicted = problem.alone(one, np.ones(1, dtype=np.bool_))
@@ -88,7 +88,7 @@ def test_refinement_ends_where_scipy_does(
     assert np.sqrt(np.diag(inner)) == pytest.approx(np.sqrt(np.diag(curvature)), rel=0.1)
 
 
-def drawn(problem: Problem, found: AtomSet, count: int) -> tuple[Floats, Floats]:
+def drawn(problem: FitProblem, found: AtomSet, count: int) -> tuple[Floats, Floats]:
     """Samples (C, 4) of a ball about a minimum, wider than it, and their log-weights."""
     rng = np.random.default_rng(5)
     middle, inner = found.atoms[0, :4], laplace(problem, found, 0).inner[0][:4, :4]

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from skinfield.elastic import BaseStress, BondedLayer
 from skinfield.lab.bench import contenders, machine, run, scene
-from skinfield.lab.bench.contenders import Answer, Chain, Contender, run_chain
+from skinfield.lab.bench.contenders import Contender, Laps, Outcome, run_chain
 from skinfield.lab.bench.machine import spread
 from skinfield.lab.bench.picture import FLOOR, picture
-from skinfield.lab.bench.run import Track, miss
+from skinfield.lab.bench.run import ContenderRun, miss
 from skinfield.lab.bench.scene import NOISE, SMOKE
 from skinfield.lab.paper import Method, paper_patch
 from skinfield.solve import GaussianField, NonNegative
@@ -25,7 +25,7 @@ TINY = replace(SMOKE, readings=3, nodes=10, grids=(10,))
 
 
 @pytest.fixture(scope="module")
-def tiny() -> scene.Scene:
+def tiny() -> scene.BenchScene:
     return scene.make_scene(TINY)
 
 
@@ -37,7 +37,7 @@ def scripted(pressure: float, name: str = "scripted") -> tuple[Contender, list]:
         now = time.perf_counter_ns()
         asked.append((readings[0], None if deadline_ns is None else deadline_ns - now))
 
-    last = Answer(np.full(4, pressure, np.float32), tuple, gap=0.25)
+    last = Outcome(np.full(4, pressure, np.float32), tuple, gap=0.25)
     return Contender(name, answer, lambda: last, lambda: asked.append(None)), asked
 
 
@@ -61,7 +61,7 @@ def test_fingers_move_as_fingers_do() -> None:
     assert (np.abs(places).max(axis=(0, 1)) < reach).all()
 
 
-def test_readings_are_the_truth_and_noise(tiny: scene.Scene) -> None:
+def test_readings_are_the_truth_and_noise(tiny: scene.BenchScene) -> None:
     assert len(tiny) == 3
     assert tiny.readings.shape == (scene.LEAD + 3, len(PATCH))
     noise = tiny.readings - tiny.exact
@@ -91,14 +91,16 @@ def test_a_chain_has_deadlines_of_its_own_and_no_lead() -> None:
 def track_of(
     deadline: float | None, *seconds: list[float], name: str = "scripted", start: str = "warm",
     pressure: float = 1.0, reference: np.ndarray | None = None,
-) -> Track:  # fmt: skip
+) -> ContenderRun:  # fmt: skip
     """A track whose chains took such times."""
     made, _ = scripted(pressure, name)
-    chains = [Chain(np.array(each), [made.last()] * len(each)) for each in seconds]
-    return Track(made, start, deadline, np.ones((3, 4)) if reference is None else reference, chains)
+    chains = [Laps(np.array(each), [made.last()] * len(each)) for each in seconds]
+    return ContenderRun(
+        made, start, deadline, np.ones((3, 4)) if reference is None else reference, chains
+    )
 
 
-def test_a_point_says_time_and_error(tiny: scene.Scene) -> None:
+def test_a_point_says_time_and_error(tiny: scene.BenchScene) -> None:
     reference = np.array([[2.0, 2, 2, 2], [4, 4, 4, 4], [1, 1, 1, 1]])
     times = [0.5e-3, 2e-3, 1e-3], [0.5e-3, 4e-3, 3e-3]
     point = track_of(1e-3, *times, reference=reference).point(tiny)
@@ -130,7 +132,7 @@ def test_a_contact_beside_its_finger_and_one_that_is_none() -> None:
     assert (force, place, missed) == (pytest.approx(0.5), pytest.approx((1e-3,)), 1)  # 2 N of 4 N
 
 
-def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
+def test_contenders_answer_as_a_reconstructor_does(tiny: scene.BenchScene) -> None:
     nodes, reading = 10, tiny.readings[-1]
     model = contenders.model_of(nodes)
     for made, solver in (
@@ -147,7 +149,7 @@ def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
         )
 
 
-def test_the_papers_point_has_the_time_of_all_its_work(tiny: scene.Scene) -> None:
+def test_the_papers_point_has_the_time_of_all_its_work(tiny: scene.BenchScene) -> None:
     point = track_of(None, [1.0] * 3, name=run.PAPER, pressure=1.5).point(tiny)
     times = [{"nodes": n, "name": run.PAPER, "seconds_us": spread([n * 1e3])} for n in (10, 20)]
     (found,) = run.as_printed([point], times, 20)
@@ -188,7 +190,7 @@ def test_a_system_that_tells_nothing(tmp_path, monkeypatch) -> None:
     assert machine.this_machine()["processor"]
 
 
-def drawn_bench(tiny: scene.Scene) -> dict:
+def drawn_bench(tiny: scene.BenchScene) -> dict:
     def point(solver: str, start: str, error: float) -> dict:
         track = track_of(None, [1e-4] * 3, name=solver, start=start, pressure=1.0 + error)
         return track.point(tiny)
@@ -211,7 +213,7 @@ def drawn_bench(tiny: scene.Scene) -> dict:
     }
 
 
-def test_costs_and_errors_are_drawn_with_their_units(tiny: scene.Scene) -> None:
+def test_costs_and_errors_are_drawn_with_their_units(tiny: scene.BenchScene) -> None:
     figure = picture(drawn_bench(tiny))
     left, right = figure.axes
     assert {axes.get_xscale() + axes.get_yscale() for axes in figure.axes} == {"loglog"}

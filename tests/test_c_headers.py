@@ -15,7 +15,7 @@ from skinfield import loop
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.ring_fields import VERSION
-from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.loop.slots import PATCH, CycleHead, CycleSlot
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field, Ring, RingReader, State, include_folder
 
@@ -125,8 +125,7 @@ def test_c_says_that_there_is_none(program: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("compiler", "option"),
-    [("cc", "-std=c99"), ("clang", "-std=c11"), ("c++", "-xc++")],
+    ("compiler", "option"), [("cc", "-std=c99"), ("clang", "-std=c11"), ("c++", "-xc++")]
 )
 def test_headers_are_clean_for(compiler: str, option: str, tmp_path: Path) -> None:
     source = tmp_path / "one.c"
@@ -188,17 +187,17 @@ def test_constants_are_those_of_python() -> None:
     assert found == {each.name: str(int(each)) for each in State} | {"VERSION": "1"}
     text = HEADER.read_text()
     found = dict(re.findall(r"SKINFIELD_(\w+) = (\d+)", text))
-    for prefix, names in (("HEAD_", Head), ("", Answer), ("", CycleFlag)):
+    for prefix, names in (("HEAD_", CycleHead), ("", Answer), ("", CycleFlag)):
         assert [int(found[prefix + each.name]) for each in names] == list(map(int, names))
-    assert (found["LIVE_VERSION"], found["HEAD_NUMBERS"]) == (str(VERSION), str(len(Head)))
+    assert (found["LIVE_VERSION"], found["HEAD_NUMBERS"]) == (str(VERSION), str(len(CycleHead)))
     assert f'\\"skinfield_live\\": {VERSION},' in text
 
 
-def publish(ring: Ring, contacts: int, fresh: int = 1) -> Slot:
+def publish(ring: Ring, contacts: int, fresh: int = 1) -> CycleSlot:
     """A cycle with so many contacts, every number of which differs."""
-    slot = Slot.of(ring.begin())
+    slot = CycleSlot.of(ring.begin())
     slot.head[:] = 0
-    slot.head[Head.FRESH], slot.head[Head.CONTACTS] = fresh, contacts
+    slot.head[CycleHead.FRESH], slot.head[CycleHead.CONTACTS] = fresh, contacts
     slot.patches["contacts"] = contacts
     rows = slot.contacts[0]
     for number, row in enumerate(rows):
@@ -210,7 +209,7 @@ def publish(ring: Ring, contacts: int, fresh: int = 1) -> Slot:
     return slot
 
 
-def lines_of(number: int, slot: Slot) -> list[str]:
+def lines_of(number: int, slot: CycleSlot) -> list[str]:
     """What the example must print of a cycle."""
     return [
         f"cycle {number}  contact {row['track']}  patch {row['patch']}  at "

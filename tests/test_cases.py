@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as hnp
 from skinfield.elastic import BondedLayer, HalfSpace, Layer
 from skinfield.errors import FileError, InputError
 from skinfield.lab.case_files import FORMAT, case_paths, load_case, save_case
-from skinfield.lab.case_sets import KINDS, Kind, standard_cases
+from skinfield.lab.case_sets import KINDS, CaseKind, standard_cases
 from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.simulate import Cylinder, Press, Sphere, press
 from skinfield.skin import Patch
@@ -251,7 +251,7 @@ def test_standard_cases_are_those_of_the_seed() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
-def test_every_standard_kind_can_be_pressed(kind: Kind) -> None:
+def test_every_standard_kind_can_be_pressed(kind: CaseKind) -> None:
     solved = press(kind.layer, list(kind.bodies), extent=28e-3, cell=1e-3)
     assert solved.residual < 1e-4
     assert solved.approach.max() < kind.layer.thickness

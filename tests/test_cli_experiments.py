@@ -7,17 +7,17 @@ from pathlib import Path
 from command_line import refused, run
 
 from skinfield.lab import experiments as running
-from skinfield.lab.report import SMOKE, Experiment, Section, Settings
+from skinfield.lab.report import SMOKE, Chapter, Effort, Experiment
 
 NAMES = ["first", "second", "last"]
 QUICK = ("experiments", "--size", "smoke", "--workers", 1)
 
 
-def quick(settings: Settings) -> Section:
-    return Section("Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
+def quick(settings: Effort) -> Chapter:
+    return Chapter("Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
 
 
-def failing(settings: Settings) -> Section:
+def failing(settings: Effort) -> Chapter:
     raise ZeroDivisionError("on purpose")
 
 

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 from skinfield.cli.report import end_undisturbed, signals_end
 from skinfield.cli.settings import RecordSettings, load_settings
 from skinfield.errors import InputError
-from skinfield.loop.slots import Head
+from skinfield.loop.slots import CycleHead
 from skinfield.page.settings import PageSettings
 from skinfield.ring import Field, Ring, RingReader, State
 
@@ -161,7 +161,7 @@ class Running:
                 slot = reader.latest()
                 if slot is None or slot.generation != reader.generation or not reader.alive:
                     return False  # of an engine that ran before on this ring
-                return bool(slot["head"][Head.CONTACTS]) and reader.state == State.RUNNING
+                return bool(slot["head"][CycleHead.CONTACTS]) and reader.state == State.RUNNING
         except InputError:
             return False
 
@@ -266,8 +266,7 @@ def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> 
 def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     """On a ring that was left behind, whose engine had a baseline."""
     port = free_port()
-    words = ("--json", "--scene", "two-balls", "--record", str(file), "--port", str(port))
-    with running(*words, name=name) as found:
+    with running("--json", "--record", str(file), "--port", str(port), name=name) as found:
         found.wait_for(found.feels)
         assert sum(map(records, found.seen)) == 1  # nobody looks on
         found.opened(port)

@@ -22,7 +22,7 @@ from skinfield.simulate.electronics import (
     icub_electronics,
     ideal_electronics,
 )
-from skinfield.simulate.rig import At, Profile, Scenario
+from skinfield.simulate.rig import At, LoadProfile, Scenario
 
 HEAD = "skinfield_rig = 1\n"
 
@@ -65,7 +65,7 @@ def test_the_template_has_all_that_it_says_and_its_values_are_the_defaults() -> 
     assert scenario.tools[:1] == usual.tools
     assert scenario.places[:1] == usual.places
     assert set(tomllib.loads(template())["profile"]) == set(
-        map(key_of, Profile.__dataclass_fields__)
+        map(key_of, LoadProfile.__dataclass_fields__)
     )
     assert set(PARTS) < {name.name for name in Electronics.__dataclass_fields__.values()}
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.cycle_kernel import plan, relax, take_in
-from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR, State, Step
+from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR, EngineState, Step
 from skinfield.reconstruct.engine.timing_model import CostModel
 
 
 def planned(costs: Floats, unresolved: Floats, energy: Floats, left: float) -> tuple[Any, Any]:
     """Rung of each patch, -1 for none, and the patches that are searched, in their order."""
-    state = State(np.zeros(len(energy), dtype=np.int64))
+    state = EngineState(np.zeros(len(energy), dtype=np.int64))
     state.energy[:], state.excess[:], state.kind[:] = energy, energy, 0
     none, ones = np.zeros(len(energy), dtype=np.int64), np.ones(len(energy))
     target, order, tops, times = none.copy(), none.copy(), none + costs.shape[2] - 1, [costs, costs]
@@ -226,7 +226,7 @@ def test_one_interrupted_step_moves_the_prediction_little() -> None:
 
 
 def test_a_worse_answer_does_not_replace_a_better_one() -> None:
-    state = State(np.zeros(2, dtype=np.int64))
+    state = EngineState(np.zeros(2, dtype=np.int64))
     state.answer[:], state.energy[:] = LINEAR, 100.0
     arrays = (state.group, state.integers, state.numbers, state.settled, np.array([[0.2, 0.1]]))
     times, moves = np.full((2, 1, 6, 2), 1e-5), np.ones((2, 3))

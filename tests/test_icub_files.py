@@ -7,7 +7,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.skin import generators
 from skinfield.skin.generators import TEN_PAD_TRIANGLE
 from skinfield.wire.icub import (
-    BoardSettings,
+    ICubBoardSettings,
     ICubConfiguration,
     ICubDecoder,
     PortRun,
@@ -214,4 +214,4 @@ def test_wrong_configurations_are_said():
     with pytest.raises(InputError, match="boards are \\[\\], expected one or more"):
         ICubConfiguration(())
     with pytest.raises(InputError, match="bus is 1, expected a whole number from 0 to 0"):
-        ICubConfiguration((BoardSettings(1, 0),))
+        ICubConfiguration((ICubBoardSettings(1, 0),))

@@ -10,9 +10,9 @@ import skinfield as sf
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.electronics import Converters, manufacture
 from skinfield.emulator.packet import REST
-from skinfield.loop.baseline import Baseline, BaselineCollector
+from skinfield.loop.baseline import BaselineCollector, TareBaseline
 from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import CycleSlot
 from skinfield.loop.update import Updater, lowest_change
 from skinfield.signal import Blocks, Channels, CySkinCount, ICubByte, Kind, PlainCount, Port
 from skinfield.simulate import Sphere, press
@@ -58,7 +58,7 @@ class Skin:
         blocks.put(self.now, 0, self.converters.counts, self.kind)
         self.channels.apply(blocks)
 
-    def tare(self, touches: np.ndarray, readings: int) -> tuple[Baseline, int]:
+    def tare(self, touches: np.ndarray, readings: int) -> tuple[TareBaseline, int]:
         """Touched for so many readings, then let go; and how many it took."""
         tare = BaselineCollector(self.settings, self.model_config.binding)
         for number in range(1, 5000):
@@ -67,12 +67,12 @@ class Skin:
                 return tare.finish(), number
         raise AssertionError("the baseline does not end")
 
-    def forces(self, baseline: Baseline, change: np.ndarray, count: int = 10) -> np.ndarray:
+    def forces(self, baseline: TareBaseline, change: np.ndarray, count: int = 10) -> np.ndarray:
         """Of all contacts, N, in each of some readings."""
         if self._updater is None:
             self._updater = Updater(self.model_config, baseline)
         updater = self._updater
-        slot, found = Slot.empty(updater.sizes), []
+        slot, found = CycleSlot.empty(updater.sizes), []
         for number in range(count):
             self.feed(change)
             updater.answer(self.channels, self.now, slot, reset=number == 0, budget=1.0)

@@ -33,7 +33,7 @@ from skinfield.loop.fit_ring import (
     write_engine,
 )
 from skinfield.loop.fit_worker import FIRST, FitTracks, deviation_of, rounding_of
-from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.loop.slots import PATCH, CycleHead, CycleSlot
 from skinfield.loop.stationary_mean import GAP_NS, MOST, Mean, StationaryMean
 from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, RingReader
@@ -272,8 +272,8 @@ def play(ring: Ring, level: Floats, count: int, *, answer: int = 3, seen: float 
     """Cycles with readings of this, in which the engine sees one contact of a force `seen`."""
     rng = np.random.default_rng(count)
     for _ in range(count):
-        slot = Slot.of(ring.begin())
-        slot.head[Head.FRESH] = 1
+        slot = CycleSlot.of(ring.begin())
+        slot.head[CycleHead.FRESH] = 1
         slot.patches["fresh"], slot.patches["answer"] = len(HEXAGON), answer
         slot.patches["stamp_ns"] = (1000 + ring.number) * STEP_NS
         slot.patches["contacts"] = answer > 1

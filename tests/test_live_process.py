@@ -24,7 +24,7 @@ from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop import process_supervisor
-from skinfield.loop.baseline import Baseline
+from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
 from skinfield.loop.engine_process import EngineProcess
@@ -32,7 +32,7 @@ from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import open_ring
-from skinfield.loop.slots import Head
+from skinfield.loop.slots import CycleHead
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
 from skinfield.ring import Field, Ring, State
@@ -279,7 +279,7 @@ def test_a_log_that_one_poll_could_overfill_is_refused() -> None:
 
 
 def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
-    def finish() -> Baseline:
+    def finish() -> TareBaseline:
         raise InputError("counts reach 300")
 
     notes: dict[str, object] = {}
@@ -291,11 +291,7 @@ def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
 
 @pytest.mark.parametrize(
     ("due", "flags"),
-    [
-        (0, CycleFlag(0)),
-        (6, CycleFlag.LATE),
-        (40, CycleFlag.LATE | CycleFlag.OVERRUN),
-    ],
+    [(0, CycleFlag(0)), (6, CycleFlag.LATE), (40, CycleFlag.LATE | CycleFlag.OVERRUN)],
 )
 def test_cycles_say_that_they_were_late(
     monkeypatch: pytest.MonkeyPatch, due: int, flags: CycleFlag
@@ -303,8 +299,8 @@ def test_cycles_say_that_they_were_late(
     def nothing(*_: object, **__: object) -> bool:
         return False
 
-    slot = SimpleNamespace(head=np.zeros(len(Head), np.int64))
-    slot.head[Head.DUE_NS] = (100 - due) * SECOND
+    slot = SimpleNamespace(head=np.zeros(len(CycleHead), np.int64))
+    slot.head[CycleHead.DUE_NS] = (100 - due) * SECOND
     clock = SimpleNamespace(monotonic_ns=lambda: 100 * SECOND)
     monkeypatch.setattr("skinfield.loop.engine_process.time", clock)
     engine = SimpleNamespace(
@@ -317,8 +313,8 @@ def test_cycles_say_that_they_were_late(
         waiter=SimpleNamespace(skipped=0),
     )
     cycle = SimpleNamespace(answer=nothing)
-    EngineProcess._answer(engine, cycle, slot, int(slot.head[Head.DUE_NS]), 0)  # type: ignore[arg-type]
-    assert CycleFlag(int(slot.head[Head.FLAGS])) == flags
+    EngineProcess._answer(engine, cycle, slot, int(slot.head[CycleHead.DUE_NS]), 0)  # type: ignore[arg-type]
+    assert CycleFlag(int(slot.head[CycleHead.FLAGS])) == flags
     assert not engine.reset
 
 

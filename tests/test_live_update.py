@@ -19,7 +19,7 @@ from skinfield.loop.control import order_of
 from skinfield.loop.intake import Intake
 from skinfield.loop.model_config import Configuration, ModelConfig, bind
 from skinfield.loop.runtime_parameters import AUTO, Focus, Limits, Tuning
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.reconstruct.engine.engine import prefer
@@ -60,7 +60,7 @@ def test_values_are_those_of_the_conditioner(made) -> None:
         np.full(72, REST), np.full(72, -171.0), np.ones(72), np.ones(72, bool), patch.uid
     )
     expected = Conditioner(sf.Capacitance(), LAYER, known, ICubByte())(counts)
-    channels, slot = Channels(72), Slot.empty(made.sizes)
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(counts, NOW))
     made.answer(channels, NOW, slot, reset=True)
     assert_array_equal(slot.valid.astype(bool), np.isfinite(expected))
@@ -69,14 +69,14 @@ def test_values_are_those_of_the_conditioner(made) -> None:
 
 
 def test_a_press_is_found_where_it_is(made) -> None:
-    channels, slot = Channels(72), Slot.empty(made.sizes)
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(pressed_counts(1.0), NOW))
     assert made.answer(channels, NOW, slot, reset=True, budget=1.0)
     row = slot.used_contacts()[0]
     assert_allclose(row["position"][:2], (0.0, 7.5e-3), atol=2e-3)
     assert 0.5 < row["normal_force"] < 2.0
     assert slot.patches["answer"][0] == int(Answer.FEASIBLE)
-    assert slot.head[Head.CONTACTS] == slot.patches["contacts"][0]
+    assert slot.head[CycleHead.CONTACTS] == slot.patches["contacts"][0]
     nodes = int(slot.patches["rung"][0]) ** 2
     cell = sf.Grid.square(sf.layouts.hexagon72(), int(nodes**0.5)).pitch ** 2
     whole = slot.pressure[0, :nodes].sum() * cell  # a contact ends where its pressure is low
@@ -84,7 +84,7 @@ def test_a_press_is_found_where_it_is(made) -> None:
 
 
 def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
-    channels, slot = Channels(72), Slot.empty(made.sizes)
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(np.full(72, 240), NOW))
     assert made.answer(channels, NOW, slot, reset=True)
     channels.apply(fed(np.full(36, 230), NOW + 10**6))
@@ -99,12 +99,12 @@ def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
 
 
 def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> None:
-    channels, slot = Channels(72), Slot.empty(made.sizes)
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(pressed_counts(1.0), NOW))
     made.answer(channels, NOW, slot, reset=True, budget=1.0)
     found = slot.used_contacts()
     assert not made.answer(channels, NOW + 10**6, slot)
-    assert slot.head[Head.FRESH] == 0
+    assert slot.head[CycleHead.FRESH] == 0
     assert slot.patches["stamp_ns"][0] == NOW
     assert_array_equal(slot.used_contacts(), found)
     assert not made.answer(channels, NOW + 2 * 10**8, slot)
@@ -113,7 +113,7 @@ def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> N
 
 
 def test_what_is_not_connected_is_left_out(made) -> None:
-    channels, slot = Channels(72), Slot.empty(made.sizes)
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(np.full(72, 240), NOW))
     channels.apply(fed(np.zeros(12), NOW, Status.NOT_CONNECTED))
     made.answer(channels, NOW, slot, reset=True)
@@ -182,7 +182,7 @@ def updater(made: Updater) -> Updater:
     return made
 
 
-def answered(updater: Updater, readings: np.ndarray, first: int = 0) -> list[Slot]:
+def answered(updater: Updater, readings: np.ndarray, first: int = 0) -> list[CycleSlot]:
     """One cycle for each reading (N, 72) of bytes, `STEP` apart."""
     channels, blocks, slots = Channels(72), Blocks(1 << 12), []
     for place, counts in enumerate(readings):
@@ -190,7 +190,7 @@ def answered(updater: Updater, readings: np.ndarray, first: int = 0) -> list[Slo
         blocks.clear()
         blocks.put(now, 0, counts, Kind.BYTES)
         channels.apply(blocks)
-        slots.append(Slot.empty(updater.sizes))
+        slots.append(CycleSlot.empty(updater.sizes))
         updater.answer(channels, now, slots[-1], reset=place == 0, budget=5.0)
     return slots
 

@@ -14,7 +14,7 @@ from skinfield.signal import Blocks, Channels, Count, Kind, Status, blocks_of, c
 from skinfield.wire.packet import (
     EVERY_DEVICE,
     LONGEST,
-    Answer,
+    CommandReply,
     Hello,
     Packet,
     PacketDecoder,
@@ -58,7 +58,7 @@ GOLDEN = {
     HELLO: Packet(kind=16, payload=Hello(
         channels=72, period_us=10_000, layout=bytes.fromhex("0011223344556677"), name="palm"
     ).payload),
-    ANSWER: Packet(kind=17, sequence=2, payload=Answer(PacketKind.PERIOD, 2, 5).payload),
+    ANSWER: Packet(kind=17, sequence=2, payload=CommandReply(PacketKind.PERIOD, 2, 5).payload),
     PERIOD: Packet(kind=34, device=0xFFFF, sequence=5, payload=bytes.fromhex("e8030000")),
 }  # fmt: skip
 

@@ -17,7 +17,7 @@ from websockets.sync.client import connect
 
 from skinfield.errors import InputError
 from skinfield.page.live_controller import LiveController, tune
-from skinfield.page.presser import MOST, Press, Presser
+from skinfield.page.presser import MOST, Presser, PressRequest
 from skinfield.page.recordings import SILENT, Recordings
 from skinfield.page.server import serve_page
 from skinfield.page.settings import PageSettings
@@ -61,8 +61,8 @@ def case() -> Case:
     return Case()
 
 
-def press(id: str, force: float | None = 1.0, radius: float | None = 5e-3) -> Press:
-    return Press(id, "hexagon72", 0.0, 0.0, force, radius, "ball")
+def press(id: str, force: float | None = 1.0, radius: float | None = 5e-3) -> PressRequest:
+    return PressRequest(id, "hexagon72", 0.0, 0.0, force, radius, "ball")
 
 
 def test_a_refused_press_is_none(case) -> None:

@@ -18,7 +18,7 @@ from command_line import invoke, refused, run
 import skinfield as sf
 from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
-from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
+from skinfield.cli.reconstruct_jobs import JobPlan, dask_client, run_jobs
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.files import fields, results, save_recording, tables
 from skinfield.files import manifest as manifest_module
@@ -234,7 +234,7 @@ def test_ctrl_c_leaves_nothing(
 ) -> None:
     original = reconstruct_jobs.parts
 
-    def parts(*words) -> Iterator[reconstruct_jobs.Part]:
+    def parts(*words) -> Iterator[reconstruct_jobs.PartialResults]:
         yield next(original(*words))
         raise KeyboardInterrupt
 
@@ -293,7 +293,7 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     single = tmp_path / "single.skinfield"
     run("reconstruct", paths[0], *LAYOUT, "-o", single)
     folder = tmp_path / "out"
-    plan = Plan.of(LAYOUT[1], None, CountSettings(), Elastomer(), ModelSettings(grid=8))
+    plan = JobPlan.of(LAYOUT[1], None, CountSettings(), Elastomer(), ModelSettings(grid=8))
     seen: list[tuple[str, str, int]] = []
 
     def end_after_one(kind: str, name: str, readings: int) -> None:

@@ -28,10 +28,10 @@ from skinfield.loop.client import connect
 from skinfield.loop.fit_ring import LAYOUT, FitReader, Fitted
 from skinfield.loop.model_config import Configuration, ModelConfig, Models
 from skinfield.loop.runtime_parameters import Tuning
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
-from skinfield.page.replay import LATE, Clock, ReplaySource
+from skinfield.page.replay import LATE, Clock, RecordingSource
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView, merged_view
 from skinfield.page.updates import Updates
@@ -39,7 +39,7 @@ from skinfield.record import drain as recorder_drain
 from skinfield.record.drain import FitDrain
 from skinfield.record.queue import Queue
 from skinfield.record.recover import recover
-from skinfield.record.replay import Moment, Published, Replay, ReplayFit, is_sound, slot_of
+from skinfield.record.replay import Published, RecordedCycle, Replay, ReplayFit, is_sound, slot_of
 from skinfield.record.state import RecorderState
 from skinfield.signal import Port
 
@@ -63,14 +63,14 @@ def replay(made: Made) -> Replay:
 
 
 @pytest.fixture(scope="module")
-def opened(made: Made) -> Iterator[ReplaySource]:
-    with closing(ReplaySource(made[0], playing=False)) as feed:
+def opened(made: Made) -> Iterator[RecordingSource]:
+    with closing(RecordingSource(made[0], playing=False)) as feed:
         assert not feed.playing
         yield feed
 
 
 @pytest.fixture
-def feed(opened: ReplaySource) -> ReplaySource:
+def feed(opened: RecordingSource) -> RecordingSource:
     """A feed that stands still."""
     opened.pause()
     opened.set_speed(1.0)
@@ -78,7 +78,7 @@ def feed(opened: ReplaySource) -> ReplaySource:
     return opened
 
 
-def went(feed: ReplaySource, t_s: float) -> Snapshot:
+def went(feed: RecordingSource, t_s: float) -> Snapshot:
     """What is shown after a seek."""
     feed.seek(t_s)
     wait_for(lambda: feed.sought)
@@ -87,7 +87,7 @@ def went(feed: ReplaySource, t_s: float) -> Snapshot:
     return found
 
 
-def assert_slot_is(slot: Slot, known: Known) -> None:
+def assert_slot_is(slot: CycleSlot, known: Known) -> None:
     """Everything as it was live, to the last bit."""
     assert slot.patches.tobytes() == known.patches
     assert slot.used_contacts().tobytes() == known.contacts
@@ -142,7 +142,7 @@ def test_calibration_and_settings_are_those_of_the_time(replay: Replay, tmp_path
     assert_array_equal(replay.models(START).noise_std, NOISE)
     path, solver = tmp_path / "tuned.mcap", sf.NonNegative(tolerance=0.5)
 
-    def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
+    def beside(writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
         wall = START + number * PERIOD
         known = Configuration(number // 10, solver, Tuning(threshold=0.01 * number)).as_dict()
         if number in (10, 20):
@@ -166,7 +166,7 @@ def test_calibration_and_settings_are_those_of_the_time(replay: Replay, tmp_path
 def test_rows_of_another_skin_are_left_out(tmp_path: Path) -> None:
     path = tmp_path / "wrong.mcap"
 
-    def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
+    def beside(writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
         if number == 10:
             told = slot.recorded(1000)
             many, other = told.patches.copy(), told.patches.copy()
@@ -237,7 +237,7 @@ def test_a_pace_is_kept(made: Made) -> None:
 # as a feed of the page
 
 
-def test_a_seek_while_paused_shows_exactly_that_cycle(made: Made, feed: ReplaySource) -> None:
+def test_a_seek_while_paused_shows_exactly_that_cycle(made: Made, feed: RecordingSource) -> None:
     known = made[1]
     for place in (118, 0, 51, 60, 149, 250, TARED, TARED - 1, 299, 319):
         assert_is(went(feed, place / WHOLE), known[place])
@@ -248,11 +248,11 @@ def test_a_seek_while_paused_shows_exactly_that_cycle(made: Made, feed: ReplaySo
     assert_is(last, known[250])  # still
     assert_is(between, known[118])  # the first one from then on
     assert between.age == pytest.approx(1e-6)  # by the time of the replay
-    assert between.slot.head[Head.WALL_NS] == known[118].wall_ns
+    assert between.slot.head[CycleHead.WALL_NS] == known[118].wall_ns
     assert between["hexagon72"].pressure.max() > 1e3
 
 
-def test_it_says_what_happened(feed: ReplaySource) -> None:
+def test_it_says_what_happened(feed: RecordingSource) -> None:
     assert feed.start_s == 0.0
     assert feed.end_s == pytest.approx((CYCLES - 1) / WHOLE)
     assert feed.events == [(pytest.approx(TARED / WHOLE), "the baseline was taken anew")]
@@ -262,7 +262,7 @@ def test_it_says_what_happened(feed: ReplaySource) -> None:
 
 
 def test_it_begins_to_play_at_once_and_closing_ends_its_thread(made: Made) -> None:
-    opened = ReplaySource(made[0])
+    opened = RecordingSource(made[0])
     wait_for(lambda: opened.sought)
     assert opened.playing
     assert opened.speed == 1.0
@@ -271,7 +271,7 @@ def test_it_begins_to_play_at_once_and_closing_ends_its_thread(made: Made) -> No
         assert not opened._thread.is_alive()
 
 
-def test_it_plays_faster_and_stops_at_the_end(feed: ReplaySource) -> None:
+def test_it_plays_faster_and_stops_at_the_end(feed: RecordingSource) -> None:
     seen: list[Snapshot] = []
     went(feed, 1.0)
     feed.set_speed(10.0)
@@ -297,7 +297,7 @@ def test_it_plays_faster_and_stops_at_the_end(feed: ReplaySource) -> None:
     assert feed.time_s < feed.end_s
 
 
-def test_pause_and_play_go_on_from_where_it_is(feed: ReplaySource) -> None:
+def test_pause_and_play_go_on_from_where_it_is(feed: RecordingSource) -> None:
     went(feed, 1.0)
     feed.play()
     wait_for(lambda: feed.time_s > 1.05)
@@ -310,13 +310,13 @@ def test_pause_and_play_go_on_from_where_it_is(feed: ReplaySource) -> None:
     wait_for(lambda: feed.latest().number > number)  # type: ignore[union-attr]
 
 
-def test_the_newest_of_many_seeks_wins(made: Made, feed: ReplaySource) -> None:
+def test_the_newest_of_many_seeks_wins(made: Made, feed: RecordingSource) -> None:
     for place in range(60, 300, 3):
         feed.seek(place / WHOLE)
     assert_is(went(feed, 222 / WHOLE), made[1][222])
 
 
-def test_what_makes_no_sense_is_refused(feed: ReplaySource) -> None:
+def test_what_makes_no_sense_is_refused(feed: RecordingSource) -> None:
     for wrong in (0.0, 11.0, float("nan")):
         with pytest.raises(InputError, match="speed"):
             feed.set_speed(wrong)
@@ -335,7 +335,7 @@ def test_a_cut_file_is_shown_as_far_as_it_goes(made: Made, tmp_path: Path) -> No
     data = made[0].read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: len(data) * 6 // 10])
-    with closing(ReplaySource(cut, playing=False)) as opened:
+    with closing(RecordingSource(cut, playing=False)) as opened:
         assert 1.0 < opened.end_s < CYCLES / WHOLE
         assert_is(went(opened, 1.1), made[1][110])
         assert "cut" in opened.status()["notes"]["damage"][0]
@@ -345,7 +345,7 @@ def test_a_cut_file_is_shown_as_far_as_it_goes(made: Made, tmp_path: Path) -> No
 def test_a_gap_is_told(tmp_path: Path) -> None:
     path = tmp_path / "parts.mcap"
     known = write(path, 160, first=33, without=range(130, 138))
-    with closing(ReplaySource(path, playing=False)) as opened:
+    with closing(RecordingSource(path, playing=False)) as opened:
         assert opened.gaps == [pytest.approx((0.96, 1.05))]
         assert_is(went(opened, 0.9), known[123])
         assert "missing from 0.96 s to 1.05 s" in opened.status()["notes"]["replay"]
@@ -357,15 +357,17 @@ def test_other_recordings_are_for_reconstruct(tmp_path: Path) -> None:
     rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{k % 5}" for k in range(50))
     table.write_text("time_s,taxel_0,taxel_1\n" + rows + "\n")
     with pytest.raises(FileError, match="skinfield reconstruct"):
-        ReplaySource(table)
+        RecordingSource(table)
     (tmp_path / "nothing.txt").write_text("hello")
     for wrong in (tmp_path / "nothing.txt", tmp_path / "absent.mcap"):
         with pytest.raises(FileError, match=wrong.name):
-            ReplaySource(wrong)
+            RecordingSource(wrong)
 
 
-def test_what_goes_wrong_later_is_told(feed: ReplaySource, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(time_ns: int) -> Iterator[Moment]:
+def test_what_goes_wrong_later_is_told(
+    feed: RecordingSource, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(time_ns: int) -> Iterator[RecordedCycle]:
         raise FileError("the disk is gone")
 
     monkeypatch.setattr(feed.replay, "from_time", broken)
@@ -413,9 +415,9 @@ class Page:
         self.fit: FakeFit | None = None
         self.seen: list[EngineView] = []
 
-    def __call__(self, writer: RecordingWriter, slot: Slot, number: int) -> None:
+    def __call__(self, writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
         """Look as the page does; then the fit goes on, and what it says is recorded."""
-        own = replace(slot, **{f.name: getattr(slot, f.name).copy() for f in fields(Slot)})
+        own = replace(slot, **{f.name: getattr(slot, f.name).copy() for f in fields(CycleSlot)})
         told = own.recorded(number)
         snapshot = Snapshot(own, number, self.models, told.wall_ns)
         found = self.reader.latest()
@@ -475,8 +477,8 @@ def _fit(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fit]:
 
 
 @pytest.fixture(scope="module", name="fitted")
-def _fitted(fit: Fit) -> Iterator[ReplaySource]:
-    with closing(ReplaySource(fit.path, playing=False)) as opened:
+def _fitted(fit: Fit) -> Iterator[RecordingSource]:
+    with closing(RecordingSource(fit.path, playing=False)) as opened:
         wait_for(lambda: opened.sought)
         yield opened
 
@@ -491,7 +493,7 @@ def assert_same(found: EngineView, live: EngineView) -> None:
     assert first is second is None or first.tobytes() == second.tobytes()
 
 
-def saw(feed: ReplaySource, number: int) -> EngineView:
+def saw(feed: RecordingSource, number: int) -> EngineView:
     """What is seen after a seek."""
     assert went(feed, number / WHOLE).number == number
     return feed.view()
@@ -516,13 +518,15 @@ def test_every_cycle_is_seen_as_it_was_live(fit: Fit) -> None:
 
 
 @pytest.mark.parametrize("order", [1, -1], ids=["forwards", "backwards"])
-def test_from_any_time_on_the_same_is_seen(fit: Fit, fitted: ReplaySource, order: int) -> None:
+def test_from_any_time_on_the_same_is_seen(fit: Fit, fitted: RecordingSource, order: int) -> None:
     places = (52, 61, 64, 71, 78, 100, 127, 199, 202, 231, 239, 260, 299, 330, 339)
     for number in places[::order]:
         assert_same(saw(fitted, number), fit.seen[number])
 
 
-def test_while_it_plays_ten_times_as_fast_the_same_is_seen(fit: Fit, fitted: ReplaySource) -> None:
+def test_while_it_plays_ten_times_as_fast_the_same_is_seen(
+    fit: Fit, fitted: RecordingSource
+) -> None:
     saw(fitted, 60)
     fitted.set_speed(10.0)
     fitted.play()
@@ -540,7 +544,7 @@ def test_while_it_plays_ten_times_as_fast_the_same_is_seen(fit: Fit, fitted: Rep
         assert_same(found, fit.seen[number])
 
 
-def test_the_page_is_sent_the_same(fit: Fit, fitted: ReplaySource) -> None:
+def test_the_page_is_sent_the_same(fit: Fit, fitted: RecordingSource) -> None:
     for number in (100, 127):
         found = saw(fitted, number)
         live, again = (
@@ -555,7 +559,7 @@ def test_a_recovered_file_has_the_answers_that_were_whole(fit: Fit, tmp_path: Pa
     cut.write_bytes(data[: len(data) * 6 // 10])
     report = recover(cut, good)
     assert report.messages["/skin/fit"] == len(list(LiveRecording.open(good).fits())) > 5
-    with closing(ReplaySource(good, playing=False)) as opened:
+    with closing(RecordingSource(good, playing=False)) as opened:
         assert_same(saw(opened, 100), fit.seen[100])
 
 
@@ -575,7 +579,7 @@ def test_numbers_that_cannot_be_shown_are_told_from_those_that_can() -> None:
 
 @pytest.mark.parametrize("what", ["another skin", "damaged"])
 def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: str) -> None:
-    def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
+    def beside(writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
         if what == "damaged":
             writer.write("/skin/fit", slot.recorded(number).wall_ns, bytes(56))
         elif number == 55:
@@ -587,7 +591,7 @@ def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: 
     path = tmp_path / "bad.mcap"
     known = write(path, 80, beside=beside)
     fake.close()
-    with closing(ReplaySource(path, playing=False)) as opened:
+    with closing(RecordingSource(path, playing=False)) as opened:
         found = saw(opened, 70)
         said = str(opened.status()["notes"]["damage"])
     assert found.contacts.tobytes() == known[70].contacts

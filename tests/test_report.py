@@ -12,11 +12,11 @@ from skinfield.errors import FileError, SkinfieldError
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
     SMOKE,
+    Chapter,
+    Claim,
     Picture,
     Run,
-    Section,
     Table,
-    Verdict,
     cell_in_words,
     kind_of_verdict,
     listed,
@@ -33,14 +33,14 @@ TABLE = Table(
     "numbers", "Caption & <more>",
     [{"name": "a, b", "force (N)": 0.12345, "n": 3}, {"name": "c", "n": 4}],
 )  # fmt: skip
-SECTION = Section(
+SECTION = Chapter(
     name="part",
     title="A part",
     claim="The paper says 0.2 N <b>.",
     sentences=("Found 3 % & more.", "<script>alert(1)</script>"),
     pictures=(Picture("first", "What it shows", PNG),),
     tables=(TABLE, Table("hidden", "Not shown", [{"x (mm)": 1.0}], on_page=False)),
-    verdicts=(Verdict("4", "claim", "measured", "does not hold"),),
+    verdicts=(Claim("4", "claim", "measured", "does not hold"),),
     seconds=12.0,
 )
 RUN = Run(SMOKE, (SECTION,), {"data": "no folder"}, 75.0)

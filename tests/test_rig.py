@@ -13,16 +13,16 @@ from skinfield.simulate.rig import (
     At,
     BetweenThree,
     BetweenTwo,
+    ContactAccuracy,
     LoadCell,
+    LoadProfile,
     Loads,
     OverTaxels,
     Pose,
-    Profile,
     Random,
     Raster,
     RigRun,
     Scenario,
-    Solving,
     Tool,
     run_rig,
 )
@@ -31,14 +31,16 @@ from skinfield.skin.generators import icub_triangle
 
 BALL = sf.simulate.Sphere(radius=6e-3)
 IDEAL = Electronics(board=LinearBoard(), quantised=False, delivery=Delivery(rate=50.0))
-COARSE = Solving(extent=16e-3, cell=0.6e-3, rungs=4)  # where the elastic solution does not matter
+COARSE = ContactAccuracy(
+    extent=16e-3, cell=0.6e-3, rungs=4
+)  # where the elastic solution does not matter
 ELASTIC = StandardLinearSolid(relaxed_fraction=1.0)
 SMALL = Scenario(
     patch=icub_triangle(),
     loads=Loads(forces=(1.0,)),
     electronics=IDEAL,
     elastomer=ELASTIC,
-    solving=Solving(extent=16e-3, rungs=4),
+    solving=ContactAccuracy(extent=16e-3, rungs=4),
 )
 
 
@@ -81,7 +83,7 @@ def test_readings_under_a_standing_load_are_those_of_a_press_at_that_place() -> 
     "body", [BALL, sf.simulate.Cylinder(radius=1.5e-3)], ids=lambda body: body.kind
 )
 def test_between_rungs_readings_are_interpolated_to_half_a_percent(body: object) -> None:
-    scenario = replace(SMALL, solving=Solving(extent=12e-3, rungs=12))
+    scenario = replace(SMALL, solving=ContactAccuracy(extent=12e-3, rungs=12))
     poses = [Pose(0.0, 0.0), Pose(4e-3, 0.0, 1.0)]
     ladder = solve_ladder(scenario, body, poses)  # type: ignore[arg-type]
     between = np.array([0.02, 0.37, 0.8])
@@ -190,7 +192,7 @@ def test_a_recording_is_as_from_a_board() -> None:
 
 @pytest.mark.parametrize("smooth", [True, False])
 def test_profiles_have_their_parts(smooth: bool) -> None:
-    profile = Profile(smooth=smooth)
+    profile = LoadProfile(smooth=smooth)
     assert 3.0 <= profile.period <= 5.0
     time = np.linspace(0.0, profile.period, 40_001)
     load, height = profile.load(time), profile.height(time)
@@ -243,6 +245,6 @@ def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(InputError, match=r"sinks|thickness"):
         run_rig(replace(SMALL, loads=Loads(forces=(90.0,))))
     with pytest.raises(InputError, match="ramp is 0"):
-        Profile(ramp=0.0)
+        LoadProfile(ramp=0.0)
     with pytest.raises(InputError, match="found 0 of 1 that near"):
         Random(count=1, within=1e-9).poses(icub_triangle(), np.random.default_rng(0))

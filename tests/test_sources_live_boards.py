@@ -23,7 +23,7 @@ from skinfield.wire.can import BusSettings
 from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.wire.icub import (
-    BoardSettings,
+    ICubBoardSettings,
     ICubConfiguration,
     PortRun,
     configuration_for,
@@ -200,7 +200,9 @@ def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
 
 def test_two_buses_bring_one_port_each_its_boards() -> None:
     devices = ICubBoard(), ICubBoard()
-    configuration = ICubConfiguration((BoardSettings(0, 1), BoardSettings(1, 1)), (0, 1), "arm")
+    configuration = ICubConfiguration(
+        (ICubBoardSettings(0, 1), ICubBoardSettings(1, 1)), (0, 1), "arm"
+    )
     host = Host(ICubCan(configuration, tuple(each.settings for each in devices)).open())
     for each in (devices[0], devices[1], devices[1]):
         each.send()
@@ -263,7 +265,7 @@ def test_runs_of_a_wrapper_take_whole_boards(tmp_path: Path, hand_last: int) -> 
 
 def configured(boards: int, *runs: PortRun) -> ICubConfiguration:
     return ICubConfiguration(
-        tuple(BoardSettings(0, address) for address in range(boards)), (0,), "left_arm", runs
+        tuple(ICubBoardSettings(0, address) for address in range(boards)), (0,), "left_arm", runs
     )
 
 

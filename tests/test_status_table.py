@@ -12,7 +12,7 @@ from rich.console import Console
 from skinfield.cli.report import shortened
 from skinfield.cli.status_table import status_table
 from skinfield.loop.realtime import Quantiles, Timing
-from skinfield.loop.status import Status
+from skinfield.loop.status import LiveStatus
 from skinfield.signal import Count
 
 SECOND = Quantiles(38e-6, 121e-6, 25.6e-3, 1.23, 5e-5, 1000)
@@ -38,8 +38,8 @@ def counted(**changes: int) -> dict[str, int]:
     return {each.name.lower(): 0 for each in Count} | changes
 
 
-def idle(names: list[str] = NAMES) -> Status:
-    return Status(
+def idle(names: list[str] = NAMES) -> LiveStatus:
+    return LiveStatus(
         name="skin",
         state="running",
         since=timing(48_672),
@@ -54,12 +54,12 @@ def idle(names: list[str] = NAMES) -> Status:
     )
 
 
-def one_contact() -> Status:
+def one_contact() -> LiveStatus:
     touched = [patch("hexagon72", answer="feasible", force=1.83, contacts=1, rung=40)]
     return replace(idle(["x"]), patches=touched, contacts=[contact(9, "hexagon72", 1.83)])
 
 
-def many_contacts() -> Status:
+def many_contacts() -> LiveStatus:
     """14 on 5 of 60 patches."""
     rows = [contact(100 + at, NAMES[at % 5], 0.4 + 0.31 * (at * 5 % 14)) for at in range(14)]
     rows[3] |= {"force_std": None, "normal_force": 123.456, "age": 86_400.0}
@@ -70,14 +70,14 @@ def many_contacts() -> Status:
     return replace(idle(NAMES), patches=patches, contacts=rows)
 
 
-def dead_source() -> Status:
+def dead_source() -> LiveStatus:
     patches = [patch(name, answer="missing", age=12.3, rung=0) for name in NAMES]
     counts = counted(received=186_720, lost=12, reopened=2, down_ns=3_400_000_000)
     lately = {"ICubCan": counted()}
     return replace(idle(NAMES), patches=patches, sources={"ICubCan": counts}, sources_lately=lately)
 
 
-def calibrating() -> Status:
+def calibrating() -> LiveStatus:
     nothing = timing(0)._replace(wake=None, ready=None, latency=None)
     patches = [patch("hexagon72", answer="missing", age=None, rung=0)]
     notes = {"phase": "taring"}
@@ -91,7 +91,7 @@ def calibrating() -> Status:
     )
 
 
-def restarted() -> Status:
+def restarted() -> LiveStatus:
     events = [[time.time_ns(), "failed", "ended with signal SIGKILL: " + "signal " * 20]]
     return replace(
         one_contact(),
@@ -103,14 +103,14 @@ def restarted() -> Status:
     )
 
 
-def failed() -> Status:
+def failed() -> LiveStatus:
     return replace(many_contacts(), state="failed", rate=0.0)
 
 
 SCENES = (idle, one_contact, many_contacts, dead_source, calibrating, restarted, failed)
 
 
-def text_of(status: Status, width: int, height: int | None = None, styles: bool = False) -> str:
+def text_of(status: LiveStatus, width: int, height: int | None = None, styles: bool = False) -> str:
     console = Console(record=True, width=width, force_terminal=True, file=io.StringIO())
     console.print(status_table(status, width, height))
     return console.export_text(styles=styles)

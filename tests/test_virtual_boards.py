@@ -16,7 +16,7 @@ from virtual_host import QUIET
 from skinfield.elastic import Layer
 from skinfield.emulator import (
     Fault,
-    Temperature,
+    TemperatureSettings,
     VirtualSettings,
     VirtualSkin,
     Wires,
@@ -28,16 +28,16 @@ from skinfield.emulator.hardware import NEVER, Schedule, Wire
 from skinfield.emulator.packet import Ear
 from skinfield.emulator.scenes import (
     SCENES,
+    BodyPath,
+    CurrentPress,
     Point,
-    Tool,
-    Touch,
-    Track,
+    SceneTool,
     scene_by_name,
     scene_from_text,
 )
 from skinfield.emulator.settings import numbers_of
 from skinfield.emulator.transports import ANSWER, Request, answer_to, encoded
-from skinfield.emulator.world import FORCES, PressTable, Truth, World, cache_path, table_for
+from skinfield.emulator.world import FORCES, PressTable, TruthLog, World, cache_path, table_for
 from skinfield.errors import FileError, InputError
 from skinfield.settings import json_from_value, value_from_json
 from skinfield.simulate import press
@@ -48,7 +48,7 @@ from skinfield.wire.packet import PacketKind, encode_command
 SKIN = Skin((by_name("hexagon72"),))
 
 
-@pytest.mark.parametrize(("tool", "share"), [(Tool(), 0.1), (Tool(3e-3, "flat"), 0.02)])
+@pytest.mark.parametrize(("tool", "share"), [(SceneTool(), 0.1), (SceneTool(3e-3, "flat"), 0.02)])
 def test_tables_hold_what_a_press_reads(tool, share):
     table = table_for(tool, Layer(), 4e-3)
     force = share * table.highest_force
@@ -65,7 +65,7 @@ def small_table():
 
 def test_tables_are_kept_between_runs(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    tool, table, solved = Tool(30e-3), small_table(), []
+    tool, table, solved = SceneTool(30e-3), small_table(), []
     monkeypatch.setattr(press_tables, "solve_table", lambda *key: solved.append(key) or table)
     for _ in range(2):
         assert np.array_equal(table_for(tool, Layer(), 4e-3).change, table.change)
@@ -80,14 +80,14 @@ def test_tables_are_kept_between_runs(tmp_path, monkeypatch):
 def test_a_table_says_what_it_holds():
     table = small_table()
     with pytest.raises(InputError, match=r"force is 2 N, expected above 0 and at most 1 N"):
-        table.check_force(2.0, Tool())
+        table.check_force(2.0, SceneTool())
     assert table.radius_at(0.25) == pytest.approx(0.5e-3)
     assert table.readings(np.array([0.0, 1e-4, 1.0]), 1.0).tolist() == [1.0, 1.0, 0.0]
 
 
 def test_a_track_goes_straight_from_point_to_point():
     points = (Point(1.0, 0.0, 0.0, 0.0), Point(2.0, 4e-3, 2e-3, 1.0), Point(3.0, 4e-3, 2e-3, 0.0))
-    track = Track(0, Tool(), points)
+    track = BodyPath(0, SceneTool(), points)
     assert [track.at(time) for time in (0.9, 1.0, 3.1)] == [None] * 3  # without a force no touch
     assert track.at(1.25) == pytest.approx((1e-3, 0.5e-3, 0.25))
     assert track.at(2.5) == pytest.approx((4e-3, 2e-3, 0.5))
@@ -136,7 +136,7 @@ def test_scenes_come_from_toml_and_json(tmp_path):
     held, moved = scene.tracks
     x, y = SKIN.patches[0].plane[5]
     assert held.at(2.0) == pytest.approx((x, y, 0.5))
-    assert moved.tool == Tool(3e-3, "flat")
+    assert moved.tool == SceneTool(3e-3, "flat")
     assert moved.at(2.5) == pytest.approx((0.0, 2e-3, 1.0))
     again = tmp_path / "mine.json"
     again.write_text(json.dumps(tomllib.loads(TOML)))
@@ -197,7 +197,7 @@ def test_numbers_and_runs():
 
 
 def test_temperatures():
-    assert temperature_from_text("25") == Temperature(25.0)
+    assert temperature_from_text("25") == TemperatureSettings(25.0)
     rise = temperature_from_text("20..30@100s")
     assert [rise.warmth(t) for t in (0.0, 50.0, 100.0, 900.0)] == pytest.approx([-5, 0, 5, 5])
     wave = temperature_from_text("25~3@40s")
@@ -223,8 +223,8 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
     monkeypatch.setattr(press_tables.subprocess, "Popen", start)
     monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path("nowhere"))
     monkeypatch.setattr(press_tables, "table_for", lambda tool, *_: tool)
-    mine = press_tables.Solving(Layer())
-    keys = [(Tool(1e-3 * radius), 4e-3) for radius in range(1, 6)]
+    mine = press_tables.PressTables(Layer())
+    keys = [(SceneTool(1e-3 * radius), 4e-3) for radius in range(1, 6)]
     assert not mine.poll(keys)
     begun[0].poll = lambda: 0
     assert mine.poll(keys[:1])
@@ -236,7 +236,7 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
 
 def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
     world = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
-    hard = table_for(Tool(), Layer(), 4e-3)  # what is stored for any tool
+    hard = table_for(SceneTool(), Layer(), 4e-3)  # what is stored for any tool
     monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path(__file__))
     monkeypatch.setattr(press_tables, "table_for", lambda *_: hard)
     with pytest.raises(InputError, match="press lighter"):
@@ -306,8 +306,8 @@ def test_commands_are_found_in_a_stream_cut_anywhere():
 
 def test_the_truth_has_the_end_of_every_movement(tmp_path, monkeypatch):
     monkeypatch.setattr(press_tables, "LINES", 4)  # in memory: it does not grow
-    truth = Truth(SKIN, str(tmp_path / "truth.jsonl"))
-    at = lambda x: [Touch("a", 0, Tool(), x, 0.0, 1.0, 2e-3)]
+    truth = TruthLog(SKIN, str(tmp_path / "truth.jsonl"))
+    at = lambda x: [CurrentPress("a", 0, SceneTool(), x, 0.0, 1.0, 2e-3)]
     truth.note([], 0)
     truth.note(at(1e-3), 1 * MS)
     for step in range(2, 30):  # every millisecond: a line each 10 ms

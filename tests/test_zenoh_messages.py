@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.bridges.zenoh.messages import (
-    Calibration,
+    EstimateForm,
     EstimateHead,
-    Plan,
+    RemoteCalibration,
     contact_plain,
     contacts_from,
     status_from,
     strict_json,
 )
-from skinfield.bridges.zenoh.session import Part, chunk
+from skinfield.bridges.zenoh.session import Keys, chunk
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.model_config import Configuration
@@ -39,8 +39,8 @@ def test_heads_go_there_and_back(numbers, rest) -> None:
 @settings(max_examples=50, deadline=None)
 @given(st.text(min_size=1, max_size=20), st.text(min_size=1, max_size=20))
 def test_any_name_is_one_chunk_of_a_key_and_comes_back(robot, name) -> None:
-    part = Part(robot, name)
-    assert Part.of(part.key("alive")) == part
+    part = Keys(robot, name)
+    assert Keys.of(part.key("alive")) == part
     key = part.patch_key(robot, "raw")
     assert key.count("/") == 5
     assert not set(key) & set("*$?#@ ")
@@ -100,7 +100,7 @@ def test_the_sample_is_good() -> None:
 def test_descriptions_that_do_not_fit_say_why(change, match) -> None:
     plain = json.loads(fuzz_zenoh.DESCRIPTION) | change
     with pytest.raises(InputError, match=match):
-        Plan.of(strict_json(plain))
+        EstimateForm.of(strict_json(plain))
 
 
 @pytest.mark.parametrize("rungs", [[100_000], [], [True], ["a"], list(range(2, 900))])
@@ -109,17 +109,17 @@ def test_a_description_cannot_ask_for_all_memory(rungs) -> None:
     model_config = json.loads(plain["ring"]["model_config"]) | {"rungs": rungs}
     plain["ring"]["model_config"] = json.dumps(model_config)
     with pytest.raises(InputError):
-        Plan.of(strict_json(plain))
+        EstimateForm.of(strict_json(plain))
 
 
 def test_calibrations_go_there_and_back() -> None:
     noise = np.linspace(1e-4, 1e-3, 5)
-    made = Calibration(3, Configuration(2, NonNegative(tolerance=0.1), Tuning()), noise)
-    found = Calibration.of(made.packed(), 5)
+    made = RemoteCalibration(3, Configuration(2, NonNegative(tolerance=0.1), Tuning()), noise)
+    found = RemoteCalibration.of(made.packed(), 5)
     assert found[:2] == made[:2]
     np.testing.assert_array_equal(found.noise_std, noise)
     with pytest.raises(InputError, match="no noise of 6 taxels"):
-        Calibration.of(made.packed(), 6)
+        RemoteCalibration.of(made.packed(), 6)
 
 
 def test_what_is_not_finite_becomes_null() -> None:

@@ -26,7 +26,7 @@ from skinfield.bridges.zenoh import publisher as publishers
 from skinfield.bridges.zenoh import source as source_module
 from skinfield.bridges.zenoh.discovery import ZenohSources
 from skinfield.bridges.zenoh.messages import EstimateHead
-from skinfield.bridges.zenoh.session import Part
+from skinfield.bridges.zenoh.session import Keys
 from skinfield.bridges.zenoh.source import Delay
 from skinfield.errors import InputError
 
@@ -39,7 +39,7 @@ def scene(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     monkeypatch.setattr(source_module, "GONE", LONG)
     rng = np.random.default_rng(3)
     with skin_ring() as ring, joined() as (here, there), closing(ZenohSources(there)) as sources:
-        part = Part("robot", ring.name)
+        part = Keys("robot", ring.name)
         with publishing(here, ring, part, rate=1e6) as publisher:
             yield SimpleNamespace(
                 ring=ring, here=here, there=there, part=part, sources=sources,
@@ -177,7 +177,7 @@ def test_layout_status_and_health_answer_queries(scene, tmp_path) -> None:
 def test_estimates_keep_to_the_rate_and_the_newest_wins() -> None:
     rng, numbers = np.random.default_rng(5), []
     with skin_ring() as ring, joined() as (here, there):
-        part = Part("robot", ring.name)
+        part = Keys("robot", ring.name)
         with publishing(here, ring, part, rate=1.0 / LONG) as publisher:
             there.declare_subscriber(
                 part.key("estimate"),
@@ -246,7 +246,7 @@ def test_another_skin_under_the_same_name_is_another_source() -> None:
     rng, name = np.random.default_rng(7), unique_name()
     pair = Skin((sf.layouts.hexagon72(), sf.layouts.icub_triangle()), name="pair")
     with joined() as (here, there), closing(ZenohSources(there)) as sources:
-        part, seen = Part("robot", name), []
+        part, seen = Keys("robot", name), []
         for skin in (sf.layouts.hexagon72(), pair):
             made = settings(name=name, skin=skin)
             with skin_ring(made) as ring, publishing(here, ring, part, rate=1e6) as publisher:
@@ -293,4 +293,4 @@ def test_two_engines_of_one_name_are_refused(scene, monkeypatch) -> None:
     source_of(scene)
     with pytest.raises(InputError, match="published already"):
         publishers.check_free(scene.there, scene.part)
-    publishers.check_free(scene.there, Part("robot", "other"))
+    publishers.check_free(scene.there, Keys("robot", "other"))

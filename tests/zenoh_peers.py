@@ -16,7 +16,7 @@ import numpy as np
 from live_skins import fill, settings, skin_ring
 
 from skinfield.bridges.settings import BridgeSettings
-from skinfield.bridges.zenoh.publisher import Publisher, serve
+from skinfield.bridges.zenoh.publisher import ZenohPublisher, serve
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 from skinfield.errors import InputError
 from skinfield.loop.client import Live
@@ -49,17 +49,14 @@ def listening() -> Iterator[tuple[Any, str]]:
 @contextmanager
 def joined() -> Iterator[tuple[Any, Any]]:
     """Two sessions that are connected."""
-    with (
-        listening() as (first, address),
-        open_session(ZenohSettings(connect=(address,))) as second,
-    ):
+    with listening() as (first, address), open_session(ZenohSettings(connect=(address,))) as second:
         yield first, second
 
 
 @contextmanager
-def publishing(session: Any, ring: Ring, part: Any, **values: Any) -> Iterator[Publisher]:
+def publishing(session: Any, ring: Ring, part: Any, **values: Any) -> Iterator[ZenohPublisher]:
     with Live(ring.name) as live:
-        publisher = Publisher(session, live, part, **values)
+        publisher = ZenohPublisher(session, live, part, **values)
         with publisher.there():
             yield publisher
 

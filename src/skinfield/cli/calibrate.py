@@ -12,7 +12,7 @@ from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, as_floats
 
 if TYPE_CHECKING:
-    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 calibrate = new_app(
@@ -72,7 +72,7 @@ def scale(
     plot : str, optional
         Figure of both forces over time: .png, .pdf or .svg.
     """
-    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.files import open_recording, write_summary
     from skinfield.plot import save
     from skinfield.signal import column_of, fit_scale
@@ -82,7 +82,7 @@ def scale(
     report.check_output("--output", output, force, ".json")
     sensor = open_recording(force_file)
     reference = column_of(sensor, axis)
-    plan = Plan.of(layout, patch, counts, elastomer, model)
+    plan = JobPlan.of(layout, patch, counts, elastomer, model)
     config, all_stamps, loads = _loads_of(recording, plan)
     within = _part_of(all_stamps, seconds)
     stamps, loads = all_stamps[within], loads[within]
@@ -114,7 +114,7 @@ def scale(
 
 
 def _loads_of(
-    recording: str, plan: "Plan"
+    recording: str, plan: "JobPlan"
 ) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
     """What reconstructs a recording, its stamps (T,) ns, and the force of all contacts (T,) N."""
     from skinfield.cli.reconstruct_jobs import parts, place_of, take_in

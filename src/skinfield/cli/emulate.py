@@ -7,7 +7,7 @@ from rich.console import Console
 
 from skinfield.cli import options, report
 from skinfield.cli.settings import Elastomer
-from skinfield.emulator.settings import BoardSettings, VirtualSettings, Wires
+from skinfield.emulator.settings import EmulatedBoards, VirtualSettings, Wires
 
 if TYPE_CHECKING:
     from skinfield.emulator.skin import VirtualSkin
@@ -17,7 +17,7 @@ MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 
 def emulate(
     *,
-    boards: Annotated[BoardSettings, options.part("Boards")] = BoardSettings(),
+    boards: Annotated[EmulatedBoards, options.part("Boards")] = EmulatedBoards(),
     force: options.Force = False,
     as_json: options.Json = False,
     wires: Annotated[Wires, options.part("Wires")] = Wires(),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 from cyclopts import Group, Parameter
 
 import skinfield as sf
-from skinfield.cli.profiles import Profile, profile_of
+from skinfield.cli.profiles import SkinProfile, profile_of
 from skinfield.cli.report import note
 from skinfield.cli.settings import Elastomer, ModelSettings, QuantityName, Settings, SolverName
 from skinfield.errors import InputError
@@ -180,7 +180,7 @@ def skin_from_text(text: str) -> "sf.Skin":
     return skin_of_words(text)
 
 
-def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
+def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str = "") -> SkinProfile:
     """Profile of whose skin it is, which is named on stderr."""
     from skinfield.files.layouts.load import layout_format
 
@@ -189,14 +189,14 @@ def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str =
     return profile
 
 
-def filled(section: S, profile: Profile) -> S:
+def filled(section: S, profile: SkinProfile) -> S:
     """Section of settings in which the profile's values stand for those that were left out."""
     missing = [each.name for each in fields(section) if getattr(section, each.name) is None]
     known = {name: getattr(profile, name) for name in missing if hasattr(profile, name)}
     return replace(section, **known)
 
 
-def layer_of(elastomer: Elastomer, profile: Profile | None = None) -> "sf.Layer":
+def layer_of(elastomer: Elastomer, profile: SkinProfile | None = None) -> "sf.Layer":
     """Elastomer, in SI units: what was set, else the profile's."""
     whole = asdict(elastomer if profile is None else filled(elastomer, profile))
     return sf.Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])

@@ -15,7 +15,7 @@ VALUES = ("thickness_mm", "modulus_kpa", "poisson")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Profile(Section):
+class SkinProfile(Section):
     """What is known of a kind of skin.
 
     Parameters
@@ -64,7 +64,7 @@ class Profile(Section):
         return f"profile {self.name}: {', '.join(parts)}" + (f"; {self.note}" if self.note else "")
 
 
-def load_profile(name: str) -> Profile:
+def load_profile(name: str) -> SkinProfile:
     """Profile of a name in `PROFILES`, or of a file.
 
     Raises
@@ -76,16 +76,18 @@ def load_profile(name: str) -> Profile:
     """
     if name in PROFILES:
         text = files("skinfield.cli").joinpath("profiles", f"{name}.toml").read_text("utf-8")
-        return value_from_toml(Profile, text, name)
+        return value_from_toml(SkinProfile, text, name)
     if not name.endswith(".toml"):
         raise InputError(
             f"profile is {name!r}, expected one of {', '.join(PROFILES)}, or a file (.toml)"
             f"{nearest(name, PROFILES)}"
         )
-    return value_from_toml(Profile, text_of_file(name), name)
+    return value_from_toml(SkinProfile, text_of_file(name), name)
 
 
-def profile_of(given: Elastomer, hardware: str | None = None, layout_format: str = "") -> Profile:
+def profile_of(
+    given: Elastomer, hardware: str | None = None, layout_format: str = ""
+) -> SkinProfile:
     """Profile that is asked for; with "auto", that of the boards or the layout.
 
     A layout that is made by a generator is that of a virtual skin.

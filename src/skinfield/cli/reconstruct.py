@@ -12,7 +12,7 @@ from skinfield.plot import plural
 
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor
-    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.files.manifest import Totals
     from skinfield.files.results import Results
 
@@ -93,7 +93,7 @@ def reconstruct(
         Into a DIR, store the fields of every reading, too, as Zarr.
     """
     flags = options.flags_set(reconstruct, dict(locals()))
-    from skinfield.cli.reconstruct_jobs import Plan, reconstruct_many
+    from skinfield.cli.reconstruct_jobs import JobPlan, reconstruct_many
 
     folder = _folder_of(recording, output)
     if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
@@ -115,7 +115,7 @@ def reconstruct(
         raise InputError("--skin is missing, expected a layout file, or a generator by name")
     plan = None
     if layout is not None and not are_results:
-        plan = Plan.of(layout, patch, counts, elastomer, model)
+        plan = JobPlan.of(layout, patch, counts, elastomer, model)
     if plan is not None and folder is not None:
         many = options.processes(workers), scheduler
         reconstruct_many(recording, folder, plan, many, store_fields, as_json)
@@ -171,7 +171,7 @@ def _is_results(recording: str) -> bool:
 
 def _reconstruct_one(
     recording: str,
-    plan: "Plan | None",
+    plan: "JobPlan | None",
     output: Sequence[str],
     *,
     fields: str | None,
@@ -285,7 +285,7 @@ def doubts(reconstructor: "Reconstructor", shown: "Estimate") -> list[str]:
 
 
 def _summary(
-    results: "Results", totals: "Totals", skipped: int, plan: "Plan | None", seconds: float
+    results: "Results", totals: "Totals", skipped: int, plan: "JobPlan | None", seconds: float
 ) -> dict[str, Any]:
     """What `--json` prints and `--summary` writes."""
     count, config = totals.readings, results.config

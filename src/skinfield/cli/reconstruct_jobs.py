@@ -53,7 +53,7 @@ STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered to
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class JobPlan:
     """What a reconstruction depends on beside the recording; another process can be sent it.
 
     Its sections are whole: what was left out is the profile's.
@@ -73,7 +73,7 @@ class Plan:
         counts: options.CountSettings,
         elastomer: Elastomer,
         model: ModelSettings,
-    ) -> "Plan":
+    ) -> "JobPlan":
         """Plan with the values of the profile in use, which is named on stderr.
 
         A layout that is a recording of a live skin brings its settings and calibration.
@@ -137,7 +137,7 @@ def place_of(store: str | None, parent: Path | None = None) -> Iterator[Pending]
         raise
 
 
-def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
+def take_in(recording: str, plan: JobPlan, place: Pending, *, quiet: bool = False) -> int:
     """Read and condition a recording in one pass, into a folder of results.
 
     Beside the place's part there is room for the recording's numbers. Returns the number of lines
@@ -187,7 +187,7 @@ def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWr
     writer.close(notes)
 
 
-class Part(NamedTuple):
+class PartialResults(NamedTuple):
     """What some readings give."""
 
     totals: Totals
@@ -196,7 +196,7 @@ class Part(NamedTuple):
     series: Arrays | None  # fields, if they are wanted
 
 
-def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
+def parts(results: Results, readings: range, fields: bool) -> Iterator[PartialResults]:
     """Reconstruct readings in a row, step by step; steps begin at multiples of their size.
 
     Runs of an iterative solver begin at multiples of their size, too, so that what a reading gives
@@ -225,7 +225,7 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
             seconds=time.perf_counter() - begun,
             silent=np.flatnonzero(~estimate.valid.any(axis=0)).tolist(),
         )
-        yield Part(totals, load, rows, series)
+        yield PartialResults(totals, load, rows, series)
         first = last
 
 
@@ -238,7 +238,7 @@ def seconds_of(results: Results, readings: range) -> float:
 # ---- jobs of workers
 
 
-def intake_job(recording: str, plan: Plan, part: str, fields: bool) -> list[int]:
+def intake_job(recording: str, plan: JobPlan, part: str, fields: bool) -> list[int]:
     """Read and condition a recording into a folder of results; its readings and skipped lines."""
     place = Pending(Path(part), Path(part))
     place.discard()  # of a run that was ended
@@ -279,7 +279,7 @@ Watch = Callable[[str, str, int], None]  # "intake" or "window", name, readings
 
 
 def run_jobs(
-    manifest: Manifest, plan: Plan, fields: bool, client: Any, watch: Watch
+    manifest: Manifest, plan: JobPlan, fields: bool, client: Any, watch: Watch
 ) -> dict[str, str]:
     """Do what a manifest lacks, on the workers of a Dask client.
 
@@ -384,7 +384,7 @@ def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
 def reconstruct_many(
     recordings: tuple[str, ...],
     folder: Path,
-    plan: Plan,
+    plan: JobPlan,
     cluster: tuple[int, str | None],
     store_fields: bool,
     as_json: bool,

@@ -148,10 +148,10 @@ def show_page(
 def opened(file: str, console: Console, speed: float | None = None) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of a recording, for the page."""
     from skinfield.page.controller import Controller
-    from skinfield.page.replay import ReplaySource
+    from skinfield.page.replay import RecordingSource
 
     with console.status(f"looking through {file}"):
-        source = ReplaySource(Path(file), playing=True)
+        source = RecordingSource(Path(file), playing=True)
     for begin, end in source.gaps:
         note(f"from {begin:.2f} s to {end:.2f} s cycles are missing", "yellow", console)
     _report_damage(source.replay.recording, console)

@@ -10,7 +10,7 @@ from skinfield.errors import InputError
 from skinfield.plot import plural
 
 if TYPE_CHECKING:
-    from skinfield.lab.runner import Outcome, Task
+    from skinfield.lab.runner import Task, TaskOutcome
 
 PLANNED = (
     Column("run", "run"), Column("indenter", "indenter"), Column("presses", "presses", decimals=0),
@@ -143,10 +143,10 @@ def _planned(tasks: "Sequence[Task]", folder: Path) -> list[dict[str, Any]]:
     ]
 
 
-def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[Outcome]":
+def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[TaskOutcome]":
     from skinfield.lab.runner import run
 
-    outcomes: dict[str, Outcome] = {}
+    outcomes: dict[str, TaskOutcome] = {}
     with report.progress("rig", len(tasks)) as step:
         for outcome in run(tasks, folder, workers=workers):
             outcomes[outcome.name] = outcome

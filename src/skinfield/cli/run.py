@@ -17,7 +17,7 @@ from rich.live import Live as Screen
 import skinfield as sf
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
-from skinfield.cli.profiles import Profile
+from skinfield.cli.profiles import SkinProfile
 from skinfield.cli.settings import (
     LiveModelSettings,
     LiveSolverName,
@@ -162,7 +162,7 @@ def check_port(port: int | None, host: str) -> None:
         ) from error
 
 
-def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) -> Any:
+def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any) -> Any:
     """`LiveSettings` of the settings; the source is one of the live sources."""
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
@@ -200,7 +200,7 @@ def live_solver(name: str) -> Any:
     return options.solver_of(name)
 
 
-def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> Any:
+def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
     from skinfield.signal import CySkinCount, ICubByte
 
@@ -215,7 +215,7 @@ def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> A
     return CySkinCount() if source.hardware in ("cyskin", "shm") else None
 
 
-def virtual_skin(wanted: Settings, profile: Profile) -> Any:
+def virtual_skin(wanted: Settings, profile: SkinProfile) -> Any:
     """The virtual skin that is there when no hardware is; a context."""
     from skinfield.emulator.process import start
     from skinfield.emulator.settings import VirtualSettings
@@ -264,7 +264,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
     """Serve the page of the skin that runs here, with its `controller`."""
     from skinfield.page.live_controller import LiveController
     from skinfield.page.recordings import Recordings
-    from skinfield.page.replay import ReplaySource
+    from skinfield.page.replay import RecordingSource
     from skinfield.page.server import serve_page
     from skinfield.record.launch import ReadyRecorders
 
@@ -275,7 +275,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         lambda: sources()[0],
         virtual=virtual,
         recordings=Recordings(
-            name, recorders, ReplaySource, Path(), lambda text: controller.say("error", text)
+            name, recorders, RecordingSource, Path(), lambda text: controller.say("error", text)
         ),
         solvers=get_args(LiveSolverName),
         solver=wanted.model.solver or "nonnegative",

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from skinfield.cli.report import NONE, Column, table, table_of
 from skinfield.loop.realtime import Quantiles
-from skinfield.loop.status import Status
+from skinfield.loop.status import LiveStatus
 from skinfield.loop.status_text import start_in_words
 from skinfield.plot import duration
 
@@ -36,7 +36,7 @@ PATCH = (
 )  # fmt: skip
 
 
-def status_table(status: Status, width: int = NARROW, height: int | None = None) -> Group:
+def status_table(status: LiveStatus, width: int = NARROW, height: int | None = None) -> Group:
     """Everything, in so many columns and, if given, lines of the screen.
 
     Patches' names are cut in the middle where the width is too little; contacts and patches that
@@ -62,7 +62,7 @@ def status_table(status: Status, width: int = NARROW, height: int | None = None)
     return Group(*(line for part in parts for line in [*part, _line()]))
 
 
-def draw(screen: Live, status: Status) -> None:
+def draw(screen: Live, status: LiveStatus) -> None:
     """Show a skin on the whole of a screen."""
     size = screen.console.size
     screen.update(status_table(status, size.width, size.height), refresh=True)
@@ -72,7 +72,7 @@ def _line(text: str = "", style: str = "") -> Text:
     return Text(text, style, no_wrap=True, overflow="crop")
 
 
-def _headline(status: Status) -> Text:
+def _headline(status: LiveStatus) -> Text:
     text = _line()
     text.append(f" {status.name} ", "bold")
     text.append(status.state, STYLES.get(status.state, "red bold"))
@@ -86,7 +86,7 @@ def _headline(status: Status) -> Text:
     return text
 
 
-def _times(status: Status) -> Table:
+def _times(status: LiveStatus) -> Table:
     heads = ("p50", "p99", "p99.9", "max", "since start\np99.9", "max")
     made = table(None, (f"in the last {status.seconds:.1f} s",), heads, **LOOK)
     for column in made.columns:
@@ -107,7 +107,7 @@ def _durations(times: Quantiles | None, names: tuple[str, ...]) -> list[str]:
 
 
 def _contacts(
-    status: Status, contacts: list[dict[str, Any]], room: int, letters: int
+    status: LiveStatus, contacts: list[dict[str, Any]], room: int, letters: int
 ) -> list[Table | Text]:
     """The strongest contacts; the others counted."""
     old = {each["name"] for each in status.patches if _is_old(status, each)}
@@ -129,24 +129,24 @@ def _contacts(
     return lines
 
 
-def _is_old(status: Status, patch: dict[str, Any]) -> bool:
+def _is_old(status: LiveStatus, patch: dict[str, Any]) -> bool:
     """Whether what was published of a patch is not what is there now."""
     return status.state != "running" or patch["answer"] == "missing" or patch["stale"]
 
 
-def _is_gone(status: Status, patch: dict[str, Any]) -> bool:
+def _is_gone(status: LiveStatus, patch: dict[str, Any]) -> bool:
     """Whether its readings stay away although the engine runs."""
     return status.state == "running" and _is_old(status, patch)
 
 
-def _has_row(status: Status, patch: dict[str, Any]) -> bool:
+def _has_row(status: LiveStatus, patch: dict[str, Any]) -> bool:
     if len(status.patches) == 1:
         return True
     return patch["answer"] not in ("idle", "missing") or _is_gone(status, patch)
 
 
 def _patches(
-    status: Status, patches: list[dict[str, Any]], room: int, letters: int
+    status: LiveStatus, patches: list[dict[str, Any]], room: int, letters: int
 ) -> list[Table | Text]:
     """Patches that are touched or missing; all of them counted."""
     lines: list[Table | Text] = []
@@ -171,7 +171,7 @@ def _patches(
     return [*lines, text]
 
 
-def _events(status: Status) -> list[Text]:
+def _events(status: LiveStatus) -> list[Text]:
     """The last end of an engine, if that was not long ago."""
     events = (status.sidecars.get("supervisor") or {}).get("events", [])
     ends = [each for each in events if each[1] in ("failed", "hung")]
@@ -181,7 +181,7 @@ def _events(status: Status) -> list[Text]:
     return [_line(f" {stamp} engine {ends[-1][1]}: {ends[-1][2]}", "yellow")]
 
 
-def _sources(status: Status) -> list[Text]:
+def _sources(status: LiveStatus) -> list[Text]:
     lines = [_source(status, name, counts) for name, counts in status.sources.items()]
     text = _line(f" {status.since.cycles:,} cycles, ")
     text.append(f"{status.since.late:,} late, ", "yellow" if status.since.late else "")
@@ -190,7 +190,7 @@ def _sources(status: Status) -> list[Text]:
     return [*lines, text] + ([_recorder(recorder)] if recorder else [])
 
 
-def _source(status: Status, name: str, counts: dict[str, int]) -> Text:
+def _source(status: LiveStatus, name: str, counts: dict[str, int]) -> Text:
     text = _line(f" {name}: ")
     lately = status.sources_lately[name]["received"]
     if lately:

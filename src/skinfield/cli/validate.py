@@ -159,7 +159,7 @@ def _check_together(values: dict[str, Any]) -> None:
 def _of_unseen(values: dict[str, Any]) -> tuple[Any, str]:
     """Press at random, and score every solver at every noise, beside the bound."""
     from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
-    from skinfield.lab.validation import Level, known_entrants
+    from skinfield.lab.validation import NoiseLevel, known_entrants
 
     quantities = values["quantity"] or tuple(NOISES)
     if values["noise"] and len(quantities) > 1:
@@ -169,7 +169,7 @@ def _of_unseen(values: dict[str, Any]) -> tuple[Any, str]:
     gate = values["gate_mm"] * 1e-3
     plan = AccuracyPlan(
         entrants=tuple(chosen or (replace(each, gate=gate) for each in known_entrants())),
-        levels=tuple(Level(*each) for each in dict.fromkeys(levels)),
+        levels=tuple(NoiseLevel(*each) for each in dict.fromkeys(levels)),
         layout=values["layout"],
         presses=values["unseen"],
         idle=values["idle"],
@@ -185,7 +185,7 @@ def _of_cases(values: dict[str, Any]) -> tuple[Any, str]:
     """Score every solver on the readings that cases hold, or at noises added to exact ones."""
     from skinfield.lab.accuracy import Findings
     from skinfield.lab.case_files import case_paths, load_case
-    from skinfield.lab.validation import Level, noise_seed, rows_of_case
+    from skinfield.lab.validation import NoiseLevel, noise_seed, rows_of_case
 
     tried = [entrant_from_options(name, values) for name in values["solver"] or ("gaussian",)]
     paths: list[Path] = case_paths(values["cases"])
@@ -193,7 +193,7 @@ def _of_cases(values: dict[str, Any]) -> tuple[Any, str]:
     with report.progress("scoring", len(paths)) as step:
         for index, path in enumerate(paths):
             case, seed = load_case(path), noise_seed(values["seed"], index)
-            levels = [Level(case.quantity, noise) for noise in values["noise"]]
+            levels = [NoiseLevel(case.quantity, noise) for noise in values["noise"]]
             for method in tried:
                 with named(path, method.name):
                     scored = list(rows_of_case(case, levels, [method], seed))

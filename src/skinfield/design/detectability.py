@@ -109,11 +109,7 @@ class BlindSpots:
 
 
 def blind_spots(
-    design: SkinDesign,
-    touch: Touch,
-    places: Places | None = None,
-    *,
-    threshold: float = THRESHOLD,
+    design: SkinDesign, touch: Touch, places: Places | None = None, *, threshold: float = THRESHOLD
 ) -> BlindSpots:
     """Response of a layout to a light touch everywhere.
 

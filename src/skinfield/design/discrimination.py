@@ -48,11 +48,7 @@ class PlaceAccuracy:
     force_std: Floats
 
 
-def place_accuracy(
-    design: SkinDesign,
-    touch: Touch,
-    places: Places | None = None,
-) -> PlaceAccuracy:
+def place_accuracy(design: SkinDesign, touch: Touch, places: Places | None = None) -> PlaceAccuracy:
     """Bound of place and force of a touch everywhere on a layout.
 
     Parameters

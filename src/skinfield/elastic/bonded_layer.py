@@ -185,11 +185,7 @@ class BondedLayer:
         return _table(nu, self.inextensible_cover, name, order, pad, smooth)
 
     def _in_plane(
-        self,
-        layer: Layer,
-        along: tuple[str, float],
-        across: tuple[str, float],
-        pad: float = 0.0,
+        self, layer: Layer, along: tuple[str, float], across: tuple[str, float], pad: float = 0.0
     ) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats, Floats]]:
         """Tensor xx, xy, yy whose parts along and across k are the named, weighted responses."""
         p0, p2 = (self._kernel(layer, along[0], order, pad) for order in (0, 2))

@@ -37,12 +37,7 @@ def quadrature_order(
 
 
 def integrate_over_cell(
-    function: Kernel,
-    offset: Floats,
-    cell: float,
-    depth: float,
-    reach: float,
-    rim: float = 0.0,
+    function: Kernel, offset: Floats, cell: float, depth: float, reach: float, rim: float = 0.0
 ) -> Floats:
     """Integrate a kernel over the square cell at the origin, seen from each offset.
 

@@ -72,7 +72,7 @@ class ContactProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class ContactSolution:
     """Solution of a `ContactProblem`.
 
     Attributes
@@ -133,7 +133,7 @@ def solve_contact(
     softness: Floats,
     tolerance: float = TOLERANCE,
     most_iterations: int = MOST_ITERATIONS,
-) -> Contact:
+) -> ContactSolution:
     """Pressure under rigid bodies, each with a given force or at a given depth.
 
     Parameters
@@ -144,7 +144,7 @@ def solve_contact(
     softness : array
         From `edge_softness`; 0 where no sharp edge is near.
     tolerance : float
-        On `Contact.residual`.
+        On `ContactSolution.residual`.
     most_iterations : int
 
     Returns
@@ -163,7 +163,7 @@ def solve_contact(
     for iteration in range(most_iterations):
         gap, approach, error = search.state(pressure)
         if error <= tolerance:
-            return Contact(pressure, search.open(gap), approach, error, iteration)
+            return ContactSolution(pressure, search.open(gap), approach, error, iteration)
         touching = pressure > 0
         downhill = search.trust * gap
         work = float(np.sum((problem.area * gap * downhill)[touching]))

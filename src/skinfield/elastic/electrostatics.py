@@ -244,11 +244,7 @@ class GapStrain:
 
 
 def capacitance_change(
-    strain: GapStrain,
-    thickness: float,
-    taxels: Floats,
-    pad_diameter: float,
-    order: int | None = 3,
+    strain: GapStrain, thickness: float, taxels: Floats, pad_diameter: float, order: int | None = 3
 ) -> Floats:
     """Relative change of capacitance (L,) of pads at (L, 2) m of the plane.
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from skinfield.emulator.settings import Fault as Fault
-from skinfield.emulator.settings import Temperature as Temperature
+from skinfield.emulator.settings import TemperatureSettings as TemperatureSettings
 from skinfield.emulator.settings import VirtualSettings as VirtualSettings
 from skinfield.emulator.settings import Wires as Wires
 from skinfield.emulator.settings import fault_from_text as fault_from_text

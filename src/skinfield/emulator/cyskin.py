@@ -16,7 +16,7 @@ from skinfield.wire.cyskin import (
     CySkinWire,
     on_boards,
 )
-from skinfield.wire.cyskin.modules import SENSORS, Part
+from skinfield.wire.cyskin.modules import SENSORS, PacketPart
 
 TEMPERATURE = 1000.0  # counts of a module's sensor 0 at 25 °C; what real ones send is not public
 PER_KELVIN = 20.0  # counts/K of it
@@ -42,7 +42,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         self._synced: list[int] = []
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
-        address = identifier ^ self.wire.identifier(0, Part.SINGLE)
+        address = identifier ^ self.wire.identifier(0, PacketPart.SINGLE)
         packet = self.wire.unpacked(data)
         if packet is None:
             return False  # damaged, or longer than any command: boards pass it over

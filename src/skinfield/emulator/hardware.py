@@ -21,7 +21,7 @@ MessageT = TypeVar("MessageT")
 
 
 @dataclass
-class Group:
+class BoardGroup:
     """Boards that send together.
 
     Attributes
@@ -67,7 +67,7 @@ class Schedule:
     jitter: float
     rng: np.random.Generator
     skipped: int = 0
-    groups: list[Group] = field(default_factory=list)
+    groups: list[BoardGroup] = field(default_factory=list)
     _key: Hashable = None
 
     def set(self, periods: dict[int, int], boards: int, now_ns: int) -> None:
@@ -77,12 +77,14 @@ class Schedule:
             return
         self._key = key
         if self.spread:
-            self.groups = [Group((b,), p, p * b // boards) for b, p in periods.items()]
+            self.groups = [BoardGroup((b,), p, p * b // boards) for b, p in periods.items()]
         else:
             alike: dict[int, list[int]] = {}
             for board, period in periods.items():
                 alike.setdefault(period, []).append(board)
-            self.groups = [Group(tuple(members), period, 0) for period, members in alike.items()]
+            self.groups = [
+                BoardGroup(tuple(members), period, 0) for period, members in alike.items()
+            ]
         self.begin(now_ns)
 
     def begin(self, now_ns: int) -> None:
@@ -90,7 +92,7 @@ class Schedule:
         for group in self.groups:
             self._aim(group, -(-(now_ns - group.phase_ns) // group.period_ns))
 
-    def _aim(self, group: Group, number: int) -> None:
+    def _aim(self, group: BoardGroup, number: int) -> None:
         late = self.rng.exponential(self.jitter) * 1e9 if self.jitter > 0.0 else 0.0
         group.number = number
         group.due_ns = number * group.period_ns + group.phase_ns
@@ -101,7 +103,7 @@ class Schedule:
         """When the next group is due."""
         return min((group.due_ns for group in self.groups), default=NEVER)
 
-    def due(self, now_ns: int) -> list[Group]:
+    def due(self, now_ns: int) -> list[BoardGroup]:
         """Groups to send now; each is aimed at its next time."""
         found = [group for group in self.groups if group.due_ns <= now_ns]
         for group in found:

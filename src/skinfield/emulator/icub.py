@@ -11,7 +11,7 @@ from skinfield.emulator.electronics import Converters, manufacture, starts_of
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Ints
 from skinfield.skin import Skin
-from skinfield.wire.icub import BoardSettings, ICubEncoder, configuration_for
+from skinfield.wire.icub import ICubBoardSettings, ICubEncoder, configuration_for
 from skinfield.wire.icub.codec import GAINS
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
@@ -35,12 +35,12 @@ Shorts = NDArray[np.uint16]
 
 
 @dataclass(frozen=True)
-class Board:
+class EmulatedICubBoard:
     """One board.
 
     Attributes
     ----------
-    place : BoardSettings
+    place : ICubBoardSettings
         Its bus and address, and how a host will configure it.
     patch : int
     triangles : tuple of int
@@ -49,7 +49,7 @@ class Board:
         Of its first triangle among those of all boards.
     """
 
-    place: BoardSettings
+    place: ICubBoardSettings
     patch: int
     triangles: tuple[int, ...]
     row: int
@@ -65,20 +65,22 @@ class Board:
         return self.place.board.kind == SkinType.COMPENSATED
 
 
-def boards_of(skin: Skin) -> list[Board]:
+def boards_of(skin: Skin) -> list[EmulatedICubBoard]:
     """Boards of all patches, at the addresses of `wire.icub.configuration_for`."""
-    boards: list[Board] = []
+    boards: list[EmulatedICubBoard] = []
     places, row = iter(configuration_for(*skin.patches).boards), 0
     for number, patch in enumerate(skin):
         for _ in range(0, patch.n_channels, BOARD_CHANNELS):
             place = next(places)
             triangles = tuple(t for t, each in enumerate(place.triangles) if each.enabled)
-            boards.append(Board(place, number, triangles, row))
+            boards.append(EmulatedICubBoard(place, number, triangles, row))
             row += len(triangles)
     return boards
 
 
-def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) -> Converters:
+def icub_converters(
+    skin: Skin, settings: VirtualSettings, boards: list[EmulatedICubBoard]
+) -> Converters:
     """Counts of the taxels of all patches, and then of two thermal pads for each triangle."""
     arrays, starts = manufacture(skin, settings), starts_of(skin)
     extra = sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
@@ -94,7 +96,7 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
     return made
 
 
-def slots_of(skin: Skin, boards: list[Board]) -> Ints:
+def slots_of(skin: Skin, boards: list[EmulatedICubBoard]) -> Ints:
     """Where the channels of all converters are among the inputs (T, 12) of all triangles."""
     parts: list[Ints] = []
     for number, patch in enumerate(skin):
@@ -107,7 +109,7 @@ def slots_of(skin: Skin, boards: list[Board]) -> Ints:
     return np.concatenate(parts)
 
 
-def _rows_on(board: Board) -> Ints:
+def _rows_on(board: EmulatedICubBoard) -> Ints:
     """Row of each of a board's 16 triangles; -1 of one that is not there."""
     rows = np.full(TRIANGLES, -1, np.int64)
     rows[list(board.triangles)] = np.arange(board.rows.start, board.rows.stop)

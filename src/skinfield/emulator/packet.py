@@ -15,7 +15,7 @@ from skinfield.skin import Patch, Skin
 from skinfield.wire.packet import (
     COMMANDS,
     EVERY_DEVICE,
-    Answer,
+    CommandReply,
     Hello,
     Packet,
     PacketEncoder,
@@ -133,7 +133,7 @@ class PacketDevices(Hardware):
             self._hello(device)
         else:
             result = UNKNOWN
-        answer = Answer(int(packet.kind), result, packet.sequence)
+        answer = CommandReply(int(packet.kind), result, packet.sequence)
         self._say(device, PacketKind.ANSWER, answer.payload)
 
     def _rows(self, board: int) -> slice:

@@ -34,7 +34,7 @@ THIRDS = (1 / 3, 1 / 3, 1 / 3)
 
 
 @dataclass(frozen=True)
-class Tool:
+class SceneTool:
     """What presses.
 
     Parameters
@@ -81,19 +81,19 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Track:
+class BodyPath:
     """One body on one patch: straight lines between points in time.
 
     Parameters
     ----------
     patch : int
-    tool : Tool
+    tool : SceneTool
     points : tuple of Point
         In the order of time; before the first and behind the last nothing presses.
     """
 
     patch: int
-    tool: Tool
+    tool: SceneTool
     points: tuple[Point, ...]
 
     def __post_init__(self) -> None:
@@ -119,19 +119,19 @@ class Scene:
     Parameters
     ----------
     name : str
-    tracks : tuple of Track
+    tracks : tuple of BodyPath
     period : float, s
         After which it begins again; infinite: it is played once.
     """
 
     name: str
-    tracks: tuple[Track, ...] = ()
+    tracks: tuple[BodyPath, ...] = ()
     period: float = math.inf
 
     @property
-    def tools(self) -> dict[tuple[int, Tool], float]:
+    def tools(self) -> dict[tuple[int, SceneTool], float]:
         """Largest force, N, of each tool on each patch."""
-        found: dict[tuple[int, Tool], float] = {}
+        found: dict[tuple[int, SceneTool], float] = {}
         for track in self.tracks:
             key, highest = (track.patch, track.tool), max(point.force for point in track.points)
             found[key] = max(found.get(key, 0.0), highest)
@@ -139,7 +139,7 @@ class Scene:
 
 
 @dataclass
-class Touch:
+class CurrentPress:
     """One press as it is now: at x, y, m, of a patch's plane, with a force, N.
 
     `contact_radius`, m, is known once its table is.
@@ -147,7 +147,7 @@ class Touch:
 
     id: str
     patch: int
-    tool: Tool
+    tool: SceneTool
     x: float
     y: float
     force: float
@@ -244,10 +244,10 @@ class PressEntry(PathPoint):
     ramp_s: Annotated[float, Range(0.0, LATEST, "of pressing")] = 0.1
     path: tuple[PathPoint, ...] = ()
 
-    def track(self, skin: Skin) -> Track:
+    def track(self, skin: Skin) -> BodyPath:
         """What presses when and where."""
         place = patch_index(skin, self.patch)
-        patch, tool = skin.patches[place], Tool(1e-3 * self.radius_mm, self.shape)
+        patch, tool = skin.patches[place], SceneTool(1e-3 * self.radius_mm, self.shape)
         if not self.path:
             force = 1.0 if self.force_n is None else self.force_n
             return _held(place, tool, self.on(patch), force, self.start_s or 0.0, self.seconds,
@@ -260,7 +260,7 @@ class PressEntry(PathPoint):
             points.append(
                 Point(now.time_s, *now.on(patch), 1.0 if now.force_n is None else now.force_n)
             )
-        return Track(place, tool, tuple(points))
+        return BodyPath(place, tool, tuple(points))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -297,17 +297,17 @@ def scene_by_name(name: str, skin: Skin, seed: int) -> Scene:
     patch = skin.patches[0]
     x, y = _taxel_near(patch, *np.median(patch.plane, axis=0))
     if name == "press":
-        return Scene(name, (_held(0, Tool(), (x, y), 1.0, 1.0, 3.0),), 5.0)
+        return Scene(name, (_held(0, SceneTool(), (x, y), 1.0, 1.0, 3.0),), 5.0)
     if name == "tap":
-        return Scene(name, (_held(0, Tool(), (x, y), 0.8, 0.5, 0.08, 0.02),), 1.0)
+        return Scene(name, (_held(0, SceneTool(), (x, y), 0.8, 0.5, 0.08, 0.02),), 1.0)
     width = float(np.ptp(patch.plane[:, 0]))
     if name == "slide":
         there = ((0.5, -1, 0.0), (0.8, -1, 1.0), (4.8, 1, 1.0), (8.8, -1, 1.0), (9.1, -1, 0.0))
         points = (Point(time, x + 0.3 * width * side, y, force) for time, side, force in there)
-        return Scene(name, (Track(0, Tool(), tuple(points)),), 10.0)
+        return Scene(name, (BodyPath(0, SceneTool(), tuple(points)),), 10.0)
     half = max(0.25 * width, 10e-3)
-    one = _held(0, Tool(), _taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
-    other = _held(0, Tool(), _taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
+    one = _held(0, SceneTool(), _taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
+    other = _held(0, SceneTool(), _taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
     return Scene(name, (one, other), 6.5)
 
 
@@ -317,18 +317,18 @@ def _taxel_near(patch: Patch, x: float, y: float) -> tuple[float, float]:
     return float(near[0]), float(near[1])
 
 
-def _held(patch: int, tool: Tool, place: tuple[float, float], force: float, start: float,
-          seconds: float, ramp: float = 0.1) -> Track:  # fmt: skip
+def _held(patch: int, tool: SceneTool, place: tuple[float, float], force: float, start: float,
+          seconds: float, ramp: float = 0.1) -> BodyPath:  # fmt: skip
     """Pressed at one place: up, held, and down again."""
     times = (start, start + ramp, start + seconds - ramp, start + seconds)
     forces = (0.0, force, force, 0.0)
     points = (Point(t, *place, f) for t, f in zip(times, forces, strict=True))
-    return Track(patch, tool, tuple(points))
+    return BodyPath(patch, tool, tuple(points))
 
 
 def _random(skin: Skin, rng: np.random.Generator) -> Scene:
     """Presses one after the other at random taxels, every fourth beside a second one."""
-    tools, tracks = (Tool(), Tool(6e-3)), list[Track]()
+    tools, tracks = (SceneTool(), SceneTool(6e-3)), list[BodyPath]()
     time, taxels = 0.5, np.array([len(patch) for patch in skin])
     while time < RANDOM_SECONDS - 6.0:
         seconds = 0.4 + rng.exponential(1.2)

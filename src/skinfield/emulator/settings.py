@@ -43,7 +43,7 @@ Chance = Annotated[float, PROBABILITY]
 
 
 @dataclass(frozen=True)
-class Temperature(Section):
+class TemperatureSettings(Section):
     """Constant, rising once, or a sine.
 
     Parameters
@@ -71,7 +71,7 @@ class Temperature(Section):
 
 
 @cache
-def temperature_from_text(text: str) -> Temperature:
+def temperature_from_text(text: str) -> TemperatureSettings:
     """Temperature from the words of a command line, see `PROFILE_SYNTAX`.
 
     Raises
@@ -84,10 +84,10 @@ def temperature_from_text(text: str) -> Temperature:
         raise InputError(f"temperature is {text!r}, expected {PROFILE_SYNTAX}")
     start = float(found["start"])
     if found["how"] is None:
-        return Temperature(start)
+        return TemperatureSettings(start)
     number, seconds = float(found["change"]), float(found["seconds"])
     sine = found["how"] == "~"
-    return Temperature(start, number if sine else number - start, seconds, sine)
+    return TemperatureSettings(start, number if sine else number - start, seconds, sine)
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Wires(Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class BoardSettings(Section):
+class EmulatedBoards(Section):
     """Which boards are played, where, what presses them, and what fails.
 
     Parameters
@@ -286,13 +286,13 @@ class BoardSettings(Section):
         return tuple(map(fault_from_text, self.fault))
 
     @property
-    def surroundings(self) -> Temperature:
+    def surroundings(self) -> TemperatureSettings:
         """How warm it is, and when."""
         return temperature_from_text(self.temperature)
 
 
 @dataclass(frozen=True, kw_only=True)
-class VirtualSettings(BoardSettings):
+class VirtualSettings(EmulatedBoards):
     """Settings of a `VirtualSkin`; text, numbers and tables, which another process can be sent.
 
     Parameters

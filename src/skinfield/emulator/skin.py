@@ -14,10 +14,10 @@ from skinfield.emulator.cyskin import CySkinBoards
 from skinfield.emulator.hardware import MISHAPS, NEVER, Hardware
 from skinfield.emulator.icub import ICubBoards
 from skinfield.emulator.packet import PacketDevices
-from skinfield.emulator.scenes import Touch, scene_from_text
+from skinfield.emulator.scenes import CurrentPress, scene_from_text
 from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
-from skinfield.emulator.transports import Command, Control, Request
-from skinfield.emulator.world import Truth, World
+from skinfield.emulator.transports import Command, ControlServer, Request
+from skinfield.emulator.world import TruthLog, World
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
 
@@ -109,7 +109,7 @@ class VirtualSkin:
 
     Attributes
     ----------
-    pressing : list of Touch
+    pressing : list of CurrentPress
         What presses now.
     """
 
@@ -119,21 +119,21 @@ class VirtualSkin:
         scene = scene_from_text(settings.scene, self.skin, settings.seed)
         self.world = World(self.skin, settings.layer, scene)
         self.hardware: Hardware = BOARDS[settings.hardware](self.skin, settings)
-        self._control: Control | None = None
+        self._control: ControlServer | None = None
         self._ended = False
         self.notes: list[str] = []
         self.started_ns = self.clock()
         self.stream_ns = 0  # when the first reading was sent
         self._scene_ns = 0
-        self.pressing: list[Touch] = []
+        self.pressing: list[CurrentPress] = []
         self._slow_ns = 0
         try:
             self.faults = FaultClock(self.hardware)
             for fault in settings.faults:
                 self.faults.add(fault)
             if settings.control:
-                self._control = Control(settings.control, self.commands())
-            self.truth = Truth(self.skin, settings.truth)
+                self._control = ControlServer(settings.control, self.commands())
+            self.truth = TruthLog(self.skin, settings.truth)
         except BaseException:
             self.hardware.close()
             self.world.close()

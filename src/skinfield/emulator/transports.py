@@ -319,7 +319,7 @@ def answer_to(data: bytes, commands: Mapping[str, Command]) -> dict[str, Any]:
     return answer if tag is None else {"tag": tag, **answer}
 
 
-class Control:
+class ControlServer:
     """A bound socket that answers.
 
     Parameters

@@ -19,7 +19,7 @@ import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.scenes import Scene, Tool, Touch, Track, patch_index
+from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, patch_index
 from skinfield.emulator.transports import Request
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Skin
@@ -29,7 +29,7 @@ INTERVAL_NS = 10_000_000  # between lines while a press only moves
 Line = dict[str, Any]
 
 
-class Truth:
+class TruthLog:
     """Lines about the presses: one at each change of what presses, and every 10 ms on the way.
 
     A line holds from its stamp to that of the next one. The newest are in memory; all are in the
@@ -55,8 +55,8 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._lines: deque[tuple[int, list[Touch]]] = deque(maxlen=LINES)
-        self._waiting: tuple[int, list[Touch]] | None = None
+        self._lines: deque[tuple[int, list[CurrentPress]]] = deque(maxlen=LINES)
+        self._waiting: tuple[int, list[CurrentPress]] | None = None
         self._file: IO[str] | None = None
         if path:
             try:
@@ -64,7 +64,7 @@ class Truth:
             except OSError as error:
                 raise FileError(f"{path} cannot be written: {error.strerror}") from error
 
-    def note(self, touches: list[Touch] | None, stamp_ns: int) -> None:
+    def note(self, touches: list[CurrentPress] | None, stamp_ns: int) -> None:
         """Take down what presses from now on; None: as before.
 
         The end of a movement that is too soon after the line before is taken down later.
@@ -84,11 +84,11 @@ class Truth:
         self.made += 1
         self._waiting = None
 
-    def _line(self, number: int, stamp_ns: int, touches: list[Touch]) -> Line:
+    def _line(self, number: int, stamp_ns: int, touches: list[CurrentPress]) -> Line:
         presses = [self._press(touch) for touch in touches]
         return {"number": number, "stamp_ns": stamp_ns, "presses": presses}
 
-    def _press(self, touch: Touch) -> Line:
+    def _press(self, touch: CurrentPress) -> Line:
         patch = self._skin.patches[touch.patch]
         position = patch.surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
         return {
@@ -126,7 +126,7 @@ SPACING = 0.05e-3  # m between the distances of a table
 FORCES = 128  # rows of a table
 ROWS = np.arange(FORCES)
 REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
-Key = tuple[Tool, float]
+Key = tuple[SceneTool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
 SCRIPT = """
 from skinfield.elastic import Layer
@@ -153,7 +153,7 @@ class PressTable:
     contact_radius: Floats
     change: Floats
 
-    def check_force(self, force: float, tool: Tool) -> None:
+    def check_force(self, force: float, tool: SceneTool) -> None:
         """Raise InputError for a force that pushes the tool through the layer."""
         if not 0.0 < force <= self.highest_force:
             raise InputError(
@@ -179,12 +179,12 @@ class PressTable:
         return float(np.interp(self._row(force), ROWS, self.contact_radius))
 
 
-def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
+def solve_table(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
     """Solve the presses of a table: a second or two.
 
     Parameters
     ----------
-    tool : Tool
+    tool : SceneTool
     layer : Layer
     pad_diameter : float, m
     """
@@ -213,7 +213,7 @@ def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
     return PressTable(float(highest), np.asarray(touch(rows)), np.ascontiguousarray(values))
 
 
-def table_for(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
+def table_for(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
     """As `solve_table`, from the user's cache where it was solved before by the very same code."""
     path = cache_path(tool, layer, pad_diameter)
     try:
@@ -233,7 +233,7 @@ def table_for(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
     return table
 
 
-def cache_path(tool: Tool, layer: Layer, pad_diameter: float) -> Path:
+def cache_path(tool: SceneTool, layer: Layer, pad_diameter: float) -> Path:
     """Where a table is kept: its name depends on what is pressed and on the code that solves it."""
     root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     asked = f"{tool!r} {layer!r} {pad_diameter!r} {_code()}"
@@ -252,7 +252,7 @@ def _code() -> str:
     return digest.hexdigest()
 
 
-class Solving:
+class PressTables:
     """Tables that are there, and those that are on their way, of presses on one layer."""
 
     def __init__(self, layer: Layer) -> None:
@@ -324,13 +324,13 @@ class World:
         self.skin, self.layer = skin, layer
         self._starts = starts_of(skin)
         self._plane = np.ascontiguousarray(np.concatenate([patch.plane for patch in skin]))
-        self._solving = Solving(layer)
-        self._by_hand: dict[str, Touch] = {}
+        self._solving = PressTables(layer)
+        self._by_hand: dict[str, CurrentPress] = {}
         self._numbers = itertools.count(1)
-        self._published: list[Touch] | None = None
+        self._published: list[CurrentPress] | None = None
         self.notes: list[str] = []
         self.play(scene)
-        self._solving.now(self._key(0, Tool()))
+        self._solving.now(self._key(0, SceneTool()))
 
     def play(self, scene: Scene) -> None:
         """Play another scene from now on.
@@ -348,32 +348,32 @@ class World:
         self._longest = max((t.points[-1].time - t.points[0].time for t in tracks), default=0.0)
         self.scene = scene
 
-    def _key(self, patch: int, tool: Tool) -> Key:
+    def _key(self, patch: int, tool: SceneTool) -> Key:
         return tool, self.skin.patches[patch].pad_diameter
 
-    def _table(self, touch: Touch) -> PressTable | None:
+    def _table(self, touch: CurrentPress) -> PressTable | None:
         return self._solving.get(self._key(touch.patch, touch.tool))
 
-    def touches(self, time: float) -> list[Touch]:
+    def touches(self, time: float) -> list[CurrentPress]:
         """Presses at a time, s, of the scene."""
-        found: list[Touch] = []
+        found: list[CurrentPress] = []
         if time >= 0.0:
             time = time % self.scene.period if math.isfinite(self.scene.period) else time
             for name, track in self._playing(time):
                 at = track.at(time)
                 if at is not None:
-                    found.append(Touch(name, track.patch, track.tool, *at))
+                    found.append(CurrentPress(name, track.patch, track.tool, *at))
         for touch in self._by_hand.values():
             if self._table(touch) is not None:
                 found.append(touch)
         return found
 
-    def _playing(self, time: float) -> list[tuple[str, Track]]:
+    def _playing(self, time: float) -> list[tuple[str, BodyPath]]:
         last = bisect_right(self._begins, time)
         first = bisect_right(self._begins, time - self._longest - 1e-9)
         return self._tracks[first:last]
 
-    def update(self, time: float, change: Floats) -> list[Touch] | None:
+    def update(self, time: float, change: Floats) -> list[CurrentPress] | None:
         """Write what the taxels read at a time of the scene into `change`, (C,) from the first.
 
         The presses; None where nothing has changed since the last call.
@@ -419,14 +419,14 @@ class World:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
         patch = patch_index(self.skin, request.patch)
         x, y = request.on(self.skin.patches[patch])
-        tool = Tool(request.radius, request.shape)
+        tool = SceneTool(request.radius, request.shape)
         force = 1.0 if request.force is None else request.force
         name = request.id or f"press-{next(self._numbers)}"
         if len(name) > LONGEST_ID:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
-        touch = Touch(name, patch, tool, x, y, force)
+        touch = CurrentPress(name, patch, tool, x, y, force)
         table = self._table(touch)
         if table is not None:
             table.check_force(force, tool)
@@ -455,7 +455,7 @@ class World:
             del self._by_hand[name]
         return {"released": names}
 
-    def _named(self, name: str | None) -> Touch:
+    def _named(self, name: str | None) -> CurrentPress:
         if name not in self._by_hand:
             known = ", ".join(self._by_hand) or "none is there"
             raise InputError(f"id is {name!r:.80}, expected that of a press by hand: {known}")

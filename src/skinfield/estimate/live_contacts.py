@@ -77,7 +77,7 @@ class Habits:
             check_positive(name, getattr(self, name), "how contacts go on between readings")
 
 
-class Level(NamedTuple):
+class GridLevel(NamedTuple):
     """What is known of the answers on one grid.
 
     Attributes
@@ -114,7 +114,7 @@ def level_of(
     *,
     signatures: ArrayLike | None = None,
     threshold: float = 0.0,
-) -> Level:
+) -> GridLevel:
     """What is known of the answers on one grid, for `LiveContacts`; arguments as `ContactFinder`.
 
     Parameters
@@ -135,7 +135,7 @@ def level_of(
     factor, prior, sign = _covariance(grid, noise if error is None else error)
     read = np.zeros((1, 1)) if signatures is None else signatures
     numbers = [grid.shape[1], grid.pitch, *grid.origin, model_error.force, model_error.place]
-    return Level(
+    return GridLevel(
         std=_as_compiled(noise.std),
         heights=(grid.shape[1], *known.heights(noise)),
         positions=_as_compiled(grid.positions),
@@ -176,7 +176,7 @@ class LiveContacts:
 
     Parameters
     ----------
-    levels : sequence of Level
+    levels : sequence of GridLevel
         Of each kind of answer, see `level_of`.
     patch : int
         For the rows.
@@ -194,7 +194,7 @@ class LiveContacts:
 
     def __init__(
         self,
-        levels: Sequence[Level],
+        levels: Sequence[GridLevel],
         *,
         patch: int = 0,
         rows: int = 8,

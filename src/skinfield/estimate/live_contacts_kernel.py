@@ -68,13 +68,7 @@ def tell(
 
 @inner
 def list_strongest(
-    pressure: Floats,
-    count: int,
-    starts: Ints,
-    cells: Ints,
-    listed: Ints,
-    forces: Floats,
-    most: int,
+    pressure: Floats, count: int, starts: Ints, cells: Ints, listed: Ints, forces: Floats, most: int
 ) -> int:
     """List the regions of the largest sums, falling, then by rising first cell; how many."""
     many = 0

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Press(NamedTuple):
+class TruePress(NamedTuple):
     """A true press: where (3,) m, how hard N along the skin's normal, and over which radius m."""
 
     position: Floats
@@ -42,7 +42,9 @@ class Press(NamedTuple):
     radius: float
 
 
-def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Grid) -> list[Press]:
+def presses_from_truth(
+    truth: Iterable[tuple[Any, Any, float]] | None, grid: Grid
+) -> list[TruePress]:
     """Presses from (position, force, radius).
 
     A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal;
@@ -67,7 +69,7 @@ def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Gri
             ) from error
         if len(position) == 2:
             position = grid.patch.surface.position_from_plane(position[None])[0]
-        presses.append(Press(position, float(force), float(radius)))
+        presses.append(TruePress(position, float(force), float(radius)))
     return presses
 
 
@@ -146,7 +148,7 @@ COLUMNS = {"": 0.0, "place (mm)": 0.07, "force (N)": 0.45, "area (mm²)": 0.66, 
 LINES, STEP = 11, 0.0876  # of the table, and from one to the next in parts of its height
 
 
-def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> None:
+def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[TruePress]) -> None:
     """Write contacts, their sum, the truth where it is known, and how the estimate was made."""
     axes.set(xlim=(0, 1), ylim=(0, 1))
     axes.axis("off")
@@ -204,7 +206,7 @@ def place_of(position: Floats, grid: Grid) -> str:
     return ", ".join(f"{x * MM:.1f}".replace("-", "−") for x in position[: 2 if flat else 3])
 
 
-def truth_note(presses: Sequence[Press], contacts: Sequence[Contact]) -> str:
+def truth_note(presses: Sequence[TruePress], contacts: Sequence[Contact]) -> str:
     """Say how far the contacts nearest to the true presses are from them, at worst."""
     if not contacts:
         return "truth: no contact found"
@@ -336,7 +338,7 @@ def headline(estimate: Estimate) -> str:
     return f"{name}: {plural(len(contacts), 'contact')}, {force} N"
 
 
-def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> None:
+def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[TruePress]) -> None:
     from matplotlib.patches import Circle
 
     grid = estimate.grid

@@ -26,7 +26,7 @@ Columns = Sequence[tuple[str, np.dtype[Any]]]
 Values = Sequence[Any] | NDArray[Any] | None  # of a column; None where all are missing
 
 
-class Table(Closing):
+class TableFile(Closing):
     """A table that has its name once it is closed.
 
     Parameters
@@ -168,7 +168,7 @@ def _missing(values: Any) -> NDArray[np.bool_] | None:
     return np.isnan(values) if floats else None
 
 
-class ContactWriter(Table):
+class ContactWriter(TableFile):
     """Table of contacts that is written as they come, CSV or Parquet by the extension.
 
     Use it in a `with` block, or call `close`.
@@ -184,7 +184,7 @@ class ContactWriter(Table):
     Raises
     ------
     InputError, FileError, SkinfieldError
-        As `Table`.
+        As `TableFile`.
     """
 
     def __init__(self, path: str | Path) -> None:

@@ -19,7 +19,7 @@ from skinfield.lab.case_sets import CELL, SILICONE, random_press
 from skinfield.lab.cases import QUANTITIES, Case, TrueContact, Truth
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
-from skinfield.lab.validation import Entrant, Level, noise_seed, rows_of_case
+from skinfield.lab.validation import Entrant, NoiseLevel, noise_seed, rows_of_case
 from skinfield.simulate import Sphere
 from skinfield.skin import Patch
 from skinfield.skin.generators import by_name
@@ -47,7 +47,7 @@ class AccuracyPlan:
     Parameters
     ----------
     entrants : tuple of Entrant
-    levels : tuple of Level
+    levels : tuple of NoiseLevel
     layout : str
         Of a generator, see `skinfield.skin.generators`.
     presses : int
@@ -59,7 +59,7 @@ class AccuracyPlan:
     """
 
     entrants: tuple[Entrant, ...]
-    levels: tuple[Level, ...]
+    levels: tuple[NoiseLevel, ...]
     layout: str = "icub_hexagon"
     presses: int = 200
     idle: int = 5000
@@ -185,7 +185,7 @@ def _root_of_bound(gram: Floats, prior: float | None) -> Floats:
     return np.asarray(np.linalg.cholesky(covariance[:3, :3]))
 
 
-def idle_rows(folder: Path, plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
+def idle_rows(folder: Path, plan: AccuracyPlan, level: NoiseLevel) -> dict[str, list[Row]]:
     """How often each entrant sees contacts in noise alone."""
     patch = plan.patch
     quiet = Case(

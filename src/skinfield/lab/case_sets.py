@@ -29,7 +29,7 @@ TRIES, LOADINGS = 200, 40  # until places, and loads, are such as asked for
 
 
 @dataclass(frozen=True)
-class Kind:
+class CaseKind:
     """A kind of press: what it is called, the bodies about the origin, the elastomer."""
 
     name: str
@@ -50,28 +50,28 @@ def flat(diameter_mm: float, force: float, x_mm: float = 0.0) -> Cylinder:
 
 ONE = (ball(12, 1.0),)
 KINDS = (
-    Kind("ball12_1N", ONE),
-    Kind("ball6_1N", (ball(6, 1.0),)),
-    Kind("flat3_0.5N", (flat(3, 0.5),)),
-    Kind("flat12_3N", (flat(12, 3.0),)),
-    Kind("two_balls_12mm_apart", (ball(12, 1.0, -6), ball(12, 1.0, 6))),
-    Kind("bar_16x3_2N", (Bar(length=16e-3, width=3e-3, force=2.0),)),
-    Kind("ring_10_2N", (Ring(inner_radius=4e-3, outer_radius=5e-3, force=2.0),)),
-    Kind("ball12_thick_4mm", ONE, Layer(4e-3, 100e3, 0.5)),
-    Kind("ball12_foam_nu0.3", ONE, Layer(2e-3, 100e3, 0.3)),
-    Kind("ball12_0.5N", (ball(12, 0.5),)),
-    Kind("ball12_3N", (ball(12, 3.0),)),
-    Kind("ball20_2N", (ball(20, 2.0),)),
-    Kind("ball6_0.5N", (ball(6, 0.5),)),
-    Kind("ball6_1.8N", (ball(6, 1.8),)),
-    Kind("flat6_1N", (flat(6, 1.0),)),
-    Kind("two_balls_unequal", (ball(6, 0.5, -8), ball(12, 2.0, 8))),
-    Kind("three_balls", (ball(6, 0.7, -8, -5), ball(6, 0.7, 8, -5), ball(6, 0.7, 0, 8))),
-    Kind("ball_and_flat", (ball(6, 0.8, -8), flat(6, 1.0, 7))),
-    Kind("cone_1N", (Cone(radius=6e-3, half_angle=np.radians(75.0), force=1.0),)),
-    Kind("ball12_thin_1mm", ONE, Layer(1e-3, 100e3, 0.5)),
-    Kind("ball12_nu0.45", ONE, Layer(2e-3, 100e3, 0.45)),
-    Kind("ball12_covered", ONE, cover=True),
+    CaseKind("ball12_1N", ONE),
+    CaseKind("ball6_1N", (ball(6, 1.0),)),
+    CaseKind("flat3_0.5N", (flat(3, 0.5),)),
+    CaseKind("flat12_3N", (flat(12, 3.0),)),
+    CaseKind("two_balls_12mm_apart", (ball(12, 1.0, -6), ball(12, 1.0, 6))),
+    CaseKind("bar_16x3_2N", (Bar(length=16e-3, width=3e-3, force=2.0),)),
+    CaseKind("ring_10_2N", (Ring(inner_radius=4e-3, outer_radius=5e-3, force=2.0),)),
+    CaseKind("ball12_thick_4mm", ONE, Layer(4e-3, 100e3, 0.5)),
+    CaseKind("ball12_foam_nu0.3", ONE, Layer(2e-3, 100e3, 0.3)),
+    CaseKind("ball12_0.5N", (ball(12, 0.5),)),
+    CaseKind("ball12_3N", (ball(12, 3.0),)),
+    CaseKind("ball20_2N", (ball(20, 2.0),)),
+    CaseKind("ball6_0.5N", (ball(6, 0.5),)),
+    CaseKind("ball6_1.8N", (ball(6, 1.8),)),
+    CaseKind("flat6_1N", (flat(6, 1.0),)),
+    CaseKind("two_balls_unequal", (ball(6, 0.5, -8), ball(12, 2.0, 8))),
+    CaseKind("three_balls", (ball(6, 0.7, -8, -5), ball(6, 0.7, 8, -5), ball(6, 0.7, 0, 8))),
+    CaseKind("ball_and_flat", (ball(6, 0.8, -8), flat(6, 1.0, 7))),
+    CaseKind("cone_1N", (Cone(radius=6e-3, half_angle=np.radians(75.0), force=1.0),)),
+    CaseKind("ball12_thin_1mm", ONE, Layer(1e-3, 100e3, 0.5)),
+    CaseKind("ball12_nu0.45", ONE, Layer(2e-3, 100e3, 0.45)),
+    CaseKind("ball12_covered", ONE, cover=True),
 )
 
 
@@ -115,7 +115,7 @@ def standard_cases(
 
 
 @lru_cache(maxsize=len(KINDS))
-def _solved(kind: Kind, cell: float) -> Press:
+def _solved(kind: CaseKind, cell: float) -> Press:
     """A kind of press at the origin, once."""
     cover = BondedLayer(inextensible_cover=kind.cover)
     return press(kind.layer, list(kind.bodies), extent=2 * AROUND, cell=cell, mechanics=cover)

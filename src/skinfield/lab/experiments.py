@@ -10,15 +10,15 @@ from pathlib import Path
 
 from skinfield.errors import InputError
 from skinfield.lab.report import (
+    Chapter,
+    Effort,
     Experiment,
     Run,
-    Section,
-    Settings,
     program,
     write_files,
     write_report,
 )
-from skinfield.lab.runner import Outcome, Task
+from skinfield.lab.runner import Task, TaskOutcome
 from skinfield.lab.runner import run as run_tasks
 from skinfield.lab.sections.agreement import agreement
 from skinfield.lab.sections.detection import detection
@@ -59,7 +59,7 @@ def chosen(names: Sequence[str]) -> tuple[Experiment, ...]:
 
 def run(
     experiments: Sequence[Experiment],
-    settings: Settings,
+    settings: Effort,
     folder: Path,
     workers: int = 1,
     progress: Progress = lambda name, done, of: None,
@@ -69,7 +69,7 @@ def run(
     Parameters
     ----------
     experiments : sequence of Experiment
-    settings : Settings
+    settings : Effort
     folder : Path
         Sections that an earlier run with the same settings and the same program left there are
         taken as they are.
@@ -85,7 +85,7 @@ def run(
     import msgspec
 
     start = time.perf_counter()
-    made: dict[str, Outcome] = {}
+    made: dict[str, TaskOutcome] = {}
     progress("", 0, len(experiments))
     for alone in (False, True):
         tasks = [task_of(each, settings) for each in experiments if each.alone == alone]
@@ -97,19 +97,19 @@ def run(
         if outcome.failure:
             failures[outcome.name] = outcome.failure.strip().splitlines()[-1]
         else:
-            section = msgspec.convert(outcome.result, Section)
+            section = msgspec.convert(outcome.result, Chapter)
             sections.append(replace(section, seconds=outcome.seconds))
     result = Run(settings, tuple(sections), failures, time.perf_counter() - start)
     write_report(result, folder)
     return result
 
 
-def task_of(experiment: Experiment, settings: Settings) -> Task:
+def task_of(experiment: Experiment, settings: Effort) -> Task:
     """The experiment as a task; other settings and another program make another one."""
     return Task(experiment.name, make_section, (experiment, settings), version=program())
 
 
-def make_section(folder: Path, experiment: Experiment, settings: Settings) -> Section:
+def make_section(folder: Path, experiment: Experiment, settings: Effort) -> Chapter:
     """Run one experiment; its pictures and tables become files in `folder`, too."""
     section = replace(experiment.make(settings), name=experiment.name)
     write_files(section, folder)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class Effort:
     """How much is computed.
 
     Parameters
@@ -51,9 +51,9 @@ class Settings:
     seed: int = 0
 
 
-SMOKE = Settings(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
-SHORT = Settings(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
-FULL = Settings(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
+SMOKE = Effort(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
+SHORT = Effort(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
+FULL = Effort(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
 SIZES = {size.name: size for size in (SMOKE, SHORT, FULL)}  # under a minute, minutes, longer
 
 
@@ -110,7 +110,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Claim:
     """One line of the headline table: a claim, what came out here, and whether it holds."""
 
     figure: str
@@ -120,7 +120,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Section:
+class Chapter:
     """One part of the report.
 
     Parameters
@@ -142,7 +142,7 @@ class Section:
     sentences: tuple[str, ...]
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: tuple[Claim, ...] = ()
     seconds: float = 0.0
     name: str = ""
 
@@ -157,7 +157,7 @@ class Experiment:
         By which it is chosen, and its files are named.
     figures : tuple of str
         Of the paper, such as "fig3": it is chosen by these, too.
-    make : function of Settings
+    make : function of Effort
         The section. Of the module level: it is sent to other processes.
     alone : bool
         Whether nothing else may run beside it: it measures time.
@@ -165,7 +165,7 @@ class Experiment:
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[[Settings], Section]
+    make: Callable[[Effort], Chapter]
     alone: bool = False
 
 
@@ -205,8 +205,8 @@ class Run:
 
     Parameters
     ----------
-    settings : Settings
-    sections : tuple of Section
+    settings : Effort
+    sections : tuple of Chapter
         In the order of the page.
     failures : mapping of str to str
         Parts that could not be made, each with its reason.
@@ -214,13 +214,13 @@ class Run:
         Wall time of this run.
     """
 
-    settings: Settings
-    sections: tuple[Section, ...]
+    settings: Effort
+    sections: tuple[Chapter, ...]
     failures: Mapping[str, str]
     seconds: float
 
 
-def write_files(section: Section, own: Path) -> None:
+def write_files(section: Chapter, own: Path) -> None:
     """Write a section's PNG and CSV files into its own folder, which is there."""
     for picture in section.pictures:
         (own / f"{picture.name}.png").write_bytes(picture.png)
@@ -306,7 +306,7 @@ def time_in_words(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes else f"{number(seconds, 2)} s"
 
 
-def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
+def settings_in_words(settings: Effort) -> list[tuple[str, str]]:
     """Names and values for the foot of the page."""
     return [
         ("size", f"{settings.name}: {settings.quiet} idle readings, {settings.presses} presses per "

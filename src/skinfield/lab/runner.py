@@ -92,7 +92,7 @@ def canonical(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TaskOutcome:
     """How a task went.
 
     Attributes
@@ -115,13 +115,13 @@ class Outcome:
     failure: str = ""
 
 
-def stored(task: Task, folder: str | Path) -> Outcome | None:
+def stored(task: Task, folder: str | Path) -> TaskOutcome | None:
     """What an earlier run left of this very task; None if nothing, or of another fingerprint."""
     try:
         record = json.loads((Path(folder) / task.name / RECORD).read_text(encoding="utf-8"))
         if record["fingerprint"] != task.fingerprint:
             return None
-        return Outcome(task.name, float(record["seconds"]), record["result"], reused=True)
+        return TaskOutcome(task.name, float(record["seconds"]), record["result"], reused=True)
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return None  # as good as not there: it is run again
 
@@ -136,7 +136,7 @@ def _failure_file(task: Task, folder: Path) -> Path:
     return folder / f"{task.name}.failed.txt"
 
 
-def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Iterator[Outcome]:
+def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Iterator[TaskOutcome]:
     """Run tasks and yield the outcome of each as it ends, well or not.
 
     Whoever stops asking stops the runs, and Ctrl-C does.
@@ -176,7 +176,7 @@ def run(tasks: Sequence[Task], folder: str | Path, *, workers: int = 1) -> Itera
         yield from _in_processes(todo, folder, min(workers, len(todo)))
 
 
-def _in_processes(todo: list[Task], folder: Path, workers: int) -> Iterator[Outcome]:
+def _in_processes(todo: list[Task], folder: Path, workers: int) -> Iterator[TaskOutcome]:
     """All at once; if a process dies, the rest one by one, as then it is clear who killed it."""
     left = {task.name: task for task in todo}
     alone = False
@@ -222,7 +222,7 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         os.environ.update(before)
 
 
-def _execute(task: Task, folder: Path) -> Outcome:
+def _execute(task: Task, folder: Path) -> TaskOutcome:
     """Run a task; its folder gets its name when it is whole, and a failure becomes a text."""
     part, place, begun = _part_of(task, folder), folder / task.name, time.perf_counter()
     shutil.rmtree(part, ignore_errors=True)  # of a run that was killed
@@ -239,12 +239,12 @@ def _execute(task: Task, folder: Path) -> Outcome:
         shutil.rmtree(part, ignore_errors=True)
     found = stored(task, folder)
     assert found is not None, f"{place} vanished while it was written"
-    return Outcome(found.name, found.seconds, found.result)
+    return TaskOutcome(found.name, found.seconds, found.result)
 
 
-def _failed(task: Task, folder: Path, seconds: float, text: str) -> Outcome:
+def _failed(task: Task, folder: Path, seconds: float, text: str) -> TaskOutcome:
     _failure_file(task, folder).write_text(text, encoding="utf-8")
-    return Outcome(task.name, seconds, failure=text)
+    return TaskOutcome(task.name, seconds, failure=text)
 
 
 def _record(task: Task, seconds: float, result: Any) -> bytes:

@@ -395,10 +395,7 @@ class Judge:
 
 
 def score(
-    case: Case,
-    estimate: Estimate,
-    contacts: Sequence[Contact] | None = None,
-    gate: float = GATE,
+    case: Case, estimate: Estimate, contacts: Sequence[Contact] | None = None, gate: float = GATE
 ) -> Row:
     """Score one estimate against the truth of its case.
 

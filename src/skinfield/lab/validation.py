@@ -27,7 +27,7 @@ PAPER, GAUSSIAN, CONTACT = "paper", "gaussian", "contact"
 
 
 @dataclass(frozen=True)
-class Level:
+class NoiseLevel:
     """A noise of one quantity, in its unit; 0 for exact readings."""
 
     quantity: str
@@ -159,7 +159,7 @@ def noise_seed(seed: int, index: int) -> int:
     return seed * 1_000_003 + index
 
 
-def at_level(case: Case, level: Level, seed: int) -> Case:
+def at_level(case: Case, level: NoiseLevel, seed: int) -> Case:
     """Two readings of an exact case at a level; of exact ones the solver is told the floor."""
     if level.noise > 0:
         return case.with_noise(seed, RUNS, level.noise)
@@ -168,14 +168,14 @@ def at_level(case: Case, level: Level, seed: int) -> Case:
 
 
 def rows_of_case(
-    case: Case, levels: Sequence[Level], entrants: Sequence[Entrant], seed: int
+    case: Case, levels: Sequence[NoiseLevel], entrants: Sequence[Entrant], seed: int
 ) -> Iterator[Row]:
     """Rows of one case of exact readings, level by level and entrant by entrant.
 
     All see the same noise, which grows from level to level. Without levels the readings are scored
     as they are. Errors are parts of the truth where no unit is named.
     """
-    every: Sequence[Level | None] = levels or [None]
+    every: Sequence[NoiseLevel | None] = levels or [None]
     for level in every:
         drawn = case if level is None else at_level(case, level, seed)
         noise, scored = (None, None) if level is None else (level.noise, 1)

@@ -30,7 +30,7 @@ YOUNGEST = 0.05  # s, at which no reading is too old
 
 
 @dataclass(frozen=True, eq=False)
-class Baseline:
+class TareBaseline:
     """What a tare found, for the taxels of all patches in the skin's order.
 
     Attributes
@@ -124,7 +124,7 @@ class BaselineCollector:
             for patch, a, b in zip(self._settings.skin, starts, starts[1:], strict=False)
         ]
 
-    def finish(self) -> Baseline:
+    def finish(self) -> TareBaseline:
         """Baseline, noise and the age at which a reading is too old.
 
         Raises
@@ -144,7 +144,7 @@ class BaselineCollector:
             its = slice(int(binding.starts[place]), int(binding.starts[place + 1]))
             table[its], noise[its], said = _patch_baseline(patch, recording, settings)
             notes += [f"{patch.name}: {note}" for note in said]
-        return Baseline(table, noise, self._stale_ns(stamps), tuple(notes))
+        return TareBaseline(table, noise, self._stale_ns(stamps), tuple(notes))
 
     def _stale_ns(self, stamps: Ints) -> int:
         if self._settings.stale_after is not None:

@@ -16,7 +16,7 @@ from skinfield.loop.model_config import (
     tuning_of,
 )
 from skinfield.loop.runtime_parameters import Focus, Limits, Tuning
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.snapshot import Snapshot as Snapshot
 from skinfield.loop.snapshot import Stale as Stale
 from skinfield.ring import Ring, RingReader, State
@@ -108,8 +108,8 @@ class Live:
         if copied is None:
             return None
         self._seen, self.octets = copied.number, copied.octets
-        slot = Slot.of(copied.arrays)
-        self._follow(int(slot.head[Head.GENERATION]))
+        slot = CycleSlot.of(copied.arrays)
+        self._follow(int(slot.head[CycleHead.GENERATION]))
         return Snapshot(slot, copied.number, self.models, time.time_ns())
 
     def _follow(self, generation: int) -> None:
@@ -161,7 +161,7 @@ class Live:
             return None
         for number in range(newest, max(seen, newest - back), -1):
             there = self.reader.part(number, self._room, ("head",))
-            if there and self._head[Head.FRESH] and (found := self._fetch(number)) is not None:
+            if there and self._head[CycleHead.FRESH] and (found := self._fetch(number)) is not None:
                 return found
         return self._fetch()
 

@@ -20,7 +20,7 @@ def address_of(name: str) -> Path:
     return sidecar(name, "control")
 
 
-class Control:
+class EngineControl:
     """The engine's end; asked in every cycle, never waits.
 
     Parameters

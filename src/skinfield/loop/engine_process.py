@@ -20,8 +20,8 @@ import numpy as np
 from skinfield.compiled import reported
 from skinfield.errors import InputError, Ints, check_type
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop.baseline import Baseline, BaselineCollector
-from skinfield.loop.control import Control
+from skinfield.loop.baseline import BaselineCollector, TareBaseline
+from skinfield.loop.control import EngineControl
 from skinfield.loop.intake import Intake
 from skinfield.loop.model_config import FIELD as CONFIGURATION
 from skinfield.loop.model_config import (
@@ -36,7 +36,7 @@ from skinfield.loop.realtime.timing import TimingTable
 from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
 from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import Head, Slot, say_nothing
+from skinfield.loop.slots import CycleHead, CycleSlot, say_nothing
 from skinfield.loop.status_text import read_notes, write_notes
 from skinfield.loop.supervisor import GO, READY
 from skinfield.loop.update import Updater
@@ -93,7 +93,7 @@ class Start:
 
     Parameters
     ----------
-    known : Baseline, optional
+    known : TareBaseline, optional
         Of an engine that ran before on this ring: no new baseline is taken, as something may lie
         on the skin now.
     tracks : (1,) int64 array
@@ -107,7 +107,7 @@ class Start:
         Of "loading" and "preparing": `patches` that are ready, `of` how many, and `left_s`, how
         long the others take, s, where that can be said; while functions are compiled, `compiled`
         says how many so far. Empty before the first.
-    baseline : Baseline or None
+    baseline : TareBaseline or None
         When there is one.
     """
 
@@ -115,7 +115,7 @@ class Start:
         self,
         settings: LiveSettings,
         model_config: ModelConfig,
-        known: Baseline | None,
+        known: TareBaseline | None,
         tracks: Ints,
     ) -> None:
         self._settings, self._model_config, self._tracks = settings, model_config, tracks
@@ -133,7 +133,9 @@ class Start:
         known, model_config = self.baseline, self._model_config
         if known is None:
             noise = np.full(len(model_config.binding.channel), model_config.quantity.typical_noise)
-            known = Baseline(np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000)
+            known = TareBaseline(
+                np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000
+            )
         with reported(self._compiling):
             return Updater(model_config, known, self._tracks, self._advance)
 
@@ -191,7 +193,7 @@ class EngineProcess:
         self.model_config = ModelConfig.of(settings, self.intake.ports)
         self.channel = self.model_config.binding.channel
         self.ring, fresh_ring = open_ring(settings, self.model_config)
-        self.slots: dict[int, Slot] = {}
+        self.slots: dict[int, CycleSlot] = {}
         self.intake.count_in(self.ring.status["sources"])
         self.timing = TimingTable(
             int(settings.period * 1e9),
@@ -206,7 +208,7 @@ class EngineProcess:
         if known is not None:
             self.intake.resume()
         self.start = Start(settings, self.model_config, known, self.ring.status["tracks"])
-        self.control = Control(settings.name)
+        self.control = EngineControl(settings.name)
         self.updater: Updater | None = None
         self._go_by_tuning()
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
@@ -262,9 +264,9 @@ class EngineProcess:
             self._finish_tare(self.updater)
         self._log()
         acquired = time.monotonic_ns()
-        head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
-        head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
-        head[Head.LOG_POSITION], head[Head.MESSAGES] = ring.log_end, messages
+        head[CycleHead.DUE_NS], head[CycleHead.WAKE_NS] = due, wake
+        head[CycleHead.ACQUIRED_NS], head[CycleHead.WALL_NS] = acquired, wall
+        head[CycleHead.LOG_POSITION], head[CycleHead.MESSAGES] = ring.log_end, messages
         if self.updater is None or self.began:
             self.began = False  # it took long to get ready: the next cycle is the first on time
             self._without_answer(slot)
@@ -283,38 +285,38 @@ class EngineProcess:
             self.ring.log(blocks.octets, int(blocks.end[0]) * 8)
             blocks.clear()
 
-    def _answer(self, updater: Updater, slot: Slot, wake: int, wall: int) -> None:
+    def _answer(self, updater: Updater, slot: CycleSlot, wake: int, wall: int) -> None:
         head = slot.head
-        budget_ns = head[Head.BUDGET_NS] = self.budget_ns
+        budget_ns = head[CycleHead.BUDGET_NS] = self.budget_ns
         reset, self.reset = self.reset, False
         budget = budget_ns * NS
         fresh = updater.answer(self.intake.channels, wall, slot, reset=reset, budget=budget)
-        head[Head.FLAGS] |= self.flags
+        head[CycleHead.FLAGS] |= self.flags
         self.flags = 0
-        due = int(head[Head.DUE_NS])
+        due = int(head[CycleHead.DUE_NS])
         ready = time.monotonic_ns()
         if ready - due > self.timing.deadline_ns:
-            head[Head.FLAGS] |= LATE
+            head[CycleHead.FLAGS] |= LATE
         if ready - due > self.timing.period_ns:
-            head[Head.FLAGS] |= OVERRUN
-        head[Head.READY_NS] = ready
+            head[CycleHead.FLAGS] |= OVERRUN
+        head[CycleHead.READY_NS] = ready
         self.ring.publish()
         published = time.monotonic_ns()
         latency = -1
         if fresh:
             latency = max(wall + (published - wake) - updater.newest_ns, 0)
-        acquired = int(head[Head.ACQUIRED_NS])
+        acquired = int(head[CycleHead.ACQUIRED_NS])
         self.timing.add(due, wake, acquired, published, time.monotonic_ns(), latency)
         self.timing.set_skipped(self.waiter.skipped)
         self.ring.heartbeat(published)
 
-    def _slot(self) -> Slot:
+    def _slot(self) -> CycleSlot:
         """The next slot, named; views are made once for each."""
         arrays = self.ring.begin()
         slot = self.slots.get(id(arrays))  # the ring keeps one mapping for each slot
         if slot is None:
-            slot = self.slots[id(arrays)] = Slot.of(arrays)
-            slot.head[Head.GENERATION] = self.ring.generation
+            slot = self.slots[id(arrays)] = CycleSlot.of(arrays)
+            slot.head[CycleHead.GENERATION] = self.ring.generation
         return slot
 
     def _begin(self, wall: int) -> None:
@@ -354,7 +356,7 @@ class EngineProcess:
         with RingReader(self.settings.name) as reader:
             last = reader.latest()
         if last is not None:
-            updater.resume(Slot.of(last.arrays))
+            updater.resume(CycleSlot.of(last.arrays))
         self._go(updater)
         self.began = False
 
@@ -364,10 +366,10 @@ class EngineProcess:
         if said != self.notes.get("sources", []):
             self._note(sources=said)
 
-    def _without_answer(self, slot: Slot) -> None:
+    def _without_answer(self, slot: CycleSlot) -> None:
         """A slot that says that all patches are missing."""
         say_nothing(slot, int(self.ring.status["tracks"][0]))
-        slot.head[Head.READY_NS] = time.monotonic_ns()
+        slot.head[CycleHead.READY_NS] = time.monotonic_ns()
         slot.counts[:] = self.intake.channels.counts[self.channel]
         self.ring.publish()
         self.ring.heartbeat(time.monotonic_ns())

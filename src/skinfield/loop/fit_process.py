@@ -29,7 +29,7 @@ from skinfield.loop.fit_worker import (
 )
 from skinfield.loop.model_config import ModelConfig, tuning_of
 from skinfield.loop.process_supervisor import end_with
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status_text import write_notes
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import RingReader
@@ -135,7 +135,7 @@ class SkinFit:
         self._starts = np.cumsum([0, *(len(patch) for patch in skin)]).tolist()
         self._master = FitSlot.empty(len(skin), nodes, ROWS)
         self._room = reader.slot()
-        self._slot = Slot.of(self._room.arrays)
+        self._slot = CycleSlot.of(self._room.arrays)
         self._seen = max(reader.number - 1, 0)
         self._tares = -1
         self._shapes = FitShapes(self.model_config)
@@ -175,7 +175,7 @@ class SkinFit:
             self._seen = 0
         most = min(reader.slots - MARGIN, LONGEST)
         for number in range(max(self._seen, newest - most) + 1, newest + 1):
-            if not reader.part(number, self._room, ("head",)) or not slot.head[Head.FRESH]:
+            if not reader.part(number, self._room, ("head",)) or not slot.head[CycleHead.FRESH]:
                 continue
             if not reader.part(number, self._room, FIELDS_NEEDED):
                 continue

@@ -14,7 +14,7 @@ from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import CycleSlot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
@@ -129,9 +129,7 @@ class ModelConfig:
         return cls(settings.skin, ports, budget=settings.time_to_answer, **values)
 
     def engine(
-        self,
-        noise_std: Floats,
-        progress: Callable[[int, int], None] = lambda ready, patches: None,
+        self, noise_std: Floats, progress: Callable[[int, int], None] = lambda ready, patches: None
     ) -> Engine:
         """The engine, for the noise (L,) of all taxels in the quantity's unit.
 
@@ -307,7 +305,7 @@ class Models:
             self._grids[key] = Grid.square(self.model_config.skin[patch], nodes)
         return self._grids[key]
 
-    def estimate(self, slot: Slot, patch: int, latency: float, late: bool) -> Estimate:
+    def estimate(self, slot: CycleSlot, patch: int, latency: float, late: bool) -> Estimate:
         """Estimate of a patch: pressure at once, the rest when it is asked for."""
         row, model_config = slot.patches[patch], self.model_config
         nodes = int(row["rung"]) or model_config.rungs[0]

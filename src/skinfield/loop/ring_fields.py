@@ -8,13 +8,13 @@ import numpy as np
 
 from skinfield.errors import FileError, InputError
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.baseline import Baseline
+from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.model_config import FIELD as CONFIGURATION
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime.timing import FIELDS as TIMING
 from skinfield.loop.realtime.timing import TIMES, TOTALS
 from skinfield.loop.settings import LiveSettings
-from skinfield.loop.slots import PATCH, Head, Sizes
+from skinfield.loop.slots import PATCH, CycleHead, Sizes
 from skinfield.loop.status_text import FIELD as NOTES
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field, Ring, RingReader
@@ -70,7 +70,7 @@ def describe(
         "period": period,
         "budget": model_config.budget,
         "rungs": list(model_config.rungs),
-        "head": [each.name.lower() for each in Head],
+        "head": [each.name.lower() for each in CycleHead],
         "answers": [each.name.lower() for each in Answer],
         "times": list(TIMES),
         "totals": list(TOTALS),
@@ -135,7 +135,7 @@ def goes_on(ring: Ring, model_config: ModelConfig) -> bool:
         return False
 
 
-def write_baseline(ring: Ring, baseline: Baseline) -> None:
+def write_baseline(ring: Ring, baseline: TareBaseline) -> None:
     """Publish a calibration."""
     status = ring.status
     status["calibration"][:] = baseline.calibration
@@ -144,12 +144,12 @@ def write_baseline(ring: Ring, baseline: Baseline) -> None:
     status["tares"][0] += 1
 
 
-def known_baseline(ring: Ring | RingReader) -> Baseline | None:
+def known_baseline(ring: Ring | RingReader) -> TareBaseline | None:
     """The calibration in a ring's status; None where none was taken yet."""
     status = ring.status
     if status["tares"][0] < 1:
         return None
-    return Baseline(
+    return TareBaseline(
         status["calibration"].copy(),
         status["noise_std"].copy(),
         int(status["stale_ns"][0]),

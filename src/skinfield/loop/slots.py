@@ -13,14 +13,14 @@ from skinfield.files.mcap.schema import Cycle as Recorded
 from skinfield.files.mcap.schema import CycleFlag, CycleLayout
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field
-from skinfield.ring.layout import LINE, Placed, place
+from skinfield.ring.layout import LINE, Span, place
 from skinfield.ring.reader import Slot as Copy
 from skinfield.skin import Skin
 
 Array = NDArray[Any]
 
 
-class Head(IntEnum):
+class CycleHead(IntEnum):
     """Numbers of a cycle; the index into the slot's `head`."""
 
     FLAGS = 0  # of `CycleFlag`
@@ -83,7 +83,7 @@ class Sizes:
     def fields(self) -> list[Field]:
         """Arrays of a slot; records are bytes, see `PATCH` and `CONTACT`."""
         return [
-            Field("head", "<i8", (len(Head),)),
+            Field("head", "<i8", (len(CycleHead),)),
             Field("patches", "<u1", (self.patches * PATCH.itemsize,)),
             Field("contacts", "<u1", (self.patches * self.rows * CONTACT.itemsize,)),
             Field("counts", "<f4", (self.taxels,)),
@@ -108,7 +108,7 @@ class SlotViews:
 
 
 @dataclass(frozen=True, eq=False)
-class Slot(SlotViews):
+class CycleSlot(SlotViews):
     """Views into one slot, or into a copy of it.
 
     Attributes
@@ -138,7 +138,7 @@ class Slot(SlotViews):
     contact_words: Array
 
     @classmethod
-    def of(cls, arrays: Mapping[str, Array]) -> "Slot":
+    def of(cls, arrays: Mapping[str, Array]) -> "CycleSlot":
         """Name the parts of a slot's arrays."""
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
@@ -148,7 +148,7 @@ class Slot(SlotViews):
         return cls(patches=patches, contacts=contacts, contact_words=words, **plain)
 
     @classmethod
-    def empty(cls, sizes: Sizes) -> "Slot":
+    def empty(cls, sizes: Sizes) -> "CycleSlot":
         """A slot in memory of its own."""
         return cls.of(empty_arrays(sizes.fields()))
 
@@ -160,7 +160,7 @@ class Slot(SlotViews):
 
     def recorded(self, number: int) -> Recorded:
         """The cycle as a recording keeps it."""
-        flags, due, wake, acquired, ready, wall, position = self.head[: Head.MESSAGES].tolist()
+        flags, due, wake, acquired, ready, wall, position = self.head[: CycleHead.MESSAGES].tolist()
         times = due, wake, acquired, ready, wall
         rows = self.used_contacts(), self.patches.copy()
         return Recorded(number, CycleFlag(flags), *times, position, *rows)
@@ -169,7 +169,7 @@ class Slot(SlotViews):
 class SlotLayout(NamedTuple):
     """Places of the arrays in the bytes of a slot, and how many bytes it has."""
 
-    fields: tuple[Placed, ...]
+    fields: tuple[Span, ...]
     size: int
 
     @classmethod
@@ -177,20 +177,20 @@ class SlotLayout(NamedTuple):
         """Of a slot with these arrays, in their order."""
         return cls(*place("slot", fields, LINE))
 
-    def slot(self, octets: bytes | None = None) -> Slot:
+    def slot(self, octets: bytes | None = None) -> CycleSlot:
         """A slot in memory of its own, of the bytes of another; else of zeros."""
         copy = Copy(self.fields, self.size)
         if octets is not None:
             copy.octets[:] = np.frombuffer(octets, np.uint8)
-        return Slot.of(copy.arrays)
+        return CycleSlot.of(copy.arrays)
 
 
-def say_nothing(slot: Slot, tracks: int) -> None:
+def say_nothing(slot: CycleSlot, tracks: int) -> None:
     """Say, while an engine starts, that all patches are missing; contacts go on from `tracks`."""
     slot.patches[:] = np.zeros((), slot.patches.dtype)
     slot.patches["answer"] = int(Answer.MISSING)
     slot.patches["gap"] = np.nan
     slot.patches["tracks"] = tracks
-    slot.head[Head.FLAGS] = slot.head[Head.FRESH] = slot.head[Head.CONTACTS] = 0
+    slot.head[CycleHead.FLAGS] = slot.head[CycleHead.FRESH] = slot.head[CycleHead.CONTACTS] = 0
     slot.values[:] = 0.0
     slot.valid[:] = 0

@@ -10,7 +10,7 @@ from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import ModelConfig, Models
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.reconstruct.engine.state import Answer
 
 
@@ -38,14 +38,14 @@ class Snapshot(Mapping[str, Estimate]):
         What is known of each patch: answer, rung, gap, stamp_ns, fresh, force ...
     """
 
-    def __init__(self, slot: Slot, number: int, models: Models, wall_ns: int) -> None:
+    def __init__(self, slot: CycleSlot, number: int, models: Models, wall_ns: int) -> None:
         self.number = number
         self.slot, self._models = slot, models
         self.patches: NDArray[Any] = slot.patches
         self.contacts: NDArray[Any] = slot.used_contacts()
         self.stamp_ns = int(slot.patches["stamp_ns"].max(initial=0))
         self.age = (wall_ns - self.stamp_ns) * 1e-9 if self.stamp_ns else float("inf")
-        self.fresh = bool(slot.head[Head.FRESH])
+        self.fresh = bool(slot.head[CycleHead.FRESH])
         self._names = [patch.name for patch in models.model_config.skin]
         self._made: dict[str, Estimate] = {}
 
@@ -73,12 +73,12 @@ class Snapshot(Mapping[str, Estimate]):
     @property
     def took(self) -> float:
         """From the beginning of the cycle to its answer, s."""
-        return float(self.slot.head[Head.READY_NS] - self.slot.head[Head.WAKE_NS]) * 1e-9
+        return float(self.slot.head[CycleHead.READY_NS] - self.slot.head[CycleHead.WAKE_NS]) * 1e-9
 
     @property
     def late(self) -> bool:
         """Whether the answer came after its deadline."""
-        return bool(int(self.slot.head[Head.FLAGS]) & CycleFlag.LATE)
+        return bool(int(self.slot.head[CycleHead.FLAGS]) & CycleFlag.LATE)
 
     def ages(self) -> dict[str, float]:
         """Age of each patch's newest reading, s; infinite where none ever came."""

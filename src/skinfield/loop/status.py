@@ -14,7 +14,7 @@ from skinfield.loop.model_config import configuration_of, state_of, tuning_of
 from skinfield.loop.realtime.system import values_of
 from skinfield.loop.realtime.timing import Timing
 from skinfield.loop.runtime_parameters import Limits
-from skinfield.loop.slots import Head, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status_text import read_notes
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import RingReader
@@ -25,7 +25,7 @@ SILENT = 3.0  # s without a word of a recorder, after which something is wrong
 Array = NDArray[Any]
 
 
-class Moment(NamedTuple):
+class RingCounters(NamedTuple):
     """Counters of a ring at one time, to tell what happened between two of them."""
 
     time: float
@@ -36,7 +36,7 @@ class Moment(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Status:
+class LiveStatus:
     """A look at a running skin.
 
     Attributes
@@ -120,9 +120,9 @@ class Observer:
         self._slot = reader.slot()
         self._moments = deque([self._moment()])
 
-    def _moment(self) -> Moment:
+    def _moment(self) -> RingCounters:
         status = self._reader.status_view
-        return Moment(
+        return RingCounters(
             time.monotonic(),
             self._reader.number,
             status["times"].copy(),
@@ -130,32 +130,32 @@ class Observer:
             status["sources"].copy(),
         )
 
-    def _earlier(self, now: Moment) -> Moment:
+    def _earlier(self, now: RingCounters) -> RingCounters:
         """The moment from which on things count as recent."""
         moments = self._moments
         if (now.totals < moments[-1].totals).any():  # of another ring under the same name
             moments.clear()
             nothing = now.times * 0, now.totals * 0, now.sources
-            moments.append(Moment(now.time, now.number, *nothing))
+            moments.append(RingCounters(now.time, now.number, *nothing))
         while len(moments) > 1 and moments[1].time <= now.time - self._window:
             moments.popleft()
         earlier = moments[0]
         moments.append(now)
         return earlier
 
-    def look(self) -> Status:
+    def look(self) -> LiveStatus:
         """What there is now, and what happened since the last look."""
         reader, now = self._reader, self._moment()
         before, told = self._earlier(now), reader.description
         copied, patches, contacts = reader.latest(self._slot), [], []
         if copied is not None:
-            slot, names = Slot.of(copied.arrays), told["patches"]
-            wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots: old readings
+            slot, names = CycleSlot.of(copied.arrays), told["patches"]
+            wall = max(int(slot.head[CycleHead.WALL_NS]), time.time_ns())  # old slots: old readings
             stale = int(reader.status_view["stale_ns"][0])
             patches = patch_rows(names, slot.patches, wall, stale)
             contacts = plain_contacts(names, slot.used_contacts())
         seconds = max(now.time - before.time, 1e-9)
-        return Status(
+        return LiveStatus(
             name=reader.name,
             state=state_of(reader).name.lower(),
             pid=reader.pid,

@@ -7,10 +7,10 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.baseline import Baseline, quantity_scale
+from skinfield.loop.baseline import TareBaseline, quantity_scale
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.runtime_parameters import AUTO, Tuning
-from skinfield.loop.slots import PATCH, Head, Sizes, Slot
+from skinfield.loop.slots import PATCH, CycleHead, CycleSlot, Sizes
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
 from skinfield.signal import Channels, Convention
@@ -32,7 +32,7 @@ def lowest_change(board: Convention | None, calibration: Floats) -> float:
     board : Convention or None
         None where nobody says what a count means.
     calibration : (N, 4) array
-        Of the taxels that live, see `Baseline`.
+        Of the taxels that live, see `TareBaseline`.
     """
     if not len(calibration):
         return -np.inf
@@ -48,7 +48,7 @@ def lowest_change(board: Convention | None, calibration: Floats) -> float:
     return -max(RISEN, SURE * float(np.median(calibration[:, 2] / gain)))
 
 
-def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
+def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
     """Have contacts go on from a cycle as it was published, and know nothing else.
 
     A replay that begins in the middle has no more than that.
@@ -76,7 +76,7 @@ class Updater:
     Parameters
     ----------
     model_config : ModelConfig
-    baseline : Baseline
+    baseline : TareBaseline
     tracks : (1,) int64 array
         Contacts numbered so far; may lie where others see it.
     progress : function of two ints
@@ -86,7 +86,7 @@ class Updater:
     def __init__(
         self,
         model_config: ModelConfig,
-        baseline: Baseline,
+        baseline: TareBaseline,
         tracks: Ints | None = None,
         progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
@@ -111,7 +111,7 @@ class Updater:
         )
         board = model_config.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
-        self._kept = Slot.empty(self.sizes)
+        self._kept = CycleSlot.empty(self.sizes)
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
         self._contacts = SkinContacts(self.engine, rows=model_config.rows, ids=self.tracks)
@@ -129,7 +129,7 @@ class Updater:
         return int(self._newest.max())
 
     def calibrate(self, table: Floats) -> None:
-        """Take a calibration (L, 4); see `Baseline`."""
+        """Take a calibration (L, 4); see `TareBaseline`."""
         check_shape("calibration", table, (self.sizes.taxels, 4), "baseline, gain, noise, alive")
         baseline, alive = table[:, 0].copy(), table[:, 3] > 0
         per_gain = 1.0 / np.where(alive, table[:, 1], 1.0)
@@ -168,7 +168,7 @@ class Updater:
         for each in self._contacts.patches:
             each.ids = tracks
 
-    def resume(self, slot: Slot) -> None:
+    def resume(self, slot: CycleSlot) -> None:
         """Take over the newest cycle of an engine before, for the reset after."""
         if slot.patches["answered_ns"].any():
             kept = self._kept
@@ -180,7 +180,7 @@ class Updater:
         self,
         channels: Channels,
         now_ns: int,
-        slot: Slot,
+        slot: CycleSlot,
         *,
         reset: bool = False,
         budget: float | None = None,
@@ -193,7 +193,7 @@ class Updater:
             Their `fresh` is set back.
         now_ns : int, ns
             Since the epoch: decides which readings are too old.
-        slot : Slot
+        slot : CycleSlot
             Receives everything but the times and the log's position.
         reset : bool
             Whether to forget the readings before first.
@@ -209,8 +209,8 @@ class Updater:
             go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
-        head[Head.FLAGS] = 0
-        head[Head.FRESH] = fresh
+        head[CycleHead.FLAGS] = 0
+        head[CycleHead.FRESH] = fresh
         if self._smoothing:
             self._smooth(channels)
         if fresh:
@@ -218,7 +218,9 @@ class Updater:
                 self._attend(*self._window)
             self.engine.run(self._values, self._given, budget=budget)
         self._take_answers(now_ns)
-        head[Head.CONTACTS] = self._kernel.sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
+        head[CycleHead.CONTACTS] = self._kernel.sum_up(
+            kept.patches, kept.contacts, int(self.tracks[0])
+        )
         self._publish(channels, slot)
         return fresh > 0
 
@@ -263,7 +265,7 @@ class Updater:
                 count = int(self._kernel.drop_weak(rows, *words, count, self._threshold))
             kept.patches["contacts"][patch] = count
 
-    def _publish(self, channels: Channels, slot: Slot) -> None:
+    def _publish(self, channels: Channels, slot: CycleSlot) -> None:
         """Copy what is kept into the slot."""
         kept = self._kept
         known = kept.patches, self._kept_words, kept.pressure, CONTACT_WORDS
@@ -273,7 +275,7 @@ class Updater:
 
     def _rehearse(self) -> None:
         """Load what is compiled, and know nothing afterwards."""
-        channels, slot = Channels(self._binding.channels), Slot.empty(self.sizes)
+        channels, slot = Channels(self._binding.channels), CycleSlot.empty(self.sizes)
         channels.counts[:] = 0.0
         channels.fresh[:] = 1
         before = int(self.tracks[0])

@@ -19,7 +19,7 @@ LOOK = 0.05  # s
 NO_VIRTUAL = "a real skin is pressed by hand: only a virtual one can be pressed from here"
 
 
-class Press(NamedTuple):
+class PressRequest(NamedTuple):
     """Where and how a virtual skin is to be pressed.
 
     Attributes
@@ -66,16 +66,13 @@ class Presser:
     """
 
     def __init__(
-        self,
-        virtual: Virtual,
-        waits_for: Callable[[], str],
-        say: Callable[[str], None],
+        self, virtual: Virtual, waits_for: Callable[[], str], say: Callable[[str], None]
     ) -> None:
         self._virtual, self._waits_for, self._say = virtual, waits_for, say
         self._lock = threading.RLock()
         self.playing = IDLE
         self.preparing = False  # whether a tool is being solved
-        self._presses: dict[str, Press] = {}
+        self._presses: dict[str, PressRequest] = {}
         self._waiting: set[str] = set()
         self._noted: list[str] = []
 
@@ -108,7 +105,7 @@ class Presser:
             note = note.replace(f"press {id} ", "a press ")  # its name is the page's own
         self._say(note)
 
-    def press(self, press: Press) -> dict[str, Any]:
+    def press(self, press: PressRequest) -> dict[str, Any]:
         """Begin a press, or change it; a scene ends with the first one by hand.
 
         Raises
@@ -132,7 +129,7 @@ class Presser:
             self._presses[done.id] = done
             return place
 
-    def _whole(self, press: Press) -> Press:
+    def _whole(self, press: PressRequest) -> PressRequest:
         """A press with what it does not say taken from before."""
         before = self._presses.get(press.id)
         if before is not None:
@@ -148,7 +145,7 @@ class Presser:
         check_choice("shape", press.shape, SHAPES, "what presses")
         return press
 
-    def _do(self, press: Press) -> None:
+    def _do(self, press: PressRequest) -> None:
         self._virtual.ask({"do": "press", **press._asdict()})
 
     def do_waiting(self) -> None:

@@ -11,11 +11,11 @@ import numpy as np
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_range
 from skinfield.loop.realtime import Timing, TimingTable
-from skinfield.loop.slots import Slot, say_nothing
+from skinfield.loop.slots import CycleSlot, say_nothing
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Status, patch_rows, plain_contacts
+from skinfield.loop.status import LiveStatus, patch_rows, plain_contacts
 from skinfield.page.source import EngineView, merged_view
-from skinfield.record.replay import Moment, Replay, ReplayFit
+from skinfield.record.replay import RecordedCycle, Replay, ReplayFit
 from skinfield.skin import Skin
 
 SPEEDS = 0.1, 10.0
@@ -77,7 +77,7 @@ class Clock:
         return left
 
 
-class ReplaySource:
+class RecordingSource:
     """A recording of a live skin as a `DataSource`.
 
     A thread reads the cycles as they were recorded; what is shown is the newest one, with the
@@ -125,7 +125,7 @@ class ReplaySource:
         spans = (((a - self._first_ns) * 1e-9, (b - self._first_ns) * 1e-9) for a, b in index.gaps)
         self.gaps = [(a, b) for a, b in spans if b - a > SHORTEST]
         self._changed = threading.Condition()  # and lock of all that follows, but the fit
-        self._slot, self._number, self._wall_ns = Slot.empty(self.replay.sizes), -1, 0
+        self._slot, self._number, self._wall_ns = CycleSlot.empty(self.replay.sizes), -1, 0
         self._time_ns = self._since = 0  # of the newest cycle; cycles since one was copied
         self._snapshot: Snapshot | None = None
         period = float(self.replay.recording.description.get("period", 1e-3))
@@ -171,7 +171,7 @@ class ReplaySource:
         """The newest cycle, in memory of its own; None before the first one is there."""
         with self._changed:
             if self._snapshot is None and self._number >= 0:
-                own = Slot.empty(self.replay.sizes)
+                own = CycleSlot.empty(self.replay.sizes)
                 own.copy_from(self._slot)
                 models = self.replay.models(self._wall_ns)
                 self._snapshot = Snapshot(own, self._number, models, self._wall_ns)
@@ -185,7 +185,7 @@ class ReplaySource:
             found = None if snapshot is None else self._fit.at(time_ns)
         return merged_view(snapshot, found)
 
-    def look(self) -> Status:
+    def look(self) -> LiveStatus:
         """Of the time that is shown; `state` is "playing", "paused" or "failed"."""
         names = [patch.name for patch in self.skin]
         with self._changed:
@@ -195,7 +195,7 @@ class ReplaySource:
             at, times, totals = self._marks[0] if self._marks else now
             lately = Timing.of(timing.times, timing.totals, (times, totals))
             seconds = max((self._time_ns - at) * 1e-9, 1e-9)
-            return Status(
+            return LiveStatus(
                 name=self.name,
                 state="failed" if self._failed else "playing" if self.playing else "paused",
                 since=since,
@@ -208,7 +208,7 @@ class ReplaySource:
             )
 
     def status(self) -> dict[str, Any]:
-        """The same, as `Status.as_dict`."""
+        """The same, as `LiveStatus.as_dict`."""
         return self.look().as_dict()
 
     def _notes(self) -> dict[str, Any]:
@@ -312,12 +312,12 @@ class ReplaySource:
         if self._target == target:  # no other was asked for meanwhile
             self._target = None
 
-    def _show(self, each: Moment, at_once: bool = False) -> None:
+    def _show(self, each: RecordedCycle, at_once: bool = False) -> None:
         """Show a cycle; of those without a new reading only some, as they hold the same.
 
         Parameters
         ----------
-        each : Moment
+        each : RecordedCycle
         at_once : bool
             Whether exactly this one must be shown.
         """
@@ -330,7 +330,7 @@ class ReplaySource:
                 self._slot.copy_from(each.slot)
             self._count(each)
 
-    def _count(self, each: Moment) -> None:
+    def _count(self, each: RecordedCycle) -> None:
         recorded, latency = each.cycle, -1
         if each.fresh:
             stamp = int(recorded.patches["stamp_ns"].max(initial=0))

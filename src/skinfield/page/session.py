@@ -12,7 +12,7 @@ import numpy as np
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
 from skinfield.page.page_state import PageState
-from skinfield.page.presser import Press
+from skinfield.page.presser import PressRequest
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView
 from skinfield.page.updates import Updates
@@ -47,7 +47,7 @@ def number(command: Command, key: str, low: float, high: float, what: str) -> fl
     return float(value)  # type: ignore[arg-type]
 
 
-def press_of(command: Command, layout: SceneLayout, browser: int) -> Press:
+def press_of(command: Command, layout: SceneLayout, browser: int) -> PressRequest:
     """A press at a place of the picture; raises InputError."""
     placed = layout[command.get("patch")]
     place = command.get("position")
@@ -62,7 +62,7 @@ def press_of(command: Command, layout: SceneLayout, browser: int) -> Press:
     radius = None if "radius" not in command else number(command, "radius", 1e-4, 0.1, "metres")
     shape = text(command, "shape") if "shape" in command else "ball"
     name = f"{browser}-{text(command, 'id')}"[:40]
-    return Press(name, placed.patch.name, x, y, force, radius, shape)
+    return PressRequest(name, placed.patch.name, x, y, force, radius, shape)
 
 
 def _is_number(value: Any, low: float, high: float) -> bool:
@@ -287,7 +287,7 @@ class Session:
             await state.refresh()
         return reply
 
-    def _press(self, command: Command) -> Press:
+    def _press(self, command: Command) -> PressRequest:
         return press_of(command, self._updates.layout, self._number)
 
     def _mine(self, id: Any) -> str | None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.loop import Answer
-from skinfield.loop.slots import Head
+from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import EngineView
@@ -42,7 +42,7 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
         return {"cycle": 0, "stamp_ns": 0, "age_s": None, "fresh": False, "late": False}
     newest = max(snapshots, key=lambda each: each.stamp_ns)
     took = round(newest.took * 1e9)
-    published = int(newest.slot.head[Head.WALL_NS]) + took
+    published = int(newest.slot.head[CycleHead.WALL_NS]) + took
     return {
         "cycle": newest.number,
         "stamp_ns": newest.stamp_ns,

@@ -70,7 +70,7 @@ class DeadlineMargin:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class PatchAnswer:
     """One reading's pressure, and how to compute the rest when it is asked for.
 
     Attributes
@@ -102,7 +102,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class Results:
+class ResultArrays:
     """Where T readings' answers are written.
 
     Attributes
@@ -129,7 +129,7 @@ class Results:
     in_time: NDArray[np.bool_]
 
     @classmethod
-    def empty(cls, readings: int, taxels: int, nodes: int) -> "Results":
+    def empty(cls, readings: int, taxels: int, nodes: int) -> "ResultArrays":
         """Room for some readings."""
         return cls(
             np.empty((readings, 4 * nodes)),
@@ -142,7 +142,7 @@ class Results:
             np.ones(readings, dtype=np.bool_),
         )
 
-    def take(self, row: int, answer: Answer) -> None:
+    def take(self, row: int, answer: PatchAnswer) -> None:
         """Write one reading's answer."""
         nodes, rest = len(answer.pressure), answer.rest
         self.fields[row, :nodes] = answer.pressure
@@ -233,7 +233,7 @@ class LinearPlan:
     valid: NDArray[np.bool_]
     gaussian: GaussianModel | None = None
 
-    def solve(self, readings: Floats, rows: Ints, out: Results) -> None:
+    def solve(self, readings: Floats, rows: Ints, out: ResultArrays) -> None:
         """Write the answers of `readings` (R, L'), in the quantity's unit, into `rows` of `out`."""
         setting, nodes = self.setting, len(self.setting.grid)
         out.pressure_std[rows] = self.pressure_std
@@ -246,7 +246,7 @@ class LinearPlan:
             out.contacts[row] = self.contacts(out.fields[row, :nodes], self.noise, self.posterior)
 
     def solve_among(
-        self, readings: Floats, valid: NDArray[np.bool_], rows: Ints, out: Results
+        self, readings: Floats, valid: NDArray[np.bool_], rows: Ints, out: ResultArrays
     ) -> None:
         """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`.
 
@@ -266,7 +266,7 @@ class LinearPlan:
                 )
 
     def _solve_sets(
-        self, known: TaxelSets, table: Floats, which: Ints, rows: Ints, out: Results
+        self, known: TaxelSets, table: Floats, which: Ints, rows: Ints, out: ResultArrays
     ) -> None:
         nodes, linear = len(self.setting.grid), self.setting.linearised(table)
         filled = known.filled(linear, which)
@@ -297,7 +297,7 @@ class LinearPlan:
 
     def prompt(
         self, reading: Floats, end: int | None, among: NDArray[np.bool_] | None = None
-    ) -> Answer:
+    ) -> PatchAnswer:
         """Answer one reading (L',) at once, whatever the time it should end.
 
         Of a Bayesian solver's plan of all taxels also one (L,) of which some are valid.
@@ -322,7 +322,7 @@ class LinearPlan:
             posterior, noise = known.errors[0]
             return self.contacts(pressure, noise, posterior)
 
-        return Answer(
+        return PatchAnswer(
             pressure,
             {
                 "displacement": moved,
@@ -355,10 +355,7 @@ def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
 
 
 def linear_plan(
-    setting: Setting,
-    model: ObservationModel,
-    inverse: InverseOperator,
-    valid: NDArray[np.bool_],
+    setting: Setting, model: ObservationModel, inverse: InverseOperator, valid: NDArray[np.bool_]
 ) -> LinearPlan:
     """Fold resampling, inversion and displacement into one matrix."""
     nodes, gaussian = setting.nodes, inverse.gaussian if valid.all() else None

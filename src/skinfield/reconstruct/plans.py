@@ -13,10 +13,10 @@ from skinfield.errors import Floats
 from skinfield.estimate import Contact, PressureNoise, PressurePosterior
 from skinfield.estimate.finder import EXACT
 from skinfield.reconstruct.plan import (
-    Answer,
     DeadlineMargin,
     LinearPlan,
-    Results,
+    PatchAnswer,
+    ResultArrays,
     Setting,
     distinct,
     linear_plan,
@@ -60,7 +60,7 @@ class FieldPlan:
         whole = self.operator.posterior
         return None if whole is None else whole.on(self.setting.nodes)
 
-    def prompt(self, reading: Floats, end: int | None) -> Answer:
+    def prompt(self, reading: Floats, end: int | None) -> PatchAnswer:
         """Answer one reading (L',) at once, until a time of `time.perf_counter_ns`."""
         setting, operator = self.setting, self.operator
         linear = setting.linearised(reading)
@@ -74,7 +74,7 @@ class FieldPlan:
             matrix = self.model.matrix[self.valid] if self.whole else self.model.matrix
             return spread_out(linear - matrix @ found, self.valid)
 
-        return Answer(
+        return PatchAnswer(
             pressure,
             {
                 "displacement": lambda: setting.deformation(found)[setting.nodes],
@@ -119,7 +119,7 @@ class ContactPlan:
     extended: FieldPlan | None
     margin: DeadlineMargin = field(default_factory=lambda: DeadlineMargin(300_000, most=2_000_000))
 
-    def prompt(self, reading: Floats, end: int | None) -> Answer:
+    def prompt(self, reading: Floats, end: int | None) -> PatchAnswer:
         """Answer one reading (L',), all of it, until a time of `time.perf_counter_ns`."""
         fit = self.operator.fit(reading, self.margin.before(end))
         late = end is not None and time.perf_counter_ns() >= end
@@ -131,7 +131,7 @@ class ContactPlan:
         here = self.setting.nodes
         whole = len(here) == len(self.setting.model.grid)
         contacts = fit.contacts if whole else self._inside(fit)
-        return Answer(
+        return PatchAnswer(
             fit.pressure if whole else fit.pressure[here],
             {
                 "displacement": lambda: fit.displacement if whole else fit.displacement[here],
@@ -144,7 +144,7 @@ class ContactPlan:
             margin=self.margin,
         )
 
-    def _explains_more(self, field: Answer, left: Floats) -> bool:
+    def _explains_more(self, field: PatchAnswer, left: Floats) -> bool:
         """Whether a field leaves far less of a reading than contacts, which leave `left` (L',)."""
         assert self.extended is not None
         noise = self.extended.model.noise_std
@@ -220,7 +220,7 @@ class Plans:
         return self._kept[key]
 
     def solve(
-        self, table: Floats, valid: NDArray[np.bool_], out: Results, deadline: float | None
+        self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays, deadline: float | None
     ) -> None:
         """Write the answers of readings (T, L), where `valid` (T, L), into `out`.
 
@@ -246,7 +246,7 @@ class Plans:
                 out.in_time[row] = answer.met(start, end)
                 out.take(row, answer)
 
-    def prompt(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer:
+    def prompt(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> PatchAnswer:
         """Answer one reading (L,) at once."""
         own = reading.copy()  # what is computed later is of this one; the caller may write over his
         if valid.all():

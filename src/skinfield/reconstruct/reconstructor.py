@@ -32,7 +32,7 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
-from skinfield.reconstruct.plan import LinearPlan, Results, Setting, until
+from skinfield.reconstruct.plan import LinearPlan, ResultArrays, Setting, until
 from skinfield.reconstruct.plans import Plans
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, Solver
@@ -231,7 +231,7 @@ class Reconstructor:
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
             return self._prompt(table[0], mask[0], stamps, start, deadline)
-        out = Results.empty(len(table), len(self.patch), len(self.grid))
+        out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
         self._plans.solve(table, mask, out, deadline)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]

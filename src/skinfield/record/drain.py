@@ -28,7 +28,7 @@ from skinfield.files.mcap.schema import (
 from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
 from skinfield.loop.model_config import FIELD as SETTINGS
 from skinfield.loop.model_config import ModelConfig, configuration_of
-from skinfield.loop.slots import CONTACT, Head, Slot
+from skinfield.loop.slots import CONTACT, CycleHead, CycleSlot
 from skinfield.loop.slots import LAYOUT as CYCLE
 from skinfield.loop.status import Observer
 from skinfield.loop.status_text import HEAD as CHECKED
@@ -128,7 +128,7 @@ OLDEST_NS = 10_000_000_000  # of an answer of a fit that is taken: its own stamp
 NOTHING = np.zeros(0, np.uint32)
 
 
-class Place(NamedTuple):
+class RecordedPosition(NamedTuple):
     """The cycles after `number` are recorded, and the log from `position` on.
 
     Attributes
@@ -142,7 +142,7 @@ class Place(NamedTuple):
     position: int
 
 
-def place_since(reader: RingReader, since_ns: int) -> Place:
+def place_since(reader: RingReader, since_ns: int) -> RecordedPosition:
     """Before the last cycle that was not after a time, or as far back as the ring goes.
 
     Parameters
@@ -158,7 +158,7 @@ def place_since(reader: RingReader, since_ns: int) -> Place:
         starts, before all that is there.
     """
     newest = reader.number  # before the log's end is looked at: no cycle without its readings
-    found = now = Place(newest, reader.log_end if newest else 0)
+    found = now = RecordedPosition(newest, reader.log_end if newest else 0)
     if not since_ns:
         return now
     slot, wall_ns = reader.slot(), 0
@@ -166,10 +166,10 @@ def place_since(reader: RingReader, since_ns: int) -> Place:
     for number in range(newest, max(oldest, 0), -1):
         if not reader.part(number, slot, ("head",)):
             break
-        found = Place(number, int(slot["head"][Head.LOG_POSITION]))
+        found = RecordedPosition(number, int(slot["head"][CycleHead.LOG_POSITION]))
         if wall_ns and wall_ns <= since_ns:
             break
-        wall_ns = int(slot["head"][Head.WALL_NS])
+        wall_ns = int(slot["head"][CycleHead.WALL_NS])
     _, lost = reader.log_reader(found.position).read()
     return now if lost else found
 
@@ -198,7 +198,7 @@ class Drain:
     model_config : ModelConfig
     view_rate : float, 1/s
         Of pressure fields.
-    begin : Place
+    begin : RecordedPosition
     """
 
     def __init__(
@@ -207,7 +207,7 @@ class Drain:
         queue: Queue,
         model_config: ModelConfig,
         view_rate: float,
-        begin: Place,
+        begin: RecordedPosition,
     ) -> None:
         self._reader, self._queue = reader, queue
         self._sources = [str(each) for each in reader.description.get("sources", [])]
@@ -215,7 +215,7 @@ class Drain:
         self._number = begin.number
         self._log = reader.log_reader(begin.position)
         self._slot = reader.slot()
-        self._cycle = Slot.of(self._slot.arrays)
+        self._cycle = CycleSlot.of(self._slot.arrays)
         self.generation = reader.generation
         self._state = queue.state
         self._put_blocks(time.time_ns(), self._log.position, b"")
@@ -244,7 +244,7 @@ class Drain:
                 self._queue.put(Item(now, len(data), write, cycle=True))
                 self._state.cycles += 1
                 due = not 0 <= cycle.wall_ns - self._shown < self._every
-                if due and self._cycle.head[Head.FRESH]:
+                if due and self._cycle.head[CycleHead.FRESH]:
                     self._show(number, cycle.wall_ns)
         self._number = max(head, self._number)
         if missing:

@@ -60,11 +60,7 @@ class Recovered:
 
 
 def recover(
-    bad: str | Path,
-    good: str | Path,
-    *,
-    overwrite: bool = False,
-    progress: Progress | None = None,
+    bad: str | Path, good: str | Path, *, overwrite: bool = False, progress: Progress | None = None
 ) -> Recovered:
     """Write everything that can be read of an MCAP file into a new, whole one.
 

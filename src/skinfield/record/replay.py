@@ -21,7 +21,7 @@ from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import describe, slots_for, status_fields
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import LAYOUT as CYCLE
-from skinfield.loop.slots import Head, Sizes, Slot
+from skinfield.loop.slots import CycleHead, CycleSlot, Sizes
 from skinfield.loop.status_text import write_notes
 from skinfield.ring import Ring, State
 
@@ -31,14 +31,14 @@ FIXED = "it is a replay, and goes by what was in force then"
 LINEAR, MISSING = int(Answer.LINEAR), int(Answer.MISSING)
 
 
-class Moment(NamedTuple):
+class RecordedCycle(NamedTuple):
     """One cycle.
 
     Attributes
     ----------
     cycle : Cycle
         As it was recorded.
-    slot : Slot
+    slot : CycleSlot
         As readers of the ring had it, but for readings and pressure: those of the newest cycle so
         far of which they are in the file, and a touched patch's rung is that of its pressure. The
         next cycle overwrites it.
@@ -47,7 +47,7 @@ class Moment(NamedTuple):
     """
 
     cycle: Cycle
-    slot: Slot
+    slot: CycleSlot
     fresh: bool
 
 
@@ -124,15 +124,15 @@ class Replay:
         self.settings = list(_config_history(found, self.model_config))
         self._tares = list(_tares(found, self.sizes.taxels))
         self._fields = Newest(found, FIELDS, self._field_of)
-        self._slot = Slot.empty(self.sizes)
+        self._slot = CycleSlot.empty(self.sizes)
         self._field: FieldRecord | None = None
         self._models: tuple[tuple[int, int], Models] | None = None
         self._show_field(None)
 
-    def __iter__(self) -> Iterator[Moment]:
+    def __iter__(self) -> Iterator[RecordedCycle]:
         return self.from_time(0)
 
-    def from_time(self, time_ns: int) -> Iterator[Moment]:
+    def from_time(self, time_ns: int) -> Iterator[RecordedCycle]:
         """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
         first = self.index.record_before(time_ns)
         for _, at, cycle in self.recording.contents((CYCLES,), first):
@@ -140,7 +140,7 @@ class Replay:
                 continue
             self._show_field(self._fields.before(cycle.wall_ns))
             self._show(cycle)
-            yield Moment(cycle, self._slot, bool(self._slot.head[Head.FRESH]))
+            yield RecordedCycle(cycle, self._slot, bool(self._slot.head[CycleHead.FRESH]))
 
     def config_at(self, time_ns: int) -> ConfigChange:
         """What the engine went by at a time, ns since the epoch."""
@@ -210,13 +210,13 @@ class Replay:
         if self._field is not None:
             touched = (patches["answer"] >= LINEAR) & (self._field.sides > 0)
             slot.patches["rung"][touched] = self._field.sides[touched]
-        head[: Head.MESSAGES] = (
+        head[: CycleHead.MESSAGES] = (
             *(int(cycle.flags), cycle.due_ns, cycle.wake_ns, cycle.acquired_ns, cycle.done_ns),
             *(cycle.wall_ns, cycle.log_position),
         )
-        head[Head.FRESH] = np.count_nonzero(patches["fresh"] > 0)
-        head[Head.CONTACTS] = len(cycle.contacts)
-        head[Head.GENERATION] = self.config_at(cycle.wall_ns).configuration.generation
+        head[CycleHead.FRESH] = np.count_nonzero(patches["fresh"] > 0)
+        head[CycleHead.CONTACTS] = len(cycle.contacts)
+        head[CycleHead.GENERATION] = self.config_at(cycle.wall_ns).configuration.generation
 
 
 def _newest(found: list[Any], time_ns: int) -> int:
@@ -332,7 +332,7 @@ def slot_of(record: FitRecord) -> FitSlot:
     return slot
 
 
-def paced(moments: Iterable[Moment], speed: float) -> Iterator[Moment]:
+def paced(moments: Iterable[RecordedCycle], speed: float) -> Iterator[RecordedCycle]:
     """Cycles at `speed` times the pace at which they were live; a slow reader is waited for."""
     began, first = time.monotonic(), None
     for each in moments:
@@ -384,18 +384,18 @@ class Published:
             status["calibration"][:], status["noise_std"][:] = tare.calibration, tare.noise_std
             status["tares"][0] += 1
 
-    def put(self, each: Moment) -> None:
+    def put(self, each: RecordedCycle) -> None:
         """Publish one cycle."""
         ring, cycle = self._ring, each.cycle
         self._go_by(cycle.wall_ns)
-        slot = Slot.of(ring.begin())
+        slot = CycleSlot.of(ring.begin())
         slot.copy_from(each.slot)
         now = time.time_ns()
         shift = now - cycle.wall_ns
         for name in ("stamp_ns", "answered_ns"):
             known = slot.patches[name] > 0
             slot.patches[name][known] += shift
-        slot.head[Head.WALL_NS] = now
+        slot.head[CycleHead.WALL_NS] = now
         slot.patches["stamp_ns"][slot.patches["answer"] == MISSING] = 0
         ring.publish()
         ring.heartbeat(time.monotonic_ns())

@@ -48,7 +48,7 @@ class Field(NamedTuple):
     shape: tuple[int, ...] = ()
 
 
-class Placed(NamedTuple):
+class Span(NamedTuple):
     """A field at its place: bytes from the beginning of the slot, or of the status."""
 
     field: Field
@@ -64,7 +64,7 @@ class Placed(NamedTuple):
         return np.ndarray(field.shape, np.dtype(field.dtype), octets.data, start + self.offset)
 
 
-def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed, ...], int]:
+def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Span, ...], int]:
     """Give each field its place.
 
     Parameters
@@ -77,7 +77,7 @@ def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed,
 
     Returns
     -------
-    tuple of Placed
+    tuple of Span
         What has a cache line or more begins with one.
     int
         Bytes in all, a multiple of 64.
@@ -89,7 +89,7 @@ def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed,
     """
     if len(fields) > MOST_FIELDS:
         raise InputError(f"{name} has {len(fields)} fields, expected at most {MOST_FIELDS}")
-    placed: dict[str, Placed] = {}
+    placed: dict[str, Span] = {}
     for field in fields:
         checked, itemsize = _checked(name, Field(*field))
         if checked.name in placed:
@@ -97,7 +97,7 @@ def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed,
         size = itemsize * prod(checked.shape)
         step = LINE if size >= LINE else 8
         start = -(-start // step) * step
-        placed[checked.name] = Placed(checked, start, size)
+        placed[checked.name] = Span(checked, start, size)
         start += size
     return tuple(placed.values()), max(LINE, -(-start // LINE) * LINE)
 
@@ -129,7 +129,7 @@ def _checked(name: str, field: Field) -> tuple[Field, int]:
     return Field(field.name, dtype.str, shape), dtype.itemsize
 
 
-def table(placed: Sequence[Placed]) -> bytes:
+def table(placed: Sequence[Span]) -> bytes:
     """Entries of the table of fields."""
     return b"".join(
         _ENTRY.pack(
@@ -146,7 +146,7 @@ def table(placed: Sequence[Placed]) -> bytes:
 
 def read_table(
     data: memoryview, at: int, count: int, first: int, limit: int, where: str
-) -> tuple[Placed, ...]:
+) -> tuple[Span, ...]:
     """Read and check entries of the table of fields.
 
     Parameters
@@ -174,7 +174,7 @@ def read_table(
     return tuple(found)
 
 
-def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Placed:
+def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Span:
     name, dtype, offset, size, dimensions, *lengths = _ENTRY.unpack_from(data, at)
     text, kind = (part.rstrip(b"\0").decode("ascii", "replace") for part in (name, dtype))
     try:
@@ -186,7 +186,7 @@ def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Pla
         raise FileError(
             f"{where} is damaged: its field at byte {at} has no name, type or place that can be"
         )
-    return Placed(field, offset, size)
+    return Span(field, offset, size)
 
 
 MAGIC, VERSION, PAGE = b"SKINFLD\0", 1, 4096
@@ -238,20 +238,7 @@ class Header(NamedTuple):
 
     @classmethod
     def read(cls, data: memoryview, where: str) -> Self:
-        """Read and check it: every part lies within the file afterwards.
-
-        Parameters
-        ----------
-        data : memoryview
-            The whole file.
-        where : str
-            For errors.
-
-        Raises
-        ------
-        FileError
-            If it is no ring, of another version, or damaged.
-        """
+        """Read and check it, as `Layout.read`: every part lies within the file afterwards."""
         if len(data) < PAGE or data[:8] != MAGIC:
             raise FileError(f"{where} is no ring, expected {PAGE} bytes that begin with SKINFLD")
         header = cls(*_HEADER.unpack_from(data))
@@ -305,14 +292,14 @@ class Layout:
     Attributes
     ----------
     header : Header
-    slot_fields, status_fields : tuples of Placed
+    slot_fields, status_fields : tuples of Span
     description : bytes
         JSON.
     """
 
     header: Header
-    slot_fields: tuple[Placed, ...]
-    status_fields: tuple[Placed, ...]
+    slot_fields: tuple[Span, ...]
+    status_fields: tuple[Span, ...]
     description: bytes
 
     @classmethod

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.ring import files, system
 from skinfield.ring import layout as header
-from skinfield.ring.layout import LINE, SLOT_GENERATION, SLOT_LOG_END, Field, Layout, Placed, State
+from skinfield.ring.layout import LINE, SLOT_GENERATION, SLOT_LOG_END, Field, Layout, Span, State
 from skinfield.ring.log import LogReader
 
 
@@ -35,7 +35,7 @@ class Slot:
         The same, as it lies in the ring.
     """
 
-    def __init__(self, fields: tuple[Placed, ...], size: int) -> None:
+    def __init__(self, fields: tuple[Span, ...], size: int) -> None:
         self.number = self.generation = self.log_end = 0
         room = np.zeros(size + LINE, np.uint8)
         start = -room.ctypes.data % LINE

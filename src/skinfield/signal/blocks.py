@@ -48,12 +48,7 @@ class Blocks:
         return self.octets[: int(self.end[0]) * WORD]
 
     def put(
-        self,
-        stamp_ns: int,
-        channel: int,
-        values: ArrayLike,
-        kind: Kind,
-        status: Status = Status.OK,
+        self, stamp_ns: int, channel: int, values: ArrayLike, kind: Kind, status: Status = Status.OK
     ) -> None:
         """Append a block of counts.
 

@@ -167,10 +167,7 @@ class PlainCount(_Word):
 
 
 def valid_from_counts(
-    counts: ArrayLike,
-    convention: Convention | None = None,
-    *,
-    alive: Bools | None = None,
+    counts: ArrayLike, convention: Convention | None = None, *, alive: Bools | None = None
 ) -> Bools:
     """Validity of each count of a reading (L,) or of readings (T, L), same shape.
 

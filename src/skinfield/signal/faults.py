@@ -78,10 +78,7 @@ class Faults:
 
 
 def find_faults(
-    counts: Floats,
-    convention: Convention | None = None,
-    *,
-    calibration: Calibration | None = None,
+    counts: Floats, convention: Convention | None = None, *, calibration: Calibration | None = None
 ) -> Faults:
     """Judge each taxel over a recording.
 
@@ -141,12 +138,7 @@ def _final_run(counts: Floats) -> NDArray[np.int64]:
     return np.asarray(run, dtype=np.int64)
 
 
-def _stuck(
-    changed: Bools,
-    stepped: Bools,
-    run: NDArray[np.int64],
-    clamped_now: Bools,
-) -> Bools:
+def _stuck(changed: Bools, stepped: Bools, run: NDArray[np.int64], clamped_now: Bools) -> Bools:
     """Final runs that a taxel's own past, and the others' present, make incredible."""
     stuck = np.zeros(len(run), bool)
     for taxel in np.flatnonzero((run >= STUCK_READINGS) & ~clamped_now):

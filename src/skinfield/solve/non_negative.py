@@ -22,8 +22,8 @@ from skinfield.solve.dual.problem import (
     STARTED,
     STEPS,
     UNSOLVED,
+    DualProblem,
     Memory,
-    Problem,
 )
 from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, convolved, taxel_distance
 from skinfield.solve.operator import InverseOperator
@@ -38,7 +38,7 @@ LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read wher
 
 def problem_of(
     solver: "NonNegative", grid: Grid, rows: Floats, bump: Floats, whitening: Floats
-) -> Problem:
+) -> DualProblem:
     """Problem of a solver on a grid.
 
     Parameters
@@ -68,7 +68,7 @@ def problem_of(
             places = np.concatenate([tiles.taxels, tiles.firsts, tiles.cells])
     penalty, rounding = solver.shrinkage * threshold, ROUNDING[kind.itemsize]
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
-    return Problem(
+    return DualProblem(
         rows=filled,
         nodes=np.stack([norms, dropped]).astype(kind),
         whitening=np.ascontiguousarray(whitening, dtype=np.float64),
@@ -107,7 +107,7 @@ class NonNegativeOperator:
 
     Parameters
     ----------
-    problem : Problem
+    problem : DualProblem
         Arrays of the compiled search.
     backing : Backing
         See `backing_of`. The constraint only narrows a posterior, so that one's is too wide rather
@@ -121,7 +121,7 @@ class NonNegativeOperator:
         Whether the last answer was there in time.
     """
 
-    problem: Problem
+    problem: DualProblem
     backing: Backing
     model_error: ModelError
     deadline_met: bool = field(default=True, init=False)
@@ -251,7 +251,7 @@ class NonNegativeOperator:
         self._memory.measures[:] = np.median(paces, axis=0)
         self.reset()
 
-    def _with(self, problem: Problem, backing: Backing | None = None) -> "NonNegativeOperator":
+    def _with(self, problem: DualProblem, backing: Backing | None = None) -> "NonNegativeOperator":
         other = NonNegativeOperator(problem, backing or self.backing, self.model_error)
         other._memory.measures[OBJECTIVE + 1 :] = self._memory.measures[OBJECTIVE + 1 :]
         return other

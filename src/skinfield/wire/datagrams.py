@@ -15,7 +15,7 @@ import numpy as np
 
 from skinfield.errors import InputError, Ints
 from skinfield.signal.block import Octets
-from skinfield.wire.links import Address, BreakingLink, Place, let_go
+from skinfield.wire.links import Address, BreakingLink, LinkAddress, let_go
 
 Call = Callable[..., int]
 
@@ -47,9 +47,9 @@ class DatagramLink(BreakingLink):
         Datagrams of one call.
     longest : int, bytes
         Of a datagram that is understood; longer ones are marked.
-    own : Place, optional
+    own : LinkAddress, optional
         Where the socket is bound.
-    peer : Place, optional
+    peer : LinkAddress, optional
         To send to.
 
     Attributes
@@ -71,8 +71,8 @@ class DatagramLink(BreakingLink):
         label: str,
         batch: int,
         longest: int,
-        own: Place | None = None,
-        peer: Place | None = None,
+        own: LinkAddress | None = None,
+        peer: LinkAddress | None = None,
     ) -> None:
         from skinfield.wire.can.kernel import CONTROL, NAME, take_headers
 
@@ -191,7 +191,7 @@ def address_from_octets(octets: bytes) -> Address:
     return socket.inet_ntop(socket.AF_INET, octets[4:8]), struct.unpack_from(">H", octets, 2)[0]
 
 
-def bound_socket(own: Place) -> socket.socket:
+def bound_socket(own: LinkAddress) -> socket.socket:
     """Socket of UDP that is bound, for both directions, and never waits."""
     sock = socket.socket(own.family, socket.SOCK_DGRAM)
     try:

@@ -17,14 +17,14 @@ Address = tuple[str | int, ...]
 PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
 
 
-class Place(NamedTuple):
+class LinkAddress(NamedTuple):
     """An address that the system can use."""
 
     family: int
     address: Address
 
 
-def resolved(host: str, port: int, name: str) -> Place:
+def resolved(host: str, port: int, name: str) -> LinkAddress:
     """Address of a host."""
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
@@ -33,7 +33,7 @@ def resolved(host: str, port: int, name: str) -> Place:
             f"{name} is {host!r}, expected an address or a host's name: {error}"
         ) from None
     family, _, _, _, address = found[0]
-    return Place(int(family), cast(Address, address))
+    return LinkAddress(int(family), cast(Address, address))
 
 
 def host_and_port(text: str, host: str, port: int) -> tuple[str, int]:
@@ -63,7 +63,7 @@ def place_text(host: str, port: int) -> str:
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
-def peer_from_text(text: str) -> Place | None:
+def peer_from_text(text: str) -> LinkAddress | None:
     """Address of a peer; None where the text is empty."""
     host, port = host_and_port(text, "", 0)
     if text and not (host and port):
@@ -153,11 +153,11 @@ class DialledLink(ByteLink):
     Parameters
     ----------
     label : str
-    place : Place
+    place : LinkAddress
         Of the server.
     """
 
-    def __init__(self, label: str, place: Place) -> None:
+    def __init__(self, label: str, place: LinkAddress) -> None:
         super().__init__(label)
         self._place = place
         self._socket: socket.socket | None = None
@@ -197,7 +197,7 @@ class DialledLink(ByteLink):
         """Connect, and say what comes first; a step wherever something is to be waited for."""
         yield from self._connected(self._place, b"")
 
-    def _connected(self, place: Place, hello: bytes) -> Iterator[None]:
+    def _connected(self, place: LinkAddress, hello: bytes) -> Iterator[None]:
         """Connect, and say `hello`, a few bytes."""
         let_go(self._socket)
         self._socket = sock = socket.socket(place.family, socket.SOCK_STREAM)

@@ -24,7 +24,7 @@ from skinfield.loop import Answer, State
 from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Observer, Status
+from skinfield.loop.status import LiveStatus, Observer
 from skinfield.skin import Skin
 
 LATE_SHARE = 0.01  # of the estimates lately, above which it is told as a fault
@@ -48,7 +48,7 @@ STATES = {
 }
 
 
-def diagnostics_of(status: Status, header: Any, kinds: Kinds) -> Any:
+def diagnostics_of(status: LiveStatus, header: Any, kinds: Kinds) -> Any:
     """One status of the engine, one of each source, one of each patch, one of the recorder."""
     rows = [_engine(status), *_sources(status), *_patches(status), *_recorder(status)]
     told = [
@@ -70,7 +70,7 @@ def diagnostics_of(status: Status, header: Any, kinds: Kinds) -> Any:
 Row = tuple[Level, str, str, Mapping[str, Any]]
 
 
-def _engine(status: Status) -> Row:
+def _engine(status: LiveStatus) -> Row:
     level, lately = STATES.get(status.state, Level.ERROR), status.lately
     message = status.state
     if level == Level.OK and lately.late > LATE_SHARE * max(lately.cycles, 1):
@@ -93,7 +93,7 @@ def _engine(status: Status) -> Row:
     )
 
 
-def _sources(status: Status) -> Iterator[Row]:
+def _sources(status: LiveStatus) -> Iterator[Row]:
     for name, counts in status.sources.items():
         lately = status.sources_lately.get(name, {})
         missing = sum(lately.get(what, 0) for what in ("lost", "overflowed"))
@@ -103,7 +103,7 @@ def _sources(status: Status) -> Iterator[Row]:
             yield Level.OK, f"source {name}", "nothing lost lately", counts
 
 
-def _patches(status: Status) -> Iterator[Row]:
+def _patches(status: LiveStatus) -> Iterator[Row]:
     for patch in status.patches:
         values = {
             "answer": patch["answer"],
@@ -126,7 +126,7 @@ def _patches(status: Status) -> Iterator[Row]:
         yield level, f"patch {patch['name']}", message, values
 
 
-def _recorder(status: Status) -> Iterator[Row]:
+def _recorder(status: LiveStatus) -> Iterator[Row]:
     told = status.sidecars.get("recorder")
     if not isinstance(told, dict):
         return
@@ -228,7 +228,7 @@ class Speaker:
                 stamped = stamps.tolist()
                 yield from self.make.of_contacts(stamped, contacts, told, (what,), fitted)
 
-    def of_status(self, status: Status, stamp_ns: int) -> Outgoing:
+    def of_status(self, status: LiveStatus, stamp_ns: int) -> Outgoing:
         """The health, at a time."""
         header = self.make.header(stamp_ns, "")
         message = diagnostics_of(status, header, self.make.kinds)

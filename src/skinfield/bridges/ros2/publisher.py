@@ -99,7 +99,7 @@ def _domain_here() -> int:
     return int(text)
 
 
-class Publisher:
+class Ros2Publisher:
     """Declares a node and all its topics, and sends messages.
 
     Parameters
@@ -161,7 +161,7 @@ def serve(name: str, settings: RosSettings, stop: threading.Event) -> None:
         who = token_of(f"skinfield_{name}")
         node = Node(who, str(session.zid()), settings.domain or 0, settings.namespace)
         channels = [each for each in speaker.channels() if settings.rates[each.what] > 0]
-        publisher = Publisher(session, node, channels, kinds, settings.hashed, ends)
+        publisher = Ros2Publisher(session, node, channels, kinds, settings.hashed, ends)
         say_ready(
             node=node.name,
             domain=node.domain,

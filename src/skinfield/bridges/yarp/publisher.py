@@ -78,7 +78,7 @@ class YarpSettings:
         return f"/skinfield/{name}" if self.robot == USUAL else f"/{self.robot}/skinfield/{name}"
 
 
-class Publisher:
+class YarpPublisher:
     """Sends each new reading's contacts to whoever reads the port.
 
     Attributes
@@ -167,7 +167,7 @@ def serve(name: str, settings: YarpSettings, stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`."""
     with ExitStack() as ends:
         live = ends.enter_context(connect(name, timeout=HERE))
-        publisher = Publisher(live, settings)
+        publisher = YarpPublisher(live, settings)
         ends.callback(publisher.close)
         for port in publisher.ports:
             port.register()

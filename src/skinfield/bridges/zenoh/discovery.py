@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from skinfield.bridges.zenoh.messages import MOST_JSON, Calibration, Plan
-from skinfield.bridges.zenoh.session import ALL_ALIVE, Part, ZenohSettings, load_zenoh, open_session
+from skinfield.bridges.zenoh.messages import MOST_JSON, EstimateForm, RemoteCalibration
+from skinfield.bridges.zenoh.session import ALL_ALIVE, Keys, ZenohSettings, load_zenoh, open_session
 from skinfield.bridges.zenoh.source import ZenohSource
 from skinfield.errors import InputError, SkinfieldError
 
@@ -22,7 +22,7 @@ MOST_PARTS = 256  # engines
 class _Engine:
     """An engine that was heard of."""
 
-    part: Part
+    part: Keys
     alive: bool = True
     source: ZenohSource | None = None
     subscribers: list[Any] = field(default_factory=list)
@@ -103,7 +103,7 @@ class ZenohSources:
     def _on_token(self, sample: Any) -> None:
         """A sign of life came or went; in a thread of zenoh."""
         try:
-            part = Part.of(str(sample.key_expr))
+            part = Keys.of(str(sample.key_expr))
         except InputError:
             return
         alive = sample.kind == load_zenoh().SampleKind.PUT
@@ -146,7 +146,7 @@ class ZenohSources:
     def _join(self, engine: _Engine) -> None:
         """Make the source of an engine, in place of an earlier one."""
         part = engine.part
-        plan = Plan.of(self._ask(part, "description"))
+        plan = EstimateForm.of(self._ask(part, "description"))
         if engine.source is not None and engine.source.plan.fingerprint == plan.fingerprint:
             engine.source.outdated = False  # it was asked while it changed
             return
@@ -170,11 +170,11 @@ class ZenohSources:
         with self._lock:
             source.alive, engine.source = engine.alive, source
 
-    def _calibration(self, part: Part, plan: Plan) -> Calibration:
+    def _calibration(self, part: Keys, plan: EstimateForm) -> RemoteCalibration:
         taxels = sum(len(patch) for patch in plan.model_config.skin)
-        return Calibration.of(self._ask(part, "calibration"), taxels)
+        return RemoteCalibration.of(self._ask(part, "calibration"), taxels)
 
-    def _ask(self, part: Part, what: str) -> bytes:
+    def _ask(self, part: Keys, what: str) -> bytes:
         """The answer of an engine to a query.
 
         Raises

@@ -17,7 +17,7 @@ from skinfield.files.layouts.load import save_layout
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Configuration, ModelConfig
 from skinfield.loop.realtime.timing import TIMES, TOTALS
-from skinfield.loop.slots import CONTACT, Sizes, Slot, SlotLayout
+from skinfield.loop.slots import CONTACT, CycleSlot, Sizes, SlotLayout
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Patch, Skin
 
@@ -155,7 +155,7 @@ class _Description(Struct):
     ring: _Ring
 
 
-class Plan(NamedTuple):
+class EstimateForm(NamedTuple):
     """How estimates of one engine are read, from its description.
 
     Attributes
@@ -170,7 +170,7 @@ class Plan(NamedTuple):
     layout: SlotLayout
 
     @classmethod
-    def of(cls, data: bytes) -> "Plan":
+    def of(cls, data: bytes) -> "EstimateForm":
         """Of a description that came from elsewhere.
 
         Raises
@@ -194,7 +194,7 @@ class Plan(NamedTuple):
             )
         return cls(model_config, fingerprint_of(data), layout)
 
-    def slot(self, data: bytes) -> Slot:
+    def slot(self, data: bytes) -> CycleSlot:
         """The slot of these octets, checked.
 
         Raises
@@ -224,7 +224,7 @@ def _sizes(model_config: ModelConfig) -> Sizes:
     return Sizes.of(model_config.skin, rungs, rows)
 
 
-def check_slot(slot: Slot, model_config: ModelConfig) -> None:
+def check_slot(slot: CycleSlot, model_config: ModelConfig) -> None:
     """Raise InputError unless what a slot says can be: numbers of patches, grids and contacts."""
     patches, rows = slot.patches, slot.contacts.shape[1]
     answers = patches["answer"]
@@ -249,7 +249,7 @@ def _check(what: str, good: Array) -> None:
 
 
 class _Calibration(Struct):
-    """What `Calibration` makes, as far as it is read."""
+    """What `RemoteCalibration` makes, as far as it is read."""
 
     tares: Whole
     generation: Whole
@@ -258,7 +258,7 @@ class _Calibration(Struct):
     tuning: dict[str, Any] = {}
 
 
-class Calibration(NamedTuple):
+class RemoteCalibration(NamedTuple):
     """What changes while a ring stays, and decides what follows from a pressure.
 
     Attributes
@@ -280,7 +280,7 @@ class Calibration(NamedTuple):
         return strict_json(self.configuration.as_dict() | plain)
 
     @classmethod
-    def of(cls, data: bytes, taxels: int) -> "Calibration":
+    def of(cls, data: bytes, taxels: int) -> "RemoteCalibration":
         """Undo `packed`, of a skin with so many taxels.
 
         Raises

@@ -11,8 +11,8 @@ from typing import Any
 from skinfield.bridges.child import say_ready
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.bridges.zenoh.messages import (
-    Calibration,
     EstimateHead,
+    RemoteCalibration,
     contact_plain,
     contacts_of,
     described,
@@ -20,13 +20,13 @@ from skinfield.bridges.zenoh.messages import (
     layout_text,
     status_and_health,
 )
-from skinfield.bridges.zenoh.session import Part, load_zenoh, open_session, zenoh_session
+from skinfield.bridges.zenoh.session import Keys, load_zenoh, open_session, zenoh_session
 from skinfield.errors import InputError
 from skinfield.loop import State
 from skinfield.loop.client import Live, NotRunning, connect
 from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.model_config import configuration_of
-from skinfield.loop.slots import Head, SlotLayout
+from skinfield.loop.slots import CycleHead, SlotLayout
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
 
@@ -48,7 +48,7 @@ class Outlets:
     reader that hangs holds up nobody.
     """
 
-    def __init__(self, session: Any, part: Part, patches: Sequence[str]) -> None:
+    def __init__(self, session: Any, part: Keys, patches: Sequence[str]) -> None:
         self._session, self._part = session, part
         self._token: Any = None
         self._answers: list[Any] = []
@@ -121,19 +121,19 @@ HERE = 10.0  # s to wait for the ring
 RATE = 100.0  # estimates per second at most
 
 
-class Publisher:
+class ZenohPublisher:
     """Publishes what one ring holds.
 
     Parameters
     ----------
     session : zenoh.Session
     live : Live
-    part : Part
+    part : Keys
     rate : float, 1/s
         Of estimates and raw readings at most; the newest wins. Contacts have no limit.
     """
 
-    def __init__(self, session: Any, live: Live, part: Part, rate: float = RATE) -> None:
+    def __init__(self, session: Any, live: Live, part: Keys, rate: float = RATE) -> None:
         self._live, self._reader = live, live.reader
         self._observer, self._fit = Observer(live.reader, window=RECENT), FitReader(live.name)
         layout = SlotLayout.of(live.reader.slot_fields)
@@ -204,11 +204,11 @@ class Publisher:
         known = configuration_of(self._reader)
         if known is None:
             raise InputError("the engine's settings are being written, expected them soon")
-        return Calibration(self._live.tares, known, self._live.models.noise_std).packed()
+        return RemoteCalibration(self._live.tares, known, self._live.models.noise_std).packed()
 
     def _head(self, cycle: Snapshot) -> bytes:
         return EstimateHead(
-            generation=int(cycle.slot.head[Head.GENERATION]),
+            generation=int(cycle.slot.head[CycleHead.GENERATION]),
             number=cycle.number,
             stamp_ns=cycle.stamp_ns,
             sent_ns=time.time_ns(),
@@ -241,7 +241,7 @@ class Publisher:
                 self._outlets.put("raw", counts[its].tobytes(), head, patch)
 
 
-def check_free(session: Any, part: Part) -> None:
+def check_free(session: Any, part: Keys) -> None:
     """Raise InputError if another engine already publishes under these names."""
     end = time.monotonic() + TAKEN
     while any(reply.ok for reply in session.liveliness().get(part.key("alive"), timeout=1.0)):
@@ -261,10 +261,10 @@ def serve(name: str, settings: BridgeSettings, stop: threading.Event) -> None:
     InputError
         If zenoh cannot start, or there is no such skin.
     """
-    part = Part(settings.robot, name)
+    part = Keys(settings.robot, name)
     with open_session(zenoh_session(settings)) as session, connect(name, timeout=HERE) as live:
         check_free(session, part)
-        publisher = Publisher(session, live, part)
+        publisher = ZenohPublisher(session, live, part)
         with publisher.there():
             say_ready(key=part.key("**"), id=str(session.info.zid()))
             while not stop.is_set():

@@ -17,7 +17,7 @@ ALL_ALIVE = f"{ROOT}/*/*/alive"
 
 
 @dataclass(frozen=True)
-class Part:
+class Keys:
     """One engine's place among the keys.
 
     Parameters
@@ -47,7 +47,7 @@ class Part:
         return self.key(f"patch/{chunk(patch)}/{what}")
 
     @classmethod
-    def of(cls, key: str) -> "Part":
+    def of(cls, key: str) -> "Keys":
         """Whose key it is.
 
         Raises

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import (
     RECENT_NS,
-    Calibration,
     Contacts,
+    EstimateForm,
     EstimateHead,
-    Plan,
+    RemoteCalibration,
     contacts_from,
     status_from,
 )
-from skinfield.bridges.zenoh.session import Part
+from skinfield.bridges.zenoh.session import Keys
 from skinfield.errors import InputError, check_positive
 from skinfield.loop.model_config import ModelConfig, Models
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import CycleSlot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Skin
 
@@ -33,7 +33,7 @@ class ReceivedEstimate:
     """An estimate as it came."""
 
     head: EstimateHead
-    slot: Slot
+    slot: CycleSlot
     monotonic: float
     excess: float  # s that it took longer than the fastest lately
 
@@ -77,17 +77,17 @@ class ZenohSource:
 
     Parameters
     ----------
-    part : Part
-    plan : Plan
+    part : Keys
+    plan : EstimateForm
         Of its description.
-    calibration : Calibration
+    calibration : RemoteCalibration
     status : bytes
         What it said of itself last.
 
     Attributes
     ----------
-    part : Part
-    plan : Plan
+    part : Keys
+    plan : EstimateForm
     refused : int
         Messages that made no sense.
     refusal : str
@@ -98,7 +98,9 @@ class ZenohSource:
         Whether it sends what its description does not fit any more.
     """
 
-    def __init__(self, part: Part, plan: Plan, calibration: Calibration, status: bytes) -> None:
+    def __init__(
+        self, part: Keys, plan: EstimateForm, calibration: RemoteCalibration, status: bytes
+    ) -> None:
         self.part, self.plan = part, plan
         self.refused, self.refusal = 0, ""
         self.alive, self.outdated = True, False
@@ -170,7 +172,7 @@ class ZenohSource:
         except InputError as error:
             self.refuse(error)
 
-    def take_calibration(self, calibration: Calibration) -> None:
+    def take_calibration(self, calibration: RemoteCalibration) -> None:
         """Take another noise of the taxels, or another solver."""
         configuration = calibration.configuration
         model_config = replace(self.plan.model_config, solver=configuration.solver)

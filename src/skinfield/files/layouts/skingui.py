@@ -16,7 +16,7 @@ PADS = 12  # channels of a board, thermal ones included
 
 
 @dataclass(frozen=True)
-class Board:
+class TriangleType:
     """One type of triangle.
 
     Parameters
@@ -38,10 +38,10 @@ class Board:
 
 
 # Drawn in millimetres: 30 mm sides, pads 5.0 mm apart.
-TRIANGLE = Board("triangle", ICUB_TRIANGLE, built=1.0, lattice=1.0)
+TRIANGLE = TriangleType("triangle", ICUB_TRIANGLE, built=1.0, lattice=1.0)
 # Drawn too small: on a built foot, pads are 6.533 mm apart (drawn 6.430), and neighbouring boards
 # 19.32 mm (drawn 18.475, a lattice of 32 units of side).
-TRIANGLE_10PAD = Board("triangle_10pad", TEN_PAD_TRIANGLE, built=1.016, lattice=1.0457)
+TRIANGLE_10PAD = TriangleType("triangle_10pad", TEN_PAD_TRIANGLE, built=1.016, lattice=1.0457)
 
 BOARDS = {board.name: board for board in (TRIANGLE, TRIANGLE_10PAD)}
 

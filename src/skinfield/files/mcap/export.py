@@ -17,7 +17,7 @@ from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS, Cycle, FitRecord, Rows
 from skinfield.files.pending import Closing, write_bytes
-from skinfield.files.tables import Table, Values
+from skinfield.files.tables import TableFile, Values
 
 HELD = 4096  # cycles whose rows are written together
 TIMES = ("flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns", "done_ns", "log_position")
@@ -75,7 +75,7 @@ class TableExport(LiveExport):
 
     def __init__(self, path: str | Path, export: "Export") -> None:
         path, source = Path(path), {"source": export.source}
-        self._files: dict[str, Table] = {}
+        self._files: dict[str, TableFile] = {}
         self._happened, self._text = path.with_suffix(".events.json"), b""
         single = len(export.patches) == 1
         names = [
@@ -87,11 +87,11 @@ class TableExport(LiveExport):
         counts: list[tuple[str, np.dtype[Any]]] = [("stamp_ns", np.dtype(np.int64))]
         counts += [(name, np.dtype("<f4")) for name in names]
         try:
-            self._files["counts"] = Table(path, counts, {"unit": export.units[0], **source})
+            self._files["counts"] = TableFile(path, counts, {"unit": export.units[0], **source})
             for table, rows in export.tables.items():
                 beside = path.with_suffix(f".{table}{path.suffix}")
                 columns = [(name, values.dtype) for name, values in flat(rows)]
-                self._files[table] = Table(beside, columns, source)
+                self._files[table] = TableFile(beside, columns, source)
         except BaseException:
             self.discard()
             raise

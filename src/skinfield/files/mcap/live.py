@@ -318,7 +318,7 @@ def _object(data: bytes) -> dict[str, Any]:
     return value
 
 
-class Place(NamedTuple):
+class MessagePlace(NamedTuple):
     """Where a message stands.
 
     Attributes
@@ -347,7 +347,7 @@ class Index:
         Last cycle before and first behind each place where cycles are missing.
     starts : list of pair of int
         Where reading can begin: time of the first cycle in a record, and the record's number.
-    places : dict of str to list of Place
+    places : dict of str to list of MessagePlace
         Of `FIELDS` and `FITS`, by time.
     events : list of dict
         See `LiveRecording.events`.
@@ -358,7 +358,7 @@ class Index:
     last_ns: int = 0
     gaps: list[tuple[int, int]] = field(default_factory=list)
     starts: list[tuple[int, int]] = field(default_factory=list)
-    places: dict[str, list[Place]] = field(
+    places: dict[str, list[MessagePlace]] = field(
         default_factory=lambda: {schema.FIELDS: [], schema.FITS: []}
     )
     events: list[dict[str, Any]] = field(default_factory=list)
@@ -384,7 +384,9 @@ class Index:
             self._add_cycle(record, *HEAD.unpack_from(data))
         elif topic in self.places and len(data) >= PUBLISHED.size:
             its, (time_ns,) = self.places[topic], PUBLISHED.unpack_from(data)
-            its.append(Place(max(time_ns, its[-1].time_ns if its else time_ns), record, start))
+            its.append(
+                MessagePlace(max(time_ns, its[-1].time_ns if its else time_ns), record, start)
+            )
         elif topic == schema.EVENTS:
             with suppress(InputError):
                 event = _object(data)
@@ -441,7 +443,7 @@ class Newest(Generic[T]):
             self._newest = place, self._at(self._places[place])
         return self._newest[1]
 
-    def _at(self, place: Place) -> T | None:
+    def _at(self, place: MessagePlace) -> T | None:
         recording, record = self._recording, self._recording.outline.records[place.record]
         if place.record != self._content[0]:
             with records.open_file(recording.path) as file:

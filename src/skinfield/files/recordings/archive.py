@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.pending import write_bytes, write_npz
-from skinfield.files.recordings.head import Head
+from skinfield.files.recordings.head import Magic
 from skinfield.files.recordings.lines import Doubts, Progress
 from skinfield.skin.reading import UNITS, Recording
 
@@ -22,12 +22,12 @@ KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")
 LAYOUT = "keys counts (T, C) and stamp_ns (T,) or time_s (T,), if needed uid (C,) and unit"
 
 
-def matches(head: Head) -> bool:
+def matches(head: Magic) -> bool:
     """Whether the file is a zip archive, as NPZ is."""
     return head.data.startswith((b"PK\x03\x04", b"PK\x05\x06"))
 
 
-def read(head: Head, progress: Progress | None) -> Recording:
+def read(head: Magic, progress: Progress | None) -> Recording:
     """Read an archive whose head `matches`."""
     found = _load(head)
     if not {"stamp_ns", "time_s"} & set(found):
@@ -58,7 +58,7 @@ def read(head: Head, progress: Progress | None) -> Recording:
     return Recording(stamps, counts, uid, unit, source, notes)
 
 
-def _load(head: Head) -> dict[str, NDArray[Any]]:
+def _load(head: Magic) -> dict[str, NDArray[Any]]:
     """Arrays under the known keys; whatever a damaged archive raises becomes a FileError."""
     try:
         with warnings.catch_warnings(), head.path.open("rb") as file:
@@ -80,13 +80,13 @@ def _load(head: Head) -> dict[str, NDArray[Any]]:
     )
 
 
-def _floats(head: Head, key: str, values: NDArray[Any]) -> Floats:
+def _floats(head: Magic, key: str, values: NDArray[Any]) -> Floats:
     if values.dtype.kind not in "fiub":
         raise FileError(f"{head.path}: {key} holds {values.dtype}, expected numbers")
     return np.array(values, np.float64)
 
 
-def _stamps(head: Head, found: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
+def _stamps(head: Magic, found: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
     if "stamp_ns" in found:
         stamps = found["stamp_ns"]
         if stamps.dtype.kind not in "iu" or (stamps.size and int(stamps.max()) >= 2**63):
@@ -101,7 +101,7 @@ def _stamps(head: Head, found: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
     return np.round(time * 1e9).astype(np.int64)
 
 
-def _uids(head: Head, found: dict[str, NDArray[Any]], columns: int) -> NDArray[np.uint64] | None:
+def _uids(head: Magic, found: dict[str, NDArray[Any]], columns: int) -> NDArray[np.uint64] | None:
     if "uid" not in found:
         return None
     uid = found["uid"]

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.head import Magic, is_number, is_whole, usual_decimals, usual_width
 from skinfield.files.recordings.lines import RecordingStream
 
 MILLISECONDS = "times are whole numbers far apart: taken as milliseconds"
 Uids = NDArray[np.uint64]
 
 
-def text(head: Head) -> RecordingStream | None:
+def text(head: Magic) -> RecordingStream | None:
     """What a session's recording holds; None of another file."""
     lines = head.numbered()
     tokens = lines[0][1].split() if lines else []
@@ -50,7 +50,7 @@ def text(head: Head) -> RecordingStream | None:
     )
 
 
-def recorder(head: Head) -> RecordingStream | None:
+def recorder(head: Magic) -> RecordingStream | None:
     """What a recording of SkinRecorder holds; None of another file."""
     lines = head.numbered()
     tokens = [line.split() for _, line in lines[:2]]
@@ -78,7 +78,7 @@ def recorder(head: Head) -> RecordingStream | None:
     )
 
 
-def _known(head: Head, rows: list[list[str]], uid: Uids) -> dict[str, Any]:
+def _known(head: Magic, rows: list[list[str]], uid: Uids) -> dict[str, Any]:
     """What both kinds say of their columns and times."""
     slow, notes = _are_milliseconds(rows), _repeats(uid)
     return {
@@ -101,7 +101,7 @@ def _are_milliseconds(rows: list[list[str]]) -> bool:
     return 2 * int(np.count_nonzero(np.diff(times) < 5)) < len(times) - 1
 
 
-def _uids(head: Head, line: int, tokens: list[str]) -> Uids:
+def _uids(head: Magic, line: int, tokens: list[str]) -> Uids:
     """Uids (C,) from their digits; raises FileError for one of more than 64 bits."""
     for token in tokens:
         if not is_whole(token) or len(token) > 20 or int(token) >= 2**64:

@@ -12,7 +12,7 @@ SAMPLE = 200  # lines that vote on the width
 
 
 @dataclass(frozen=True)
-class Head:
+class Magic:
     """First bytes of a file.
 
     Attributes
@@ -50,11 +50,11 @@ class Head:
         return [line.split(delimiter) for line in lines if line.strip()]
 
 
-def read_head(path: Path) -> Head:
+def read_head(path: Path) -> Magic:
     """First bytes of `path`; raises FileError if it cannot be read or holds nothing."""
     try:
         with path.open("rb") as file:
-            head = Head(path, file.read(SIZE), path.stat().st_size)
+            head = Magic(path, file.read(SIZE), path.stat().st_size)
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise FileError(f"{path} cannot be read: {why}; expected a recording") from error

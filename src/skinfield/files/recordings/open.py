@@ -13,7 +13,7 @@ from skinfield.files.mcap.container import MAGIC
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import LiveStream, live_stream
 from skinfield.files.recordings import archive, cyskin, table, yarp
-from skinfield.files.recordings.head import Head, is_whole, read_head
+from skinfield.files.recordings.head import Magic, is_whole, read_head
 from skinfield.files.recordings.lines import Progress, RecordingStream
 from skinfield.skin.reading import Recording
 
@@ -32,7 +32,7 @@ OTHERS = {  # first bytes of files that are taken for recordings
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
 INFO = r"(Type|Stamp|Source): |\[\d+\.\d+\] /"  # how an info.log begins
-FORMATS: tuple[Callable[[Head], RecordingStream | None], ...] = (  # the strictest first
+FORMATS: tuple[Callable[[Magic], RecordingStream | None], ...] = (  # the strictest first
     table.contents,
     cyskin.recorder,
     cyskin.text,
@@ -117,7 +117,7 @@ def _file(path: Path) -> Path:
     raise FileError(f"{path} is a folder without data.log, expected a yarpdatadumper log{hint}")
 
 
-def verdict(head: Head) -> str:
+def verdict(head: Magic) -> str:
     """One sentence on what a file that is no recording is, and what was expected."""
     from skinfield.files.layouts.load import fitting_formats
 
@@ -143,7 +143,7 @@ def verdict(head: Head) -> str:
     return f"{head.path}:{number}: {why}; expected {KNOWN}"
 
 
-def is_binary(head: Head) -> bool:
+def is_binary(head: Magic) -> bool:
     """Whether control characters are there that no text has."""
     sample = head.data[:65536]
     control = sum(sample.count(bytes([byte])) for byte in (*range(9), *range(14, 32), 127))

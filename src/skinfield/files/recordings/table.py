@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError
-from skinfield.files.recordings.head import Head, is_number, usual_decimals
+from skinfield.files.recordings.head import Magic, is_number, usual_decimals
 from skinfield.files.recordings.lines import RecordingStream
 from skinfield.skin.reading import UNITS
 
@@ -30,7 +30,7 @@ CHANNELS = 1 << 20  # more than any robot has: a typing error, not a port
 LAYOUT = "a line of names such as time_s,taxel_0,taxel_1 above lines of numbers"
 
 
-def contents(head: Head) -> RecordingStream | None:
+def contents(head: Magic) -> RecordingStream | None:
     """What a table holds; None of a file whose first line that is no comment names no time."""
     lines = head.numbered()
     line, text = lines[0] if lines else (1, "")
@@ -108,7 +108,7 @@ def _uid(name: str) -> int | None:
     return uid if uid < 2**64 else None
 
 
-def _comments(head: Head, header_line: int) -> tuple[str, str, tuple[str, ...]]:
+def _comments(head: Magic, header_line: int) -> tuple[str, str, tuple[str, ...]]:
     """Unit, source and a note where no unit is declared."""
     said = {}
     for number, line in enumerate(head.lines[: header_line - 1], 1):
@@ -126,7 +126,7 @@ def _comments(head: Head, header_line: int) -> tuple[str, str, tuple[str, ...]]:
     return unit, source, ()
 
 
-def looks_like_numbers(head: Head) -> bool:
+def looks_like_numbers(head: Magic) -> bool:
     """Whether the first line holds numbers with a delimiter: a table that lacks its names."""
     lines = head.numbered()
     tokens = re.split(r"[,;\t]", lines[0][1]) if lines else []

@@ -10,14 +10,14 @@ import re
 import numpy as np
 
 from skinfield.errors import FileError
-from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.head import Magic, is_number, is_whole, usual_decimals, usual_width
 from skinfield.files.recordings.lines import RecordingStream
 
 BRACKETS = "()"
 WRENCH = "N, N m"
 
 
-def contents(head: Head) -> RecordingStream | None:
+def contents(head: Magic) -> RecordingStream | None:
     """What a log holds.
 
     None of a file where not most lines begin with a whole number and a time, and hold a value.
@@ -51,13 +51,13 @@ def contents(head: Head) -> RecordingStream | None:
     )
 
 
-def _preamble(head: Head) -> int:
+def _preamble(head: Magic) -> int:
     """Lines before the data: old versions wrote what is now `info.log` at the top of the log."""
     known = ("Type:", "Source:", "Stamp:")
     return next((k for k, line in enumerate(head.lines) if not line.startswith(known)), 0)
 
 
-def _info(head: Head) -> tuple[str, str]:
+def _info(head: Magic) -> tuple[str, str]:
     """Port and type from the `info.log` beside the log; empty where it does not say."""
     try:
         text = head.path.with_name("info.log").read_bytes()[:4096].decode("latin-1")
@@ -76,7 +76,7 @@ def _has_both_times(rows: list[list[str]]) -> bool:
     return len(times) > 0 and bool((since_2001 & (np.abs(np.ptp(times, axis=1)) < 60)).all())
 
 
-def _check_first(head: Head, first: list[str], width: int) -> None:
+def _check_first(head: Magic, first: list[str], width: int) -> None:
     """Uids cannot be mistaken for a bad line: without them the columns have no meaning."""
     if len(first) != width and len(first) > 2 and all(map(is_whole, first)):
         raise FileError(

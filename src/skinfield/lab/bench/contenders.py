@@ -16,7 +16,7 @@ from skinfield.skin import Grid
 from skinfield.solve import ContactFit, NonNegative
 
 
-class Answer(NamedTuple):
+class Outcome(NamedTuple):
     """What a contender found last."""
 
     pressure: Any  # (K,) float32 array, Pa: a copy
@@ -29,7 +29,7 @@ class Contender(NamedTuple):
 
     name: str  # as it stands in tables and figures
     answer: Callable[[Floats, int | None], object]  # of readings (L,), by a `perf_counter_ns`
-    last: Callable[[], Answer]
+    last: Callable[[], Outcome]
     reset: Callable[[], object] = lambda: None  # forgets the reading before
 
 
@@ -42,9 +42,9 @@ def linear(name: str, rec: Reconstructor) -> Contender:
         single[:] = readings
         rec.apply(single, out)
 
-    def last() -> Answer:
+    def last() -> Outcome:
         pressure = out[: len(rec.grid)].copy()
-        return Answer(pressure, lambda: rec.finder(rec.grid, pressure.astype(np.float64), *noise))
+        return Outcome(pressure, lambda: rec.finder(rec.grid, pressure.astype(np.float64), *noise))
 
     return Contender(name, answer, last)
 
@@ -54,10 +54,10 @@ def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Con
     made: Any = solver.prepare(model)
     found, finder = np.zeros(len(model.grid)), ContactFinder()
 
-    def last() -> Answer:
+    def last() -> Outcome:
         pressure = found.copy()
         noise = (made.noise, made.posterior, made.model_error)
-        return Answer(
+        return Outcome(
             pressure.astype(np.float32),
             lambda: finder(model.grid, pressure, *noise),
             float(made.gap),
@@ -74,9 +74,9 @@ def contact_fit(model: ObservationModel) -> Contender:
     def answer(readings: Floats, deadline_ns: int | None) -> None:
         found[0] = made.fit(readings, deadline_ns)
 
-    def last() -> Answer:
+    def last() -> Outcome:
         fit = found[0]
-        return Answer(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan)
+        return Outcome(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan)
 
     return Contender("ContactFit", answer, last, made.reset)
 
@@ -97,16 +97,16 @@ def paper_prepared(name: str, nodes: int) -> Contender:
     return linear(name, PAPER.prepared(nodes, NOISE, np.float32))
 
 
-class Chain(NamedTuple):
+class Laps(NamedTuple):
     """What T readings took, (T,) s, and brought, in order."""
 
     seconds: Floats
-    answers: list[Answer]
+    answers: list[Outcome]
 
 
 def run_chain(
     contender: Contender, readings: Floats, deadline: float | None, *, cold: bool, lead: int = LEAD
-) -> Chain:
+) -> Laps:
     """Answer all readings in order; the first `lead` do not count.
 
     Parameters
@@ -130,4 +130,4 @@ def run_chain(
         spent[index] = time.perf_counter_ns() - start
         if index >= lead:
             answers.append(contender.last())
-    return Chain(spent[lead:] * 1e-9, answers)
+    return Laps(spent[lead:] * 1e-9, answers)

@@ -11,8 +11,8 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.lab.bench.contenders import (
-    Chain,
     Contender,
+    Laps,
     contact_fit,
     gaussian,
     model_of,
@@ -21,7 +21,7 @@ from skinfield.lab.bench.contenders import (
     run_chain,
 )
 from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
-from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchSize, Scene, make_scene
+from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchScene, BenchSize, make_scene
 from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import LAYER, paper_patch, reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
@@ -74,7 +74,7 @@ def grid_rows(
     return rows
 
 
-def _methods(size: BenchSize, scene: Scene, nodes: int) -> Iterator[Method]:
+def _methods(size: BenchSize, scene: BenchScene, nodes: int) -> Iterator[Method]:
     yield from methods_of_paper(size, scene.readings, nodes)
     made = gaussian(FIELD, nodes)
     yield FIELD, _counted(lambda: made.answer(scene.readings[LEAD], None), size.laps), None
@@ -112,7 +112,9 @@ def _counted(work: Callable[[], object], count: int) -> Lap:
     return lambda turn: (laps(work, 1 if turn < 0 else count), [])
 
 
-def _chained(made: Contender, scene: Scene, steps: int, deadline: float | None, start: str) -> Lap:
+def _chained(
+    made: Contender, scene: BenchScene, steps: int, deadline: float | None, start: str
+) -> Lap:
     """Readings in order, others in each round."""
 
     def lap(turn: int) -> tuple[Floats, list[float]]:
@@ -123,7 +125,7 @@ def _chained(made: Contender, scene: Scene, steps: int, deadline: float | None, 
 
 
 @dataclass(eq=False)
-class Track:
+class ContenderRun:
     """A contender at one deadline, with the chains so far.
 
     Parameters
@@ -140,7 +142,7 @@ class Track:
     start: str
     deadline: float | None
     reference: Floats
-    chains: list[Chain] = field(default_factory=list)
+    chains: list[Laps] = field(default_factory=list)
 
     def run(self, readings: Floats) -> None:
         """Answer readings in order."""
@@ -149,7 +151,7 @@ class Track:
             chain = run_chain(self.contender, readings, self.deadline, cold=cold)
         self.chains.append(chain)
 
-    def point(self, scene: Scene) -> Row:
+    def point(self, scene: BenchScene) -> Row:
         """Times, and errors to the converged pressure and to the truth, of the first chain."""
         seconds = np.array([chain.seconds for chain in self.chains])  # (rounds, T)
         found = np.array([[a.pressure for a in chain.answers] for chain in self.chains])
@@ -205,7 +207,7 @@ def median_of_all(found: Sequence[float], missed: int, scale: float = 1.0) -> fl
     return scale * middle if np.isfinite(middle) else None
 
 
-def anytime(size: BenchSize, seed: int, scene: Scene, show: Show) -> list[Row]:
+def anytime(size: BenchSize, seed: int, scene: BenchScene, show: Show) -> list[Row]:
     """Every solver at every deadline, in turns of a random order, beside what it converges to."""
     nodes, ladder = size.nodes, (*size.deadlines, None)
     model = model_of(nodes)
@@ -216,15 +218,17 @@ def anytime(size: BenchSize, seed: int, scene: Scene, show: Show) -> list[Row]:
 
     show("preparing", 0, 3)
     linear = gaussian("GaussianField", nodes), paper_prepared(PAPER, nodes)
-    tracks = [Track(each, "warm", None, converged(each, "cold")) for each in linear]
+    tracks = [ContenderRun(each, "warm", None, converged(each, "cold")) for each in linear]
     show("preparing", 1, 3)
     exact = converged(non_negative("converged", model, CONVERGED), "cold")
     field_solver = non_negative("NonNegative", model, LONG)
-    tracks += [Track(field_solver, s, deadline, exact) for s in STARTS for deadline in ladder]
+    tracks += [
+        ContenderRun(field_solver, s, deadline, exact) for s in STARTS for deadline in ladder
+    ]
     show("preparing", 2, 3)
     fit = contact_fit(model)
     own = {start: converged(fit, start) for start in STARTS}
-    tracks += [Track(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
+    tracks += [ContenderRun(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
     rng, rounds = np.random.default_rng(seed), size.rounds
     for turn in range(rounds):
         for ended, which in enumerate(rng.permutation(len(tracks))):

@@ -79,7 +79,7 @@ FORCES = (0.3, 2.0)  # N, the least and the most of each
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class BenchScene:
     """T readings of two fingers, after LEAD further ones.
 
     Attributes
@@ -118,7 +118,7 @@ def paths(count: int) -> tuple[Floats, Floats]:
 
 def make_scene(
     size: BenchSize, seed: int = 0, show: Callable[[int, int], None] = lambda done, of: None
-) -> Scene:
+) -> BenchScene:
     """Press a ball for each finger and reading, on a grid of its own, and read the paper's patch.
 
     Parameters
@@ -141,4 +141,4 @@ def make_scene(
         solved = press(LAYER, balls, EXTENT, size.cell)
         exact[index] = solved.readings(patch.plane, patch.pad_diameter, "stress")
     noisy = exact + np.random.default_rng(seed).normal(scale=NOISE, size=exact.shape)
-    return Scene(noisy, exact, places, forces)
+    return BenchScene(noisy, exact, places, forces)

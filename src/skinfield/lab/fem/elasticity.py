@@ -22,7 +22,7 @@ from skinfield.lab.fem.mesh import Trace, scikit_fem
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class LayerSection:
     """A layer between radii and heights, bonded at its base and held at its rim.
 
     Attributes
@@ -48,7 +48,7 @@ class Section:
     trace: Trace
 
     @classmethod
-    def of(cls, layer: Layer, radii: Floats, heights: Floats) -> "Section":
+    def of(cls, layer: Layer, radii: Floats, heights: Floats) -> "LayerSection":
         """Elements between the given radii and heights, both in thicknesses."""
         from scipy.sparse.linalg import splu
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_positive
-from skinfield.lab.fem.elasticity import Section
+from skinfield.lab.fem.elasticity import LayerSection
 from skinfield.lab.fem.mesh import Trace, graded, towards
 
 Profile = Callable[[Floats], Floats]
@@ -78,7 +78,7 @@ class AxisymmetricSolution:
 
 
 @dataclass(frozen=True)
-class Shape:
+class ScaledBody:
     """A body over the radius, both in thicknesses.
 
     Parameters
@@ -215,7 +215,7 @@ def indent(
                 f"depth is {depth!r} m, expected less than the layer's {layer.thickness!r} m"
             )
     check_positive("finest", finest, "length of the smallest elements, in thicknesses")
-    shape = Shape(profile, layer.thickness)
+    shape = ScaledBody(profile, layer.thickness)
     edges, reach = shape.edges(), shape.outermost()
     section = section_around(layer, edges, reach, 0.05, reach / 30)
     found = _contact_edges(_solve(layer, shape, reach, section, force, depth))
@@ -226,7 +226,7 @@ def indent(
 
 def section_around(
     layer: Layer, edges: Sequence[float], reach: float, finest: float, coarsest: float
-) -> Section:
+) -> LayerSection:
     """Elements that shrink towards some radii and the surface, all in thicknesses."""
     near = towards(edges or [0.0], finest, 0.3, min(coarsest, COARSEST))
 
@@ -235,7 +235,7 @@ def section_around(
 
     stops = sorted({0.0, reach + MARGIN, *(edge for edge in edges if edge > 0)})
     depths = graded([0.0, 1.0], towards([0.0], min(2 * finest, 0.1), 0.4, 0.2))
-    return Section.of(layer, graded(stops, along), 1.0 - depths[::-1])
+    return LayerSection.of(layer, graded(stops, along), 1.0 - depths[::-1])
 
 
 def _contact_edges(found: AxisymmetricSolution) -> list[float]:
@@ -247,9 +247,9 @@ def _contact_edges(found: AxisymmetricSolution) -> list[float]:
 
 def _solve(
     layer: Layer,
-    shape: Shape,
+    shape: ScaledBody,
     reach: float,
-    section: Section,
+    section: LayerSection,
     force: float | None,
     depth: float | None,
 ) -> AxisymmetricSolution:
@@ -266,7 +266,9 @@ def _solve(
     return _solution(layer, section, forces, sunk)
 
 
-def _solution(layer: Layer, section: Section, forces: Floats, sunk: float) -> AxisymmetricSolution:
+def _solution(
+    layer: Layer, section: LayerSection, forces: Floats, sunk: float
+) -> AxisymmetricSolution:
     """The layer under given forces of its surface's nodes, in metres and newtons."""
     h, state = layer.thickness, section.respond(forces)
     reactions = (section.stiffness @ state)[section.base_z]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from skinfield.errors import InputError
-from skinfield.lab.scenarios.table import Table, field_of
+from skinfield.lab.scenarios.table import TomlTable, field_of
 from skinfield.simulate import Bar, Cone, Cylinder, Indenter, Ring, Rod, Sphere, Wedge
 
 POSE = "x_mm y_mm rotation_deg tilt_x_deg tilt_y_deg force_n depth_mm shear_x_n shear_y_n"
@@ -16,7 +16,7 @@ KINDS: dict[str, Any] = {"file": str, "invert": bool, "down": tuple[float, float
 
 
 @dataclass(frozen=True)
-class Shape:
+class ShapeKeys:
     """What makes a shape of SI values, its keys beside those of the pose, and an example."""
 
     make: Callable[..., Indenter]
@@ -50,17 +50,17 @@ def _height_map(
 
 EDGE = "edge_radius_mm"
 SHAPES = {
-    "sphere": Shape(Sphere, "radius_mm", "", "sphere radius_mm=6 force_n=1"),
-    "cylinder": Shape(Cylinder, "radius_mm", EDGE, "cylinder radius_mm=3 edge_radius_mm=0.3"),
-    "cone": Shape(Cone, "radius_mm half_angle_deg", EDGE, "cone radius_mm=6 half_angle_deg=75"),
-    "bar": Shape(Bar, "length_mm width_mm", EDGE, "bar length_mm=12 width_mm=3"),
-    "rod": Shape(Rod, "radius_mm length_mm", EDGE, "rod radius_mm=3 length_mm=12"),
-    "wedge": Shape(Wedge, "length_mm width_mm half_angle_deg", EDGE,
+    "sphere": ShapeKeys(Sphere, "radius_mm", "", "sphere radius_mm=6 force_n=1"),
+    "cylinder": ShapeKeys(Cylinder, "radius_mm", EDGE, "cylinder radius_mm=3 edge_radius_mm=0.3"),
+    "cone": ShapeKeys(Cone, "radius_mm half_angle_deg", EDGE, "cone radius_mm=6 half_angle_deg=75"),
+    "bar": ShapeKeys(Bar, "length_mm width_mm", EDGE, "bar length_mm=12 width_mm=3"),
+    "rod": ShapeKeys(Rod, "radius_mm length_mm", EDGE, "rod radius_mm=3 length_mm=12"),
+    "wedge": ShapeKeys(Wedge, "length_mm width_mm half_angle_deg", EDGE,
                    "wedge length_mm=10 width_mm=8 half_angle_deg=60"),
-    "ring": Shape(Ring, "inner_radius_mm outer_radius_mm", EDGE,
+    "ring": ShapeKeys(Ring, "inner_radius_mm outer_radius_mm", EDGE,
                   "ring inner_radius_mm=4 outer_radius_mm=6"),
-    "mesh": Shape(_mesh, "file", "unit_mm down", "mesh file=part.stl"),
-    "heightmap": Shape(_height_map, "file pixel_mm", "relief_mm invert",
+    "mesh": ShapeKeys(_mesh, "file", "unit_mm down", "mesh file=part.stl"),
+    "heightmap": ShapeKeys(_height_map, "file pixel_mm", "relief_mm invert",
                        "heightmap file=logo.png pixel_mm=0.1 relief_mm=1"),
 }  # fmt: skip
 EXAMPLE = SHAPES["sphere"].example
@@ -88,10 +88,10 @@ def indenter_from_mapping(
         For a shape or key that there is not, one that is missing, a value that cannot be used, or
         a file that cannot.
     """
-    return indenter_from_table(Table(mapping, "", where), folder)
+    return indenter_from_table(TomlTable(mapping, "", where), folder)
 
 
-def indenter_from_table(table: Table, folder: Path) -> Indenter:
+def indenter_from_table(table: TomlTable, folder: Path) -> Indenter:
     """Indenter of a table, of which nothing else may be left; see `indenter_from_mapping`."""
     shape = table.choice("shape", SHAPES)
     values = table.values({key: (field_of(key), KINDS.get(key, float)) for key in shape.keys})

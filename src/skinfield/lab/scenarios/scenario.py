@@ -14,7 +14,7 @@ from skinfield.files.pending import write_bytes, write_npz
 from skinfield.files.recordings.archive import save_recording, seconds
 from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import indenter_from_table
-from skinfield.lab.scenarios.table import Table, key_of
+from skinfield.lab.scenarios.table import TomlTable, key_of
 from skinfield.plot import save
 from skinfield.settings import plain_from_toml, text_of_file
 from skinfield.signal import save_calibration
@@ -95,7 +95,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     FileError
         For a key or word that there is not, a value of another kind or out of range.
     """
-    table, usual = Table(plain_from_toml(text, path), "", path, text), Scenario()
+    table, usual = TomlTable(plain_from_toml(text, path), "", path, text), Scenario()
     if table.value("skinfield_rig", int) != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     layer = table.table("layer")
@@ -115,7 +115,7 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     )
 
 
-def _patch(table: Table, folder: Path) -> Patch:
+def _patch(table: TomlTable, folder: Path) -> Patch:
     layout, name = table.value("layout", str, LAYOUT), table.value("name", str, "")
     table.values({})  # nothing else is known
     file = folder / layout
@@ -125,7 +125,7 @@ def _patch(table: Table, folder: Path) -> Patch:
     return table.make(partial(skin.__getitem__, name or 0), "name")
 
 
-def _tool(table: Table, row: int, folder: Path) -> Tool:
+def _tool(table: TomlTable, row: int, folder: Path) -> Tool:
     for key, expected in NOT_HERE.items():
         if key in table.content:
             raise table.wrong(key, expected)
@@ -133,26 +133,26 @@ def _tool(table: Table, row: int, folder: Path) -> Tool:
     return table.make(Tool, name=name, indenter=indenter_from_table(table, folder))
 
 
-def _places(table: Table) -> Places:
+def _places(table: TomlTable) -> Places:
     usual = table.choice("kind", PLACES)
     if isinstance(usual, At) and "positions_mm" not in table.content:
         raise table.wrong("positions_mm", "rows of x and y, such as [[0, 2.5]]")
     return table.read(usual)
 
 
-def _loads(table: Table, usual: Loads) -> Loads:
+def _loads(table: TomlTable, usual: Loads) -> Loads:
     depths = "forces_n" not in table.content and "depths_mm" in table.content
     return table.read(Loads(depths=(1e-4,)) if depths else usual)
 
 
-def _electronics(table: Table) -> Electronics:
+def _electronics(table: TomlTable) -> Electronics:
     usual = table.choice("preset", PRESETS, "icub")()
     parts = {name: table.table(name).read(getattr(usual, name)) for name in PARTS}
     board = _board(table.table("board"), usual.board)
     return table.read(usual, SPREADS, board=board, **parts)
 
 
-def _board(table: Table, usual: Board) -> Board:
+def _board(table: TomlTable, usual: Board) -> Board:
     kinds = {made: kind for kind, made in BOARDS.items()}
     kind = table.choice("kind", BOARDS, kinds[type(usual)])
     if kind is not ICubBoard:

@@ -74,7 +74,7 @@ def si_from_value(key: str, value: Any) -> Any:
 
 
 @dataclass
-class Table:
+class TomlTable:
     """One table of a file.
 
     Parameters
@@ -156,22 +156,22 @@ class Table:
             raise self.wrong(key, f"one of {', '.join(choices)}{nearest(word, choices)}")
         return choices[word]
 
-    def table(self, key: str) -> "Table":
+    def table(self, key: str) -> "TomlTable":
         """Table within; an empty one where there is none."""
         self.taken.add(key)
         value = self.content.get(key, {})
         if not isinstance(value, dict):
             raise self.wrong(key, f"a table: [{self._within(key)}]")
-        return Table(value, self._within(key), self.path, self.text)
+        return TomlTable(value, self._within(key), self.path, self.text)
 
-    def tables(self, key: str) -> list["Table"]:
+    def tables(self, key: str) -> list["TomlTable"]:
         """Tables of an array; none where there is none."""
         self.taken.add(key)
         value = self.content.get(key, [])
         if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
             raise self.wrong(key, f"tables: [[{self._within(key)}]]")
         return [
-            Table(item, f"{self._within(key)}[{row}]", self.path, self.text)
+            TomlTable(item, f"{self._within(key)}[{row}]", self.path, self.text)
             for row, item in enumerate(value)
         ]
 

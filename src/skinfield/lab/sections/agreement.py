@@ -18,7 +18,7 @@ from skinfield.lab.fem.electrostatics import pad_capacitance
 from skinfield.lab.fem.small_strain import indent
 from skinfield.lab.paper import LAYER, LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, spread_in_words
+from skinfield.lab.report import Chapter, Claim, Effort, Picture, Table, spread_in_words
 from skinfield.lab.score import Row, column, where
 from skinfield.simulate import Cylinder, Press, Sphere, press
 
@@ -137,7 +137,7 @@ def half_space_error(cells: Press) -> Row:
     }
 
 
-def agreements(settings: Settings) -> list[Row]:
+def agreements(settings: Effort) -> list[Row]:
     """The paper's indenters and loads, as far as Hooke's law keeps them off the base."""
     smoke = settings.name == "smoke"  # without the wide cylinder, which takes longest
     rows = []
@@ -152,13 +152,13 @@ def agreements(settings: Settings) -> list[Row]:
     return rows
 
 
-def agreement(settings: Settings) -> Section:
+def agreement(settings: Effort) -> Chapter:
     """How far the truth of all other sections is from finite elements, per indenter and load."""
     rows = agreements(settings)
     linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * LAYER.thickness]
     stress, moved = (_percent(column(linear, name)) for name in ("stress", "displacement"))
     base, surface = (_percent(column(rows, f"lattice_{name}")) for name in ("base", "surface"))
-    return Section(
+    return Chapter(
         title="The truth and its judge, and what the half-space costs",
         claim="Simulations are compared with a commercial finite-element program; no numbers are "
         "given. The elastomer is treated as an elastic half-space, with displacements made to "
@@ -183,13 +183,13 @@ def agreement(settings: Settings) -> Section:
         ),
         tables=(agreement_table(rows),),
         verdicts=(
-            Verdict(
+            Claim(
                 "truth", "a finite-element program is the reference",
                 f"contact solver off by {base} of base stress, {surface} of the surface "
                 "(relative L2)",
                 "holds without it, up to linear elasticity",
             ),
-            Verdict(
+            Claim(
                 "model", "the layer behaves as a half-space",
                 f"base stress off by {stress}, displacement by {moved} (relative L2, true pressure "
                 "given)",

@@ -20,7 +20,7 @@ from skinfield.lab.paper import (
     sites,
 )
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, verdict_of
+from skinfield.lab.report import Chapter, Claim, Effort, Picture, Table, verdict_of
 from skinfield.lab.score import wilson
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
@@ -81,7 +81,7 @@ def roc(quiet: Floats, pressed: Floats, rates: Floats) -> Floats:
     return np.asarray((pressed[:, None] > levels).mean(axis=0))
 
 
-def alarm_rates(settings: Settings, points: int = 60) -> Floats:
+def alarm_rates(settings: Effort, points: int = 60) -> Floats:
     """Rates of false alarms at which ROC curves are drawn, as low as the idle readings allow."""
     return np.geomspace(max(1e-4, 4 / settings.quiet), 1.0, points)
 
@@ -102,12 +102,12 @@ class Trial:
         """Where it may be, (P, 2) m."""
         return sites()[self.place]
 
-    def clean(self, settings: Settings, count: int, *stream: int) -> Floats:
+    def clean(self, settings: Effort, count: int, *stream: int) -> Floats:
         """Readings (count, L) without noise, at random places of the kind.
 
         Parameters
         ----------
-        settings : Settings
+        settings : Effort
         count : int
         *stream : int
             Of the random numbers, after the settings' seed.
@@ -125,13 +125,13 @@ def places_inside(pitch: float) -> Floats:
     return places[inside_hull(plane, places)]
 
 
-def known_shape(settings: Settings) -> Floats:
+def known_shape(settings: Effort) -> Floats:
     """Readings (P, L) of the 1.2 cm half-sphere at 0.5 N, everywhere inside the taxels' hull."""
     places, cell = places_inside(TEMPLATE_PITCH), settings.cell
     return readings(BALL, 0.5, cell, places, "stress")
 
 
-def idle_readings(settings: Settings, quantity: str, *stream: int) -> Floats:
+def idle_readings(settings: Effort, quantity: str, *stream: int) -> Floats:
     """Readings (T, L) of an idle patch."""
     rng = np.random.default_rng([settings.seed, *stream])
     shape = (settings.quiet, len(paper_patch()))
@@ -139,7 +139,7 @@ def idle_readings(settings: Settings, quantity: str, *stream: int) -> Floats:
 
 
 def noisy(
-    trial: Trial, settings: Settings, places: tuple[int, ...], noise: tuple[int, ...], averaged: int
+    trial: Trial, settings: Effort, places: tuple[int, ...], noise: tuple[int, ...], averaged: int
 ) -> Floats:
     """Readings (P, L) of presses, each the mean of `averaged` readings with independent noise.
 
@@ -206,10 +206,10 @@ CLAIM = (
 
 
 @dataclass(frozen=True, eq=False)
-class Detection:
+class Methods:
     """The paper's method on every grid, ours on the same, and two without."""
 
-    settings: Settings
+    settings: Effort
 
     @cached_property
     def methods(self) -> dict[str, Statistic]:
@@ -274,9 +274,9 @@ class Detection:
         return averages
 
 
-def detection(settings: Settings) -> Section:
+def detection(settings: Effort) -> Chapter:
     """Rates of detection by method, grid, indenter, place and load."""
-    made = Detection(settings)
+    made = Methods(settings)
     needed = [
         f"{place} {', '.join(_needed(shares[name]) for name in (COARSE, OURS, KNOWN))}"
         for place, shares in made.averages.items()
@@ -296,7 +296,7 @@ def detection(settings: Settings) -> Section:
         | {f"{t.place}, {t.force:g} N": str(made.every[name, t]) for t in made.trials}
         for name in made.methods
     ]
-    return Section(
+    return Chapter(
         title="Figures 6 and 7: contact or noise",
         claim=CLAIM,
         sentences=(
@@ -330,7 +330,7 @@ def _needed(shares: Floats) -> str:
     return str(COUNTS[enough[0]]) if len(enough) else f"more than {COUNTS[-1]}"
 
 
-def _verdicts(made: Detection) -> list[Verdict]:
+def _verdicts(made: Methods) -> list[Claim]:
     light, firm, between = (
         made.every[COARSE, Trial(place, force)]
         for place, force in ((PLACES[0], 0.2), (PLACES[0], 0.5), (PLACES[2], 0.5))
@@ -338,26 +338,26 @@ def _verdicts(made: Detection) -> list[Verdict]:
     words = [_needed(made.averages[place][COARSE]) for place in PLACES[:2]]
     chosen = "holds (the noise was chosen so)"
     return [
-        Verdict(
+        Claim(
             "6",
             "0.2 N over a taxel cannot be told from noise",
             f"found {light}",
             chosen if light.interval[1] < 0.5 else "does not hold",
         ),
-        Verdict(
+        Claim(
             "6",
             "filtered, 0.2 N is better but not reliable",
             f"over a taxel {100 * RELIABLE:.0f} % with {words[0]} readings averaged, between two "
             f"with {words[1]}",
             "holds" if words[0].startswith("more") else "holds only between taxels",
         ),
-        Verdict(
+        Claim(
             "7",
             "0.5 N over a taxel is distinct from noise",
             f"found {firm}",
             chosen if firm.interval[0] > 0.5 else "does not hold",
         ),
-        Verdict(
+        Claim(
             "7",
             "0.5 N between three taxels is less clear but identifiable",
             f"found {between} at the same noise",
@@ -366,7 +366,7 @@ def _verdicts(made: Detection) -> list[Verdict]:
     ]
 
 
-def _picture_of_examples(settings: Settings) -> Picture:
+def _picture_of_examples(settings: Effort) -> Picture:
     """The paper's Figures 6 and 7: one noisy reading each, seen by three methods."""
     patch, cell = paper_patch(), settings.cell
     columns = [(PAPER, 20), (PAPER, 40), (FIELD, 40)]
@@ -393,7 +393,7 @@ def _picture_of_examples(settings: Settings) -> Picture:
     return Picture.of("examples", caption, draw_fields(panels, "pressure (kPa)"))
 
 
-def _picture_of_rocs(made: Detection) -> Picture:
+def _picture_of_rocs(made: Methods) -> Picture:
     """Share detected against share of false alarms."""
     settings, alarms = made.settings, alarm_rates(made.settings)
     panels = [
@@ -410,7 +410,7 @@ def _picture_of_rocs(made: Detection) -> Picture:
     return Picture.of("roc", caption, draw_panels([panels[:3], panels[3:]]))
 
 
-def _picture_of_averages(made: Detection) -> Picture:
+def _picture_of_averages(made: Methods) -> Picture:
     """Share found at 0.2 N against the number of readings averaged."""
     x, presses = np.array(COUNTS, dtype=float), made.settings.presses
     scale = Scale(

@@ -11,11 +11,11 @@ from skinfield.estimate import Estimate
 from skinfield.lab.paper import FIELD, LAYER, PAIR, PAPER, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
+    Chapter,
+    Claim,
+    Effort,
     Picture,
-    Section,
-    Settings,
     Table,
-    Verdict,
     listed,
     spread_in_words,
     verdict_of,
@@ -46,7 +46,7 @@ CLAIM = (
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class Imposed:
     """What is imposed, and what the taxels read of it without noise.
 
     Attributes
@@ -105,7 +105,7 @@ def discs_of(patch: Patch) -> dict[str, Floats]:
     return {ADJACENT: trios[middle], SEPARATE: plane[chosen]}
 
 
-def truth_of(case: str) -> Truth:
+def truth_of(case: str) -> Imposed:
     """Press flat discs as wide as pads 0.2 mm into the layer, all at once, and read the patch."""
     patch = paper_patch()
     places = discs_of(patch)[case]
@@ -117,13 +117,13 @@ def truth_of(case: str) -> Truth:
     grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
     inwards = -solved.displacement[:, 2]
     readings = solved.base_stress(patch.plane, patch.pad_diameter)
-    return Truth(case, places, grid, solved.pressure, inwards, readings)
+    return Imposed(case, places, grid, solved.pressure, inwards, readings)
 
 
-class Finding(NamedTuple):
+class Rebuilt(NamedTuple):
     """One reconstruction beside its truth."""
 
-    truth: Truth
+    truth: Imposed
     estimate: Estimate
     peaks: Floats  # (3,) m, the highest indentation within half a pitch of each disc
     row: Row  # of the table
@@ -134,7 +134,7 @@ class Finding(NamedTuple):
         return [self.peaks.max()] if self.truth.case == ADJACENT else self.peaks.tolist()
 
 
-def all_findings() -> list[Finding]:
+def all_findings() -> list[Rebuilt]:
     """Both methods on every grid, for both cases."""
     truths = [truth_of(case) for case in (ADJACENT, SEPARATE)]
     findings = []
@@ -145,7 +145,7 @@ def all_findings() -> list[Finding]:
     return findings
 
 
-def judged(truth: Truth, method: Method, nodes: int, estimate: Estimate) -> Finding:
+def judged(truth: Imposed, method: Method, nodes: int, estimate: Estimate) -> Rebuilt:
     """Compare an estimate with its truth: in mm, %, and relative L2 at nodes among the taxels."""
     grid, sunk = estimate.grid, estimate.indentation
     pressure, indentation = truth.on(grid)
@@ -177,7 +177,7 @@ def judged(truth: Truth, method: Method, nodes: int, estimate: Estimate) -> Find
         "contacts": len(estimate.contacts),
         "discs with a contact": int((apart < CLOSE).any(axis=1).sum()),
     }
-    return Finding(truth, estimate, peaks, row)
+    return Rebuilt(truth, estimate, peaks, row)
 
 
 def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float:
@@ -201,11 +201,11 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
     return float(2 * np.sqrt(area / np.pi))
 
 
-def imposed(settings: Settings) -> Section:
+def imposed(settings: Effort) -> Chapter:
     """Peaks, widths and number of contacts."""
     findings = all_findings()
 
-    def of(case: str, method: Method = PAPER) -> list[Finding]:
+    def of(case: str, method: Method = PAPER) -> list[Rebuilt]:
         wanted = {"imposed on": case, "method": method.name}
         return [each for each in findings if wanted.items() <= each.row.items()]
 
@@ -221,7 +221,7 @@ def imposed(settings: Settings) -> Section:
         "Widths are full widths at half maximum; the true ones are of the truth brought onto the "
         "same nodes."
     )
-    return Section(
+    return Chapter(
         title="Figures 3 to 5: a deformation imposed on three taxels",
         claim=CLAIM,
         sentences=(
@@ -237,19 +237,19 @@ def imposed(settings: Settings) -> Section:
         ),
         tables=(Table("layer", caption, [each.row for each in findings]),),
         verdicts=(
-            Verdict(
+            Claim(
                 "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT],
                 _holds(wide),
             ),
-            Verdict(
+            Claim(
                 "4",
                 "the force is smoothed, the more the denser the grid",
                 f"width {_tenths(widths)} mm where the same nodes can show {_tenths(true)} mm: "
                 f"{_tenths(blur)} times",
                 verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
             ),
-            Verdict("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
-            Verdict(
+            Claim("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
+            Claim(
                 "5",
                 "three contacts stay distinct",
                 f"{listed([str(count) for count, _ in contacts])} contacts found on "
@@ -260,7 +260,7 @@ def imposed(settings: Settings) -> Section:
     )  # fmt: skip
 
 
-def _peaks(findings: list[Finding]) -> str:
+def _peaks(findings: list[Rebuilt]) -> str:
     return spread_in_words([peak for each in findings for peak in each.claimed], "mm", 1e3)
 
 
@@ -268,7 +268,7 @@ def _tenths(values: list[float]) -> str:
     return listed([f"{value:.1f}" for value in values])
 
 
-def _holds(findings: list[Finding]) -> str:
+def _holds(findings: list[Rebuilt]) -> str:
     """Verdict on the peaks, within the tolerance."""
     right = [
         f"{each.row['nodes on a side']} × {each.row['nodes on a side']}"
@@ -281,7 +281,7 @@ def _holds(findings: list[Finding]) -> str:
     return f"holds only on {listed(right)} {within}" if right else f"does not hold {within}"
 
 
-def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Picture:
+def picture_of_fields(findings: Sequence[Rebuilt], case: str, name: str) -> Picture:
     """Deformation or pressure of a case: truth and three grids, paper and ours."""
     drawn = {
         (each.row["method"], each.row["nodes on a side"]): each.estimate

@@ -9,7 +9,7 @@ from skinfield.errors import Floats
 from skinfield.estimate import Estimate
 from skinfield.lab.paper import BALL, FIELD, NOISES, PAPER, PLACES, Method, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
-from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, verdict_of
+from skinfield.lab.report import Cell, Chapter, Claim, Effort, Picture, Table, verdict_of
 from skinfield.skin import Grid
 
 FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
@@ -38,7 +38,7 @@ class Score(NamedTuple):
         return np.nanmedian(self.values, axis=0) * [factor for *_, factor in MEASURES]
 
 
-def resolutions(settings: Settings) -> Section:
+def resolutions(settings: Effort) -> Chapter:
     """Four grids side by side, with smoothness, force and place over many presses."""
     places, noisy = _pressed(settings)
     paper, ours = (
@@ -48,7 +48,7 @@ def resolutions(settings: Settings) -> Section:
     rough = [float(score.medians[0]) for score in paper]
     falls = all(after < before for before, after in pairwise(rough))
     caption = f"{FORCE:g} N {PLACE} taxels, over {len(places)} presses."
-    return Section(
+    return Chapter(
         title="Figure 8: one press on four grids",
         claim=CLAIM,
         sentences=(
@@ -61,7 +61,7 @@ def resolutions(settings: Settings) -> Section:
         pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores([paper, ours])),
         tables=(Table("scores", caption, [_row(score) for score in (*paper, *ours)]),),
         verdicts=(
-            Verdict(
+            Claim(
                 "8",
                 "the finer the grid, the smoother the surface",
                 f"roughness {', '.join(f'{one:.2f}' for one in rough)} on grids from coarse to "
@@ -72,7 +72,7 @@ def resolutions(settings: Settings) -> Section:
     )
 
 
-def _pressed(settings: Settings) -> tuple[Floats, Floats]:
+def _pressed(settings: Effort) -> tuple[Floats, Floats]:
     """Places (T, 2) m, the first in the picture, and noisy readings (T, L)."""
     count = min(settings.presses, 1000)
     rng = np.random.default_rng([settings.seed, 8])
@@ -84,7 +84,7 @@ def _pressed(settings: Settings) -> tuple[Floats, Floats]:
     return places, clean + rng.normal(scale=NOISES["stress"], size=clean.shape)
 
 
-def _scored(method: Method, nodes: int, settings: Settings, places: Floats, noisy: Floats) -> Score:
+def _scored(method: Method, nodes: int, settings: Effort, places: Floats, noisy: Floats) -> Score:
     reconstruct = method.prepared(nodes, NOISES["stress"])
     estimate = reconstruct(noisy)
     each = [_of_one(estimate, row, place) for row, place in enumerate(places)]
@@ -110,7 +110,7 @@ def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
     return float(np.sqrt(np.mean(bends**2)) / np.abs(pressure[near]).max())
 
 
-def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
+def _picture_of_fields(settings: Effort, places: Floats, noisy: Floats) -> Picture:
     truth = [(*places[0], BALL.contact_radius(FORCE, settings.cell))]
     rows = []
     for method, who in ((PAPER, "paper"), (FIELD, "ours")):

@@ -7,15 +7,7 @@ from skinfield.lab.bench.run import INVERSION, PAPER, PREPARED, grid_rows, metho
 from skinfield.lab.bench.scene import BenchSize
 from skinfield.lab.paper import paper_patch
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
-from skinfield.lab.report import (
-    Picture,
-    Section,
-    Settings,
-    Table,
-    Verdict,
-    spread_in_words,
-    verdict_of,
-)
+from skinfield.lab.report import Chapter, Claim, Effort, Picture, Table, spread_in_words, verdict_of
 from skinfield.lab.score import Row
 from skinfield.plot import number
 
@@ -33,7 +25,7 @@ CLAIM = (
 )
 
 
-def timing(settings: Settings) -> Section:
+def timing(settings: Effort) -> Chapter:
     """Mean and deviation of the time per reading; nothing else may run beside it."""
     grids, count = settings.grids, settings.laps
     size = BenchSize(
@@ -50,7 +42,7 @@ def timing(settings: Settings) -> Section:
     shares, rest = fastest[1] / fastest[0], np.maximum(fastest[0] - fastest[1], 0.0)
     deviation = max(one["std"] / one["mean"] for one in paper)
     gains = [one["p50"] / other["p50"] for one, other in zip(paper, ours, strict=True)]
-    return Section(
+    return Chapter(
         title="Figure 9: time per reading",
         claim=CLAIM,
         sentences=(
@@ -68,7 +60,7 @@ def timing(settings: Settings) -> Section:
         pictures=(_picture(grids, times),),
         tables=(_table(grids, times, gains),),
         verdicts=(
-            Verdict(
+            Claim(
                 "9",
                 "time grows exponentially with the resolution",
                 f"grows as the number of nodes to the power {power:.1f}",
@@ -76,13 +68,13 @@ def timing(settings: Settings) -> Section:
                 if about_power < about_exponential
                 else "holds on these grids",
             ),
-            Verdict(
+            Claim(
                 "9",
                 "the deviation of the time is almost negligible",
                 f"at most {100 * deviation:.0f} % of the mean",
                 verdict_of(deviation < NEGLIGIBLE, no="does not hold on this machine"),
             ),
-            Verdict(
+            Claim(
                 "9",
                 "most of the time is the inversion",
                 f"{spread_in_words(shares.tolist(), '%', 100.0)}, most on the finest grid",

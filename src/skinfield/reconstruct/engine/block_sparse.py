@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints
-from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.products import CUT, PROOF, Singles
 from skinfield.solve.tiles import SIDE, Tiles, aligned_blocks
 
@@ -103,7 +103,7 @@ def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
     return table
 
 
-def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
+def idle_tests(groups: Sequence[PatchGroup]) -> list[Atlas]:
     """Tests of all patches on each rung; none where the answers are linear.
 
     Products of its rows, the whole matrix's scaled to the length 1, with whitened readings are at
@@ -124,7 +124,7 @@ def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
     return tests
 
 
-def linear_answers(groups: Sequence[Group]) -> list[Atlas]:
+def linear_answers(groups: Sequence[PatchGroup]) -> list[Atlas]:
     """Linear answers of all patches on each rung; none where a grid is too coarse for tiles."""
     counts, answers = [group.count for group in groups], []
     for rung, step in enumerate(groups[0].rungs.steps):
@@ -136,7 +136,7 @@ def linear_answers(groups: Sequence[Group]) -> list[Atlas]:
     return answers
 
 
-def join_fields(groups: Sequence[Group], rung: int) -> Singles:
+def join_fields(groups: Sequence[PatchGroup], rung: int) -> Singles:
     """Put the linear answers' fields of all patches end to end, where an `Atlas` writes them."""
     sizes = [group.fields[rung].size for group in groups]
     field: Singles = np.zeros(sum(sizes), np.float32)

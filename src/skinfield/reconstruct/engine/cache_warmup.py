@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
@@ -53,7 +53,9 @@ def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
     return readings
 
 
-def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[], object]) -> None:
+def _lap(
+    work: Clockwork, group: PatchGroup, step: int, rung: int, action: Callable[[], object]
+) -> None:
     laps = []
     for _ in range(LAPS + 1):
         start = work.clock()
@@ -62,7 +64,7 @@ def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[
     work.times.start(work.times.which(step, group.index, rung), np.array(laps[1:]))
 
 
-def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generator") -> None:
+def _searches(work: Clockwork, group: PatchGroup, rung: int, rng: "np.random.Generator") -> None:
     """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
     search, out = group.searches[rung][0], group.feasible[rung][0]
     cold: list[float] = []
@@ -81,7 +83,7 @@ def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generato
     work.times.start(work.times.which(WARM, group.index, rung), np.array(warm[1:]))
 
 
-def rehearsed(group: Group, rung: int, rng: "np.random.Generator") -> Floats:
+def rehearsed(group: PatchGroup, rung: int, rng: "np.random.Generator") -> Floats:
     """Readings (L,) of a round touch at a random taxel, without noise."""
     step = group.rungs.steps[rung]
     model = step.model

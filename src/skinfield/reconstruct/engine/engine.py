@@ -12,10 +12,10 @@ from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quanti
 from skinfield.errors import Floats, check_count, check_offers, check_positive
 from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
-from skinfield.reconstruct.engine.intake import Intake, Readings
-from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
+from skinfield.reconstruct.engine.intake import EngineReadings, Readings
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport
-from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_on
+from skinfield.reconstruct.engine.results import Estimates, PatchResults, estimate_of, grid_on
 from skinfield.reconstruct.engine.stages import (
     answer_linearly,
     finest_for_all,
@@ -110,7 +110,7 @@ class Engine:
         self._work = self._clockwork(clock)
         self._ordered = tuple(self._work.intake.names)
         self._around = CostModel(np.array([20e-6, 5e-6]))
-        self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
+        self.results = PatchResults(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
         places = self._work.places
         self._grid_of = lru_cache(KEPT)(lambda patch, rung: grid_on(*places[patch], rung))
@@ -123,7 +123,7 @@ class Engine:
         layer: Layer | Mapping[str, Layer] | None,
         noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
         progress: Callable[[int, int], None],
-    ) -> list[Group]:
+    ) -> list[PatchGroup]:
         """Prepare each kind of patch once.
 
         `progress` is called before each with the patches that are ready, and how many there are.
@@ -131,7 +131,7 @@ class Engine:
         typical = self.quantity.typical_noise
         noise = typical if noise_std is None else noise_std
         physics = self.mechanics, self.quantity
-        groups: list[Group] = []
+        groups: list[PatchGroup] = []
         first = 0
         for index, kind in enumerate(kinds_of(self.skin, layer, noise, typical)):
             progress(first, len(self.skin))
@@ -140,7 +140,7 @@ class Engine:
             rungs = prepare_rungs(
                 patch, kind.layer, self.rungs, *physics, self.solver, kind.noise_std
             )
-            groups.append(Group(index, first, kind, rungs))
+            groups.append(PatchGroup(index, first, kind, rungs))
             first += len(kind.patches)
         return groups
 
@@ -149,7 +149,7 @@ class Engine:
         patches = [patch for group in self.groups for patch in group.kind.patches]
         noise = [np.tile(group.kind.noise_std, group.count) for group in self.groups]
         order = [self.names.index(patch.name) for patch in patches]
-        intake = Intake(patches, order, self.quantity, np.concatenate(noise))
+        intake = EngineReadings(patches, order, self.quantity, np.concatenate(noise))
         return Clockwork(self.groups, intake, clock)
 
     def __call__(
@@ -292,7 +292,7 @@ class Engine:
         """An engine that goes by the same settings, with other arrays."""
         twin = copy(self)
         twin.groups, twin._work, twin._around = list(work.groups), work, around
-        twin.results = Results(work, [work.intake.names.index(name) for name in self.names])
+        twin.results = PatchResults(work, [work.intake.names.index(name) for name in self.names])
         return twin
 
     def _run_in(self) -> None:

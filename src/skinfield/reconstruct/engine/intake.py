@@ -16,7 +16,7 @@ from skinfield.skin import Patch
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
 
 
-class Intake:
+class EngineReadings:
     """Where the readings of a cycle are.
 
     Parameters
@@ -51,11 +51,7 @@ class Intake:
     """
 
     def __init__(
-        self,
-        patches: Sequence[Patch],
-        order: Sequence[int],
-        quantity: Quantity,
-        noise_std: Floats,
+        self, patches: Sequence[Patch], order: Sequence[int], quantity: Quantity, noise_std: Floats
     ) -> None:
         self.names = [patch.name for patch in patches]
         self.quantity = quantity
@@ -166,7 +162,7 @@ class Intake:
                 )
             part[:] = mask
 
-    def twin(self) -> "Intake":
+    def twin(self) -> "EngineReadings":
         """Arrays of its own for the same patches."""
         twin = copy(self)
         for name in ("linear", "given", "white", "valid", "present", "wanted"):

@@ -20,7 +20,7 @@ SAME = 1e-6  # of the pads' pitch: places that are one
 
 
 @dataclass(frozen=True, eq=False)
-class Kind:
+class PatchKind:
     """Patches of equal geometry, layer and noise.
 
     Attributes
@@ -41,7 +41,7 @@ def kinds_of(
     layer: Layer | Mapping[str, Layer] | None,
     noise_std: ArrayLike | Mapping[str, ArrayLike],
     typical: float,
-) -> tuple[Kind, ...]:
+) -> tuple[PatchKind, ...]:
     """Sort the patches of a skin by kind.
 
     Two are of one kind if their taxels stand at equal places of their planes, up to a shift, in
@@ -55,16 +55,16 @@ def kinds_of(
         Patches that a mapping leaves out have `typical`.
     typical : float
     """
-    found: list[Kind] = []
+    found: list[PatchKind] = []
     for patch in skin:
         its = _layer_of(patch, layer)
         noise = _noise_of(patch, noise_std, typical)
         for place, kind in enumerate(found):
             if _alike(kind, patch, its, noise):
-                found[place] = Kind((*kind.patches, patch), its, noise)
+                found[place] = PatchKind((*kind.patches, patch), its, noise)
                 break
         else:
-            found.append(Kind((patch,), its, noise))
+            found.append(PatchKind((patch,), its, noise))
     return tuple(found)
 
 
@@ -100,7 +100,7 @@ def _noise_of(
     return np.full(len(patch), float(noise))
 
 
-def _alike(kind: Kind, patch: Patch, layer: Layer, noise: Floats) -> bool:
+def _alike(kind: PatchKind, patch: Patch, layer: Layer, noise: Floats) -> bool:
     first = kind.patches[0]
     if len(first) != len(patch) or kind.layer != layer or first.pad_diameter != patch.pad_diameter:
         return False
@@ -125,7 +125,7 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
 SHARED = object()  # in place of the search that a patch used last: its dual was copied
 
 
-class Group:
+class PatchGroup:
     """Prepared answers of P patches of one kind on R rungs.
 
     Parameters
@@ -134,7 +134,7 @@ class Group:
         Among the groups.
     first : int
         Row of its first patch among all patches.
-    kind : Kind
+    kind : PatchKind
     rungs : Rungs
 
     Attributes
@@ -160,7 +160,7 @@ class Group:
         Search that each patch used last, `SHARED`, or None.
     """
 
-    def __init__(self, index: int, first: int, kind: Kind, rungs: Rungs) -> None:
+    def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
         self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
@@ -225,7 +225,7 @@ class Group:
         np.copyto(self.duals[place], shared.dual)
         self.last[place] = SHARED
 
-    def twin(self) -> "Group":
+    def twin(self) -> "PatchGroup":
         """Arrays of its own, with the same matrices.
 
         Of the searches only that of the first patch has a memory of its own.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.reconstruct.engine.state import Answer, Logged, LoggedStep, State, Step
+from skinfield.reconstruct.engine.state import Answer, EngineState, Logged, LoggedStep, Step
 from skinfield.reconstruct.engine.workspace import Clockwork
 
 WORDS = {
@@ -82,7 +82,7 @@ class CycleReport:
     overrun: bool
     names: tuple[str, ...]
     _log: tuple[Logged, ...]
-    _state: State
+    _state: EngineState
     _costs: Floats
     _left: float
     _sides: Sequence[int]

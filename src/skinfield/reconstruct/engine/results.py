@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
-from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
@@ -16,7 +16,7 @@ from skinfield.reconstruct.multigrid import estimate_of_pressure
 from skinfield.skin import Grid
 
 
-class Results:
+class PatchResults:
     """Arrays (P,) over the patches in the skin's order, overwritten by each `Engine.run`.
 
     Parameters
@@ -90,7 +90,7 @@ class Results:
         self, row: int
     ) -> tuple[list[NDArray[Any]], list[NDArray[Any]], list[NDArray[Any]]]:
         """Of a patch on each rung: where linear and searched answers are written, and zeros."""
-        group: Group = self._work.places[row][0]
+        group: PatchGroup = self._work.places[row][0]
         place = row - group.first
         zeros: list[NDArray[Any]] = [np.zeros(each.shape[1]) for each in group.fields]
         for each in zeros:
@@ -99,7 +99,7 @@ class Results:
         return linear, [each[place] for each in group.feasible], zeros
 
 
-def grid_on(group: Group, place: int, rung: int) -> Grid:
+def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
     """Nodes of a rung on one of the patches, which lie where those of the first do."""
     first, patch = group.kind.patches[0], group.kind.patches[place]
     grid = group.rungs.steps[rung].grid
@@ -145,7 +145,7 @@ def estimate_of(
     )
 
 
-def _pressure(group: Group, answer: int, rung: int, place: int) -> Floats:
+def _pressure(group: PatchGroup, answer: int, rung: int, place: int) -> Floats:
     if answer == LINEAR:
         return np.asarray(group.fields[rung][place], dtype=np.float64)
     if answer == FEASIBLE:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints, check_shape
-from skinfield.estimate.live_contacts import CONTACT, Habits, Level, LiveContacts, level_of
+from skinfield.estimate.live_contacts import CONTACT, GridLevel, Habits, LiveContacts, level_of
 from skinfield.reconstruct.engine.engine import Engine
 from skinfield.reconstruct.engine.results import grid_on
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
@@ -101,7 +101,7 @@ class SkinContacts:
                 each(level, np.zeros(len(known.std)), 0, out)
 
 
-def _levels(engine: Engine, name: str) -> list[Level]:
+def _levels(engine: Engine, name: str) -> list[GridLevel]:
     """Of the rungs on which a patch may be answered: by linear answers, then by searches."""
     group, place = next(
         (group, place)

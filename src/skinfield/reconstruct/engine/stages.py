@@ -3,7 +3,7 @@
 import numpy as np
 
 from skinfield.errors import Ints
-from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.state import LINEAR, MASKED, PRODUCT, ROW, TEST
 from skinfield.reconstruct.engine.timing_model import NS
 from skinfield.reconstruct.engine.workspace import ROUNDS, Clockwork
@@ -12,7 +12,7 @@ NOTHING: Ints = np.zeros(0, dtype=np.int64)
 ACTIVE = 4.0  # deviations of an idle patch's energy above which something is taken to touch it
 
 
-def fill_missing(work: Clockwork, group: Group, places: Ints) -> None:
+def fill_missing(work: Clockwork, group: PatchGroup, places: Ints) -> None:
     """Put what the others let expect in place of invalid readings, in units of the noise."""
     intake = work.intake
     valid = intake.views(intake.valid, group.first, group.count)

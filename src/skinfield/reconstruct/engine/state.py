@@ -65,7 +65,7 @@ class LoggedStep(NamedTuple):
         return Step(self.step)
 
 
-class State:
+class EngineState:
     """Arrays (P,) over all patches, those of one kind side by side.
 
     Attributes
@@ -98,9 +98,9 @@ class State:
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
         self.reset()
 
-    def copy(self) -> "State":
+    def copy(self) -> "EngineState":
         """What the next cycle changes, as it is now."""
-        other = State(self.group)
+        other = EngineState(self.group)
         other.integers[:], other.numbers[:], other.settled[:] = (
             self.integers,
             self.numbers,

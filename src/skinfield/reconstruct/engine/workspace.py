@@ -7,9 +7,9 @@ import numpy as np
 
 from skinfield.errors import Ints
 from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
-from skinfield.reconstruct.engine.intake import Intake
-from skinfield.reconstruct.engine.patch_kinds import Group
-from skinfield.reconstruct.engine.state import Logged, State
+from skinfield.reconstruct.engine.intake import EngineReadings
+from skinfield.reconstruct.engine.patch_kinds import PatchGroup
+from skinfield.reconstruct.engine.state import EngineState, Logged
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
 
 ROUNDS = 6  # of planning in a cycle, at most
@@ -21,8 +21,8 @@ class Clockwork:
 
     Parameters
     ----------
-    groups : sequence of Group
-    intake : Intake
+    groups : sequence of PatchGroup
+    intake : EngineReadings
     clock : function that returns ns
     like : Clockwork, optional
         Of the same patches, with which it shares what is prepared; costs begin as the other's.
@@ -58,8 +58,8 @@ class Clockwork:
 
     def __init__(
         self,
-        groups: Sequence[Group],
-        intake: Intake,
+        groups: Sequence[PatchGroup],
+        intake: EngineReadings,
         clock: Callable[[], int],
         like: "Clockwork | None" = None,
     ) -> None:
@@ -69,7 +69,7 @@ class Clockwork:
         self.kernel: Any = cycle_kernel
         self._idle_without = block_sparse_kernel.idle_without
         counts, first = [group.count for group in groups], groups[0].rungs
-        self.state = state = State(np.repeat(np.arange(len(counts)), counts))
+        self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
         if like is None:
             self.tests = idle_tests(groups)

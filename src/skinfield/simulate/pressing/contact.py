@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.elastic.contact import (
     TOLERANCE,
-    Contact,
     ContactProblem,
+    ContactSolution,
     edge_softness,
     solve_contact,
 )
@@ -17,7 +17,7 @@ from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.windows import (
     PAD,
-    Skin,
+    Medium,
     Window,
     Yielding,
     cut,
@@ -128,7 +128,7 @@ class Coverings:
 
     Attributes
     ----------
-    skin : Skin
+    skin : Medium
     windows : list of Window
     each : (bodies, N) array, m
         Height of each body above its lowest point.
@@ -138,7 +138,7 @@ class Coverings:
         The one that can touch.
     """
 
-    skin: Skin
+    skin: Medium
     windows: list[Window]
     each: Floats
     coverages: Floats
@@ -179,11 +179,11 @@ class Settled:
 
     coverings: Coverings
     indenting: Yielding
-    contact: Contact
+    contact: ContactSolution
     whole: Coverings
 
 
-def check_places(skin: Skin, indenters: Sequence[Indenter], whole: Coverings) -> None:
+def check_places(skin: Medium, indenters: Sequence[Indenter], whole: Coverings) -> None:
     """Each body must have cells, and be the lowest on some of them."""
     for index, indenter in enumerate(indenters):
         under = np.isfinite(whole.each[index])
@@ -244,7 +244,7 @@ REFINED = 4  # rounds in which windows may still be cut finer
 COARSE = 1e-2  # residual that tells where touch is
 
 
-def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = None) -> Settled:
+def settle(skin: Medium, indenters: Sequence[Indenter], before: Settled | None = None) -> Settled:
     """Solve for the contact of all bodies at once.
 
     A solution `before` of the same bodies in the same places, under other loads, saves the way to
@@ -279,7 +279,10 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
 
 
 def _lay(
-    skin: Skin, indenters: Sequence[Indenter], windows: list[Window], approach: Floats | None = None
+    skin: Medium,
+    indenters: Sequence[Indenter],
+    windows: list[Window],
+    approach: Floats | None = None,
 ) -> Coverings:
     parts = []
     for window in windows:
@@ -351,9 +354,7 @@ def _carried_over(settled: Settled, coverings: Coverings) -> Floats:
         return settled.contact.pressure
     picture = np.zeros(coverings.skin.grid.shape)
     for window, pressure in zip(
-        settled.coverings.windows,
-        settled.indenting.pictures(settled.contact.pressure),
-        strict=True,
+        settled.coverings.windows, settled.indenting.pictures(settled.contact.pressure), strict=True
     ):
         picture[window.cells] = window.means(pressure)
     return np.concatenate(

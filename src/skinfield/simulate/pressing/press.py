@@ -23,8 +23,8 @@ from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
-from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
-from skinfield.simulate.pressing.windows import Skin
+from skinfield.simulate.pressing.tractions import Traction, add_shear, bare, resultants
+from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
 
 MOST_CELLS = 4_000_000
@@ -49,7 +49,7 @@ class Press:
         Depth of each indenter's lowest point below the undeformed surface.
     translation : (bodies, 2) array, m
         Of each indenter along the plane, by shear.
-    touches : tuple of Touch
+    touches : tuple of Traction
         The solution, window by window.
     residual : float
         Certificate of the normal contact, see `elastic.contact.Contact`: the largest relative
@@ -67,14 +67,14 @@ class Press:
     indenters: tuple[Indenter, ...]
     approach: Floats
     translation: Floats
-    touches: tuple[Touch, ...]
+    touches: tuple[Traction, ...]
     residual: float
     shear_residual: float = 0.0
     slipping_share: float = 0.0
 
     @cached_property
-    def _skin(self) -> Skin:
-        return Skin(self.grid, self.layer, self.mechanics)
+    def _skin(self) -> Medium:
+        return Medium(self.grid, self.layer, self.mechanics)
 
     @cached_property
     def traction(self) -> Floats:
@@ -263,7 +263,7 @@ def press(
     return pressed(settle(skin, indenters), indenters, friction)
 
 
-def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | None) -> Skin:
+def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | None) -> Medium:
     """Grid of square cells around the origin on a medium; see `press`."""
     check_positive("extent", extent, "side of the square of skin, in metres")
     check_positive("cell", cell, "side of a cell, in metres")
@@ -275,7 +275,7 @@ def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | Non
         )
     origin = np.full(2, -(count - 1) / 2 * cell)
     grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
-    return Skin(grid, layer, BondedLayer() if mechanics is None else mechanics)
+    return Medium(grid, layer, BondedLayer() if mechanics is None else mechanics)
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:

@@ -9,15 +9,15 @@ from skinfield.elastic import LatticeConvolution
 from skinfield.elastic.electrostatics import MARGIN, STEPS, GapStrain
 from skinfield.elastic.lattice import cached_indentation_kernel, cached_surface_kernel
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
-from skinfield.simulate.pressing.tractions import Sources, Touch, sources
-from skinfield.simulate.pressing.windows import PAD, Skin, Window, coarsened, resplit
+from skinfield.simulate.pressing.tractions import Sources, Traction, sources
+from skinfield.simulate.pressing.windows import PAD, Medium, Window, coarsened, resplit
 
 NEAR = 4  # cells around a window within which its squares act one by one
 MOST_SAMPLES = 10_000_000  # of the mesh: some 2 GB
 SHEARED = 3  # squares along a cell that are enough for tangential displacement
 
 
-def indentation(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+def indentation(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
     """Of the cells' centres by the normal loads, (rows, columns) m."""
     total = np.zeros(skin.grid.shape)
     for touch in touches:
@@ -31,7 +31,7 @@ def indentation(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
     return total
 
 
-def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+def sheared(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
     """Displacement of the cells' centres, (3, rows, columns) m, less that along z by normal loads.
 
     That is: the tangential one by all loads, and the normal one by tangential loads.
@@ -56,7 +56,7 @@ def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
 
 
 def gap_strain(
-    skin: Skin, touches: tuple[Touch, ...], around: Floats, pad_diameter: float = 0.0
+    skin: Medium, touches: tuple[Traction, ...], around: Floats, pad_diameter: float = 0.0
 ) -> GapStrain:
     """Indentation over thickness, finely sampled around touches and pads at (L, 2) m."""
     h, pitch = skin.layer.thickness, skin.grid.pitch
@@ -109,7 +109,7 @@ def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice,
 
 
 def _extent(
-    skin: Skin, touches: tuple[Touch, ...], around: Floats, step: float, margin: float
+    skin: Medium, touches: tuple[Traction, ...], around: Floats, step: float, margin: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """First and last column and row of a mesh that covers touches and points, with a margin."""
     corner = skin.grid.origin - skin.grid.pitch / 2
@@ -152,13 +152,13 @@ def _offsets(places: Floats, source: Sources) -> Floats:
     return (places[:, None] - source.places[None]).reshape(-1, 2)
 
 
-def _sources(skin: Skin, touches: tuple[Touch, ...]) -> list[Sources]:
+def _sources(skin: Medium, touches: tuple[Traction, ...]) -> list[Sources]:
     every = [sources(skin, touch, WIDEST * skin.layer.thickness) for touch in touches]
     return [source for source in every if len(source.places)]
 
 
 def base_stress(
-    skin: Skin, touches: tuple[Touch, ...], places: Floats, pad_diameter: float
+    skin: Medium, touches: tuple[Traction, ...], places: Floats, pad_diameter: float
 ) -> Floats:
     """Mean pressure (L,) Pa on pads at the base."""
     out = np.zeros(len(places))
@@ -174,7 +174,7 @@ def base_stress(
 
 
 def base_traction(
-    skin: Skin, touches: tuple[Touch, ...], places: Floats, pad_diameter: float
+    skin: Medium, touches: tuple[Traction, ...], places: Floats, pad_diameter: float
 ) -> Floats:
     """Mean traction (L, 3) Pa that the skin exerts on the base's pads, as an outward normal +z."""
     out = np.zeros((len(places), 3))
@@ -183,7 +183,7 @@ def base_traction(
     return out
 
 
-def _traction(skin: Skin, source: Sources, places: Floats, pad_diameter: float) -> Floats:
+def _traction(skin: Medium, source: Sources, places: Floats, pad_diameter: float) -> Floats:
     each = skin.mechanics.base_traction(
         skin.layer, _offsets(places, source), source.side, pad_diameter
     )
@@ -192,7 +192,7 @@ def _traction(skin: Skin, source: Sources, places: Floats, pad_diameter: float) 
 
 
 def gap_change(
-    skin: Skin, touches: tuple[Touch, ...], places: Floats, pad_diameter: float
+    skin: Medium, touches: tuple[Traction, ...], places: Floats, pad_diameter: float
 ) -> Floats:
     """Mean indentation (L,) m above pads."""
     out = np.zeros(len(places))

@@ -10,11 +10,11 @@ from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_slip,
 from skinfield.errors import Floats, check_positive
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
-from skinfield.simulate.pressing.windows import Skin, Window, Yielding, coarsened
+from skinfield.simulate.pressing.windows import Medium, Window, Yielding, coarsened
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class Traction:
     """Traction on the squares of a window.
 
     Attributes
@@ -75,7 +75,7 @@ class Sources:
     side: float
 
 
-def sources(skin: Skin, touch: Touch, widest: float) -> Sources:
+def sources(skin: Medium, touch: Traction, widest: float) -> Sources:
     """Join squares of a touch to larger ones, up to a side of `widest` m."""
     split = touch.window.split
     while split > 1 and skin.grid.pitch / (split // 3) <= widest:
@@ -91,7 +91,7 @@ def sources(skin: Skin, touch: Touch, widest: float) -> Sources:
     return Sources(places, traction, skin.grid.pitch / split)
 
 
-def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Floats, Floats]:
+def resultants(skin: Medium, touches: tuple[Traction, ...], bodies: int) -> tuple[Floats, Floats]:
     """Force (bodies, 3) N on the skin and its moment (bodies, 3) N m about the grid's origin."""
     forces, moments = np.zeros((bodies, 3)), np.zeros((bodies, 3))
     for touch in touches:
@@ -106,11 +106,11 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
     return forces, moments
 
 
-def bare(settled: Settled) -> tuple[Touch, ...]:
+def bare(settled: Settled) -> tuple[Traction, ...]:
     """Touches with pressure alone."""
     coverings, pictures = settled.coverings, settled.indenting.pictures
     return tuple(
-        Touch(window, np.stack([np.zeros_like(p), np.zeros_like(p), 0.0 - p]), body, coverage)
+        Traction(window, np.stack([np.zeros_like(p), np.zeros_like(p), 0.0 - p]), body, coverage)
         for window, p, body, coverage in zip(
             coverings.windows,
             pictures(settled.contact.pressure),
@@ -123,10 +123,10 @@ def bare(settled: Settled) -> tuple[Touch, ...]:
 
 def add_shear(
     settled: Settled,
-    touches: tuple[Touch, ...],
+    touches: tuple[Traction, ...],
     indenters: Sequence[Indenter],
     friction: float | None,
-) -> tuple[tuple[Touch, ...], Shear]:
+) -> tuple[tuple[Traction, ...], Shear]:
     """Tangential tractions under the shears of all indenters at once, and their solution."""
     coverings, contact = settled.coverings, settled.contact
     sliding = Yielding(coverings.skin, coverings.windows, tangential=True)

@@ -171,7 +171,7 @@ POINT = 9  # a load far away is one on a square of a ninth of a cell
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class Medium:
     """The grid on a medium, with responses between its cells and between windows.
 
     Within a window responses are exact for uniform squares. Between windows, and from a window to
@@ -262,7 +262,7 @@ class Yielding:
 
     Parameters
     ----------
-    skin : Skin
+    skin : Medium
     windows : list of Window
     tangential : bool
 
@@ -272,7 +272,7 @@ class Yielding:
         Displacement of each square along its own load.
     """
 
-    def __init__(self, skin: Skin, windows: list[Window], *, tangential: bool = False) -> None:
+    def __init__(self, skin: Medium, windows: list[Window], *, tangential: bool = False) -> None:
         self.skin, self.windows = skin, windows
         along = (slice(2), slice(2)) if tangential else (None, None)
         kernel_of = skin.near_surface if tangential else skin.near_kernel

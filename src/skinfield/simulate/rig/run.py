@@ -18,7 +18,7 @@ from skinfield.skin.reading import Recording
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class RigTruth:
     """Of one recording; its fields are the keys of ``truth.npz``, in SI units.
 
     Attributes
@@ -105,7 +105,7 @@ FINE = 4001  # forces at which depths are inverted
 
 
 @dataclass(frozen=True, eq=False)
-class Ladder:
+class LoadCurve:
     """Readings, depth and area over the force, from none to the highest.
 
     Between the rungs a monotone cubic in √force (PCHIP): there readings are nearly straight lines.
@@ -165,7 +165,7 @@ class Ladder:
         return np.asarray(PchipInterpolator(np.sqrt(self.force), values)(held))
 
 
-def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) -> Ladder:
+def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) -> LoadCurve:
     """Press an indenter of the scenario up to its highest load."""
     loads = _loads(scenario, indenter)
     highest = max(load.force for load in loads)
@@ -178,7 +178,7 @@ def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) 
     plane = scenario.patch.plane
     taxels = np.concatenate([pose.taxels(plane) for pose in poses])
     change = [each.capacitance(taxels, scenario.patch.pad_diameter) for each in used]
-    return Ladder(
+    return LoadCurve(
         np.array([0.0, *(each.force for each in used)]),
         np.array([0.0, *(each.approach[0] for each in used)]),
         np.array([0.0, *(each.contact_area for each in used)]),
@@ -254,7 +254,7 @@ def programme(scenario: Scenario) -> Programme:
 
 
 def _loaded(
-    scenario: Scenario, plan: Programme, ladder: Ladder, pose: int
+    scenario: Scenario, plan: Programme, ladder: LoadCurve, pose: int
 ) -> tuple[slice, Floats, Floats]:
     """Samples of the series in which loads at one pose matter, with forces (W,) N.
 
@@ -300,14 +300,14 @@ class RigRun:
     load_cell : LoadSeries
     skin : TaxelArray
         The skin's electronics; `skin.calibration` is the true one.
-    truth : Truth
+    truth : RigTruth
     """
 
     scenario: Scenario
     recording: Recording
     load_cell: LoadSeries
     skin: TaxelArray
-    truth: Truth
+    truth: RigTruth
 
 
 def run_rig(scenario: Scenario) -> RigRun:
@@ -349,7 +349,7 @@ def run_rig(scenario: Scenario) -> RigRun:
 
 
 def _felt(
-    scenario: Scenario, plan: Programme, ladder: Ladder, sampling: Sampling
+    scenario: Scenario, plan: Programme, ladder: LoadCurve, sampling: Sampling
 ) -> tuple[Floats, Floats, Floats]:
     """Force and effective force (S,) N of the series, and ΔC/C₀ (T, L) of taxels as converted."""
     time = plan.time
@@ -372,12 +372,12 @@ def _felt(
 def _truth(
     scenario: Scenario,
     plan: Programme,
-    ladder: Ladder,
+    ladder: LoadCurve,
     force: Floats,
     effective: Floats,
     reading_time: Floats,
     change: Floats,
-) -> Truth:
+) -> RigTruth:
     profile, time, start, loads = scenario.profile, plan.time, plan.start, ladder.loads
     depth = ladder.depth_at(effective)
     area = np.where(force > 0, ladder.area_at(effective), 0.0)
@@ -385,7 +385,7 @@ def _truth(
     at_end = np.minimum(np.rint(hold_end / STEP).astype(np.int64), len(time) - 1)
     reached = np.array([effective[at_end][plan.load == load].max() for load in range(len(loads))])
     pose = [plan.poses[row] for row in plan.pose]
-    return Truth(
+    return RigTruth(
         time_s=time,
         force_N=force,
         effective_force_N=effective,

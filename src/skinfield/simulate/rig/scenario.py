@@ -108,7 +108,7 @@ LONGEST = 3600.0  # s, of one part of a press
 
 
 @dataclass(frozen=True, kw_only=True)
-class Profile:
+class LoadProfile:
     """Durations of the parts of a press, and how load rises and falls in it.
 
     Parameters
@@ -430,7 +430,7 @@ class Temperature:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solving:
+class ContactAccuracy:
     """How finely contact is solved.
 
     Parameters
@@ -476,11 +476,11 @@ class Scenario:
     tools : tuple of Tool
     places : tuple of Places
     loads : Loads
-    profile : Profile
+    profile : LoadProfile
     load_cell : LoadCell
     electronics : Electronics
     temperature : Temperature
-    solving : Solving
+    solving : ContactAccuracy
     """
 
     name: str = "rig"
@@ -496,11 +496,11 @@ class Scenario:
     )
     places: tuple[Places, ...] = (OverTaxels(),)
     loads: Loads = field(default_factory=lambda: Loads(forces=(0.2, 0.5, 1.0)))
-    profile: Profile = field(default_factory=Profile)
+    profile: LoadProfile = field(default_factory=LoadProfile)
     load_cell: LoadCell = field(default_factory=LoadCell)
     electronics: Electronics = field(default_factory=icub_electronics)
     temperature: Temperature = field(default_factory=Temperature)
-    solving: Solving = field(default_factory=Solving)
+    solving: ContactAccuracy = field(default_factory=ContactAccuracy)
 
     def __post_init__(self) -> None:
         _check_name(self.name)

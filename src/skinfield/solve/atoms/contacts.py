@@ -11,7 +11,7 @@ from skinfield.compiled import njit
 from skinfield.errors import Floats
 from skinfield.estimate import Contact
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_kernels import SIZE, Mesh, mesh_of, render
+from skinfield.solve.atoms.render_kernels import SIZE, GridMesh, mesh_of, render
 from skinfield.solve.atoms.render_tables import PressureTable
 from skinfield.solve.atoms.table import FLAT
 
@@ -227,7 +227,7 @@ def _around(loops: list[Floats]) -> Floats:
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
 
 
-def _inside(atoms: Floats, mesh: Mesh) -> NDArray[np.int64]:
+def _inside(atoms: Floats, mesh: GridMesh) -> NDArray[np.int64]:
     """Nodes in any of the atoms, sorted; else the nearest one."""
     reach = np.abs(atoms[:, 4] * np.sin(atoms[:, 5])) + atoms[:, 3]
     low, high = (atoms[:, 1] - reach).min(), (atoms[:, 1] + reach).max()
@@ -249,11 +249,7 @@ def _inside(atoms: Floats, mesh: Mesh) -> NDArray[np.int64]:
 
 
 def contact_of(
-    grid: Grid,
-    surface: PressureTable,
-    atoms: Floats,
-    family: NDArray[np.int64],
-    covariance: Floats,
+    grid: Grid, surface: PressureTable, atoms: Floats, family: NDArray[np.int64], covariance: Floats
 ) -> Contact:
     """Contact on a grid of atoms (N, 6) that are one body.
 

@@ -20,7 +20,7 @@ FAINTEST = 0.02  # of the strongest template: below, a place is not seen
 
 
 @dataclass(frozen=True, eq=False)
-class Bank:
+class BallTemplates:
     """Whitened templates of balls.
 
     Attributes
@@ -79,7 +79,7 @@ def best_of(scores: Any, atoms: Floats, near: float, found: Ints) -> int:
     return len(found)
 
 
-def make_bank(taxels: Floats, white: Floats, tables: Tables) -> Bank:
+def make_bank(taxels: Floats, white: Floats, tables: Tables) -> BallTemplates:
     """Templates on a lattice over the taxels (L, 2), in thicknesses; `white` is 1/noise (L,)."""
     low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
     columns, rows = (np.ceil((high - low) / SPACING).astype(int) + 1).tolist()
@@ -101,7 +101,7 @@ def make_bank(taxels: Floats, white: Floats, tables: Tables) -> Bank:
     norms = np.linalg.norm(templates, axis=1)
     seen = norms * np.exp(-atoms[:, 2])
     kept = seen > FAINTEST * seen.max()
-    return Bank(
+    return BallTemplates(
         np.ascontiguousarray(templates[kept] / norms[kept, None], dtype=np.float32),
         norms[kept] * np.exp(-atoms[kept, 2]),
         atoms[kept],

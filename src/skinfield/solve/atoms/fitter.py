@@ -7,12 +7,12 @@ import numpy as np
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact
-from skinfield.solve.atoms.dictionary import MARGIN, Bank, make_bank
+from skinfield.solve.atoms.dictionary import MARGIN, BallTemplates, make_bank
 from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors
 from skinfield.solve.atoms.posterior import belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
-from skinfield.solve.atoms.search import AtomSet, Problem, search
+from skinfield.solve.atoms.search import AtomSet, FitProblem, search
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_tables
 from skinfield.solve.operator import Fit
@@ -27,7 +27,7 @@ LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the 
 NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
 
 
-def explains(problem: Problem, found: AtomSet) -> bool:
+def explains(problem: FitProblem, found: AtomSet) -> bool:
     """Whether noise and model error account for what is left over, but for one reading in 1e4."""
     from scipy.special import chdtri
 
@@ -39,7 +39,7 @@ def _freedom(found: AtomSet, taxels: int) -> int:
     return max(taxels - int(found.free.sum()), 1)
 
 
-def noise_scale(problem: Problem, found: AtomSet, scale: float, most: int) -> float:
+def noise_scale(problem: FitProblem, found: AtomSet, scale: float, most: int) -> float:
     """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
 
     `scale` is what is assumed already, in terms of what was stated. It is less where the squares
@@ -84,7 +84,7 @@ MOVED = 0.5  # standard deviations within which what was known of a contact stil
 CHANGED = 0.2  # of its force's logarithm, likewise
 
 
-def notes_on(problem: Problem, count: int, scale: float, offset: float) -> tuple[str, ...]:
+def notes_on(problem: FitProblem, count: int, scale: float, offset: float) -> tuple[str, ...]:
     """What is to be told of an answer with as many contacts, in sentences."""
     notes = []
     if problem.late:
@@ -169,7 +169,7 @@ class ContactFitter:
         self._thickness = thickness = physics.layer.thickness
         self._tables = atom_tables(physics)
         self._taxels = np.ascontiguousarray(model.taxels / thickness)
-        self._bank: Bank = make_bank(self._taxels, 1.0 / model.noise_std, self._tables)
+        self._bank: BallTemplates = make_bank(self._taxels, 1.0 / model.noise_std, self._tables)
         self._priors = Priors(
             float(np.log(settings.typical_radius)),
             CURVATURE_STD,
@@ -244,7 +244,7 @@ class ContactFitter:
 
     def _answer(
         self, readings: Floats, deadline_ns: int | None
-    ) -> tuple[Problem, AtomSet, float, Drawable | None]:
+    ) -> tuple[FitProblem, AtomSet, float, Drawable | None]:
         """The atoms that explain a reading, the scale of its noise, and the atoms as drawn."""
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
@@ -268,7 +268,7 @@ class ContactFitter:
         atoms, covariance = self._stated(problem, found, same)
         return problem, found, scale, drawable(atoms, found.family, covariance, self._thickness)
 
-    def _shapes_due(self, problem: Problem) -> bool:
+    def _shapes_due(self, problem: FitProblem) -> bool:
         """Whether the readings say much more, or less, than when shapes were last compared."""
         energy = float(np.square(problem.inputs.readings * problem.inputs.white).sum())
         due = not self._compared / RISE < energy < self._compared * RISE
@@ -278,7 +278,7 @@ class ContactFitter:
 
     def problem(
         self, readings: Floats, deadline_ns: int | None = None, scale: float = 1.0
-    ) -> Problem:
+    ) -> FitProblem:
         """One reading beside all that is known, at a scale of the noise."""
         readings, noise = np.ascontiguousarray(readings, dtype=np.float64), self.noise
         floor = self.settings.model_error * float(np.abs(readings).max())
@@ -288,9 +288,9 @@ class ContactFitter:
         inputs = Inputs(
             readings, white, self._taxels, self._tables, self._priors, shared, self._places
         )
-        return Problem(inputs, self._bank, noise, self._threshold, common, deadline_ns)
+        return FitProblem(inputs, self._bank, noise, self._threshold, common, deadline_ns)
 
-    def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
+    def _stated(self, problem: FitProblem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
         """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
         atoms = np.empty((len(found), PARAMETERS))
         covariance = np.zeros((len(found), PARAMETERS, PARAMETERS))

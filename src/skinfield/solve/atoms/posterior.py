@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, refined
-from skinfield.solve.atoms.search import RARER, AtomSet, Problem
+from skinfield.solve.atoms.search import RARER, AtomSet, FitProblem
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
 REACH = 14  # steps of the lattice each way
@@ -103,7 +103,7 @@ def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, 
     return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T
 
 
-def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
+def laplace(problem: FitProblem, found: AtomSet, index: int) -> Belief:
     """One atom by the curvature of the cost at its minimum, all others moving along.
 
     Places that no reading tells are even over the patch: their variance is its width squared / 12.
@@ -126,7 +126,7 @@ def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
 
 
 def belief_of(
-    problem: Problem, found: AtomSet, index: int, places: int, starts: int, step: float
+    problem: FitProblem, found: AtomSet, index: int, places: int, starts: int, step: float
 ) -> Belief:
     """What the reading leaves open about one atom, the others being where they are.
 
@@ -166,7 +166,7 @@ def _near(given: Inputs, own: Floats) -> NDArray[np.int64]:
 
 
 def explore(
-    problem: Problem,
+    problem: FitProblem,
     seeds: Floats,
     family: int,
     free: NDArray[np.bool_],

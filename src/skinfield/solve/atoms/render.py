@@ -18,7 +18,7 @@ from skinfield.solve.atoms.render_kernels import (
     NODE,
     SIZE,
     WEIGHT,
-    Mesh,
+    GridMesh,
     blend,
     held,
     mesh_of,
@@ -43,7 +43,7 @@ FAR_POINTS = 4  # along the segment, for nodes farther away
 
 
 @inner
-def _near(atom: Floats, radius: float, surface: PressureTable, mesh: Mesh, box: Any) -> None:
+def _near(atom: Floats, radius: float, surface: PressureTable, mesh: GridMesh, box: Any) -> None:
     """First row and column and those behind the last, of the nodes near an atom."""
     wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
     high = abs(atom[4] * np.sin(atom[5])) + radius + NEAR * surface.thickness
@@ -106,7 +106,7 @@ def _add_round(
     terms: Floats,
     thickness: float,
     reach: float,
-    mesh: Mesh,
+    mesh: GridMesh,
     box: Any,
     inside: bool,
     out: Floats,
@@ -149,7 +149,7 @@ def displacement(
     family: Any,
     surface: PressureTable,
     moves: DisplacementTable,
-    mesh: Mesh,
+    mesh: GridMesh,
     frames: Floats,
     out: Floats,
 ) -> None:
@@ -235,11 +235,7 @@ class AtomRenderer:
         pressure_std(atoms, family, covariance, self._surface, self._mesh, out)
 
     def contacts(
-        self,
-        atoms: Floats,
-        family: Family,
-        covariance: Floats,
-        groups: Sequence[Sequence[int]],
+        self, atoms: Floats, family: Family, covariance: Floats, groups: Sequence[Sequence[int]]
     ) -> tuple[Contact, ...]:
         """Contacts of atoms, by falling normal force.
 

@@ -32,7 +32,7 @@ def _along() -> tuple[Floats, Floats]:
 NODE, WEIGHT = _along()
 
 
-class Mesh(NamedTuple):
+class GridMesh(NamedTuple):
     """A `Grid` as compiled functions take it."""
 
     x: float
@@ -42,9 +42,9 @@ class Mesh(NamedTuple):
     columns: int
 
 
-def mesh_of(grid: Grid) -> Mesh:
+def mesh_of(grid: Grid) -> GridMesh:
     """Where the cells are."""
-    return Mesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
+    return GridMesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
 
 
 @inner
@@ -107,7 +107,7 @@ def _add_round(
     family: int,
     terms: Floats,
     chord: Floats,
-    mesh: Mesh,
+    mesh: GridMesh,
     box: Any,
     cells: Floats,
 ) -> None:
@@ -148,7 +148,7 @@ def _add_round(
 
 
 @inner
-def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Floats) -> None:
+def _centre(x: float, y: float, mesh: GridMesh, box: Any, cells: Floats, moments: Floats) -> None:
     """Tilt of the shares (2,), per pitch, and their centre (2,), pitches from the box's first cell.
 
     A mean over cells moves the centre of pressure a little; the tilt brings it back to x and y.
@@ -188,7 +188,7 @@ def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Fl
 
 
 @inner
-def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
+def box_of(atom: Floats, radius: float, mesh: GridMesh, box: Any) -> bool:
     """First row and column, and rows and columns, that an atom covers; False if all are off."""
     wide = abs(atom[4] * np.cos(atom[5])) + radius
     high = abs(atom[4] * np.sin(atom[5])) + radius
@@ -203,7 +203,7 @@ def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
 
 @inner
 def add_pressure(
-    atom: Floats, family: int, surface: PressureTable, mesh: Mesh, out: Floats, box: Any
+    atom: Floats, family: int, surface: PressureTable, mesh: GridMesh, out: Floats, box: Any
 ) -> bool:
     """Add an atom's mean pressure on each cell, (K,) Pa. False if it lies off the grid.
 
@@ -257,7 +257,9 @@ def _pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y
 
 
 @njit
-def render(atoms: Floats, family: Any, surface: PressureTable, mesh: Mesh, out: Floats) -> float:
+def render(
+    atoms: Floats, family: Any, surface: PressureTable, mesh: GridMesh, out: Floats
+) -> float:
     """Write the mean pressure of atoms on each cell, (K,) Pa; returns the peak of it, Pa.
 
     It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
@@ -309,7 +311,7 @@ def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
 
 @inner
 def _gather(
-    mesh: Mesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
+    mesh: GridMesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
 ) -> None:
     """Add the squared difference in both boxes, and clear the second picture there."""
     low_row, low_column = max(min(first[0], second[0]), 0), max(min(first[1], second[1]), 0)
@@ -322,7 +324,7 @@ def _gather(
 
 
 @inner
-def _clear(mesh: Mesh, box: Any, out: Floats) -> None:
+def _clear(mesh: GridMesh, box: Any, out: Floats) -> None:
     for row in range(max(box[0], 0), min(box[0] + box[2], mesh.rows)):
         low, high = max(box[1], 0), min(box[1] + box[3], mesh.columns)
         for k in range(row * mesh.columns + low, row * mesh.columns + high):
@@ -335,7 +337,7 @@ def pressure_std(
     family: Any,
     covariance: Floats,
     surface: PressureTable,
-    mesh: Mesh,
+    mesh: GridMesh,
     out: Floats,
 ) -> None:
     """Write one standard deviation of each cell's pressure, (K,) Pa; atoms are independent.

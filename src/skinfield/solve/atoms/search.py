@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.estimate.ranking import falling_order, first_largest
-from skinfield.solve.atoms.dictionary import Bank
+from skinfield.solve.atoms.dictionary import BallTemplates
 from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, predict, refined
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
@@ -59,13 +59,13 @@ class AtomSet:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class FitProblem:
     """One reading and all that is known beside it.
 
     Attributes
     ----------
     inputs : Inputs
-    bank : Bank
+    bank : BallTemplates
     noise : (L,) array
         By which the bank was whitened.
     threshold : float
@@ -76,7 +76,7 @@ class Problem:
     """
 
     inputs: Inputs
-    bank: Bank
+    bank: BallTemplates
     noise: Floats
     threshold: float
     common: float = 0.0
@@ -166,7 +166,7 @@ RINGS = (1.0, 1.8, 2.8)  # radii from which a ring is sought, in thicknesses
 TRIED = 2  # of the places for a new atom: these are refined together with the others
 
 
-def one_more(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
+def one_more(problem: FitProblem, found: AtomSet, starts: int) -> AtomSet | None:
     """The best set with one more ball, or None where none could bring enough."""
     left = problem.inputs.readings - found.predicted
     least = float(np.sqrt(2.0 * problem.threshold / OFF_LATTICE))
@@ -186,7 +186,7 @@ def one_more(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
 
 
 def settle(
-    problem: Problem, left: Floats, seeds: Floats, family: int, free: NDArray[np.bool_]
+    problem: FitProblem, left: Floats, seeds: Floats, family: int, free: NDArray[np.bool_]
 ) -> Floats:
     """Refine each of the seeds (S, 6) alone, in place, on what is left to explain; costs (S,)."""
     given = problem.inputs._replace(readings=left)
@@ -195,7 +195,7 @@ def settle(
     return refined(seeds[:, None], kinds, moves, given, BURST, SETTLED).cost
 
 
-def without(problem: Problem, found: AtomSet, index: int) -> AtomSet:
+def without(problem: FitProblem, found: AtomSet, index: int) -> AtomSet:
     """The set without one of its atoms, the others moved to where they then belong."""
     keep = np.arange(len(found)) != index
     if not keep.any():
@@ -204,7 +204,7 @@ def without(problem: Problem, found: AtomSet, index: int) -> AtomSet:
 
 
 def as_family(
-    problem: Problem, found: AtomSet, index: int, family: int, *, is_round: bool = False
+    problem: FitProblem, found: AtomSet, index: int, family: int, *, is_round: bool = False
 ) -> AtomSet:
     """The set with one atom of another family, as long as it was or round."""
     atoms, kinds = found.atoms.copy(), found.family.copy()
@@ -214,7 +214,7 @@ def as_family(
     return problem.refined(atoms, kinds)
 
 
-def as_line(problem: Problem, found: AtomSet, members: list[int], family: int) -> AtomSet:
+def as_line(problem: FitProblem, found: AtomSet, members: list[int], family: int) -> AtomSet:
     """The set with one drawn-out atom in the place of some."""
     middle = _middle(found, members)
     seeds = []
@@ -227,14 +227,14 @@ def as_line(problem: Problem, found: AtomSet, members: list[int], family: int) -
     return _instead(problem, found, members, np.array(seeds), family, LONG)
 
 
-def as_ring(problem: Problem, found: AtomSet, members: list[int]) -> AtomSet:
+def as_ring(problem: FitProblem, found: AtomSet, members: list[int]) -> AtomSet:
     """The set with one ring in the place of some atoms."""
     seeds = np.repeat(_middle(found, members)[None], len(RINGS), axis=0)
     seeds[:, 3], seeds[:, 4:] = np.log(RINGS), 0.0
     return _instead(problem, found, members, seeds, RING, ROUND)
 
 
-def split(problem: Problem, found: AtomSet, index: int) -> AtomSet:
+def split(problem: FitProblem, found: AtomSet, index: int) -> AtomSet:
     """The set with two balls in the place of a long atom."""
     pair = np.repeat(found.atoms[index : index + 1], 2, axis=0)
     pair[:, :2] += np.array([[0.7], [-0.7]]) * pair[:, 4:]
@@ -268,7 +268,7 @@ def _middle(found: AtomSet, members: list[int]) -> Floats:
 
 
 def _instead(
-    problem: Problem,
+    problem: FitProblem,
     found: AtomSet,
     members: list[int],
     seeds: Floats,
@@ -288,13 +288,13 @@ GAP = 3.5  # thicknesses between the rims of atoms that may be one body
 
 
 def search(
-    problem: Problem, start: AtomSet | None, most: int, starts: int, shapes: bool = True
+    problem: FitProblem, start: AtomSet | None, most: int, starts: int, shapes: bool = True
 ) -> AtomSet:
     """Grow, prune and reshape a set of atoms while that pays.
 
     Parameters
     ----------
-    problem : Problem
+    problem : FitProblem
     start : AtomSet, optional
         Of the reading before.
     most : int
@@ -318,7 +318,7 @@ def search(
     return reshaped(problem, found) if shapes or changed else found
 
 
-def grown(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
+def grown(problem: FitProblem, found: AtomSet, starts: int) -> AtomSet | None:
     """One more ball, or one atom of another shape, whichever is more probable; None if not."""
     more = one_more(problem, found, starts)
     if more is None or found.cost - more.cost < problem.threshold:
@@ -332,7 +332,7 @@ def grown(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
     return best
 
 
-def _bodies(problem: Problem, found: AtomSet, members: list[int]) -> Iterator[AtomSet]:
+def _bodies(problem: FitProblem, found: AtomSet, members: list[int]) -> Iterator[AtomSet]:
     """The set with one body that is not round in the place of some atoms."""
     if not problem.late:
         yield as_line(problem, found, members, BALL)
@@ -342,7 +342,7 @@ def _bodies(problem: Problem, found: AtomSet, members: list[int]) -> Iterator[At
         yield as_ring(problem, found, members)
 
 
-def pruned(problem: Problem, found: AtomSet) -> AtomSet:
+def pruned(problem: FitProblem, found: AtomSet) -> AtomSet:
     """Without the atoms that the reading does not need."""
     index = 0
     while index < len(found) and not problem.late:
@@ -354,7 +354,7 @@ def pruned(problem: Problem, found: AtomSet) -> AtomSet:
     return found
 
 
-def reshaped(problem: Problem, found: AtomSet) -> AtomSet:
+def reshaped(problem: FitProblem, found: AtomSet) -> AtomSet:
     """Each atom in the most probable shape, and neighbours as one body where that is more so."""
     if not len(found):
         return found
@@ -374,7 +374,7 @@ def reshaped(problem: Problem, found: AtomSet) -> AtomSet:
     return found
 
 
-def _alternatives(problem: Problem, found: AtomSet, index: int) -> Iterator[AtomSet]:
+def _alternatives(problem: FitProblem, found: AtomSet, index: int) -> Iterator[AtomSet]:
     """The set with one atom of the other family, round, or as two."""
     if problem.late or index >= len(found):
         return

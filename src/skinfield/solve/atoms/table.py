@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from skinfield.elastic.axisymmetric import Indentation
 
 
-class Point(NamedTuple):
+class PointResponse(NamedTuple):
     """Response to a point load, as cubics between nodes in two even meshes.
 
     `mesh` (M,) m, the first `near` of them `near_step` apart, the others `far_step`; `cubics`
@@ -46,7 +46,7 @@ class Point(NamedTuple):
 
 
 @inner
-def _response(distance: float, point: Point) -> float:
+def _response(distance: float, point: PointResponse) -> float:
     """At a distance in m; the last cubic goes on beyond the mesh."""
     border = point.mesh[point.near]
     if distance < border:
@@ -75,7 +75,9 @@ def cubic_slopes(t: float) -> tuple[float, float, float, float]:
 
 
 @njit
-def ring_sums(r: Floats, radii: Floats, forces: Floats, counts: Ints, point: Point) -> Floats:
+def ring_sums(
+    r: Floats, radii: Floats, forces: Floats, counts: Ints, point: PointResponse
+) -> Floats:
     """Response (N,) at distances `r` (N,) m from the axis of rings (M,) that bear `forces`.
 
     A ring stands for as many point loads on half of it as `counts` says.
@@ -204,7 +206,7 @@ def _rim(layer: Layer, radius: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def _point_indentation(layer: Layer, mechanics: Any, cell: float) -> Point:
+def _point_indentation(layer: Layer, mechanics: Any, cell: float) -> PointResponse:
     """Displacement in m per N on a small square, whose size hides the pole, by distance in m."""
     from scipy.interpolate import CubicSpline
 
@@ -214,7 +216,7 @@ def _point_indentation(layer: Layer, mechanics: Any, cell: float) -> Point:
     offsets = np.column_stack([mesh, np.zeros_like(mesh)])
     spline = CubicSpline(mesh, mechanics.indentation(layer, offsets, cell) / cell**2)
     cubics = np.ascontiguousarray(spline.c.T)
-    return Point(mesh, cubics, h / NEAR, (REACH - 1.0) * h / (FAR - 1), NEAR)
+    return PointResponse(mesh, cubics, h / NEAR, (REACH - 1.0) * h / (FAR - 1), NEAR)
 
 
 @lru_cache(maxsize=256)
@@ -316,7 +318,7 @@ def _linear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats,
     h = physics.layer.thickness
     mesh = np.arange(0.0, distances[-1] + radii[-1] + h, CELL * h)
     spline = CubicSpline(mesh, _point_response(physics, mesh), bc_type="clamped")
-    point = Point(mesh, np.ascontiguousarray(spline.c.T), CELL * h, CELL * h, 0)
+    point = PointResponse(mesh, np.ascontiguousarray(spline.c.T), CELL * h, CELL * h, 0)
     out = np.empty((len(FAMILIES), len(radii), 1, len(distances)))
     for family in FAMILIES:
         for index, radius in enumerate(radii):

@@ -20,7 +20,7 @@ from skinfield.errors import (
 from skinfield.estimate.ranking import first_largest
 from skinfield.skin import Patch
 from skinfield.solve.detection.detection import Detection, FalseAlarms
-from skinfield.solve.detection.dictionary import Bank, Noise, round_touches
+from skinfield.solve.detection.dictionary import DetectorTemplates, ReadingNoise, round_touches
 from skinfield.solve.detection.statistics import (
     Lookback,
     MarginalLikelihood,
@@ -202,13 +202,13 @@ class Detector:
         check_offers("statistic", self.statistic, ("__call__",), why)
         self.false_alarm_rate, self.touch_rate, self.seed = false_alarm_rate, touch_rate, seed
         noise = self.quantity.typical_noise if noise_std is None else noise_std
-        self.noise = Noise.of(noise, common_mode, correlation, len(patch))
+        self.noise = ReadingNoise.of(noise, common_mode, correlation, len(patch))
         self.templates = round_touches(
             patch, self.layer, self.mechanics, self.quantity, radii, spacing
         )
         self.positions = patch.surface.position_from_plane(self.templates.places)
         self.positions.setflags(write=False)
-        self.lookback = Lookback(Bank.of(self.templates, self.noise), (1,), strength)
+        self.lookback = Lookback(DetectorTemplates.of(self.templates, self.noise), (1,), strength)
         self.false_alarms = FalseAlarms.sampled(self.lookback, self.statistic, seed)
         self.threshold = self.false_alarms.threshold(false_alarm_rate)
 

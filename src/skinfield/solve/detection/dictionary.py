@@ -143,7 +143,7 @@ MASKS_KEPT = 32  # sets of taxels whose information stays known
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
+class ReadingNoise:
     """Gaussian noise of one reading: independent per taxel, and an offset that all share.
 
     Attributes
@@ -162,7 +162,7 @@ class Noise:
     @classmethod
     def of(
         cls, noise_std: object, common_mode: bool | float, correlation: float, taxels: int
-    ) -> "Noise":
+    ) -> "ReadingNoise":
         """Check what the caller gave: a number or (L,); False, True or a number."""
         std = as_floats("noise_std", noise_std)  # type: ignore[arg-type]
         std = np.full(taxels, float(std)) if std.ndim == 0 else std.copy()
@@ -205,23 +205,23 @@ class Noise:
 
 
 @dataclass(frozen=True, eq=False)
-class Bank:
+class DetectorTemplates:
     """Templates in units of the noise.
 
     Attributes
     ----------
     templates : Templates
-    noise : Noise
+    noise : ReadingNoise
     scaled : (J, L) array, 1/N
         Template over noise.
     """
 
     templates: Templates
-    noise: Noise
+    noise: ReadingNoise
     scaled: Floats
 
     @classmethod
-    def of(cls, templates: Templates, noise: Noise) -> "Bank":
+    def of(cls, templates: Templates, noise: ReadingNoise) -> "DetectorTemplates":
         """Divide the templates by the noise."""
         bank = cls(templates, noise, np.ascontiguousarray(templates.readings / noise.std))
         if not bank.information(np.ones(len(noise.std), dtype=np.bool_)).any():

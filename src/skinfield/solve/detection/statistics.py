@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.solve.detection.dictionary import Bank, spread_of
+from skinfield.solve.detection.dictionary import DetectorTemplates, spread_of
 
 LOW, HIGH, STEPS = -16.0, 2.0, 256  # range of the table, and its entries per unit
 TOP = 25.0  # matches up to here are summed as they are; above, all are scaled down
@@ -164,14 +164,14 @@ class Lookback:
 
     Attributes
     ----------
-    bank : Bank
+    bank : DetectorTemplates
     lengths : tuple of int
         Numbers of readings, rising.
     strength : float
         Mean force of the prior, in standard deviations of the force of the touch that is seen best.
     """
 
-    bank: Bank
+    bank: DetectorTemplates
     lengths: tuple[int, ...]
     strength: float
 

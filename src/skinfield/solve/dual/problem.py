@@ -21,7 +21,7 @@ COUNTED = 8
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED, TYPICAL = range(7)  # of `measures`
 
 
-class Problem(NamedTuple):
+class DualProblem(NamedTuple):
     """What never changes.
 
     Attributes
@@ -65,12 +65,12 @@ class Problem(NamedTuple):
         """Gap at which the search ends."""
         return float(self.numbers[TOLERANCE])
 
-    def copy(self) -> "Problem":
+    def copy(self) -> "DualProblem":
         """With rows, nodes and whitening of its own."""
         rows, nodes, whitening = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
         return self._replace(rows=rows, nodes=nodes, whitening=whitening)
 
-    def leave_out(self, whole: "Problem", valid: NDArray[np.bool_]) -> None:
+    def leave_out(self, whole: "DualProblem", valid: NDArray[np.bool_]) -> None:
         """Become `whole` without the taxels that are not `valid` (L,), in place."""
         heard = np.zeros(self.rows.shape[1], self.rows.dtype)
         heard[: len(valid)] = valid

@@ -21,7 +21,7 @@ from skinfield.solve.dual.kernel import (
     spread_bumps,
     step_length,
 )
-from skinfield.solve.dual.problem import Memory, Problem
+from skinfield.solve.dual.problem import DualProblem, Memory
 from skinfield.solve.tiles_kernel import add_tile
 
 LOCAL = 0.5  # of the tolerance, to which the searched nodes are solved before all are seen
@@ -72,7 +72,9 @@ else:
 
 
 @njit(fastmath=FAST)
-def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, deadline: int) -> None:
+def answer(
+    problem: DualProblem, memory: Memory, readings: Floats, out: Floats, deadline: int
+) -> None:
     """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
 
     What it is worth is left in `measures`. Being late, or without time for a proof, ends the
@@ -138,7 +140,7 @@ def answer(problem: Problem, memory: Memory, readings: Floats, out: Floats, dead
 
 
 @inner(inline="always")
-def begin(problem: Problem, memory: Memory, best: float) -> float:
+def begin(problem: DualProblem, memory: Memory, best: float) -> float:
     """Choose where to start; returns a dual value, or -1 if there is nothing to search.
 
     That is where the patch is idle, which is proved, and where `best`, half the squared readings,
@@ -180,7 +182,7 @@ def begin(problem: Problem, memory: Memory, best: float) -> float:
 
 
 @inner(inline="always")
-def goes_on(problem: Problem, memory: Memory) -> bool:
+def goes_on(problem: DualProblem, memory: Memory) -> bool:
     """Whether to start from the dual of the reading before.
 
     Not where none of the nodes that were searched then is too significant for an idle patch, nor
@@ -205,7 +207,7 @@ def goes_on(problem: Problem, memory: Memory) -> bool:
 
 @inner
 def best_along(
-    problem: Problem, memory: Memory, listed: Ints, count: int, seen: Floats
+    problem: DualProblem, memory: Memory, listed: Ints, count: int, seen: Floats
 ) -> tuple[float, float]:
     """Share of the readings at which the dual value of listed nodes is highest, and that value.
 
@@ -221,7 +223,7 @@ def best_along(
 
 
 @inner
-def see_all(problem: Problem, memory: Memory, values: Floats, least: float) -> None:
+def see_all(problem: DualProblem, memory: Memory, values: Floats, least: float) -> None:
     """Write into row `EVERY` (K,) the products of all rows with `values`.
 
     Where they are below `least` times the row's norm, anything may be written that is below it,
@@ -248,7 +250,7 @@ def see_all(problem: Problem, memory: Memory, values: Floats, least: float) -> N
 
 
 @inner(inline="always")
-def list_near(problem: Problem, memory: Memory) -> None:
+def list_near(problem: DualProblem, memory: Memory) -> None:
     """List the nodes that row `EVERY` says may carry pressure."""
     count, every, listed = 0, memory.nodes[at.EVERY], memory.lists[at.LISTED]
     least = problem.numbers[at.PENALTY] - MARGIN
@@ -260,7 +262,7 @@ def list_near(problem: Problem, memory: Memory) -> None:
 
 
 @inner(inline="always")
-def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float, int]:
+def primal(problem: DualProblem, memory: Memory, best: float) -> tuple[float, float, int]:
     """Objective of the best amounts so far, of those at the dual, and how many of these are not 0.
 
     The latter are also scaled as a whole to where the objective is lowest, and kept if they are
@@ -303,7 +305,7 @@ def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float,
 
 
 @inner
-def dual_value(problem: Problem, memory: Memory) -> float:
+def dual_value(problem: DualProblem, memory: Memory) -> float:
     """What no answer's objective is below, by a pass over all nodes."""
     counts, numbers, every = memory.lists[at.COUNTS], problem.numbers, memory.nodes[at.EVERY]
     start, target, dual = now_ns(counts), memory.taxels[at.TARGET], memory.taxels[at.DUAL]
@@ -326,7 +328,7 @@ def dual_value(problem: Problem, memory: Memory) -> float:
 
 
 @inner(inline="always")
-def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
+def newton(problem: DualProblem, memory: Memory, active: int, anew: bool) -> None:
     """One semismooth Newton step from the dual, to where the dual value is highest along it.
 
     The step solves (1 + B' B) step = ascent, with the active rows B of now, or of an earlier step

@@ -117,12 +117,7 @@ def add_stamp(
 
 @njit(fastmath=FAST)
 def add_stamps(
-    values: Array,
-    corner: Array,
-    offset: Array,
-    stamp: Parts,
-    columns: int,
-    out: Array,
+    values: Array, corner: Array, offset: Array, stamp: Parts, columns: int, out: Array
 ) -> None:
     """Set a flat field to the sum of all taxels' stamps, each times its value.
 
@@ -138,12 +133,7 @@ def add_stamps(
 
 @njit(fastmath=FAST)
 def read_stamps(
-    field: Array,
-    corner: Array,
-    offset: Array,
-    stamp: Parts,
-    columns: int,
-    out: Array,
+    field: Array, corner: Array, offset: Array, stamp: Parts, columns: int, out: Array
 ) -> None:
     """Each taxel's stamp times a flat field, summed: the transpose of `add_stamps`."""
     across, down, along_x, along_y, rows, width = stamp

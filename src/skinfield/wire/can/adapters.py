@@ -21,7 +21,7 @@ from skinfield.signal.block import Octets
 from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
 from skinfield.wire.can.messages import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.datagrams import DatagramLink, address_from_octets
-from skinfield.wire.links import Place, let_go, peer_from_text, resolved
+from skinfield.wire.links import LinkAddress, let_go, peer_from_text, resolved
 
 FRAME = np.dtype([("id", "<u4"), ("length", "u1"), ("pad", "u1", 3), ("data", "u1", 8)])
 STRUCT = FRAME.itemsize  # bytes of struct can_frame
@@ -42,7 +42,7 @@ class StructBus(DatagramLink, Bus):
     together = 1  # messages that are sent in a datagram, at most
 
     def __init__(
-        self, settings: BusSettings, own: Place | None = None, peer: Place | None = None
+        self, settings: BusSettings, own: LinkAddress | None = None, peer: LinkAddress | None = None
     ) -> None:
         from skinfield.wire.can.kernel import messages_of_structs
 

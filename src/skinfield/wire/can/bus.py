@@ -104,12 +104,7 @@ MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
 
 
 def bus_settings(
-    bus: str,
-    channels: Sequence[str],
-    count: int,
-    bitrate: int = 0,
-    *,
-    own_port: int | None = None,
+    bus: str, channels: Sequence[str], count: int, bitrate: int = 0, *, own_port: int | None = None
 ) -> list[BusSettings]:
     """Settings of `count` CAN buses of one interface.
 

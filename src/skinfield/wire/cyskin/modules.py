@@ -31,7 +31,7 @@ ALL_SENSORS = (1 << SENSORS) - 1
 Uids = NDArray[np.uint64]
 
 
-class Part(IntFlag):
+class PacketPart(IntFlag):
     """Which part of an application packet a CAN message is; alone it is both ends."""
 
     FIRST = 1

@@ -23,7 +23,7 @@ from skinfield.wire.cyskin.modules import (
     LONGEST_DATA,
     STANDARD_ID,
     STANDARD_SHIFT,
-    Part,
+    PacketPart,
 )
 
 Table = NDArray[np.int64]
@@ -224,7 +224,7 @@ class CySkinWire:
         """Of the octets of a number."""
         return "big" if self.big_endian else "little"
 
-    def identifier(self, board: int, part: Part) -> int:
+    def identifier(self, board: int, part: PacketPart) -> int:
         """CAN identifier, with the bit `EXTENDED` where it has 29 bits."""
         check_count("board", board, 0, self.every_board, "number of a board, or of all")
         if self.extended:
@@ -249,11 +249,11 @@ class CySkinWire:
     def messages(self, board: int, packet: bytes) -> Iterator[Message]:
         """CAN messages that carry a packet to or from a board."""
         for at in range(0, len(packet), 8):
-            part = Part.MID
+            part = PacketPart.MID
             if at == 0:
-                part = Part.FIRST
+                part = PacketPart.FIRST
             if at + 8 >= len(packet):
-                part = Part.LAST if at else Part.SINGLE
+                part = PacketPart.LAST if at else PacketPart.SINGLE
             yield self.identifier(board, part), packet[at : at + 8]
 
     def unpacked(self, packet: bytes) -> tuple[int, bytes] | None:

@@ -16,7 +16,7 @@ from skinfield.wire.icub.commands import addressed_board as addressed_board
 from skinfield.wire.icub.commands import command_from as command_from
 from skinfield.wire.icub.commands import host_message as host_message
 from skinfield.wire.icub.commands import message_id as message_id
-from skinfield.wire.icub.configuration import BoardSettings as BoardSettings
+from skinfield.wire.icub.configuration import ICubBoardSettings as ICubBoardSettings
 from skinfield.wire.icub.configuration import ICubConfiguration as ICubConfiguration
 from skinfield.wire.icub.configuration import configuration_for as configuration_for
 from skinfield.wire.icub.configuration import kind_for as kind_for

@@ -43,7 +43,7 @@ HEADS = {  # tags and names of elements, any of which a file of that kind has
 
 
 @dataclass(frozen=True)
-class BoardSettings:
+class ICubBoardSettings:
     """One board, as it shall be.
 
     Parameters
@@ -81,7 +81,7 @@ class ICubConfiguration:
 
     Parameters
     ----------
-    boards : tuple of BoardSettings
+    boards : tuple of ICubBoardSettings
         Each (bus, address) once.
     buses : tuple of int
         The robot's number of each bus: of the patch, or of the CAN device.
@@ -91,7 +91,7 @@ class ICubConfiguration:
         Which channels go to which port; empty if no wrapper was given.
     """
 
-    boards: tuple[BoardSettings, ...]
+    boards: tuple[ICubBoardSettings, ...]
     buses: tuple[int, ...] = (0,)
     name: str = "skin"
     ports: tuple[PortRun, ...] = ()
@@ -132,7 +132,7 @@ class ICubConfiguration:
         """What to send on a bus at the end."""
         return tuple(host_message(board.address, Transmit(False)) for board in self._on(bus))
 
-    def _on(self, bus: int) -> list[BoardSettings]:
+    def _on(self, bus: int) -> list[ICubBoardSettings]:
         check_count("bus", bus, 0, len(self.buses) - 1, "index into the buses")
         return [board for board in self.boards if board.bus == bus]
 
@@ -185,7 +185,7 @@ def load_configuration(*paths: str | Path, last_patch_first: bool = True) -> ICu
     for bus, (patch, addresses) in enumerate(patches.items()):
         for address in addresses:
             board, triangles = settings.get((patch, address), usual)
-            boards.append(BoardSettings(bus, address, board, tuple(triangles)))
+            boards.append(ICubBoardSettings(bus, address, board, tuple(triangles)))
     if last_patch_first:
         boards.sort(key=lambda board: -board.bus)
     name = next(files["skin"].iter("device"), files["skin"]).get("name", "")
@@ -233,7 +233,7 @@ def configuration_for(
     names = [patch.name for patch in patches]
     if not names or len(set(names)) < len(names):
         raise InputError(f"patches are named {names}, expected one or more, each name once")
-    boards: list[BoardSettings] = []
+    boards: list[ICubBoardSettings] = []
     ports: list[PortRun] = []
     for patch in patches:
         used = set((np.asarray(patch.channel) // TAXELS).tolist())
@@ -247,6 +247,6 @@ def configuration_for(
                 TriangleState(enabled=board * TRIANGLES + t in used, shift=shift)
                 for t in range(TRIANGLES)
             )
-            boards.append(BoardSettings(bus, FIRST_ADDRESS + address, settings, triangles))
+            boards.append(ICubBoardSettings(bus, FIRST_ADDRESS + address, settings, triangles))
     buses = tuple(range(1 + boards[-1].bus))
     return ICubConfiguration(tuple(boards), buses, "+".join(names), tuple(ports))

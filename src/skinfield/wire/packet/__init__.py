@@ -7,7 +7,7 @@ from skinfield.wire.packet.codec import PacketScanner as PacketScanner
 from skinfield.wire.packet.packets import COMMANDS as COMMANDS
 from skinfield.wire.packet.packets import EVERY_DEVICE as EVERY_DEVICE
 from skinfield.wire.packet.packets import LONGEST as LONGEST
-from skinfield.wire.packet.packets import Answer as Answer
+from skinfield.wire.packet.packets import CommandReply as CommandReply
 from skinfield.wire.packet.packets import Hello as Hello
 from skinfield.wire.packet.packets import Packet as Packet
 from skinfield.wire.packet.packets import PacketFlag as PacketFlag

@@ -283,7 +283,7 @@ class Hello:
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandReply:
     """What a device answers to a command: payload uint8 command, uint8 result, uint16 0, uint32.
 
     Parameters

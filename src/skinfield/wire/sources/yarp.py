@@ -16,10 +16,10 @@ from skinfield.errors import InputError, Ints, check_count, check_type
 from skinfield.signal import Blocks, Count, Kind, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
-from skinfield.wire.links import DialledLink, Place, host_and_port, resolved
+from skinfield.wire.links import DialledLink, LinkAddress, host_and_port, resolved
 from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
-from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
+from skinfield.wire.yarp.name_server import PORT, NameReply, request_bytes
 
 PIECE = 1 << 16  # bytes that are read at once
 BYTES_PER_NUMBER = 32  # of text, at most: what YARP writes has 25
@@ -136,7 +136,7 @@ class YarpLink(DialledLink):
     ----------
     port : str
         Of its name, to be asked for; or of its socket, as ``192.0.2.7:10012``.
-    place : Place
+    place : LinkAddress
         Of the name server, or of the socket.
     own : str
         Name that we give.
@@ -149,7 +149,7 @@ class YarpLink(DialledLink):
         That vectors are of another length.
     """
 
-    def __init__(self, port: str, place: Place, own: str, channels: int) -> None:
+    def __init__(self, port: str, place: LinkAddress, own: str, channels: int) -> None:
         self._own, self._longest = own, max(SHORTEST_LINE, BYTES_PER_NUMBER * channels)
         self._buffer: Octets = np.zeros(PIECE, np.uint8)
         self._values = np.zeros(channels, np.float32)
@@ -175,7 +175,7 @@ class YarpLink(DialledLink):
         if self.label.startswith("/"):
             request = request_bytes(self._own, "query", self.label)
             yield from self._connected(place, request)
-            answer = Answer()
+            answer = NameReply()
             while not answer.feed(self._heard("the name server closed the connection")):
                 yield
             if answer.place is None:

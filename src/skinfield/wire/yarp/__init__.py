@@ -11,6 +11,6 @@ from skinfield.wire.yarp.contacts import part_of as part_of
 from skinfield.wire.yarp.contacts import parts_of as parts_of
 from skinfield.wire.yarp.contacts import port_of as port_of
 from skinfield.wire.yarp.name_server import PORT as PORT
-from skinfield.wire.yarp.name_server import Answer as Answer
+from skinfield.wire.yarp.name_server import NameReply as NameReply
 from skinfield.wire.yarp.name_server import NameServer as NameServer
 from skinfield.wire.yarp.port import Port as Port

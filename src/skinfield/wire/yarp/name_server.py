@@ -48,7 +48,7 @@ def place_from_line(line: str) -> Place | None:
     return words[4], int(words[6])
 
 
-class Answer:
+class NameReply:
     """An answer of the name server, as it comes in.
 
     Attributes
@@ -92,7 +92,7 @@ class NameServer:
     host: str = "127.0.0.1"
     port: int = PORT
 
-    def ask(self, own: str, command: str, name: str, *more: Value) -> Answer:
+    def ask(self, own: str, command: str, name: str, *more: Value) -> NameReply:
         """Send a command as in `request_bytes`, and wait for the answer.
 
         Raises
@@ -101,7 +101,7 @@ class NameServer:
             If it does not answer in time, or what comes is no answer.
         """
         request = request_bytes(own, command, name, *more)
-        answer, end = Answer(), monotonic() + PATIENCE
+        answer, end = NameReply(), monotonic() + PATIENCE
         try:
             with socket.create_connection((self.host, self.port), PATIENCE) as link:
                 link.sendall(request)
