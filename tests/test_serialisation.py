@@ -8,7 +8,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError
-from skinfield.reconstruct.intervals import ErrorGroup, Intervals, Ratio
+from skinfield.reconstruct.intervals import Group, Intervals, Ratio
 from skinfield.reconstruct.serialisation import (
     ReconstructorConfig,
     plain_from_value,
@@ -59,7 +59,7 @@ def test_intervals_come_back() -> None:
     first = sf.Reconstructor(PATCH, grid=GRID, quantity=sf.Gap(), solver=sf.Tikhonov())
     name, quantity, taxels, noise = first.kind
     drawn = np.sort(np.random.default_rng(1).normal(size=(5, 40)))
-    group = ErrorGroup(**dict(zip(("force", "area"), drawn[:2], strict=True)), **dict(
+    group = Group(**dict(zip(("force", "area"), drawn[:2], strict=True)), **dict(
         zip(("force_size", "place", "distance"), np.sort(np.abs(drawn[2:])), strict=True)
     ))  # fmt: skip
     ratio = Ratio(centre=np.array([0.1, -0.02, 1 / 3]), floor=0.05)

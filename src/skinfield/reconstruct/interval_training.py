@@ -13,7 +13,7 @@ from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact, Estimate
 from skinfield.reconstruct.intervals import (
     LEAST,
-    ErrorGroup,
+    Group,
     Intervals,
     Ratio,
     features_of,
@@ -377,12 +377,12 @@ def _edges(deviation: Floats) -> Floats:
     return np.array(kept)
 
 
-def _group(lesson: Lesson, force: Ratio, area: Ratio, floor: float) -> ErrorGroup:
+def _group(lesson: Lesson, force: Ratio, area: Ratio, floor: float) -> Group:
     force_size = np.hypot(lesson.deviation, force.floor)
     area_size = np.hypot(lesson.deviation, area.floor)
     blocks = lesson.blocks + floor**2 * np.eye(2)
     width = np.sqrt(np.trace(blocks, axis1=1, axis2=2) / 2)
-    return ErrorGroup(
+    return Group(
         force=np.sort((lesson.force - lesson.features @ force.centre) / force_size),
         area=np.sort((lesson.area - lesson.features @ area.centre) / area_size),
         force_size=np.sort(np.abs(np.expm1(lesson.force)) / force_size),

@@ -48,7 +48,7 @@ class Ratio:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ErrorGroup:
+class Group:
     """Errors over their expected size, rising, of presses whose contacts were about as sure.
 
     Attributes
@@ -102,7 +102,7 @@ class Intervals:
     area: Ratio
     place_floor: float
     edges: Floats
-    groups: tuple[ErrorGroup, ...]
+    groups: tuple[Group, ...]
 
     def __post_init__(self) -> None:
         check_shape("edges", self.edges, (len(self.groups) - 1,), "one less than groups")

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import ContactFinder
-from skinfield.reconstruct.intervals import ErrorGroup, Intervals, Ratio
+from skinfield.reconstruct.intervals import Group, Intervals, Ratio
 from skinfield.reconstruct.reconstructor import Reconstructor
 from skinfield.skin import Grid, Patch
 from skinfield.solve import Solver
@@ -47,7 +47,7 @@ def _kinds() -> Mapping[str, type]:
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
         *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit),
-        *(Calibration, ICubByte, CySkinCount, PlainCount, Intervals, ErrorGroup, Ratio),
+        *(Calibration, ICubByte, CySkinCount, PlainCount, Intervals, Group, Ratio),
     )
     return {kind.__name__: kind for kind in known}
 
