@@ -7,11 +7,7 @@ from hypothesis import strategies as st
 
 from skinfield.elastic import Layer
 from skinfield.errors import InputError
-from skinfield.signal import (
-    CySkinCount,
-    ICubByte,
-    strain_from_relative_capacitance,
-)
+from skinfield.signal import CySkinCount, ICubByte, strain_from_relative_capacitance
 
 boards = st.builds(ICubByte, no_load=st.sampled_from([235, 240, 244, 245]), shift=st.integers(0, 5))
 

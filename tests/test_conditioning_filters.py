@@ -8,13 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.signal import (
-    Chain,
-    Exponential,
-    MovingMedian,
-    NoFilter,
-    filtered,
-)
+from skinfield.signal import Chain, Exponential, MovingMedian, NoFilter, filtered
 
 RATE = 50.0
 FILTERS = {

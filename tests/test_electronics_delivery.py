@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.signal import (
-    Verdict,
-    estimate_baseline,
-    find_faults,
-)
+from skinfield.signal import Verdict, estimate_baseline, find_faults
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Defect,

@@ -70,11 +70,7 @@ def test_searched_answers_are_those_of_reconstructors(searching: Engine) -> None
     for name in ("moved", "other"):
         patch = SKIN[name]
         rec = sf.Reconstructor(
-            patch,
-            LAYER,
-            sf.Grid.square(patch, RUNGS[-1]),
-            solver=sf.NonNegative(),
-            noise_std=NOISE,
+            patch, LAYER, sf.Grid.square(patch, RUNGS[-1]), solver=sf.NonNegative(), noise_std=NOISE
         )
         ours, alone = estimates[name], rec(readings[name])
         assert report[name].answer == "non-negative"

@@ -13,14 +13,7 @@ from skinfield.lab.paper import BALL, FIELD, LAYER, PAPER, PLACES, paper_patch, 
 from skinfield.lab.report import SMOKE as SETTINGS
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import Trial, field_peak, noisy, roc, threshold
-from skinfield.lab.sections.imposed import (
-    ADJACENT,
-    DEPTH,
-    SEPARATE,
-    discs_of,
-    half_width,
-    truth_of,
-)
+from skinfield.lab.sections.imposed import ADJACENT, DEPTH, SEPARATE, discs_of, half_width, truth_of
 from skinfield.lab.sections.resolutions import roughness
 from skinfield.lab.sections.timing import exponents
 from skinfield.simulate import press

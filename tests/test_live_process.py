@@ -412,6 +412,17 @@ def test_how_a_process_ended(code: int, said: str) -> None:
     assert exit_text(code) == said
 
 
+def test_a_signal_sets_the_event_that_it_interrupts() -> None:
+    before = signal.getsignal(signal.SIGUSR1)
+    stop = process_supervisor.stop_on(signal.SIGUSR1)
+    try:
+        with stop._cond:  # as while somebody waits for it, or the same signal came just before
+            signal.raise_signal(signal.SIGUSR1)
+        assert stop.wait(60.0)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+
+
 def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
     class Silent(Bridge):
         def spawn(self) -> Child:

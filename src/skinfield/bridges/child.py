@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from skinfield.errors import SkinfieldError
-from skinfield.loop.process_supervisor import end_with
+from skinfield.loop.process_supervisor import end_with, stop_on
 from skinfield.settings import value_from_json
 
 MOST = 1 << 20  # bytes of settings
@@ -35,10 +35,8 @@ def run_child(kind: type[T], serve: Callable[[str, T, threading.Event], None]) -
     parser.add_argument("name")
     parser.add_argument("--parent", type=int)
     given = parser.parse_args()
-    stop = threading.Event()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends this one
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: stop.set())
+    stop = stop_on(signal.SIGTERM, signal.SIGHUP)
     if given.parent is not None:
         end_with(given.parent)
     try:

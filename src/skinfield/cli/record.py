@@ -1,7 +1,6 @@
 """`skinfield record`, `recover` and `info`: a running skin into a file, and what the file holds."""
 
 import signal
-import threading
 import time
 from collections.abc import Iterator
 from datetime import UTC, datetime
@@ -58,14 +57,13 @@ def record(
     view_rate_hz : float, 1/s
         Of what all taxels read and the pressure, messages a second.
     """
+    from skinfield.loop.process_supervisor import stop_on
     from skinfield.record.recorder import Recorder, RecorderState, forget_state
 
     report.check_output("--output", output, force, ".mcap")
     since_ns = time.time_ns()
     out = Console(stderr=True)
-    stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
+    stop = stop_on(signal.SIGINT, signal.SIGTERM)
     before = [RecorderState()]
 
     def on_state(state: RecorderState) -> None:

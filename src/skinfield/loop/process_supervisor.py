@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+from _thread import start_new_thread
 from collections import deque
 from contextlib import suppress
 from typing import IO, Self
@@ -101,6 +102,14 @@ def end_with(parent: int) -> None:
         ctypes.CDLL(None).prctl(PARENT_DIED, signal.SIGTERM)
     if os.getppid() != parent:
         raise SystemExit("whoever started this process is gone")
+
+
+def stop_on(*signals: int) -> threading.Event:
+    """An event that these signals set: in a thread, as what they interrupt may hold its lock."""
+    stop = threading.Event()
+    for number in signals:
+        signal.signal(number, lambda *_: start_new_thread(stop.set, ()))
+    return stop
 
 
 class SupervisedProcess:

@@ -25,7 +25,7 @@ from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import model_config_of
-from skinfield.loop.process_supervisor import end_with
+from skinfield.loop.process_supervisor import end_with, stop_on
 from skinfield.loop.slots import LAYOUT as CYCLE
 from skinfield.record.drain import Drain, StatusWatch, enclosed_of, place_since
 from skinfield.record.queue import Disk, Queue
@@ -274,9 +274,7 @@ def _stand_by(name: str) -> dict[str, Any] | None:
 
 def _record(name: str, path: Path, since_ns: int) -> bool:
     """Record until told to stop; whether all that was taken is in the file, and it is whole."""
-    stop = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stop.set())
+    stop = stop_on(signal.SIGTERM, signal.SIGINT)
     state = Recorder(name, path, _say, since_ns=since_ns, first=True).run(stop)
     forget_state(name)
     return state.finished and not state.given_up
