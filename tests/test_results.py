@@ -235,7 +235,7 @@ def test_what_is_no_result_is_refused(tmp_path: Path, name: str) -> None:
         open_results(tmp_path / name)
 
 
-@pytest.mark.parametrize("package", ["xarray", "zarr", "dask.array"])
+@pytest.mark.parametrize("package", ["xarray", "dask.array"])
 def test_a_missing_package_names_its_extra(good: Path, package: str, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[batch\]'"):

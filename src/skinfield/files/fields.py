@@ -12,7 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import InputError
 from skinfield.estimate import Estimate
 from skinfield.files.pending import Closing, explained, pending
 from skinfield.skin import Grid
@@ -200,11 +200,7 @@ def _shape(axes: tuple[str, ...], grid: Grid) -> tuple[int, ...]:
 
 
 def load_zarr() -> Any:
-    """The zarr package; raises SkinfieldError if it is not installed."""
-    try:
-        import zarr
-    except ImportError as error:
-        raise SkinfieldError(
-            "results need zarr, which is not installed: pip install 'skinfield[batch]'"
-        ) from error
+    """The zarr package, loaded where it is used: it takes some tenths of a second."""
+    import zarr
+
     return zarr
