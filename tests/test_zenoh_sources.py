@@ -188,9 +188,13 @@ def test_estimates_keep_to_the_rate_and_the_newest_wins() -> None:
                 fill(ring, rng, 10**18)
                 publisher.step()
             assert publisher._owed
-            publisher._next = 0.0  # the time has come
-            publisher.step()
-            wait_for(lambda: numbers and numbers[-1] == 5, LONG)
+
+            def newest() -> bool:
+                publisher._next = 0.0  # the time has come
+                publisher.step()
+                return bool(numbers) and numbers[-1] == 5
+
+            wait_for(newest, LONG)
             assert len(numbers) <= 3
 
 
