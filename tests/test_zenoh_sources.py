@@ -189,13 +189,14 @@ def test_estimates_keep_to_the_rate_and_the_newest_wins() -> None:
                 publisher.step()
             assert publisher._owed
 
-            def newest() -> bool:
+            def newer() -> bool:
+                fill(ring, rng, 10**18)  # again and again: a network may drop what is sent
                 publisher._next = 0.0  # the time has come
                 publisher.step()
-                return bool(numbers) and numbers[-1] == 5
+                return bool(numbers) and numbers[-1] > 5
 
-            wait_for(newest, LONG)
-            assert len(numbers) <= 3
+            wait_for(newer, LONG)
+            assert not {3, 4, 5} & set(numbers)
 
 
 def test_an_engine_that_ends_is_gone_and_comes_back(scene) -> None:
