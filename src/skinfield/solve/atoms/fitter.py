@@ -7,12 +7,23 @@ import numpy as np
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact
-from skinfield.solve.atoms.dictionary import MARGIN, BallTemplates, make_bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors
-from skinfield.solve.atoms.posterior import belief_of, stated
+from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
+from skinfield.solve.atoms.fit_kernel import (
+    LATE,
+    NOW,
+    PARAMETERS,
+    READINGS,
+    SHARED,
+    STEPS,
+    WHITE,
+    FitMemory,
+    FitModel,
+    Priors,
+)
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory, believe_all
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
-from skinfield.solve.atoms.search import AtomSet, FitProblem, search
+from skinfield.solve.atoms.search_kernel import SearchMemory, SearchRules, search_atoms
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_tables
 from skinfield.solve.operator import Fit
@@ -27,49 +38,6 @@ LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the 
 NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
 
 
-def explains(problem: FitProblem, found: AtomSet) -> bool:
-    """Whether noise and model error account for what is left over, but for one reading in 1e4."""
-    from scipy.special import chdtri
-
-    squares = np.square(problem.left(found.predicted) * problem.inputs.white).sum()
-    return bool(squares <= chdtri(_freedom(found, problem.heard), ODD))
-
-
-def _freedom(found: AtomSet, taxels: int) -> int:
-    return max(taxels - int(found.free.sum()), 1)
-
-
-def noise_scale(problem: FitProblem, found: AtomSet, scale: float, most: int) -> float:
-    """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
-
-    `scale` is what is assumed already, in terms of what was stated. It is less where the squares
-    are far fewer than the taxels: of all taxels, and of those that see a contact, the larger of the
-    two, so that taxels that always read zero do not speak for the others. It is more where the
-    atoms do not explain the readings and taxels that see none of them are as restless: what they
-    read is no touch. Where as many atoms as there may be (`most`) do not explain the readings, all
-    taxels tell it.
-    """
-    white = problem.inputs.white
-    left = problem.left(found.predicted) * white
-    seen = (np.abs(found.predicted) * white > 1.0) | (white <= 0.0)
-    if not explains(problem, found):
-        if len(found) >= most:
-            left, seen = problem.left(np.zeros(len(left))) * white, white <= 0.0
-        typical = 1.0
-        if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large ones do not move
-            typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
-        return typical if LOUD < typical <= LOUDEST / scale else 1.0
-    if not len(found):
-        return 1.0
-    squares, parameters = np.square(left), int(found.free.sum())
-    share = float(squares.sum()) / _freedom(found, problem.heard)
-    seen &= white > 0.0
-    if seen.sum() > parameters + 2:
-        share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
-    enough = QUIET if scale <= 1.0 else CALM
-    return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
-
-
 def significant(false_alarm_rate: float, taxels: int) -> float:
     """Gain in cost that noise exceeds at this rate: three parameters at as many places as taxels.
 
@@ -80,55 +48,12 @@ def significant(false_alarm_rate: float, taxels: int) -> float:
     return 0.5 * float(chdtri(3, false_alarm_rate / taxels))
 
 
-MOVED = 0.5  # standard deviations within which what was known of a contact still holds
-CHANGED = 0.2  # of its force's logarithm, likewise
-
-
-def notes_on(problem: FitProblem, count: int, scale: float, offset: float) -> tuple[str, ...]:
-    """What is to be told of an answer with as many contacts, in sentences."""
-    notes = []
-    if problem.late:
-        notes.append(f"ContactFit stopped at the deadline, with {count} found")
-    if scale > LOUD:
-        notes.append("ContactFit saw more noise than was stated, and went by what it saw")
-    if abs(offset) > problem.common > 0.0:
-        notes.append("ContactFit took what all taxels share for an offset: tare the skin")
-    return tuple(notes)
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What was found out about an atom (6,).
-
-    Attributes
-    ----------
-    atom : (6,) array
-        The minimum of the cost.
-    offset : (6,) array
-        From there to the posterior's mean, which is stated: its error is smaller.
-    covariance : (6, 6) array
-    """
-
-    atom: Floats
-    offset: Floats
-    covariance: Floats
-
-    def holds(self, atom: Floats) -> bool:
-        """Whether an atom is still about where it was when its covariance was found."""
-        off = atom - self.atom
-        deviation = np.sqrt(np.diag(self.covariance)[:2])
-        return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
-
-
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 ROUNDS = 5  # of searches, until the noise is as what is left over
-PLACES = 100  # that are tried to tell how sure a contact is, for each family
-FEW = 14  # for a contact that the reading before had, too
-STEP, WIDE_STEP = 0.9, 1.2  # standard deviations between places, for many and for few
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
 
 
@@ -141,6 +66,32 @@ ROUND_ERROR, ODD_ERROR = _model_error(0.02, 0.03), _model_error(0.25, 0.1)
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 
 
+class FitData:
+    """Scratch memory of a contact fit, and what it remembers of the reading before.
+
+    Parameters
+    ----------
+    operator : ContactFitter
+    """
+
+    def __init__(self, operator: "ContactFitter") -> None:
+        settings, most = operator.settings, operator.settings.most_contacts
+        self.memory = FitMemory.of(operator.fit_model, most)
+        self.search = SearchMemory.of(operator.bank, most, settings.starts)
+        self.posterior = PosteriorMemory.of(most)
+        self.noise = operator.model.noise_std.copy()
+        self.threshold = operator.threshold
+        self.scale = 1.0
+        self.compared = 0.0
+        self.before = np.zeros(most + 1, np.int64)  # families of the reading before, their number
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.memory.counts[:], self.posterior.known[:] = 0, 0
+        self.scale, self.compared, self.before[-1] = 1.0, 0.0, 0
+        self.search.state[:] = 0
+
+
 class ContactFitter:
     """Finds contacts reading by reading; for one thread at a time.
 
@@ -150,11 +101,6 @@ class ContactFitter:
         Such as `ContactFit()`.
     model : ObservationModel
         With its physics.
-
-    Attributes
-    ----------
-    noise : (L,) array, in the quantity's unit
-        Of the readings; the model's, until `take_noise`.
     """
 
     def __init__(self, settings: FitSettings, model: ObservationModel) -> None:
@@ -165,12 +111,10 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
-        self.noise = model.noise_std
         self._thickness = thickness = physics.layer.thickness
-        self._tables = atom_tables(physics)
-        self._taxels = np.ascontiguousarray(model.taxels / thickness)
-        self._bank: BallTemplates = make_bank(self._taxels, 1.0 / model.noise_std, self._tables)
-        self._priors = Priors(
+        tables = atom_tables(physics)
+        taxels = np.ascontiguousarray(model.taxels / thickness)
+        priors = Priors(
             float(np.log(settings.typical_radius)),
             CURVATURE_STD,
             float(np.log(FLAT_RADIUS / thickness)),
@@ -179,14 +123,18 @@ class ContactFitter:
             RING_STD,
             LENGTH_STD / thickness,
         )
-        low, high = self._taxels.min(axis=0) - MARGIN, self._taxels.max(axis=0) + MARGIN
-        self._places = np.array([low, high])
-        self._threshold = significant(settings.false_alarm_rate, len(model.taxels))
+        low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
+        self.fit_model = FitModel(taxels, tables, priors, np.array([low, high]))
+        self.bank: Templates = make_templates(self.fit_model, 1.0 / model.noise_std)
+        self.threshold = significant(settings.false_alarm_rate, len(model.taxels))
         self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         self.extended = settings.extended.prepare(model) if settings.extended else None
-        self._before: AtomSet | None = None
-        self._kept: tuple[Known, ...] = ()
-        self._compared, self._scale = 0.0, 1.0
+        self._data = FitData(self)
+
+    @property
+    def noise(self) -> Floats:
+        """Of the readings (L,); the model's, until `take_noise`."""
+        return self._data.noise
 
     def run_in(self, fields: bool = True) -> None:
         """Load all that is compiled: a first reading is as fast as the next.
@@ -196,32 +144,40 @@ class ContactFitter:
         fields : bool
             As of `fit`: without them half as much is needed.
         """
-        strongest = int(np.argmax(self._bank.norms))
-        template = self._bank.templates[strongest].astype(np.float64)
+        bank = self.bank
+        strongest = int(np.argmax(bank.norms))
+        block = int(np.searchsorted(bank.firsts, strongest, side="right")) - 1
+        size = bank.sizes[block]
+        template = np.zeros(len(self.model.taxels))
+        template[bank.taxels[block, :size]] = bank.templates[strongest, :size]
         for strength in FIRST:
             self.fit(template * (strength * self.model.noise_std), fields=fields)
         self.reset()
 
     def take_noise(self, noise: Floats) -> None:
-        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard.
-
-        Nothing is prepared anew. What they read must be a number all the same.
-        """
-        if not np.array_equal(noise, self.noise):
-            self.noise, self._kept = np.array(noise, dtype=np.float64), ()
+        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
+        if not np.array_equal(noise, self._data.noise):
+            self._data.noise = np.array(noise, dtype=np.float64)
+            self._data.posterior.known[:] = 0
 
     def take_rate(self, false_alarm_rate: float) -> None:
         """See a contact in another share of idle readings than the settings have it."""
-        self._threshold = significant(false_alarm_rate, len(self.model.taxels))
+        self._data.threshold = significant(false_alarm_rate, len(self.model.taxels))
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._before, self._kept, self._compared, self._scale = None, (), 0.0, 1.0
+        self._data.reset()
 
     def fit(self, readings: Floats, deadline_ns: int | None = None, *, fields: bool = True) -> Fit:
         """See `ContactOperator.fit`; without `fields` deviation and displacement stay 0."""
-        problem, found, scale, drawn = self._answer(readings, deadline_ns)
-        nodes, offset = len(self.model.grid), problem.offset(found.predicted)
+        data = self._data
+        memory = data.memory
+        self._search(readings, data, deadline_ns or 0)
+        count = int(memory.counts[NOW])
+        predicted = memory.predicted[NOW].copy()
+        offset = self._offset(memory, predicted)
+        drawn = self._drawn(data, count, deadline_ns or 0)
+        nodes = len(self.model.grid)
         pressure, std, moved = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, 3))
         contacts: tuple[Contact, ...] = ()
         if drawn is not None:
@@ -236,81 +192,156 @@ class ContactFitter:
             pressure_std=std,
             displacement=moved,
             contacts=contacts,
-            predicted=found.predicted + offset,
+            predicted=predicted + offset,
             offset=offset,
-            explained=explains(problem, found),
-            notes=notes_on(problem, len(found), scale, offset),
+            explained=self._explains(memory),
+            notes=self._notes(data, count, offset),
         )
 
-    def _answer(
-        self, readings: Floats, deadline_ns: int | None
-    ) -> tuple[FitProblem, AtomSet, float, Drawable | None]:
-        """The atoms that explain a reading, the scale of its noise, and the atoms as drawn."""
-        settings, before = self.settings, self._before if self.settings.warm else None
-        problem = self.problem(readings, deadline_ns)
-        shapes = self._shapes_due(problem)
-        scale, start = self._scale if before is not None and len(before) else 1.0, before
-        for _ in range(ROUNDS):
-            if scale != 1.0:
-                problem = self.problem(readings, deadline_ns, scale)
-            found = search(problem, start, settings.most_contacts, settings.starts, shapes)
-            step = noise_scale(problem, found, scale, settings.most_contacts)
-            if step == 1.0 or problem.late:
-                break
-            start = found if step < 1.0 and scale <= 1.0 else None
-            scale, shapes = scale * step, True
-        self._scale = scale
-        same = before is not None and np.array_equal(before.family, found.family)
-        self._before = found
-        if not len(found):
-            self._kept = ()
-            return problem, found, scale, None
-        atoms, covariance = self._stated(problem, found, same)
-        return problem, found, scale, drawable(atoms, found.family, covariance, self._thickness)
+    def _offset(self, memory: FitMemory, predicted: Floats) -> float:
+        weight = np.square(memory.taxels[WHITE])
+        return float(memory.sums[SHARED] * (weight @ (memory.taxels[READINGS] - predicted)))
 
-    def _shapes_due(self, problem: FitProblem) -> bool:
-        """Whether the readings say much more, or less, than when shapes were last compared."""
-        energy = float(np.square(problem.inputs.readings * problem.inputs.white).sum())
-        due = not self._compared / RISE < energy < self._compared * RISE
-        if due:
-            self._compared = energy
-        return due
+    def _common(self, data: FitData) -> float:
+        return self.settings.common_mode * float(data.noise[np.isfinite(data.noise)].mean())
 
-    def problem(
-        self, readings: Floats, deadline_ns: int | None = None, scale: float = 1.0
-    ) -> FitProblem:
-        """One reading beside all that is known, at a scale of the noise."""
-        readings, noise = np.ascontiguousarray(readings, dtype=np.float64), self.noise
+    def _notes(self, data: FitData, count: int, offset: float) -> tuple[str, ...]:
+        """What is to be told of an answer with as many contacts, in sentences."""
+        notes = []
+        if data.memory.marks[LATE]:
+            notes.append(f"ContactFit stopped at the deadline, with {count} found")
+        if data.scale > LOUD:
+            notes.append("ContactFit saw more noise than was stated, and went by what it saw")
+        if abs(offset) > self._common(data) > 0.0:
+            notes.append("ContactFit took what all taxels share for an offset: tare the skin")
+        return tuple(notes)
+
+    def weigh(self, readings: Floats, data: FitData, scale: float) -> None:
+        """Take in a reading (L,) with a scale of the noise."""
+        memory, noise = data.memory, data.noise
+        memory.taxels[READINGS] = readings
         floor = self.settings.model_error * float(np.abs(readings).max())
-        white = 1.0 / np.hypot(scale * noise, floor)  # of noise and model together
-        common = self.settings.common_mode * float(noise[np.isfinite(noise)].mean())
-        shared = common**2 / (1.0 + common**2 * float(np.square(white).sum()))
-        inputs = Inputs(
-            readings, white, self._taxels, self._tables, self._priors, shared, self._places
-        )
-        return FitProblem(inputs, self._bank, noise, self._threshold, common, deadline_ns)
+        memory.taxels[WHITE] = 1.0 / np.hypot(scale * noise, floor)
+        common = self._common(data)
+        squares = float(np.square(memory.taxels[WHITE]).sum())
+        memory.sums[SHARED] = common**2 / (1.0 + common**2 * squares)
 
-    def _stated(self, problem: FitProblem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
-        """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
-        atoms = np.empty((len(found), PARAMETERS))
-        covariance = np.zeros((len(found), PARAMETERS, PARAMETERS))
-        kept = []
-        for index, atom in enumerate(found.atoms):
-            known = self._kept[index] if same and index < len(self._kept) else None
-            if known is None or not known.holds(atom):
-                effort = PLACES, self.settings.starts, STEP
-                if known is not None:
-                    effort = FEW, 0, WIDE_STEP
-                belief = belief_of(problem, found, index, *effort)
-                offset = belief.mean(int(found.family[index])) - atom
-                if problem.inputs.white.max() * self.noise.min() > QUIETER:
-                    offset[:] = 0.0  # what is left over is model error, of which no mean is known
-                odd = found.long[index] or found.family[index] == RING
-                error = belief.covariance + (ODD_ERROR if odd else ROUND_ERROR)
-                known = Known(atom.copy(), offset, error)
-            kept.append(known)
-            atoms[index], covariance[index] = stated(
-                atom + known.offset, known.covariance, self._thickness
+    def _search(self, readings: Floats, data: FitData, deadline: int) -> None:
+        memory, settings = data.memory, self.settings
+        warm = settings.warm and bool(data.before[-1])
+        if not settings.warm or not data.before[-1]:
+            memory.counts[NOW] = 0
+        scale = data.scale if warm else 1.0
+        self.weigh(readings, data, scale)
+        energy = float(np.square(memory.taxels[READINGS] * memory.taxels[WHITE]).sum())
+        shapes = not data.compared / RISE < energy < data.compared * RISE
+        if shapes:
+            data.compared = energy
+        rules = SearchRules(data.threshold, settings.most_contacts, settings.starts)
+        for turn in range(ROUNDS):
+            if turn:
+                self.weigh(readings, data, scale)
+            search_atoms(
+                self.fit_model, self.bank, memory, data.search, rules, data.noise, shapes, deadline
             )
-        self._kept = tuple(kept)
-        return atoms, covariance
+            step = self._noise_scale(data, scale)
+            if step == 1.0 or memory.marks[LATE]:
+                break
+            if not (step < 1.0 and scale <= 1.0):
+                memory.counts[NOW] = 0
+            scale, shapes = scale * step, True
+        data.scale = scale
+
+    def _explains(self, memory: FitMemory) -> bool:
+        """Whether noise and model error account for what is left over, but for one in 1e4."""
+        from scipy.special import chdtri
+
+        left = self._left(memory) * memory.taxels[WHITE]
+        return bool(np.square(left).sum() <= chdtri(self._freedom(memory), ODD))
+
+    def _left(self, memory: FitMemory) -> Floats:
+        predicted = memory.predicted[NOW]
+        return np.asarray(memory.taxels[READINGS] - predicted - self._offset(memory, predicted))
+
+    def _parameters(self, memory: FitMemory) -> int:
+        count = memory.counts[NOW]
+        long = np.any(memory.atoms[NOW, :count, 4:], axis=1)
+        return int(4 * count + 2 * long.sum())
+
+    def _freedom(self, memory: FitMemory) -> int:
+        heard = int(np.count_nonzero(memory.taxels[WHITE]))
+        return max(heard - self._parameters(memory), 1)
+
+    def _noise_scale(self, data: FitData, scale: float) -> float:
+        """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
+
+        `scale` is what is assumed already, in terms of what was stated. It is less where the
+        squares are far fewer than the taxels: of all taxels, and of those that see a contact, the
+        larger of the two, so that taxels that always read zero do not speak for the others. It is
+        more where the atoms do not explain the readings and taxels that see none of them are as
+        restless: what they read is no touch. Where as many atoms as there may be do not explain the
+        readings, all taxels tell it.
+        """
+        memory = data.memory
+        white, predicted = memory.taxels[WHITE], memory.predicted[NOW]
+        count = int(memory.counts[NOW])
+        left = self._left(memory) * white
+        seen = (np.abs(predicted) * white > 1.0) | (white <= 0.0)
+        if not self._explains(memory):
+            if count >= self.settings.most_contacts:
+                nothing = np.zeros(len(left))
+                left = (memory.taxels[READINGS] - self._offset(memory, nothing)) * white
+                seen = white <= 0.0
+            typical = 1.0
+            if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large do not move
+                typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
+            return typical if LOUD < typical <= LOUDEST / scale else 1.0
+        if not count:
+            return 1.0
+        squares, parameters = np.square(left), self._parameters(memory)
+        share = float(squares.sum()) / self._freedom(memory)
+        seen &= white > 0.0
+        if seen.sum() > parameters + 2:
+            share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
+        enough = QUIET if scale <= 1.0 else CALM
+        return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
+
+    def _drawn(self, data: FitData, count: int, deadline: int) -> Drawable | None:
+        """Atoms as drawn, with their covariances."""
+        memory, post = data.memory, data.posterior
+        family = memory.family[NOW, :count].copy()
+        same = count == data.before[-1] and np.array_equal(family, data.before[:count])
+        data.before[:count], data.before[-1] = family, count
+        if not count:
+            post.known[:] = 0
+            return None
+        believe_all(
+            self.fit_model, self.bank, memory, data.search, post, data.noise, same,
+            self.settings.starts, deadline,
+        )
+        atoms = np.empty((count, PARAMETERS))
+        covariance = np.zeros((count, PARAMETERS, PARAMETERS))
+        quieter = memory.taxels[WHITE].max() * data.noise.min() > QUIETER
+        for index in range(count):
+            atom = memory.atoms[NOW, index]
+            odd = np.any(atom[4:]) or family[index] == RING
+            error = post.covariance[index] + (ODD_ERROR if odd else ROUND_ERROR)
+            mean = atom + (0.0 if quieter else post.offsets[index])
+            # where what is left over is model error, of which no mean is known
+            atoms[index], covariance[index] = stated(mean, error, self._thickness)
+        return drawable(atoms, family, covariance, self._thickness)
+
+
+def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, Floats]:
+    """An atom and its covariance as x m, y m, force N, radius m, half-length m and angle rad."""
+    half, angle = float(np.hypot(atom[4], atom[5])), float(np.arctan2(atom[5], atom[4]))
+    force, radius = float(np.exp(atom[2])), float(np.exp(atom[3])) * thickness
+    by = np.zeros((PARAMETERS, PARAMETERS))
+    by[0, 0] = by[1, 1] = thickness
+    by[2, 2], by[3, 3] = force, radius
+    if half > 0.0:
+        along, across = np.cos(angle), np.sin(angle)
+        by[4, 4], by[4, 5] = thickness * along, thickness * across
+        by[5, 4], by[5, 5] = -across / half, along / half
+    place = atom[:2] * thickness
+    return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T
