@@ -84,6 +84,7 @@ class FieldPlan:
             },
             getattr(operator, "gap", float("nan")),
             iterations,
+            getattr(operator, "notes", ()),
             margin=self.margin if iterations > 0 else None,
         )
 
@@ -123,8 +124,12 @@ class ContactPlan:
         """Answer one reading (L',), all of it, until a time of `time.perf_counter_ns`."""
         fit = self.operator.fit(reading, self.margin.before(end))
         late = end is not None and time.perf_counter_ns() >= end
-        if not fit.explained and not late and self.extended is not None:
+        asked = not fit.explained if fit.field_answers is None else fit.field_answers
+        if asked and not late and self.extended is not None:
             field = self.extended.prompt(reading - fit.offset, end)
+            if fit.field_answers:
+                notes = *fit.notes, *field.notes
+                return replace(field, notes=notes, margin=self.margin)
             if self._explains_more(field, reading - fit.predicted):
                 note = "more than few contacts: a non-negative field answers"
                 return replace(field, notes=(note, *fit.notes), margin=self.margin)

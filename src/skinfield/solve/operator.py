@@ -112,6 +112,9 @@ class Fit:
     explained : bool
         Whether noise accounts for what the contacts leave over.
     notes : tuple of str
+    field_answers : bool, optional
+        Whether the extended field answers in place of the contacts. By default it does where they
+        do not explain the readings and it leaves far less of them.
     """
 
     pressure: Floats
@@ -122,6 +125,7 @@ class Fit:
     offset: float = 0.0
     explained: bool = True
     notes: tuple[str, ...] = ()
+    field_answers: bool | None = None
 
 
 @runtime_checkable

@@ -136,6 +136,16 @@ class ContactFitter:
         """Of the readings (L,); the model's, until `take_noise`."""
         return self._data.noise
 
+    @property
+    def memory(self) -> FitMemory:
+        """What is known of the last reading."""
+        return self._data.memory
+
+    @property
+    def count(self) -> int:
+        """Atoms of the last reading."""
+        return int(self._data.memory.counts[NOW])
+
     def run_in(self, fields: bool = True) -> None:
         """Load all that is compiled: a first reading is as fast as the next.
 
