@@ -130,13 +130,12 @@ class ContactPlan:
                 return replace(field, notes=(note, *fit.notes), margin=self.margin)
         here = self.setting.nodes
         whole = len(here) == len(self.setting.model.grid)
-        contacts = fit.contacts if whole else self._inside(fit)
         return PatchAnswer(
             fit.pressure if whole else fit.pressure[here],
             {
                 "displacement": lambda: fit.displacement if whole else fit.displacement[here],
                 "pressure_std": lambda: fit.pressure_std if whole else fit.pressure_std[here],
-                "contacts": lambda: contacts,
+                "contacts": lambda: fit.contacts if whole else self._inside(fit),
                 "residual": lambda: spread_out(reading - fit.predicted, self.valid),
             },
             float("nan"),
