@@ -148,9 +148,7 @@ def test_evidence_and_covariance_are_those_of_samples(
     assert weight.sum() ** 2 / np.square(weight).sum() > 100  # effective samples
     places = fitter.fit_model.places
     area = float(np.prod(places[1] - places[0]))
-    prior = (
-        -np.log(area * LOG_FORCES) - 0.5 * np.log(2 * np.pi) - np.log(std) - RARER[fit.family[0]]
-    )
+    prior = -np.log(area * LOG_FORCES * CURVATURE_STD) - 0.5 * np.log(2 * np.pi)
     evidence = highest + np.log(weight.mean()) + prior
     assert fit.evidence == pytest.approx(evidence, abs=0.5)
     weight /= weight.sum()
