@@ -121,9 +121,23 @@ class AtomFit:
     def pressure(self) -> Floats:
         """Mean pressure on each cell, (K,) Pa."""
         out = np.zeros(len(self.renderer.grid))
-        if self.drawn is not None:
-            self.renderer.pressure(self.drawn.atoms, self.drawn.family, out)
+        if len(self.atoms):
+            self.renderer.pressure(*self._rendered, out)
         return out
+
+    @cached_property
+    def _rendered(self) -> tuple[Floats, Ints]:
+        """Atoms in SI as they are drawn, without what a covariance takes, and their families."""
+        if self.family.max() == RING:
+            assert self.drawn is not None  # as there are atoms
+            return self.drawn.atoms, self.drawn.family
+        mean = self.atoms + self.offsets if self.at_mean else self.atoms
+        out, half = np.empty_like(mean), mean[:, 4:]
+        out[:, :2] = mean[:, :2] * self.thickness
+        out[:, 2:4] = np.exp(mean[:, 2:4]) * (1.0, self.thickness)
+        out[:, 4] = np.hypot(half[:, 0], half[:, 1]) * self.thickness
+        out[:, 5] = np.arctan2(half[:, 1], half[:, 0])
+        return out, self.family
 
     @cached_property
     def pressure_std(self) -> Floats:
@@ -336,10 +350,15 @@ class ContactFitter:
 
     def _explains(self, memory: FitMemory) -> bool:
         """Whether noise and model error account for what is left over, but for one in 1e4."""
+        left = self._left(memory) * memory.taxels[WHITE]
+        return bool(left @ left <= self._limits[self._freedom(memory)])
+
+    @cached_property
+    def _limits(self) -> Floats:
+        """Squares of as many normal numbers as the place that all but one in 1e4 stay below."""
         from scipy.special import chdtri
 
-        left = self._left(memory) * memory.taxels[WHITE]
-        return bool(np.square(left).sum() <= chdtri(self._freedom(memory), ODD))
+        return np.asarray(chdtri(np.arange(len(self.model.taxels) + 1), ODD))
 
     def _left(self, memory: FitMemory) -> Floats:
         predicted = memory.predicted[NOW]
