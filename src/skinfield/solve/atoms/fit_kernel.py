@@ -58,7 +58,7 @@ NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
 REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
 # Places of `FitMemory.marks`, the first two of which are the clock's.
-NEAR, SETTLED, STEPS, LATE = 2, 3, 4, 5
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED = 2, 3, 4, 5, 6, 7
 
 
 class FitMemory(NamedTuple):
@@ -130,6 +130,7 @@ class FitMemory(NamedTuple):
         )
 
 
+FASTER, SLOWER = 0.02, 0.5  # how far one step may move what is known of their time
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
 FEW = 24  # taxels: so few are looked at in any case
 
@@ -398,12 +399,20 @@ def copy_set(memory: FitMemory, source: int, target: int) -> None:
 
 
 @inner(_nrt=False)
-def is_late(memory: FitMemory, deadline: int) -> bool:
-    """Whether one more evaluation may end after a time of the clock; 0 for no such time."""
+def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
+    """Whether a step of a set may end after a time of the clock; 0 for no such time.
+
+    How long a step takes is learnt from those before: nearly the slowest of late, per atom.
+    """
     if deadline == 0:
         return False
-    ends = now_ns(memory.marks) + int(memory.sums[PACE])
-    if ends > deadline:
+    now, count = now_ns(memory.marks), max(memory.counts[which], 1)
+    if memory.marks[STEPPED]:
+        took = (now - memory.marks[BEGAN]) / count
+        slower = took > memory.sums[PACE]
+        memory.sums[PACE] += (took - memory.sums[PACE]) * (FASTER if not slower else SLOWER)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
+    if now + int(memory.sums[PACE] * count) > deadline:
         memory.marks[LATE] = 1
         return True
     return False
@@ -447,9 +456,11 @@ def descend(
         memory.family[STEP, n] = family[n]
     damping = FIRST_DAMPING
     memory.marks[SETTLED] = 0
+    memory.marks[STEPPED] = 0
     for _ in range(steps):
-        if is_late(memory, deadline):
+        if is_late(memory, which, deadline):
             return
+        memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
             damping *= RISE
             if damping > 1e8:

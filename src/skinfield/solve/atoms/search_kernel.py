@@ -74,12 +74,14 @@ from skinfield.solve.atoms.fit_kernel import (
     READINGS,
     SCORED,
     SHARED,
+    STEPPED,
     STEPS,
     TRIAL,
     FitMemory,
     FitModel,
     copy_set,
     descend,
+    is_late,
     is_long,
 )
 from skinfield.solve.atoms.posterior_kernel import (
@@ -403,7 +405,10 @@ def search_atoms(
     memory.marks[LATE] = memory.marks[STEPS] = 0
     state[STAGE], state[INDEX], state[GREW], state[FOUND] = REFINE, 0, 0, 0
     state[RIVAL], state[DUE], state[THOROUGH] = 0, shapes, shapes
+    memory.marks[STEPPED] = 0
     while state[STAGE] != DONE:
+        if is_late(memory, NOW, deadline):
+            break
         which = begin(model, bank, memory, search, post, rules, noise)
         if which == NOTHING:
             continue
