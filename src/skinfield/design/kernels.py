@@ -6,13 +6,8 @@ import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import (
-    HIGHEST_LOG,
-    LOWEST_LOG,
-    factor,
-    predict,
-    solve_factored,
-)
+from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, factor, solve_factored
 from skinfield.solve.atoms.table import Tables
 
 

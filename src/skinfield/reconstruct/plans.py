@@ -124,24 +124,22 @@ class ContactPlan:
         """Answer one reading (L',), all of it, until a time of `time.perf_counter_ns`."""
         fit = self.operator.fit(reading, self.margin.before(end))
         late = end is not None and time.perf_counter_ns() >= end
-        asked = not fit.explained if fit.field_answers is None else fit.field_answers
-        if asked and not late and self.extended is not None:
+        chosen: bool | None = getattr(self.operator, "field_answers", None)
+        if (not fit.explained if chosen is None else chosen) and not late and self.extended is not None:
             field = self.extended.prompt(reading - fit.offset, end)
-            if fit.field_answers:
-                notes = *fit.notes, *field.notes
-                return replace(field, notes=notes, margin=self.margin)
+            if chosen:
+                return replace(field, notes=(*fit.notes, *field.notes), margin=self.margin)
             if self._explains_more(field, reading - fit.predicted):
                 note = "more than few contacts: a non-negative field answers"
                 return replace(field, notes=(note, *fit.notes), margin=self.margin)
         here = self.setting.nodes
         whole = len(here) == len(self.setting.model.grid)
-        contacts = fit.contacts if whole else self._inside(fit)
         return PatchAnswer(
             fit.pressure if whole else fit.pressure[here],
             {
                 "displacement": lambda: fit.displacement if whole else fit.displacement[here],
                 "pressure_std": lambda: fit.pressure_std if whole else fit.pressure_std[here],
-                "contacts": lambda: contacts,
+                "contacts": lambda: fit.contacts if whole else self._inside(fit),
                 "residual": lambda: spread_out(reading - fit.predicted, self.valid),
             },
             float("nan"),

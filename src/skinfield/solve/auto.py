@@ -2,9 +2,9 @@
 
 The evidence of a hypothesis is the marginal likelihood of the readings (MacKay 2003, Information
 Theory, chapter 28), with all constants, so that hypotheses of different kinds compare. That of the
-contacts is Laplace's of the fit. That of a field of unknown form is the mean over Gaussian priors
-of several length scales and amplitudes, in closed form. Both are means over how many times more
-than the stated noise the readings may be off, as no skin is quite like its model.
+contacts is Laplace's of the fit, at the noise that it went by. That of a field of unknown form is
+the mean over Gaussian priors of several length scales and amplitudes, in closed form, and over how
+many times more than the stated noise the readings may be off, as no skin is quite like its model.
 """
 
 import dataclasses
@@ -16,17 +16,16 @@ import numpy as np
 from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_range, check_type
-from skinfield.solve.atoms.fit_kernel import NOW, READINGS, SHARED, WHITE, FitMemory, FitModel
-from skinfield.solve.atoms.fitter import ContactFitter
-from skinfield.solve.atoms.search_kernel import evidence, offset_of
+from skinfield.solve.atoms.fit_kernel import SHARED, WHITE
+from skinfield.solve.atoms.fitter import AtomFit, ContactFitter
 from skinfield.solve.contact_fit import ContactFit
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
 from skinfield.solve.non_negative import NonNegative, NonNegativeOperator
-from skinfield.solve.operator import Fit, InverseOperator
+from skinfield.solve.operator import InverseOperator
 
 LENGTHS = (0.7, 2.0, 6.0)  # of a field's correlation, in distances of taxels
 AMPLITUDES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # root mean square of its readings, over noise
-MISFITS = np.array([1.0, 3.0, 9.0, 27.0])  # times the noise that readings may be off
+MISFITS = (1.0, 3.0, 9.0, 27.0)  # times the noise that readings may be off
 WORTH = 0.15  # of the readings, root mean square: what is left over if a model is to be believed,
 WORST = 4.0  # or times the noise
 RISE = 1.5  # of the readings' squares over the noise, after which the hypotheses are compared again
@@ -123,46 +122,23 @@ def field_evidence(priors: FieldPriors, readings: Floats, along: Floats) -> floa
     return float(highest + np.log(total / len(priors.gain)))
 
 
-@njit
-def contact_evidence(
-    model: FitModel, memory: FitMemory, common: float, misfits: Floats
-) -> float:
-    """Logarithm of the density of the readings of the fit's answer: mean over misfits.
+def contact_evidence(evidence: float, white: Floats, shared: float, common: float) -> float:
+    """Logarithm of the density of the readings of a contact fit, from its evidence.
 
     Parameters
     ----------
-    model : FitModel
-    memory : FitMemory
-        After a search.
-    common : float, in the quantity's unit
-        Standard deviation of the offset that all taxels share.
-    misfits : (S,) array
-        Factors of the deviations that the fit went by.
+    evidence : float
+        Without the constants of the noise.
+    white : (L,) array
+        One over the deviations that it went by; 0 of taxels that are not heard.
+    shared : float
+        Variance of the offset that all taxels share, after the readings.
+    common : float
+        Its standard deviation before.
     """
-    readings, white = memory.taxels[READINGS], memory.taxels[WHITE]
-    offset, shared = offset_of(memory, NOW), memory.sums[SHARED]
-    squares, known, heard = 0.0, 0.0, 0
-    for taxel in range(len(readings)):
-        if white[taxel] > 0.0:
-            left = readings[taxel] - memory.predicted[NOW, taxel] - offset
-            squares += (left * white[taxel]) ** 2
-            known += np.log(white[taxel]) - 0.5 * np.log(2 * np.pi)
-            heard += 1
-    if shared > 0.0:
-        known += 0.5 * np.log(shared) - np.log(common)
-        squares += (offset / common) ** 2
-    free = 0
-    for n in range(memory.counts[NOW]):
-        free += 6 if memory.atoms[NOW, n, 4] != 0.0 or memory.atoms[NOW, n, 5] != 0.0 else 4
-    highest, total = -np.inf, 0.0
-    for turn in range(2):
-        for misfit in misfits:
-            value = 0.5 * squares * (1.0 - misfit**-2) - max(heard - free, 1) * np.log(misfit)
-            if turn:
-                total += np.exp(value - highest)
-            else:
-                highest = max(highest, value)
-    return float(evidence(model, memory, NOW) + known + highest + np.log(total / len(misfits)))
+    heard = white[white > 0.0]
+    known = np.log(heard).sum() - 0.5 * len(heard) * np.log(2 * np.pi)
+    return float(evidence + known + (0.5 * np.log(shared) - np.log(common) if shared else 0.0))
 
 
 @dataclass
@@ -248,9 +224,7 @@ class Auto:
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
         """Prepare the contacts, the field, and the evidence of both."""
-        operator = AutoOperator(self, model)
-        operator.run_in()
-        return operator
+        return AutoOperator(self, model)
 
 
 class AutoField:
@@ -325,24 +299,18 @@ class AutoOperator:
         self.extended = AutoField(settings.field.prepare(model), linear, model)
         self.priors = FieldPriors.of(model, contacts.common_mode)
         self.contest = Contest()
-        self._common = max(contacts.common_mode, 1e-9) * float(model.noise_std.mean())
+        self._common = contacts.common_mode * float(model.noise_std.mean())
         self._along = np.zeros((2, len(model.taxels)))
-        nodes, taxels = len(model.grid), len(model.taxels)
-        self._nothing = Fit(
-            pressure=np.zeros(nodes),
-            pressure_std=np.zeros(nodes),
-            displacement=np.zeros((nodes, 3)),
-            contacts=(),
-            predicted=np.zeros(taxels),
-            notes=(FIELD_NOTE,),
-            field_answers=True,
-        )
-
-    def run_in(self) -> None:
-        """Load all that is compiled."""
         self.fitter.run_in()
-        self._compare(np.zeros(len(self.model.taxels)))
+        nothing = self.fitter.fit(np.zeros(len(model.taxels)))
+        self._nothing = replace(nothing, notes=(FIELD_NOTE,))
+        self._compare(np.zeros(len(model.taxels)), nothing)
         self.reset()
+
+    @property
+    def field_answers(self) -> bool:
+        """Whether a field answers in place of the contacts of the last reading."""
+        return self.contest.winner == FIELD
 
     def reset(self) -> None:
         """Forget the reading before."""
@@ -350,29 +318,27 @@ class AutoOperator:
         self.extended.reset()
         self.contest = Contest()
 
-    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
-        """See `ContactOperator.fit`; where a field answers, its `field_answers` says so.
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> AtomFit:
+        """See `ContactOperator.fit`; none are found where a field answers.
 
-        Contacts are not even sought for readings about as strong as those of which a field was far
-        more probable, while it remains as probable as it was.
+        They are not even sought in readings about as strong as those of which a field was more
+        probable, while it remains as probable as it was.
         """
         contest, white = self.contest, self.priors.white
         energy = float(np.square(readings * white).sum())
-        if contest.winner == FIELD and not contest.is_due(energy, contest.count):
+        if self.field_answers and not contest.is_due(energy, contest.count):
             value = field_evidence(self.priors, readings, self._along)
             if value > contest.field - 0.5 * (contest.field - contest.contacts):
                 return self._nothing
         fit = self.fitter.fit(readings, deadline_ns)
-        count = self.fitter.count
+        count = len(fit.atoms)
         if contest.is_due(energy, count) or not fit.explained:
-            self._compare(readings)
+            self._compare(readings, fit)
             contest.energy, contest.count = energy, count
-        if contest.winner == FIELD:
-            return self._nothing
-        return replace(fit, field_answers=False)
+        return self._nothing if self.field_answers else fit
 
-    def _compare(self, readings: Floats) -> None:
+    def _compare(self, readings: Floats, fit: AtomFit) -> None:
+        white, shared = self.fitter.memory.taxels[WHITE], float(self.fitter.memory.sums[SHARED])
+        contacts = contact_evidence(fit.evidence, white, shared, self._common)
         field = field_evidence(self.priors, readings, self._along)
-        memory, model = self.fitter.memory, self.fitter.fit_model
-        contacts = contact_evidence(model, memory, self._common, MISFITS)
         self.contest.decide(contacts, field, self.settings.reluctance)

@@ -5,14 +5,15 @@ of each block are scored first; the others only where one of these agrees with t
 of a skin at rest hardly any does.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, FitModel, predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
+from skinfield.solve.atoms.fit_kernel import FitModel
 from skinfield.solve.atoms.table import Tables
 
 SPACING = 0.5  # thicknesses between places
@@ -20,10 +21,11 @@ BLOCK = 4  # places along the side of a block
 RADII = (0.4, 0.8, 1.5, 2.6)  # thicknesses
 MARGIN = 1.5  # thicknesses beyond the outermost pads
 SHALLOW = 0.15  # strain of the gap at the axis at which templates are made
+LANES = 8  # numbers of a vector register
 SAME = 1e-5  # part of a score: what single precision cannot tell is the same, and the first counts
 FAINTEST = 0.02  # of the strongest template: below, a place is not seen
 UNSEEN = 0.02  # of a template's norm: taxels that read less of it are left out
-FIRST = 0.8, 1.5  # thicknesses: radii of the templates that are scored first
+FIRST = 0.8  # thicknesses: radius of the templates that are scored first
 NEARLY = 0.9  # of the least score: what one of these must reach
 WORSE = 0.4  # of the best score: templates that agree less are no starts
 
@@ -34,9 +36,7 @@ class Templates(NamedTuple):
     Attributes
     ----------
     taxels : (B, S) int array
-        That see a block; 0 beyond their number.
-    sizes : (B,) int array
-        How many they are.
+        That see a block; beyond their number the first, for which templates are 0.
     firsts : (B + 1,) int array
         First template of each block.
     few : (B,) int array
@@ -50,7 +50,6 @@ class Templates(NamedTuple):
     """
 
     taxels: Ints
-    sizes: Ints
     firsts: Ints
     few: Ints
     templates: NDArray[np.float32]
@@ -86,31 +85,27 @@ class StartMemory(NamedTuple):
             np.zeros(count, np.float32),
             np.zeros(count, np.int64),
             np.zeros(bank.templates.shape[1], np.float32),
-            np.zeros(len(bank.sizes)),
+            np.zeros(len(bank.few)),
             np.zeros((most, PARAMETERS)),
         )
 
 
-@inner(fastmath=True)
-def _product(one: NDArray[np.float32], other: NDArray[np.float32], size: int) -> float:
+@inner(fastmath=True, forceinline=True, _nrt=False)
+def _product(one: NDArray[np.float32], other: NDArray[np.float32]) -> float:
     total = np.float32(0.0)
-    for i in range(size):
+    for i in range(len(one)):
         total += one[i] * other[i]
     return float(total)
 
 
-@inner
-def _take(
-    bank: Templates, block: int, residual: Floats, local: NDArray[np.float32]
-) -> int:
-    """Copy what the taxels of a block read; how many they are."""
-    size = bank.sizes[block]
-    for i in range(size):
+@inner(forceinline=True, _nrt=False)
+def _take(bank: Templates, block: int, residual: Floats, local: NDArray[np.float32]) -> None:
+    """Copy what the taxels of a block read."""
+    for i in range(len(local)):
         local[i] = residual[bank.taxels[block, i]]
-    return int(size)
 
 
-@inner
+@inner(_nrt=False)
 def find_starts(
     bank: Templates, memory: StartMemory, residual: Floats, most: int, least: float
 ) -> int:
@@ -127,22 +122,22 @@ def find_starts(
     """
     scores, listed, local, highest = memory.scores, memory.listed, memory.local, memory.highest
     count, best = 0, 0.0
-    for block in range(len(bank.sizes)):
-        size = _take(bank, block, residual, local)
+    for block in range(len(bank.few)):
+        _take(bank, block, residual, local)
         highest[block] = 0.0
         first = bank.firsts[block]
         for t in range(first, first + bank.few[block]):
-            highest[block] = max(highest[block], _product(bank.templates[t], local, size))
+            highest[block] = max(highest[block], _product(bank.templates[t], local))
         best = max(best, highest[block])
     if not best > NEARLY * least:
         return 0
     gate = max(NEARLY * least, WORSE * best)
-    for block in range(len(bank.sizes)):
+    for block in range(len(bank.few)):
         if highest[block] < gate:
             continue
-        size = _take(bank, block, residual, local)
+        _take(bank, block, residual, local)
         for t in range(bank.firsts[block], bank.firsts[block + 1]):
-            score = _product(bank.templates[t], local, size)
+            score = _product(bank.templates[t], local)
             if score > WORSE * best:
                 scores[count], listed[count] = score, t
                 count += 1
@@ -187,16 +182,15 @@ def make_templates(model: FitModel, white: Floats) -> Templates:
             )
             blocks.append(_block(model, white, np.column_stack([x.ravel(), y.ravel()])))
     faintest = FAINTEST * max(float(seen.max()) for _, _, seen in blocks)
-    kept = [_kept(atoms, rows, seen > faintest) for atoms, rows, seen in blocks]
+    kept = [_visible(atoms, rows, seen > faintest) for atoms, rows, seen in blocks]
     kept = [block for block in kept if len(block[0])]
-    widest = max(len(block[1]) for block in kept)
+    widest = LANES * -(-max(len(block[1]) for block in kept) // LANES)
 
-    def filled(rows: Floats) -> Floats:
+    def filled(rows: NDArray[Any]) -> NDArray[Any]:
         return np.pad(rows, [(0, 0), (0, widest - rows.shape[1])])
 
     return Templates(
         taxels=np.concatenate([filled(near[None]) for _, near, _, _ in kept]).astype(np.int64),
-        sizes=np.array([len(near) for _, near, _, _ in kept]),
         firsts=np.cumsum([0, *(len(atoms) for atoms, _, _, _ in kept)]),
         few=np.array([np.count_nonzero(_is_few(atoms)) for atoms, _, _, _ in kept]),
         templates=np.concatenate([filled(part) for _, _, part, _ in kept]).astype(np.float32),
@@ -209,7 +203,7 @@ def _is_few(atoms: Floats) -> NDArray[np.bool_]:
     """Which of a block's templates (T, 6) are scored first: at each second place each way."""
     lowest = atoms[:, :2].min(axis=0, initial=np.inf)
     place = np.rint((atoms[:, :2] - lowest) / SPACING).astype(int)
-    few = (place % 2 == 1).all(axis=1) & np.isclose(atoms[:, 3:4], np.log(FIRST)).any(axis=1)
+    few = (place % 2 == 1).all(axis=1) & np.isclose(atoms[:, 3], np.log(FIRST))
     return np.asarray(few if few.any() else np.ones(len(atoms), np.bool_))
 
 
@@ -229,7 +223,7 @@ def _block(model: FitModel, white: Floats, places: Floats) -> tuple[Floats, Floa
     return atoms, rows, np.linalg.norm(rows, axis=1) * np.exp(-atoms[:, 2])
 
 
-def _kept(
+def _visible(
     atoms: Floats, rows: Floats, seen: NDArray[np.bool_]
 ) -> tuple[Floats, Ints, Floats, Floats]:
     """Atoms that are seen, taxels that see them, templates over these and their norms per N."""

@@ -1,202 +1,20 @@
-"""Least squares of atoms, compiled: predictions, costs and their refinement.
+"""Least squares of atoms, compiled: costs and their refinement.
 
-An atom has six parameters: x and y of its middle, ln(force/N), ln(radius/thickness), and the two
-components of its half-length, all lengths in thicknesses. A half-length of 0 is a round contact;
-else the contact is drawn out along a segment, a mixture of round ones.
-
-It is half the sum of squares of the whitened residuals and of the priors: for a ball, a normal one
-on the logarithm of its radius of curvature, which force and contact radius give; for a flat end or
-a ring, on that of its radius; and for all, on the half-length. An offset that all taxels share is
-integrated out, as its prior is normal and it enters linearly.
+The cost is half the sum of squares of the whitened residuals and of the priors: for a ball, a
+normal one on the logarithm of its radius of curvature, which force and contact radius give; for a
+flat end or a ring, on that of its radius; and for all, on the half-length. An offset that all
+taxels share is integrated out, as its prior is normal and it enters linearly.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.atom_readings import PARAMETERS, TableRoom, add_atom, along
+from skinfield.solve.atoms.table import Tables
 from skinfield.solve.clock import now_ns
-from skinfield.solve.atoms.table import Tables, cubic, cubic_slopes
-
-PARAMETERS = 6
-NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
-WEIGHT = WEIGHT / 2.0
-
-
-@inner
-def along(coefficients: Floats, place: float) -> tuple[float, float]:
-    """Value and slope per node of a B-spline (N,) at a place inside."""
-    at = int(place)
-    b0, b1, b2, b3 = cubic(place - at)
-    d0, d1, d2, d3 = cubic_slopes(place - at)
-    c0, c1 = coefficients[at - 1], coefficients[at]
-    c2, c3 = coefficients[at + 1], coefficients[at + 2]
-    return b0 * c0 + b1 * c1 + b2 * c2 + b3 * c3, d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
-
-
-class TableRoom(NamedTuple):
-    """Scratch memory for the tables of one atom.
-
-    Attributes
-    ----------
-    radial : (3, distances) array
-        B-spline coefficients over distance alone.
-    power : (2, terms) array
-        Powers of the strain and their slopes.
-    weight : (2, 4) array
-    found : (4,) array
-    """
-
-    radial: Floats
-    power: Floats
-    weight: Floats
-    found: Floats
-
-    @classmethod
-    def of(cls, tables: Tables) -> "TableRoom":
-        """Room for some tables."""
-        terms, distances = tables.coefficients.shape[2:]
-        return cls(
-            np.zeros((3, distances)), np.zeros((2, terms)), np.zeros((2, 4)), np.zeros(4)
-        )
-
-
-@inner
-def _radial(
-    grid: Floats, place: float, log_step: float, nodes: int, room: "TableRoom"
-) -> None:
-    """B-spline coefficients over distance alone of an atom of one radius and depth.
-
-    Of the polynomial in u, of its slope by ln radius, and of that by u, into `radial` of the room;
-    `grid` is the table (radii, terms, distances).
-    """
-    out, power, weight = room.radial, room.power, room.weight
-    i = int(place)
-    weight[0, 0], weight[0, 1], weight[0, 2], weight[0, 3] = cubic(place - i)
-    weight[1, 0], weight[1, 1], weight[1, 2], weight[1, 3] = cubic_slopes(place - i)
-    out[:, :nodes] = 0.0
-    for a in range(4):
-        for k in range(power.shape[1]):
-            row = grid[i - 1 + a, k]
-            value = weight[0, a] * power[0, k]
-            by_radius = weight[1, a] / log_step * power[0, k]
-            by_u = weight[0, a] * power[1, k]
-            for j in range(nodes):
-                out[0, j] += value * row[j]
-                out[1, j] += by_radius * row[j]
-                out[2, j] += by_u * row[j]
-
-
-@inner
-def _look_up(radial: Floats, distance: float, last: int, found: Floats) -> None:
-    """Value, slope by distance in nodes, and the other two slopes, at a distance in nodes."""
-    j = int(distance)
-    first, second, third = abs(j - 1), min(j + 1, last), min(j + 2, last)
-    w0, w1, w2, w3 = cubic(distance - j)
-    d0, d1, d2, d3 = cubic_slopes(distance - j)
-    c0, c1, c2, c3 = radial[0, first], radial[0, j], radial[0, second], radial[0, third]
-    found[0] = w0 * c0 + w1 * c1 + w2 * c2 + w3 * c3
-    found[1] = d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
-    for k in range(1, 3):
-        row = radial[k]
-        found[k + 1] = w0 * row[first] + w1 * row[j] + w2 * row[second] + w3 * row[third]
-
-
-@inner
-def _depth(
-    atom: Floats, family: int, slenderness: float, tables: Tables, power: Floats
-) -> tuple[float, float, float, float]:
-    """Factor of the table; strain u; slope of ln s by ln radius; how a longer contact is less deep.
-
-    Writes the powers of u and their slopes into `power` (2, terms).
-    """
-    force, scale, scale_slope, u, thinning = np.exp(atom[2]), 1.0, 0.0, 0.0, 0.0
-    if tables.strain.shape[0]:
-        place = (atom[3] - tables.first_log) / tables.log_step
-        value, slope = along(tables.strain[family], place)
-        scale, scale_slope = np.exp(value), slope / tables.log_step
-        thin = 4.0 * slenderness / np.pi  # area beside the round ends over theirs
-        thinning = thin / (1.0 + thin)
-        u = min(force * scale / (1.0 + thin), 0.95)
-    power[0, 0], power[1, 0] = 1.0, 0.0
-    for k in range(1, power.shape[1]):
-        power[0, k] = power[0, k - 1] * u
-        power[1, k] = k * power[0, k - 1]
-    return force * scale / (1.0 - u), u, scale_slope, thinning
-
-
-@inner
-def add_atom(
-    n: int,
-    count: int,
-    atom: Floats,
-    family: int,
-    taxels: Floats,
-    near: Any,
-    tables: Tables,
-    room: TableRoom,
-    out: Floats,
-    jacobian: Floats,
-) -> None:
-    """Add the readings of one atom of `count` at the listed taxels to `out` (L,).
-
-    Its derivatives are added to `jacobian`, where those of the k-th listed taxel by the parameters
-    of atom n begin at 6 (k `count` + n).
-    """
-    x, y, east, north = atom[0], atom[1], atom[4], atom[5]
-    radius, half = np.exp(atom[3]), np.hypot(east, north)
-    points = 1 if half == 0.0 else 7
-    gain, u, scale_slope, thinning = _depth(atom, family, half / radius, tables, room.power)
-    place = (atom[3] - tables.first_log) / tables.log_step
-    reach = radius + half + tables.pad_radius + tables.sight
-    last = min(int((reach + half) / tables.distance_step) + 4, room.radial.shape[1]) - 1
-    _radial(tables.coefficients[family], place, tables.log_step, last + 1, room)
-    found = room.found
-    log_slope = scale_slope + thinning  # of u, by ln radius
-    stretch = thinning / (half * half) if points > 1 else 0.0  # of u, by the half-length
-    for k in range(len(near)):
-        taxel, base = near[k], 6 * (k * count + n)
-        away_x, away_y = taxels[taxel, 0] - x, taxels[taxel, 1] - y
-        if away_x * away_x + away_y * away_y > reach * reach:
-            continue
-        for q in range(points):
-            share = gain if points == 1 else gain * WEIGHT[q]
-            node = 0.0 if points == 1 else NODE[q]
-            rx, ry = away_x - node * east, away_y - node * north
-            r = np.hypot(rx, ry)
-            if r > (last - 2) * tables.distance_step:
-                continue
-            _look_up(room.radial, r / tables.distance_step, last, found)
-            reading = share * found[0]
-            slope = share * found[1] / tables.distance_step / max(r, 1e-9)
-            by_u = u * (share * found[3] + reading / (1.0 - u))  # per d ln u
-            out[taxel] += reading
-            jacobian[base] -= slope * rx
-            jacobian[base + 1] -= slope * ry
-            jacobian[base + 2] += reading + by_u
-            jacobian[base + 3] += share * found[2] + reading * scale_slope + by_u * log_slope
-            if points > 1:
-                jacobian[base + 4] -= slope * rx * node + by_u * stretch * east
-                jacobian[base + 5] -= slope * ry * node + by_u * stretch * north
-
-
-@njit
-def predict(
-    atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
-) -> None:
-    """Write readings (L,) of atoms (N, 6) and derivatives (L, N, 6)."""
-    out[:] = 0.0
-    flat, count, near = jacobian.reshape(-1), len(atoms), np.arange(len(taxels))
-    flat[:] = 0.0
-    room = TableRoom(
-        np.empty((3, tables.coefficients.shape[3])),
-        np.empty((2, tables.coefficients.shape[2])),
-        np.empty((2, 4)),
-        np.empty(4),
-    )
-    for n in range(count):
-        add_atom(n, count, atoms[n], family[n], taxels, near, tables, room, out, flat)
 
 
 class Priors(NamedTuple):
@@ -240,7 +58,7 @@ NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
 REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
 # Places of `FitMemory.marks`, the first two of which are the clock's.
-NEAR, SETTLED, STEPS, LATE = 2, 3, 4, 5
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED = 2, 3, 4, 5, 6, 7
 
 
 class FitMemory(NamedTuple):
@@ -312,17 +130,18 @@ class FitMemory(NamedTuple):
         )
 
 
+FASTER, SLOWER = 0.02, 0.5  # how far one step may move what is known of their time
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
-FEW = 100  # taxels: so few are looked at in any case
+FEW = 24  # taxels: so few are looked at in any case
 
 
-@inner
+@inner(forceinline=True, _nrt=False)
 def reach_of(atom: Floats, tables: Tables) -> float:
     """How far from its middle an atom is read, in thicknesses."""
     return float(np.exp(atom[3]) + np.hypot(atom[4], atom[5]) + tables.pad_radius + tables.sight)
 
 
-@inner
+@inner(_nrt=False)
 def gather(model: FitModel, memory: FitMemory, which: int, row: int) -> None:
     """List the taxels near a set of atoms; what the others add to the cost of reading nothing."""
     count, atoms, near = memory.counts[which], memory.atoms[which], memory.near
@@ -349,7 +168,7 @@ def gather(model: FitModel, memory: FitMemory, which: int, row: int) -> None:
     memory.sums[REST_COST], memory.sums[REST_TOTAL] = cost, total
 
 
-@inner
+@inner(_nrt=False)
 def roamed(model: FitModel, memory: FitMemory, which: int) -> bool:
     """Whether an atom may be read by taxels that are not listed."""
     if len(model.taxels) <= FEW:
@@ -362,7 +181,7 @@ def roamed(model: FitModel, memory: FitMemory, which: int) -> bool:
     return False
 
 
-@inner
+@inner(_nrt=False)
 def _prior(
     n: int, atom: Floats, family: int, model: FitModel, gradient: Floats, hessian: Floats, size: int
 ) -> float:
@@ -396,7 +215,7 @@ def _prior(
     return float(cost)
 
 
-@inner
+@inner(forceinline=True, _nrt=False)
 def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
     """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
     count = memory.counts[which]
@@ -412,8 +231,16 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
         jacobian[i] = 0.0
     for n in range(count):
         add_atom(
-            n, count, atoms[n], family[n], model.taxels, near, model.tables, memory.room,
-            predicted, jacobian,
+            n,
+            count,
+            atoms[n],
+            family[n],
+            model.taxels,
+            near,
+            model.tables,
+            memory.room,
+            predicted,
+            jacobian,
         )
     for i in range(size):
         gradient[i] = 0.0
@@ -434,7 +261,9 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
                 slope = jacobian[first + i] * weight
                 gradient[i] -= slope * residual
                 sums[i] += slope
-                for m in range(0, n + 6, 6):
+                for j in range(n, i + 1):
+                    hessian[i * size + j] += slope * jacobian[first + j]
+                for m in range(0, n, 6):
                     if jacobian[first + m + 2] == 0.0:
                         continue
                     for j in range(m, m + 6):
@@ -449,7 +278,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
             hessian[j * size + i] = value
     for n in range(count):
         cost += _prior(n, atoms[n], family[n], model, gradient, hessian, size)
-    return cost
+    return float(cost)
 
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
@@ -459,7 +288,7 @@ FIRST_DAMPING = 1e-3
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
 
 
-@inner
+@inner(_nrt=False)
 def factor(matrix: Floats, size: int) -> bool:
     """Replace the lower triangle of a matrix, its rows in one, by Cholesky's factor, if it can."""
     for j in range(size):
@@ -478,7 +307,7 @@ def factor(matrix: Floats, size: int) -> bool:
     return True
 
 
-@inner
+@inner(_nrt=False)
 def solve_factored(matrix: Floats, size: int, right: Floats) -> None:
     """Solve in place by the factor of `factor`."""
     for i in range(size):
@@ -491,7 +320,7 @@ def solve_factored(matrix: Floats, size: int, right: Floats) -> None:
         right[i] /= matrix[i * size + i]
 
 
-@inner
+@inner(_nrt=False)
 def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
     """Bring atoms back to the patch and to where they are tabulated: radius and depth."""
     tables, places = model.tables, model.places
@@ -508,13 +337,13 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
             atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
 
 
-@inner
+@inner(forceinline=True, _nrt=False)
 def is_long(atom: Floats) -> bool:
     """Whether an atom is drawn out: else its half-length stays 0."""
     return bool(atom[4] != 0.0 or atom[5] != 0.0)
 
 
-@inner
+@inner(_nrt=False)
 def free_system(memory: FitMemory, which: int, held: int, damping: float) -> None:
     """Copy the Hessian of a set into `system`, damped; what does not move becomes the identity.
 
@@ -536,7 +365,7 @@ def free_system(memory: FitMemory, which: int, held: int, damping: float) -> Non
         system[i * size + i] = 1.0
 
 
-@inner
+@inner(_nrt=False)
 def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> bool:
     """Write Levenberg's step into `steps[0]`; False where there is none."""
     size, step = 6 * memory.counts[which], memory.steps[0]
@@ -551,7 +380,7 @@ def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> boo
     return True
 
 
-@inner
+@inner(_nrt=False)
 def copy_set(memory: FitMemory, source: int, target: int) -> None:
     """Have a set become another one, with all that is known of it."""
     count = memory.counts[source]
@@ -569,19 +398,27 @@ def copy_set(memory: FitMemory, source: int, target: int) -> None:
         memory.hessian[target, i] = memory.hessian[source, i]
 
 
-@inner
-def is_late(memory: FitMemory, deadline: int) -> bool:
-    """Whether one more evaluation may end after a time of the clock; 0 for no such time."""
+@inner(_nrt=False)
+def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
+    """Whether a step of a set may end after a time of the clock; 0 for no such time.
+
+    How long a step takes is learnt from those before: nearly the slowest of late, per atom.
+    """
     if deadline == 0:
         return False
-    ends = now_ns(memory.marks) + int(memory.sums[PACE])
-    if ends > deadline:
+    now, count = now_ns(memory.marks), max(memory.counts[which], 1)
+    if memory.marks[STEPPED]:
+        took = (now - memory.marks[BEGAN]) / count
+        slower = took > memory.sums[PACE]
+        memory.sums[PACE] += (took - memory.sums[PACE]) * (FASTER if not slower else SLOWER)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
+    if now + int(memory.sums[PACE] * count) > deadline:
         memory.marks[LATE] = 1
         return True
     return False
 
 
-@inner
+@inner(_nrt=False)
 def descend(
     model: FitModel,
     memory: FitMemory,
@@ -619,9 +456,11 @@ def descend(
         memory.family[STEP, n] = family[n]
     damping = FIRST_DAMPING
     memory.marks[SETTLED] = 0
+    memory.marks[STEPPED] = 0
     for _ in range(steps):
-        if is_late(memory, deadline):
+        if is_late(memory, which, deadline):
             return
+        memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
             damping *= RISE
             if damping > 1e8:

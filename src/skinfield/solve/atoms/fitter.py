@@ -1,32 +1,32 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import Contact
+from skinfield.solve.atoms.alternatives_kernel import SearchMemory, SearchRules
+from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_kernel import (
     LATE,
     NOW,
-    PARAMETERS,
     READINGS,
     SHARED,
-    STEPS,
     WHITE,
     FitMemory,
     FitModel,
     Priors,
 )
-from skinfield.solve.atoms.posterior_kernel import PosteriorMemory, believe_all
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
-from skinfield.solve.atoms.search_kernel import SearchMemory, SearchRules, search_atoms
+from skinfield.solve.atoms.search_kernel import search_atoms
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_tables
-from skinfield.solve.operator import Fit
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 QUIETEST = 1e-3  # of the stated noise, that is believed
@@ -64,6 +64,104 @@ def _model_error(place: float, force: float) -> Floats:
 # What presses is no perfect ball, flat end, line or ring: in thicknesses, and part of the force.
 ROUND_ERROR, ODD_ERROR = _model_error(0.02, 0.03), _model_error(0.25, 0.1)
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
+
+
+@dataclass(frozen=True, eq=False)
+class AtomFit:
+    """What a contact fit makes of one reading; fields and contacts are drawn when they are used.
+
+    Attributes
+    ----------
+    renderer : AtomRenderer
+    thickness : float, m
+    atoms, offsets : (N, 6) arrays
+        At the minimum of the cost, and from there to the posterior's mean; see `fit_kernel`.
+    covariance : (N, 6, 6) array
+    family : (N,) int array
+    at_mean : bool
+        Whether the mean is the answer: its error is smaller.
+    predicted : (L,) array, in the quantity's unit
+        What the taxels would read of them.
+    offset : float, in the quantity's unit
+        That all taxels are taken to share; it is part of what is predicted.
+    evidence : float
+        Logarithm of the marginal likelihood, up to a constant that all readings share.
+    explained : bool
+        Whether noise accounts for what the contacts leave over.
+    notes : tuple of str
+    """
+
+    renderer: AtomRenderer
+    thickness: float
+    atoms: Floats
+    offsets: Floats
+    covariance: Floats
+    family: Ints
+    at_mean: bool
+    predicted: Floats
+    offset: float
+    evidence: float
+    explained: bool
+    notes: tuple[str, ...]
+
+    @cached_property
+    def drawn(self) -> Drawable | None:
+        """Atoms as they are drawn; None without any."""
+        if not len(self.atoms):
+            return None
+        atoms, covariance = np.empty_like(self.atoms), np.empty_like(self.covariance)
+        for index, (atom, known) in enumerate(zip(self.atoms, self.covariance, strict=True)):
+            odd = np.any(atom[4:]) or self.family[index] == RING
+            error = known + (ODD_ERROR if odd else ROUND_ERROR)
+            mean = atom + self.offsets[index] if self.at_mean else atom
+            atoms[index], covariance[index] = stated(mean, error, self.thickness)
+        return drawable(atoms, self.family, covariance, self.thickness)
+
+    @cached_property
+    def pressure(self) -> Floats:
+        """Mean pressure on each cell, (K,) Pa."""
+        out = np.zeros(len(self.renderer.grid))
+        if len(self.atoms):
+            self.renderer.pressure(*self._rendered, out)
+        return out
+
+    @cached_property
+    def _rendered(self) -> tuple[Floats, Ints]:
+        """Atoms in SI as they are drawn, without what a covariance takes, and their families."""
+        if self.family.max() == RING:
+            assert self.drawn is not None  # as there are atoms
+            return self.drawn.atoms, self.drawn.family
+        mean = self.atoms + self.offsets if self.at_mean else self.atoms
+        out, half = np.empty_like(mean), mean[:, 4:]
+        out[:, :2] = mean[:, :2] * self.thickness
+        out[:, 2:4] = np.exp(mean[:, 2:4]) * (1.0, self.thickness)
+        out[:, 4] = np.hypot(half[:, 0], half[:, 1]) * self.thickness
+        out[:, 5] = np.arctan2(half[:, 1], half[:, 0])
+        return out, self.family
+
+    @cached_property
+    def pressure_std(self) -> Floats:
+        """One standard deviation of it, (K,) Pa."""
+        out, drawn = np.zeros(len(self.renderer.grid)), self.drawn
+        if drawn is not None:
+            self.renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, out)
+        return out
+
+    @cached_property
+    def displacement(self) -> Floats:
+        """Of the nodes in the patch's frame, (K, 3) m."""
+        out = np.zeros((len(self.renderer.grid), 3))
+        if self.drawn is not None:
+            self.renderer.displacement(self.drawn.atoms, self.drawn.family, out)
+        return out
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """By falling normal force."""
+        drawn = self.drawn
+        if drawn is None:
+            return ()
+        return self.renderer.contacts(drawn.atoms, drawn.family, drawn.covariance, drawn.groups)
 
 
 class FitData:
@@ -141,27 +239,16 @@ class ContactFitter:
         """What is known of the last reading."""
         return self._data.memory
 
-    @property
-    def count(self) -> int:
-        """Atoms of the last reading."""
-        return int(self._data.memory.counts[NOW])
-
-    def run_in(self, fields: bool = True) -> None:
-        """Load all that is compiled: a first reading is as fast as the next.
-
-        Parameters
-        ----------
-        fields : bool
-            As of `fit`: without them half as much is needed.
-        """
+    def run_in(self) -> None:
+        """Load all that is compiled: a first reading is as fast as the next."""
         bank = self.bank
         strongest = int(np.argmax(bank.norms))
         block = int(np.searchsorted(bank.firsts, strongest, side="right")) - 1
-        size = bank.sizes[block]
         template = np.zeros(len(self.model.taxels))
-        template[bank.taxels[block, :size]] = bank.templates[strongest, :size]
+        np.add.at(template, bank.taxels[block], bank.templates[strongest])
         for strength in FIRST:
-            self.fit(template * (strength * self.model.noise_std), fields=fields)
+            fit = self.fit(template * (strength * self.model.noise_std))
+        _ = fit.pressure, fit.contacts
         self.reset()
 
     def take_noise(self, noise: Floats) -> None:
@@ -178,32 +265,28 @@ class ContactFitter:
         """Forget the reading before."""
         self._data.reset()
 
-    def fit(self, readings: Floats, deadline_ns: int | None = None, *, fields: bool = True) -> Fit:
-        """See `ContactOperator.fit`; without `fields` deviation and displacement stay 0."""
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> "AtomFit":
+        """See `ContactOperator.fit`."""
         data = self._data
         memory = data.memory
         self._search(readings, data, deadline_ns or 0)
         count = int(memory.counts[NOW])
+        family = memory.family[NOW, :count].copy()
+        data.before[:count], data.before[-1] = family, count
         predicted = memory.predicted[NOW].copy()
         offset = self._offset(memory, predicted)
-        drawn = self._drawn(data, count, deadline_ns or 0)
-        nodes = len(self.model.grid)
-        pressure, std, moved = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, 3))
-        contacts: tuple[Contact, ...] = ()
-        if drawn is not None:
-            atoms, family = drawn.atoms, drawn.family
-            self._renderer.pressure(atoms, family, pressure)
-            contacts = self._renderer.contacts(atoms, family, drawn.covariance, drawn.groups)
-            if fields:
-                self._renderer.pressure_std(atoms, family, drawn.each, std)
-                self._renderer.displacement(atoms, family, moved)
-        return Fit(
-            pressure=pressure,
-            pressure_std=std,
-            displacement=moved,
-            contacts=contacts,
+        return AtomFit(
+            renderer=self._renderer,
+            thickness=self._thickness,
+            atoms=memory.atoms[NOW, :count].copy(),
+            offsets=data.posterior.offsets[:count].copy(),
+            covariance=data.posterior.covariance[:count].copy(),
+            family=family,
+            # where what is left over is model error, no mean of it is known
+            at_mean=not memory.taxels[WHITE].max() * data.noise.min() > QUIETER,
             predicted=predicted + offset,
             offset=offset,
+            evidence=float(data.search.known[0]),
             explained=self._explains(memory),
             notes=self._notes(data, count, offset),
         )
@@ -252,7 +335,15 @@ class ContactFitter:
             if turn:
                 self.weigh(readings, data, scale)
             search_atoms(
-                self.fit_model, self.bank, memory, data.search, rules, data.noise, shapes, deadline
+                self.fit_model,
+                self.bank,
+                memory,
+                data.search,
+                data.posterior,
+                rules,
+                data.noise,
+                shapes,
+                deadline,
             )
             step = self._noise_scale(data, scale)
             if step == 1.0 or memory.marks[LATE]:
@@ -264,10 +355,15 @@ class ContactFitter:
 
     def _explains(self, memory: FitMemory) -> bool:
         """Whether noise and model error account for what is left over, but for one in 1e4."""
+        left = self._left(memory) * memory.taxels[WHITE]
+        return bool(left @ left <= self._limits[self._freedom(memory)])
+
+    @cached_property
+    def _limits(self) -> Floats:
+        """Squares of as many normal numbers as the place that all but one in 1e4 stay below."""
         from scipy.special import chdtri
 
-        left = self._left(memory) * memory.taxels[WHITE]
-        return bool(np.square(left).sum() <= chdtri(self._freedom(memory), ODD))
+        return np.asarray(chdtri(np.arange(len(self.model.taxels) + 1), ODD))
 
     def _left(self, memory: FitMemory) -> Floats:
         predicted = memory.predicted[NOW]
@@ -315,31 +411,6 @@ class ContactFitter:
             share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
         enough = QUIET if scale <= 1.0 else CALM
         return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
-
-    def _drawn(self, data: FitData, count: int, deadline: int) -> Drawable | None:
-        """Atoms as drawn, with their covariances."""
-        memory, post = data.memory, data.posterior
-        family = memory.family[NOW, :count].copy()
-        same = count == data.before[-1] and np.array_equal(family, data.before[:count])
-        data.before[:count], data.before[-1] = family, count
-        if not count:
-            post.known[:] = 0
-            return None
-        believe_all(
-            self.fit_model, self.bank, memory, data.search, post, data.noise, same,
-            self.settings.starts, deadline,
-        )
-        atoms = np.empty((count, PARAMETERS))
-        covariance = np.zeros((count, PARAMETERS, PARAMETERS))
-        quieter = memory.taxels[WHITE].max() * data.noise.min() > QUIETER
-        for index in range(count):
-            atom = memory.atoms[NOW, index]
-            odd = np.any(atom[4:]) or family[index] == RING
-            error = post.covariance[index] + (ODD_ERROR if odd else ROUND_ERROR)
-            mean = atom + (0.0 if quieter else post.offsets[index])
-            # where what is left over is model error, of which no mean is known
-            atoms[index], covariance[index] = stated(mean, error, self._thickness)
-        return drawable(atoms, family, covariance, self._thickness)
 
 
 def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, Floats]:

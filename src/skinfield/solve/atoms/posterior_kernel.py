@@ -10,41 +10,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.dictionary import Templates, find_starts
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
-    LEFT,
     NOW,
-    READINGS,
-    SCORED,
-    SHARED,
-    WHITE,
     FitMemory,
     FitModel,
-    descend,
     factor,
-    is_late,
     is_long,
     solve_factored,
 )
-from skinfield.solve.atoms.search_kernel import (
-    RARER,
-    SearchMemory,
-    append,
-    copy_others,
-    leave,
-    mark_one,
-    offset_of,
-)
-from skinfield.solve.atoms.fit_kernel import TRIAL
-from skinfield.solve.atoms.table import BALL, FLAT, RING
 
+RARER = np.array([0.0, 1.0, 2.0])  # ln odds of a ball over each family, before any reading
 REACH = 14  # steps of the lattice each way
 SIDE = 2 * REACH + 1
-STEPS = 4  # of refinement at each place
-SETTLED_GAIN = 1e-2  # gain in cost of the last of them
+WALK_STEPS = 4  # of refinement at each place
+WALK_GAIN = 1e-2  # gain in cost of the last of them
 DEEP = 6.0  # in cost: places that are worse than the best by more do not count
 ROUND_OFF = 1e-9, 1e-12  # of a Hessian's diagonal, and beside it: what is added so that it inverts
 SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
@@ -57,6 +39,11 @@ STEP_STD, WIDE_STEP_STD = 0.9, 1.2  # standard deviations between places, for ma
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
 UNKNOWN, ROUGH, KNOWN = 0, 1, 2  # what is known of an atom
+NEAR = 1.0  # thicknesses: an atom of the same family that is nearer was there before
+# Places of `PosteriorMemory.walk`: length of the queue, the next of it, atoms that were walked in
+# all and before this family, the family, both families?, most places, the place that is refined.
+QUEUED, NEXT, WALKED, FIRST, FAMILY, BOTH, MOST, CURRENT = range(8)
+AXES, MEAN, BEST_COST = 60, 50, 70  # in `small`
 
 
 class PosteriorMemory(NamedTuple):
@@ -69,7 +56,6 @@ class PosteriorMemory(NamedTuple):
     atoms, offsets : (M, 6) arrays
         Where it was then, and from there to the posterior's mean.
     covariance : (M, 6, 6) array
-    inverse : (36 M M,) array
     walked : (W, 6) array
         Atoms at the places of a walk; `families` (W,) and `weights` (W,), at first their logarithm.
     inner : (W, 6, 6) array
@@ -78,8 +64,8 @@ class PosteriorMemory(NamedTuple):
         Places of the lattice, and the atom, walked or a start, that they begin from.
     put : (SIDE, SIDE) int array
         Whether a place is in the queue.
-    part : (8,) int array
-        Numbers of parameters.
+    walk : (8,) int array
+        See `QUEUED` and those after it.
     small : (80,) array
     """
 
@@ -88,14 +74,13 @@ class PosteriorMemory(NamedTuple):
     atoms: Floats
     offsets: Floats
     covariance: Floats
-    inverse: Floats
     walked: Floats
     families: Ints
     weights: Floats
     inner: Floats
     queue: Ints
     put: Ints
-    part: Ints
+    walk: Ints
     small: Floats
 
     @classmethod
@@ -108,7 +93,6 @@ class PosteriorMemory(NamedTuple):
             np.zeros((most, 6)),
             np.zeros((most, 6)),
             np.zeros((most, 6, 6)),
-            np.zeros(36 * most * most),
             np.zeros((places, 6)),
             np.zeros(places, np.int64),
             np.zeros(places),
@@ -120,7 +104,7 @@ class PosteriorMemory(NamedTuple):
         )
 
 
-@inner
+@inner(_nrt=False)
 def laplace(model: FitModel, memory: FitMemory, post: PosteriorMemory, index: int) -> None:
     """Write the covariance of one atom by the curvature of the cost, all others moving along.
 
@@ -161,7 +145,7 @@ def laplace(model: FitModel, memory: FitMemory, post: PosteriorMemory, index: in
             covariance[i, column] = right[6 * index + i] if free else 0.0
 
 
-@inner
+@inner(_nrt=False)
 def _inverse(memory: FitMemory, post: PosteriorMemory, at: int) -> float:
     """Write the covariance beside the place of the atom that was refined alone.
 
@@ -193,104 +177,114 @@ def _inverse(memory: FitMemory, post: PosteriorMemory, at: int) -> float:
     return half
 
 
-@inner
-def _visit(post: PosteriorMemory, i: int, j: int, source: int, length: int) -> int:
-    """Put a place at the end of the queue if it is new and near; the queue's length then."""
+@inner(_nrt=False)
+def _visit(post: PosteriorMemory, i: int, j: int, source: int) -> None:
+    """Put a place at the end of the queue if it is new and near."""
     if abs(i) > REACH or abs(j) > REACH or post.put[i + REACH, j + REACH]:
-        return length
+        return
+    length = post.walk[QUEUED]
     post.put[i + REACH, j + REACH] = 1
     post.queue[length, 0], post.queue[length, 1], post.queue[length, 2] = i, j, source
-    return length + 1
+    post.walk[QUEUED] = length + 1
 
 
-@inner
-def explore(
-    model: FitModel,
-    memory: FitMemory,
-    search: SearchMemory,
-    post: PosteriorMemory,
-    seeds: int,
-    family: int,
-    axes: Floats,
-    most: int,
-    first: int,
-    deadline: int,
-) -> int:
-    """Walk over places from the search's first seeds while the cost stays near the least.
+@inner(_nrt=False)
+def widest_deviation(post: PosteriorMemory, index: int, step: float) -> float:
+    """Largest deviation of an atom's place, in thicknesses; writes the axes of a lattice of it."""
+    covariance, axes = post.covariance[index], post.small
+    a, b, c = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    middle, spread = 0.5 * (a + c), np.hypot(0.5 * (a - c), b)
+    wide, narrow = np.sqrt(max(middle + spread, 0.0)), np.sqrt(max(middle - spread, 0.0))
+    angle = 0.5 * np.arctan2(2.0 * b, a - c)  # of the wider axis
+    long = min(max(step * wide, SHORTEST), LONGEST)
+    short = min(max(step * narrow, SHORTEST), LONGEST)
+    axes[AXES], axes[AXES + 1] = -short * np.sin(angle), short * np.cos(angle)
+    axes[AXES + 2], axes[AXES + 3] = long * np.cos(angle), long * np.sin(angle)
+    return float(wide)
 
-    Parameters
-    ----------
-    seeds : int
-        How many; the first is where the lattice of places has its origin.
-    family : int
-        Of the atom.
-    axes : (2, 2) array
-        Steps of the lattice.
-    most : int
-        Places that are kept.
-    first : int
-        Row of the first of them.
 
-    Returns
-    -------
-    int
-        Row after the last.
+@inner(_nrt=False)
+def start_walk(post: PosteriorMemory, seeds: Floats, count: int, family: int) -> None:
+    """Begin a walk with a family: the queue holds the places of the first seeds (count, 6).
+
+    The first of them is where the lattice of places has its origin.
     """
-    x, y = search.seeds[0, 0], search.seeds[0, 1]
+    walk, a, b = post.walk, post.small[AXES], post.small[AXES + 1]
+    c, d = post.small[AXES + 2], post.small[AXES + 3]
     for i in range(SIDE):
         for j in range(SIDE):
             post.put[i, j] = 0
-    determinant, length = axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0], 0
-    for seed in range(seeds):
-        off_x, off_y = search.seeds[seed, 0] - x, search.seeds[seed, 1] - y
-        i = round((off_x * axes[1, 1] - off_y * axes[1, 0]) / determinant)
-        j = round((off_y * axes[0, 0] - off_x * axes[0, 1]) / determinant)
-        length = _visit(post, int(i), int(j), -1 - seed, length)
-    best, at, place = np.inf, first, 0
-    while place < length and at < first + most:
-        if at > first and is_late(memory, deadline):
-            break
-        i, j, source = post.queue[place, 0], post.queue[place, 1], post.queue[place, 2]
-        place += 1
-        begin = search.seeds[-1 - source] if source < 0 else post.walked[source]
-        memory.counts[ALONE] = 0
-        append(memory, ALONE, begin, family)
-        atom = memory.atoms[ALONE, 0]
-        atom[0] = x + i * axes[0, 0] + j * axes[1, 0]
-        atom[1] = y + i * axes[0, 1] + j * axes[1, 1]
-        inside = True
-        for axis in range(2):
-            inside = inside and model.places[0, axis] <= atom[axis] <= model.places[1, axis]
-        if not inside:
+    walk[QUEUED], walk[NEXT], walk[FIRST], walk[FAMILY] = 0, 0, walk[WALKED], family
+    post.small[BEST_COST] = np.inf
+    determinant = a * d - b * c
+    for seed in range(count):
+        x, y = seeds[seed, 0] - seeds[0, 0], seeds[seed, 1] - seeds[0, 1]
+        i, j = np.rint((x * d - y * c) / determinant), np.rint((y * a - x * b) / determinant)
+        _visit(post, int(i), int(j), -1 - seed)
+
+
+@inner(_nrt=False)
+def next_place(model: FitModel, memory: FitMemory, post: PosteriorMemory, seeds: Floats) -> bool:
+    """Make ALONE the atom at the next place of a walk; False where there is none."""
+    walk, atom, axes = post.walk, memory.atoms[ALONE, 0], post.small
+    while walk[NEXT] < walk[QUEUED] and walk[WALKED] < walk[FIRST] + walk[MOST]:
+        walk[CURRENT] = walk[NEXT]
+        i, j, source = (
+            post.queue[walk[NEXT], 0],
+            post.queue[walk[NEXT], 1],
+            post.queue[walk[NEXT], 2],
+        )
+        walk[NEXT] += 1
+        x = seeds[0, 0] + i * axes[AXES] + j * axes[AXES + 2]
+        y = seeds[0, 1] + i * axes[AXES + 1] + j * axes[AXES + 3]
+        if not (model.places[0, 0] <= x <= model.places[1, 0]):
             continue
-        descend(model, memory, ALONE, LEFT, 2, STEPS, SETTLED_GAIN, 0)
-        cost = memory.costs[ALONE]
-        if cost > best + DEEP:
+        if not (model.places[0, 1] <= y <= model.places[1, 1]):
             continue
-        best = min(best, cost)
+        begin = seeds[-1 - source] if source < 0 else post.walked[source]
+        memory.counts[ALONE], memory.family[ALONE, 0] = 1, walk[FAMILY]
         for k in range(6):
-            post.walked[at, k] = atom[k]
-        post.families[at] = family
-        post.weights[at] = -cost - _inverse(memory, post, at) - RARER[family]
-        for way in range(9):
-            length = _visit(post, i + way // 3 - 1, j + way % 3 - 1, at, length)
-        at += 1
-    return at
+            atom[k] = begin[k]
+        atom[0], atom[1] = x, y
+        return True
+    return False
 
 
-@inner
-def _combine(post: PosteriorMemory, index: int, family: int, count: int, atom: Floats) -> bool:
-    """Write mean and covariance of a walk; False if nothing of it counts."""
-    highest = -np.inf
+@inner(_nrt=False)
+def keep_place(memory: FitMemory, post: PosteriorMemory) -> None:
+    """Keep the refined ALONE if it fits about as well as the best, and queue what is beside it."""
+    walk, cost = post.walk, memory.costs[ALONE]
+    if cost > post.small[BEST_COST] + DEEP:
+        return
+    post.small[BEST_COST] = min(post.small[BEST_COST], cost)
+    at, place = walk[WALKED], walk[CURRENT]
+    for k in range(6):
+        post.walked[at, k] = memory.atoms[ALONE, 0, k]
+    post.families[at] = walk[FAMILY]
+    post.weights[at] = -cost - _inverse(memory, post, at) - RARER[walk[FAMILY]]
+    i, j = post.queue[place, 0], post.queue[place, 1]
+    for way in range(9):
+        _visit(post, i + way // 3 - 1, j + way % 3 - 1, at)
+    walk[WALKED] = at + 1
+
+
+@inner(_nrt=False)
+def combine(post: PosteriorMemory, index: int, family: int, atom: Floats) -> None:
+    """Write mean and covariance of a walk, if anything of it counts."""
+    highest, count = -np.inf, post.walk[WALKED]
     for at in range(count):
         highest = max(highest, post.weights[at])
     if not highest > -np.inf:
-        return False
+        return
     total, same = 0.0, 0.0
     for at in range(count):
         post.weights[at] = np.exp(post.weights[at] - highest)
         total += post.weights[at]
-    covariance, offset, mean = post.covariance[index], post.offsets[index], post.small[50:56]
+    covariance, offset, mean = (
+        post.covariance[index],
+        post.offsets[index],
+        post.small[MEAN : MEAN + 6],
+    )
     for i in range(6):
         mean[i] = 0.0
         offset[i] = 0.0
@@ -314,90 +308,9 @@ def _combine(post: PosteriorMemory, index: int, family: int, count: int, atom: F
         if i >= 3 and same > LEAST:
             value = offset[i] / same
         offset[i] = value - atom[i]
-    return True
 
 
-@inner
-def believe(
-    model: FitModel,
-    bank: Templates,
-    memory: FitMemory,
-    search: SearchMemory,
-    post: PosteriorMemory,
-    noise: Floats,
-    index: int,
-    places: int,
-    starts: int,
-    step: float,
-    deadline: int,
-) -> None:
-    """Write what the reading leaves open about one atom, the others being where they are.
-
-    At most so many `places` are tried for each family, `step` standard deviations apart. Further
-    minima are sought from so many `starts`; with 0 of them the other family is not tried, either.
-    """
-    own, family = memory.atoms[NOW, index], memory.family[NOW, index]
-    for i in range(6):
-        post.atoms[index, i] = own[i]
-        post.offsets[index, i] = 0.0
-    post.family[index], post.known[index] = family, KNOWN
-    laplace(model, memory, post, index)
-    a, b, c = (
-        post.covariance[index, 0, 0],
-        post.covariance[index, 0, 1],
-        post.covariance[index, 1, 1],
-    )
-    middle, spread = 0.5 * (a + c), np.hypot(0.5 * (a - c), b)
-    large, small = max(middle + spread, 0.0), max(middle - spread, 0.0)
-    widest = np.sqrt(large)
-    if widest < CERTAIN:
-        return
-    if is_late(memory, deadline):
-        post.known[index] = ROUGH
-        return
-    angle = 0.5 * np.arctan2(2.0 * b, a - c)  # of the wider axis
-    axes = post.small[60:64].reshape((2, 2))
-    long = min(max(step * widest, SHORTEST), LONGEST)
-    short = min(max(step * np.sqrt(small), SHORTEST), LONGEST)
-    axes[0, 0], axes[0, 1] = -short * np.sin(angle), short * np.cos(angle)
-    axes[1, 0], axes[1, 1] = long * np.cos(angle), long * np.sin(angle)
-    mark_one(memory, search, index)
-    copy_others(memory, search, NOW, TRIAL)
-    offset, left = offset_of(memory, NOW), memory.taxels[LEFT]
-    leave(model, memory, TRIAL)
-    for taxel in range(len(left)):
-        left[taxel] -= offset
-    shared, memory.sums[SHARED] = memory.sums[SHARED], 0.0
-    for i in range(6):
-        search.seeds[0, i] = own[i]
-    seeds, both = 1, starts > 0 and family != RING
-    if both and widest > SURE and not is_long(own):
-        scored = memory.taxels[SCORED]
-        for taxel in range(len(left)):
-            heard = memory.taxels[WHITE, taxel] > 0.0
-            scored[taxel] = left[taxel] / noise[taxel] if heard else 0.0
-        more = find_starts(bank, search.starts, scored, starts, 0.0)
-        for seed in range(min(more, len(search.seeds) - 1)):
-            for i in range(6):
-                search.seeds[seed + 1, i] = search.starts.starts[seed, i]
-            seeds += 1
-    walked = 0
-    kinds = 2 if both else 1
-    for kind in range(kinds):
-        tried = (BALL, FLAT)[kind] if both else family
-        walked = explore(
-            model, memory, search, post, seeds, tried, axes, places, walked, deadline
-        )
-    memory.sums[SHARED] = shared
-    if is_late(memory, deadline):
-        post.known[index] = ROUGH
-        for i in range(6):
-            post.offsets[index, i] = 0.0
-        return
-    _combine(post, index, family, walked, own)
-
-
-@inner
+@inner(_nrt=False)
 def holds(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
     """Whether an atom is still about where it was when its covariance was found."""
     if post.known[index] == UNKNOWN or post.family[index] != memory.family[NOW, index]:
@@ -409,36 +322,11 @@ def holds(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
     return bool(abs(memory.atoms[NOW, index, 2] - post.atoms[index, 2]) < CHANGED)
 
 
-@njit
-def believe_all(
-    model: FitModel,
-    bank: Templates,
-    memory: FitMemory,
-    search: SearchMemory,
-    post: PosteriorMemory,
-    noise: Floats,
-    same: bool,
-    starts: int,
-    deadline: int,
-) -> None:
-    """Write mean and covariance of all atoms of NOW, but where those before still hold.
-
-    Parameters
-    ----------
-    same : bool
-        Whether the atoms are those of the reading before.
-    starts : int
-        Places from which further minima are sought.
-    """
-    for index in range(memory.counts[NOW]):
-        before = post.known[index] if same else UNKNOWN
-        if before == KNOWN and holds(memory, post, index):
-            continue
-        few = before == KNOWN
-        believe(
-            model, bank, memory, search, post, noise, index,
-            FEW if few else PLACES, 0 if few else starts,
-            WIDE_STEP_STD if few else STEP_STD, deadline,
-        )
-    for index in range(memory.counts[NOW], len(post.known)):
-        post.known[index] = UNKNOWN
+@inner(_nrt=False)
+def was_there(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
+    """Whether an atom of the same family was known about there."""
+    if post.known[index] == UNKNOWN or post.family[index] != memory.family[NOW, index]:
+        return False
+    x = memory.atoms[NOW, index, 0] - post.atoms[index, 0]
+    y = memory.atoms[NOW, index, 1] - post.atoms[index, 1]
+    return bool(np.hypot(x, y) < NEAR)

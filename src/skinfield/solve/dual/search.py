@@ -1,7 +1,5 @@
 """Search of the dual, compiled as one piece so that it can look at the clock between steps."""
 
-from typing import Any
-
 import numpy as np
 
 from skinfield.compiled import inner, njit
@@ -36,6 +34,7 @@ MARGIN = 0.5  # standard deviations below a node's own penalty at which it is se
 UNITS = 8  # of a number's last place in the rounding of a dual value
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SMOOTH, SAFE = 0.1, 1.6  # of the mean of a pace, and times that is never gone below
+
 
 @njit(fastmath=FAST)
 def answer(
