@@ -125,7 +125,8 @@ class ContactPlan:
         fit = self.operator.fit(reading, self.margin.before(end))
         late = end is not None and time.perf_counter_ns() >= end
         chosen: bool | None = getattr(self.operator, "field_answers", None)
-        if (not fit.explained if chosen is None else chosen) and not late and self.extended is not None:
+        asked = not fit.explained if chosen is None else chosen
+        if asked and not late and self.extended is not None:
             field = self.extended.prompt(reading - fit.offset, end)
             if chosen:
                 return replace(field, notes=(*fit.notes, *field.notes), margin=self.margin)

@@ -15,8 +15,8 @@ import numpy as np
 
 from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, Ints, check_range, check_type
-from skinfield.solve.atoms.fit_kernel import SHARED, WHITE
+from skinfield.errors import Floats, Ints, check_count, check_range, check_type
+from skinfield.solve.atoms.fit_kernel import MOST, SHARED, WHITE
 from skinfield.solve.atoms.fitter import AtomFit, ContactFitter
 from skinfield.solve.contact_fit import ContactFit
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
@@ -168,12 +168,14 @@ class Contest:
         same = self.energy / RISE < energy < self.energy * RISE
         return not same or count != self.count or not count
 
-    def decide(self, contacts: float, field: float, margin: float) -> int:
+    def decide(self, contacts: float, field: float, count: int, margin: float) -> int:
         """Take in the evidence of each; another one wins only if better by a margin.
 
         Parameters
         ----------
         contacts, field : float
+        count : int
+            Atoms; to none a field need not lose by a margin.
         margin : float
             Logarithm of the odds by which the winner so far is favoured.
         """
@@ -181,7 +183,7 @@ class Contest:
         lead = field - contacts
         if self.winner == CONTACTS and lead > margin:
             self.winner = FIELD
-        elif self.winner == FIELD and lead < -margin:
+        elif self.winner == FIELD and lead < -(margin if count else 0.0):
             self.winner = CONTACTS
         return self.winner
 
@@ -209,17 +211,22 @@ class Auto:
         Logarithm of the odds by which one must be more probable than what answered before, which
         is contacts at first. Idle readings are taken for a field in at most exp(-reluctance) of
         cases (Markov's inequality).
+    most_steps : int
+        Of refinement in the search for contacts, in one reading: what rests under a field's load
+        is not tried for seconds.
     """
 
     contacts: ContactFit = dataclasses.field(default_factory=ContactFit)
     field: NonNegative = dataclasses.field(default_factory=NonNegative)
     linear: GaussianField = dataclasses.field(default_factory=GaussianField)
     reluctance: float = 7.0
+    most_steps: int = 3000
 
     def __post_init__(self) -> None:
         check_type("contacts", self.contacts, ContactFit, "which finds few contacts")
         check_type("field", self.field, NonNegative, "a field that only presses")
         check_type("linear", self.linear, GaussianField, "a field that no constraint binds")
+        check_count("most_steps", self.most_steps, 1, 1_000_000_000, "steps of refinement")
         check_range("reluctance", self.reluctance, 0.0, 1e6, "a logarithm of odds")
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
@@ -303,6 +310,7 @@ class AutoOperator:
         self._along = np.zeros((2, len(model.taxels)))
         self.fitter.run_in()
         nothing = self.fitter.fit(np.zeros(len(model.taxels)))
+        self.fitter.memory.marks[MOST] = settings.most_steps
         self._nothing = replace(nothing, notes=(FIELD_NOTE,))
         self._compare(np.zeros(len(model.taxels)), nothing)
         self.reset()
@@ -341,4 +349,4 @@ class AutoOperator:
         white, shared = self.fitter.memory.taxels[WHITE], float(self.fitter.memory.sums[SHARED])
         contacts = contact_evidence(fit.evidence, white, shared, self._common)
         field = field_evidence(self.priors, readings, self._along)
-        self.contest.decide(contacts, field, self.settings.reluctance)
+        self.contest.decide(contacts, field, len(fit.atoms), self.settings.reluctance)

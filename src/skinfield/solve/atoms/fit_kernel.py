@@ -58,7 +58,7 @@ NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
 REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
 # Places of `FitMemory.marks`, the first two of which are the clock's.
-NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED = 2, 3, 4, 5, 6, 7
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST = 2, 3, 4, 5, 6, 7, 8  # MOST: steps, 0 for any
 
 
 class FitMemory(NamedTuple):
@@ -400,10 +400,13 @@ def copy_set(memory: FitMemory, source: int, target: int) -> None:
 
 @inner(_nrt=False)
 def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
-    """Whether a step of a set may end after a time of the clock; 0 for no such time.
+    """Whether a step of a set may end after a time of the clock, 0 for none, or is one too many.
 
     How long a step takes is learnt from those before: nearly the slowest of late, per atom.
     """
+    if memory.marks[STEPS] >= memory.marks[MOST] > 0:
+        memory.marks[LATE] = 1
+        return True
     if deadline == 0:
         return False
     now, count = now_ns(memory.marks), max(memory.counts[which], 1)

@@ -302,7 +302,7 @@ class ContactFitter:
         """What is to be told of an answer with as many contacts, in sentences."""
         notes = []
         if data.memory.marks[LATE]:
-            notes.append(f"ContactFit stopped at the deadline, with {count} found")
+            notes.append(f"ContactFit stopped before all was tried, with {count} found")
         if data.scale > LOUD:
             notes.append("ContactFit saw more noise than was stated, and went by what it saw")
         if abs(offset) > self._common(data) > 0.0:

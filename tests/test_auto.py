@@ -1,0 +1,127 @@
+"""Choice between few contacts and a field, by evidence."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+import skinfield as sf
+from skinfield import simulate
+from skinfield.solve import Auto
+from skinfield.solve.atoms.fit_kernel import STEPS
+from skinfield.solve.auto import (
+    AMPLITUDES,
+    CONTACTS,
+    FIELD,
+    FIELD_NOTE,
+    LENGTHS,
+    LINEAR_NOTE,
+    MISFITS,
+    Contest,
+    FieldPriors,
+    field_evidence,
+)
+from skinfield.solve.linear import smoothed, taxel_distance
+
+NOISE = 0.002
+FOAM = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.3)
+
+
+@pytest.fixture(scope="module")
+def rec():
+    return sf.Reconstructor(sf.layouts.hexagon72(), FOAM, solver=Auto(), noise_std=NOISE)
+
+
+@pytest.fixture
+def operator(rec):
+    rec.reset()
+    return rec.plans.whole.operator
+
+
+def noise(seed, count=1):
+    return np.random.default_rng(seed).normal(0.0, NOISE, (count, 72)).squeeze()
+
+
+def broad_load(model, seed, peak=0.15):
+    """Readings of a pressure that varies over some taxels, everywhere on the patch."""
+    wave = 2 * np.pi * model.grid.plane / 30e-3 + np.random.default_rng(seed).uniform(0, 6, 2)
+    readings = model.matrix @ (1.0 + 0.5 * np.sin(wave).prod(axis=1))
+    return readings * peak / readings.max()
+
+
+def test_evidence_of_a_field_is_the_mean_density_of_its_priors():
+    patch = sf.layouts.rectangular(rows=4, columns=3)
+    model = sf.Reconstructor(patch, noise_std=np.linspace(1e-3, 3e-3, 12)).model
+    readings = np.random.default_rng(1).normal(0.0, 0.01, 12)
+    offset = np.full((12, 12), (5.0 * model.noise_std.mean()) ** 2)
+    densities = []
+    for length in LENGTHS:
+        far = length * taxel_distance(model.taxels, model.grid.pitch)
+        gram = smoothed(model.grid, model.matrix, far) @ model.matrix.T
+        gram *= 12 / (np.diagonal(gram) / model.noise_std**2).sum()
+        for amplitude in AMPLITUDES:
+            for misfit in MISFITS:
+                own = np.diag((misfit * model.noise_std) ** 2)
+                prior = multivariate_normal(cov=amplitude**2 * gram + own + offset)
+                densities.append(prior.logpdf(readings))
+    expected = np.logaddexp.reduce(densities) - np.log(len(densities))
+    value = field_evidence(FieldPriors.of(model, 5.0), readings, np.zeros((2, 12)))
+    assert value == pytest.approx(expected, rel=1e-9)
+
+
+def test_evidence_of_no_contact_is_the_density_of_the_noise(operator):
+    readings = noise(2)
+    assert not operator.fit(readings).contacts
+    cov = np.eye(72) * NOISE**2 + (5.0 * NOISE) ** 2
+    assert operator.contest.contacts == pytest.approx(
+        multivariate_normal(cov=cov).logpdf(readings), abs=0.1
+    )
+
+
+def test_an_idle_patch_is_no_field(operator):
+    for reading in noise(3, 100):
+        assert operator.fit(reading).notes == ()
+        assert not operator.field_answers
+
+
+def test_a_ball_is_a_contact_and_a_broad_load_a_field(rec):
+    rec.reset()
+    ball = simulate.press(FOAM, [simulate.Sphere(radius=6e-3, position=(-9e-3, 3e-3))], 66e-3)
+    one = rec(ball.capacitance(rec.patch.plane, rec.patch.pad_diameter) + noise(4))
+    assert len(one.contacts) == 1
+    assert one.normal_force == pytest.approx(1.0, rel=0.15)
+    assert one.notes == ()
+    rec.reset()
+    load = broad_load(rec.model, 5)
+    assert FIELD_NOTE in rec(load + noise(5)).notes
+
+
+def test_while_a_field_rests_no_contacts_are_sought(operator):
+    load = broad_load(operator.model, 6)
+    operator.fit(load + noise(6))
+    steps = operator.fitter.memory.marks[STEPS]
+    assert operator.field_answers
+    operator.fitter.memory.marks[STEPS] = 0
+    for reading in load + noise(7, 20):
+        assert operator.fit(reading).notes == (FIELD_NOTE,)
+    assert steps > 0 == operator.fitter.memory.marks[STEPS]
+    operator.fit(noise(8))
+    assert not operator.field_answers
+
+
+def test_readings_that_no_pressure_makes_are_answered_by_a_linear_field(operator):
+    alternating = 0.3 * np.resize([1.0, -1.0], 72)
+    out = np.zeros(len(operator.model.grid))
+    operator.extended.apply(alternating, out)
+    assert operator.extended.notes == (LINEAR_NOTE,)
+    assert out.min() < 0.0
+    operator.extended.apply(broad_load(operator.model, 9), out)
+    assert operator.extended.notes == ()
+    assert out.min() >= 0.0
+
+
+def test_the_winner_stays_at_the_border():
+    contest = Contest()
+    leads = [0.0, 6.0, 8.0, 1.0, -6.0, -8.0, 0.0]
+    found = [contest.decide(0.0, lead, count=1, margin=7.0) for lead in leads]
+    assert found == [CONTACTS, CONTACTS, FIELD, FIELD, FIELD, CONTACTS, CONTACTS]
+    assert Contest(FIELD).decide(0.0, -1.0, count=0, margin=7.0) == CONTACTS
