@@ -19,6 +19,8 @@ from skinfield.solve.auto import (
     Contest,
     FieldPriors,
     field_evidence,
+    misfit_gain,
+    noise_density,
 )
 from skinfield.solve.linear import smoothed, taxel_distance
 
@@ -68,18 +70,21 @@ def test_evidence_of_a_field_is_the_mean_density_of_its_priors():
     assert value == pytest.approx(expected, rel=1e-9)
 
 
-def test_evidence_of_no_contact_is_the_density_of_the_noise(operator):
-    readings = noise(2)
-    assert not operator.fit(readings).contacts
-    cov = np.eye(72) * NOISE**2 + (5.0 * NOISE) ** 2
-    assert operator.contest.contacts == pytest.approx(
-        multivariate_normal(cov=cov).logpdf(readings), abs=0.1
-    )
+def test_density_of_noise_has_all_its_constants(operator):
+    readings, white, common = noise(2), np.full(72, 1.0 / NOISE), 5.0 * NOISE
+    shared = common**2 / (1.0 + common**2 * (white @ white))
+    expected = multivariate_normal(cov=np.eye(72) * NOISE**2 + common**2)
+    assert noise_density(white, shared, common) == pytest.approx(expected.logpdf(np.zeros(72)))
+    plain = [multivariate_normal(cov=np.eye(72) * s**2).logpdf(readings / NOISE) for s in MISFITS]
+    squares = float(np.square(readings / NOISE).sum())
+    gain = np.logaddexp.reduce(plain) - np.log(len(plain)) - plain[0]
+    assert misfit_gain(squares, 72) == pytest.approx(gain)
 
 
-def test_an_idle_patch_is_no_field(operator):
-    for reading in noise(3, 100):
-        assert operator.fit(reading).notes == ()
+def test_an_idle_patch_is_no_field_however_noisy(operator):
+    for reading in (*noise(3, 60), *2.0 * noise(4, 30), *4.0 * noise(5, 30)):
+        operator.reset()
+        operator.fit(reading)
         assert not operator.field_answers
 
 

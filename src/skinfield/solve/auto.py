@@ -2,9 +2,9 @@
 
 The evidence of a hypothesis is the marginal likelihood of the readings (MacKay 2003, Information
 Theory, chapter 28), with all constants, so that hypotheses of different kinds compare. That of the
-contacts is Laplace's of the fit, at the noise that it went by. That of a field of unknown form is
-the mean over Gaussian priors of several length scales and amplitudes, in closed form, and over how
-many times more than the stated noise the readings may be off, as no skin is quite like its model.
+contacts is Laplace's of the fit. That of a field of unknown form is the mean over Gaussian priors
+of several length scales and amplitudes, in closed form. Both are means over how many times more
+than the noise the readings may be off, as no skin is quite like its model.
 """
 
 import dataclasses
@@ -25,7 +25,7 @@ from skinfield.solve.operator import InverseOperator
 
 LENGTHS = (0.7, 2.0, 6.0)  # of a field's correlation, in distances of taxels
 AMPLITUDES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # root mean square of its readings, over noise
-MISFITS = (1.0, 3.0, 9.0, 27.0)  # times the noise that readings may be off
+MISFITS = (1.0, 1.6, 2.5, 4.0, 9.0, 27.0)  # times the noise that readings may be off
 WORTH = 0.15  # of the readings, root mean square: what is left over if a model is to be believed,
 WORST = 4.0  # or times the noise
 RISE = 1.5  # of the readings' squares over the noise, after which the hypotheses are compared again
@@ -69,7 +69,8 @@ class FieldPriors(NamedTuple):
         distance = taxel_distance(model.taxels, model.grid.pitch)
         white = 1.0 / model.noise_std
         offset = common * float(model.noise_std.mean()) * white
-        vectors, variances, along = [], [], []
+        vectors, along = [], []
+        variances: list[Floats] = []
         for length in LENGTHS:
             gram = smoothed(model.grid, model.matrix, length * distance) @ model.matrix.T
             spectrum, columns = np.linalg.eigh(gram * np.outer(white, white))
@@ -122,23 +123,34 @@ def field_evidence(priors: FieldPriors, readings: Floats, along: Floats) -> floa
     return float(highest + np.log(total / len(priors.gain)))
 
 
-def contact_evidence(evidence: float, white: Floats, shared: float, common: float) -> float:
-    """Logarithm of the density of the readings of a contact fit, from its evidence.
+def noise_density(white: Floats, shared: float, common: float) -> float:
+    """Logarithm of the density at 0 of noise and an offset that all taxels share.
 
     Parameters
     ----------
-    evidence : float
-        Without the constants of the noise.
     white : (L,) array
-        One over the deviations that it went by; 0 of taxels that are not heard.
-    shared : float
-        Variance of the offset that all taxels share, after the readings.
-    common : float
-        Its standard deviation before.
+        One over the deviations; 0 of taxels that are not heard.
+    shared, common : float
+        Variance of the offset after readings, and its standard deviation before.
     """
     heard = white[white > 0.0]
     known = np.log(heard).sum() - 0.5 * len(heard) * np.log(2 * np.pi)
-    return float(evidence + known + (0.5 * np.log(shared) - np.log(common) if shared else 0.0))
+    return float(known + (0.5 * np.log(shared) - np.log(common) if shared > 0.0 else 0.0))
+
+
+def misfit_gain(squares: float, freedom: int) -> float:
+    """What a mean over the misfits adds to the logarithm of a density without any.
+
+    Parameters
+    ----------
+    squares : float
+        Of what is left over, over the noise.
+    freedom : int
+        Taxels less the numbers that were fitted to them.
+    """
+    misfit = np.array(MISFITS)
+    gains = 0.5 * squares * (1.0 - misfit**-2.0) - max(freedom, 1) * np.log(misfit)
+    return float(np.logaddexp.reduce(gains) - np.log(len(misfit)))
 
 
 @dataclass
@@ -150,7 +162,7 @@ class Contest:
     winner : int
         CONTACTS or FIELD.
     contacts, field : float
-        Evidence of each when they were compared.
+        Evidence of each when they were compared, contacts or nothing at all.
     energy : float
         Squares of the readings over the noise then; 0 before any comparison.
     count : int
@@ -346,7 +358,20 @@ class AutoOperator:
         return self._nothing if self.field_answers else fit
 
     def _compare(self, readings: Floats, fit: AtomFit) -> None:
-        white, shared = self.fitter.memory.taxels[WHITE], float(self.fitter.memory.sums[SHARED])
-        contacts = contact_evidence(fit.evidence, white, shared, self._common)
+        """Compare a field with the contacts, and with nothing but noise.
+
+        Contacts that do not explain the readings are not excused by a misfit where a field does.
+        """
+        memory = self.fitter.memory
+        white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
+        density, heard = noise_density(white, shared, self._common), np.count_nonzero(white)
+        left, level = (readings - fit.predicted) * white, float(white @ (readings * white))
+        contacts = fit.evidence + density
+        if fit.explained:
+            free = 4 * len(fit.atoms) + np.count_nonzero(fit.atoms[:, 4:])
+            contacts += misfit_gain(float(left @ left), heard - free)
+        idle = float(np.square(readings * white).sum()) - shared * level**2
+        nothing = density - 0.5 * idle + misfit_gain(idle, heard)
         field = field_evidence(self.priors, readings, self._along)
-        self.contest.decide(contacts, field, len(fit.atoms), self.settings.reluctance)
+        rival = max(contacts, nothing)
+        self.contest.decide(rival, field, len(fit.atoms), self.settings.reluctance)
