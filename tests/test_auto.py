@@ -66,8 +66,8 @@ def test_evidence_of_a_field_is_the_mean_density_of_its_priors():
                 prior = multivariate_normal(cov=amplitude**2 * gram + own + offset)
                 densities.append(prior.logpdf(readings))
     expected = np.logaddexp.reduce(densities) - np.log(len(densities))
-    value = field_evidence(FieldPriors.of(model, 5.0), readings, np.zeros((2, 12)))
-    assert value == pytest.approx(expected, rel=1e-9)
+    value = field_evidence(FieldPriors.of(model, 5.0), readings, np.zeros((2, 12), np.float32))
+    assert value == pytest.approx(expected, rel=1e-5)
 
 
 def test_density_of_noise_has_all_its_constants(operator):

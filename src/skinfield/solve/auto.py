@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
@@ -39,7 +40,7 @@ class FieldPriors(NamedTuple):
 
     Attributes
     ----------
-    vectors : (H, L, L) array
+    vectors : (H, L, L) float32 array
         Rows: eigenvectors of the covariance of the whitened readings.
     lengths : (G,) int array
         Which of the H each prior has.
@@ -55,7 +56,7 @@ class FieldPriors(NamedTuple):
         One over the noise.
     """
 
-    vectors: Floats
+    vectors: NDArray[np.float32]
     lengths: Ints
     precision: Floats
     shared: Floats
@@ -86,7 +87,7 @@ class FieldPriors(NamedTuple):
         squares = (np.square(ones) * precision).sum(axis=1)
         known = np.log(white).sum() - 0.5 * len(white) * np.log(2 * np.pi)
         return cls(
-            vectors=np.ascontiguousarray(vectors),
+            vectors=np.ascontiguousarray(vectors, dtype=np.float32),
             lengths=lengths,
             precision=precision,
             shared=ones * precision,
@@ -97,10 +98,10 @@ class FieldPriors(NamedTuple):
 
 
 @njit
-def field_evidence(priors: FieldPriors, readings: Floats, along: Floats) -> float:
+def field_evidence(priors: FieldPriors, readings: Floats, along: NDArray[np.float32]) -> float:
     """Logarithm of the density of readings (L,) of a field: mean over the priors.
 
-    `along` is room for (2, L) numbers.
+    `along` (2, L) is room.
     """
     taxels, last, total, highest = len(readings), -1, 0.0, -np.inf
     white, turned = along[0], along[1]
@@ -112,14 +113,15 @@ def field_evidence(priors: FieldPriors, readings: Floats, along: Floats) -> floa
             np.dot(priors.vectors[last], white, turned)
         squares, product = 0.0, 0.0
         for i in range(taxels):
-            squares += turned[i] * turned[i] * priors.precision[g, i]
-            product += turned[i] * priors.shared[g, i]
-        value = priors.constant[g] - 0.5 * (squares - priors.gain[g] * product * product)
-        if value > highest:
-            total = total * np.exp(highest - value) + 1.0 if highest > -np.inf else 1.0
-            highest = value
+            value = float(turned[i])
+            squares += value * value * priors.precision[g, i]
+            product += value * priors.shared[g, i]
+        density = priors.constant[g] - 0.5 * (squares - priors.gain[g] * product * product)
+        if density > highest:
+            total = total * np.exp(highest - density) + 1.0 if highest > -np.inf else 1.0
+            highest = density
         else:
-            total += np.exp(value - highest)
+            total += np.exp(density - highest)
     return float(highest + np.log(total / len(priors.gain)))
 
 
@@ -319,7 +321,7 @@ class AutoOperator:
         self.priors = FieldPriors.of(model, contacts.common_mode)
         self.contest = Contest()
         self._common = contacts.common_mode * float(model.noise_std.mean())
-        self._along = np.zeros((2, len(model.taxels)))
+        self._along = np.zeros((2, len(model.taxels)), np.float32)
         self.fitter.run_in()
         nothing = self.fitter.fit(np.zeros(len(model.taxels)))
         self.fitter.memory.marks[MOST] = settings.most_steps
@@ -364,11 +366,11 @@ class AutoOperator:
         """
         memory = self.fitter.memory
         white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
-        density, heard = noise_density(white, shared, self._common), np.count_nonzero(white)
+        density, heard = noise_density(white, shared, self._common), int(np.count_nonzero(white))
         left, level = (readings - fit.predicted) * white, float(white @ (readings * white))
         contacts = fit.evidence + density
         if fit.explained:
-            free = 4 * len(fit.atoms) + np.count_nonzero(fit.atoms[:, 4:])
+            free = 4 * len(fit.atoms) + int(np.count_nonzero(fit.atoms[:, 4:]))
             contacts += misfit_gain(float(left @ left), heard - free)
         idle = float(np.square(readings * white).sum()) - shared * level**2
         nothing = density - 0.5 * idle + misfit_gain(idle, heard)
