@@ -30,6 +30,7 @@ MISFITS = (1.0, 1.6, 2.5, 4.0, 9.0, 27.0)  # times the noise that readings may b
 WORTH = 0.15  # of the readings, root mean square: what is left over if a model is to be believed,
 WORST = 4.0  # or times the noise
 RISE = 1.5  # of the readings' squares over the noise, after which the hypotheses are compared again
+LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 CONTACTS, FIELD = 0, 1
 FIELD_NOTE = "more probable than few contacts: a field answers"
 LINEAR_NOTE = "no pressure explains the readings: a linear field answers; check ν, cover and gains"
@@ -322,6 +323,7 @@ class AutoOperator:
         self.contest = Contest()
         self._common = contacts.common_mode * float(model.noise_std.mean())
         self._along = np.zeros((2, len(model.taxels)), np.float32)
+        self._linear, self._pressure = np.zeros(len(model.taxels)), np.zeros(len(model.grid))
         self.fitter.run_in()
         nothing = self.fitter.fit(np.zeros(len(model.taxels)))
         self.fitter.memory.marks[MOST] = settings.most_steps
@@ -376,4 +378,15 @@ class AutoOperator:
         nothing = density - 0.5 * idle + misfit_gain(idle, heard)
         field = field_evidence(self.priors, readings, self._along)
         rival = max(contacts, nothing)
-        self.contest.decide(rival, field, len(fit.atoms), self.settings.reluctance)
+        winner = self.contest.decide(rival, field, len(fit.atoms), self.settings.reluctance)
+        if winner == FIELD and not self._leaves_less(readings, readings - fit.predicted):
+            self.contest.winner = CONTACTS
+
+    def _leaves_less(self, readings: Floats, left: Floats) -> bool:
+        """Whether the field that would answer leaves far less than contacts, (L,), leave."""
+        physics, white = self.model.physics, self.priors.white
+        assert physics is not None  # without it no contact would have been sought
+        linear = physics.quantity.linearise(readings, self._linear)
+        self.extended.apply(linear, self._pressure)
+        over = np.square((linear - self.model.matrix @ self._pressure) * white).sum()
+        return bool(over < LESS * np.square(left * white).sum())

@@ -13,9 +13,11 @@ from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_kernel import (
     LATE,
+    MOST,
     NOW,
     READINGS,
     SHARED,
+    STEPS,
     WHITE,
     FitMemory,
     FitModel,
@@ -302,7 +304,9 @@ class ContactFitter:
         """What is to be told of an answer with as many contacts, in sentences."""
         notes = []
         if data.memory.marks[LATE]:
-            notes.append(f"ContactFit stopped before all was tried, with {count} found")
+            steps, most = data.memory.marks[STEPS], data.memory.marks[MOST]
+            end = f"after {steps} steps" if steps >= most > 0 else "at the deadline"
+            notes.append(f"ContactFit stopped {end}, with {count} found")
         if data.scale > LOUD:
             notes.append("ContactFit saw more noise than was stated, and went by what it saw")
         if abs(offset) > self._common(data) > 0.0:
