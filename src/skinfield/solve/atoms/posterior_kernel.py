@@ -25,7 +25,7 @@ from skinfield.solve.atoms.fit_kernel import (
 RARER = np.array([0.0, 1.0, 2.0])  # ln odds of a ball over each family, before any reading
 REACH = 14  # steps of the lattice each way
 SIDE = 2 * REACH + 1
-WALK_STEPS = 4  # of refinement at each place
+WALK_STEPS = 2  # of refinement at each place
 WALK_GAIN = 1e-2  # gain in cost of the last of them
 DEEP = 6.0  # in cost: places that are worse than the best by more do not count
 ROUND_OFF = 1e-9, 1e-12  # of a Hessian's diagonal, and beside it: what is added so that it inverts
