@@ -60,7 +60,8 @@ MANY = 12  # seeds of a shape at most
 # Places of `SearchMemory.state`: next alternative, atoms at the last comparison, and of this search
 # the stage, an atom and a shape of it, the seed, how many and of which family, places that were
 # tried, whether atoms were added, whether a rival of theirs is sought, whether BEST is a better set
-# than NOW, whether all shapes are due, whether atoms may be tried without that are far from others.
+# than NOW, whether all shapes are due, whether atoms that are far from others may be tried without,
+# places of a walk, and when the time is up.
 (
     MOVE,
     COMPARED,
@@ -77,7 +78,8 @@ MANY = 12  # seeds of a shape at most
     DUE,
     THOROUGH,
     PLACES_LEFT,
-) = range(15)
+    UNTIL,
+) = range(16)
 
 
 class SearchRules(NamedTuple):

@@ -110,6 +110,8 @@ class FitMemory(NamedTuple):
     def of(cls, model: FitModel, most: int) -> "FitMemory":
         """Room for so many atoms."""
         taxels, size = len(model.taxels), PARAMETERS * most
+        sums = np.zeros(8)
+        sums[PACE] = FIRST_PACE
         return cls(
             taxels=np.zeros((4, taxels)),
             atoms=np.zeros((SETS, most, PARAMETERS)),
@@ -124,13 +126,14 @@ class FitMemory(NamedTuple):
             system=np.zeros(size * size),
             near=np.zeros(taxels, np.int64),
             around=np.zeros((most, 3)),
-            sums=np.zeros(8),
+            sums=sums,
             marks=np.zeros(16, np.int64),
             room=TableRoom.of(model.tables),
         )
 
 
-FASTER, SLOWER = 0.02, 0.5  # how far one step may move what is known of their time
+FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
+FASTER, SLOWER = 0.98, 1.3  # how far one step may move what is known of that: nearly the slowest
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
 FEW = 24  # taxels: so few are looked at in any case
 
@@ -411,9 +414,9 @@ def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
         return False
     now, count = now_ns(memory.marks), max(memory.counts[which], 1)
     if memory.marks[STEPPED]:
+        pace = memory.sums[PACE]
         took = (now - memory.marks[BEGAN]) / count
-        slower = took > memory.sums[PACE]
-        memory.sums[PACE] += (took - memory.sums[PACE]) * (FASTER if not slower else SLOWER)
+        memory.sums[PACE] = min(max(took, FASTER * pace), SLOWER * pace)
     memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
     if now + int(memory.sums[PACE] * count) > deadline:
         memory.marks[LATE] = 1

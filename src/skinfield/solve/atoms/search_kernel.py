@@ -43,6 +43,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     STAGE,
     THOROUGH,
     TRIED,
+    UNTIL,
     WALK,
     WITHOUT,
     SearchMemory,
@@ -71,6 +72,7 @@ from skinfield.solve.atoms.fit_kernel import (
     LATE,
     LEFT,
     NOW,
+    PACE,
     READINGS,
     SCORED,
     SHARED,
@@ -110,6 +112,7 @@ from skinfield.solve.atoms.posterior_kernel import (
     widest_deviation,
 )
 from skinfield.solve.atoms.table import BALL, FLAT, RING
+from skinfield.solve.clock import now_ns
 
 BURST = 12  # steps of refinement of what is only tried
 CLEAR = 4.0  # times the threshold that an atom far from others brings: it need not be tried without
@@ -206,6 +209,11 @@ def begin(
         state[COUNT], state[SEED], state[OF], state[RIVAL] = found, 0, BALL, 0
         state[FOUND], state[TRIED], state[KIND], state[STAGE] = 0, 0, NO_SHAPE, SEEDS
     elif stage == SEEDS:
+        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL]:
+            steps = 2 * BURST * (state[COUNT] - state[SEED])
+            if now_ns(memory.marks) + int(steps * memory.sums[PACE]) > state[UNTIL]:
+                state[COUNT], state[STAGE] = state[SEED], JOIN  # there is no time for all
+                return NOTHING
         memory.counts[ALONE] = 0
         append(memory, ALONE, search.seeds[state[SEED]], state[OF])
         return ALONE
@@ -404,7 +412,7 @@ def search_atoms(
     state = search.state
     memory.marks[LATE] = memory.marks[STEPS] = 0
     state[STAGE], state[INDEX], state[GREW], state[FOUND] = REFINE, 0, 0, 0
-    state[RIVAL], state[DUE], state[THOROUGH] = 0, shapes, shapes
+    state[RIVAL], state[DUE], state[THOROUGH], state[UNTIL] = 0, shapes, shapes, deadline
     memory.marks[STEPPED] = 0
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
