@@ -193,7 +193,9 @@ def make_templates(model: FitModel, white: Floats) -> Templates:
         taxels=np.concatenate([filled(near[None]) for _, near, _, _ in kept]).astype(np.int64),
         firsts=np.cumsum([0, *(len(atoms) for atoms, _, _, _ in kept)]),
         few=np.array([np.count_nonzero(_is_few(atoms)) for atoms, _, _, _ in kept]),
-        templates=np.concatenate([filled(part) for _, _, part, _ in kept]).astype(np.float32),
+        templates=np.ascontiguousarray(  # whatever order the parts have: rows are read
+            np.concatenate([filled(part) for _, _, part, _ in kept]), dtype=np.float32
+        ),
         norms=np.concatenate([norms for _, _, _, norms in kept]),
         atoms=np.concatenate([atoms for atoms, _, _, _ in kept]),
     )
