@@ -1,5 +1,6 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
+import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -252,6 +253,16 @@ class ContactFitter:
             fit = self.fit(template * (strength * self.model.noise_std))
         _ = fit.pressure, fit.contacts
         self.reset()
+
+    def with_settings(self, settings: FitSettings) -> "ContactFitter":
+        """Share all that is prepared, with a memory of its own: for patches of equal geometry.
+
+        `settings` may differ in what is weighed, not in how many atoms or starts there are.
+        """
+        other = copy.copy(self)
+        other.settings = settings
+        other._data = FitData(other)
+        return other
 
     def take_noise(self, noise: Floats) -> None:
         """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
