@@ -18,7 +18,7 @@ from skinfield.loop.slots import CycleSlot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.plan import details
+from skinfield.reconstruct.plan import details, finder_of
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
@@ -326,7 +326,8 @@ class Models:
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
             deformation = step.deformation.on(grid)
-            found = details(solution, pressure, valid, grid, deformation, self.finder)
+            find = finder_of(self.finder, grid)
+            found = details(solution, pressure, valid, grid, deformation, find)
             if not rungs.linear:
                 matrix = step.operator.model.matrix
                 found["residual"] = lambda: np.where(valid, linear - matrix @ pressure, np.nan)

@@ -177,7 +177,7 @@ class BulkFields:
         linear, contacts = operator.filled(self._linearised(readings, same)), []
         for first in range(0, len(linear), RUN):
             for pressure in np.dot(linear[first : first + RUN], operator.matrix.T.astype(float)):
-                each = plans.contacts(operator, pressure)
+                each = plans.find(operator, pressure)
                 contacts.append(each if intervals is None else intervals(each))
         return contacts
 
@@ -193,7 +193,7 @@ class BulkFields:
                     rows = np.flatnonzero(which == number)
                     out[rows] = linear[rows].astype(self.precision) @ self._matrix(pattern)
                 return
-            linear = operator.among(patterns).filled(linear, which)
+            linear = operator.of_sets(patterns)[0].filled(linear, which)
         np.dot(linear.astype(self.precision), self._matrix(every), out=out)
 
     def _linearised(self, readings: Floats, valid: NDArray[np.bool_]) -> Floats:

@@ -1,7 +1,7 @@
 """Plan of a patch: one operator per set of valid taxels, and products for what is linear."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -16,7 +16,6 @@ from skinfield.estimate import (
     Contact,
     ContactFinder,
     Estimate,
-    ModelError,
     PressureError,
     PressureNoise,
 )
@@ -153,19 +152,8 @@ class Setting:
         """Readings (..., L'), linearised into an array of its own."""
         return self.quantity.linearise(readings, np.empty_like(readings))
 
-    def find(
-        self,
-        grid: Grid,
-        pressure: Floats,
-        noise: PressureError,
-        posterior: PressureError | None,
-        error: ModelError,
-    ) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, whose errors are known."""
-        return self.finder(grid, pressure, noise, posterior, error if self.model_errors else EXACT)
 
-
-Finder = Callable[..., tuple[Contact, ...]]  # see `Setting.find`
+Finder = Callable[[Operator, Floats], tuple[Contact, ...]]
 
 
 def details(
@@ -174,7 +162,7 @@ def details(
     valid: NDArray[np.bool_],
     grid: Grid,
     deformation: Deformation,
-    finder: Finder,
+    find: Finder,
     nodes: Ints | None = None,
 ) -> dict[str, Callable[[], Any]]:
     """What an estimate of a solution holds beside its pressure, to be worked out when asked for.
@@ -189,7 +177,7 @@ def details(
     grid : Grid
     deformation : Deformation
         Of the solution's nodes.
-    finder : function of a grid, a pressure, its noise, its posterior and a model error
+    find : function of an operator and a pressure (K,)
         Finds the contacts, where the operator does not.
     nodes : int array, optional
         Those of the solution's nodes that are the grid's. Default all.
@@ -199,14 +187,9 @@ def details(
 
     def contacts() -> tuple[Contact, ...]:
         found = operator.contacts(solution)
-        if found is not None:
-            return found if nodes is None else _inside(found, nodes)
-        noise: Any = operator.noise
-        posterior: Any = operator.posterior
-        if nodes is not None:
-            noise = PressureNoise(noise.factor[nodes])
-            posterior = None if posterior is None else posterior.on(nodes)
-        return finder(grid, pressure, noise, posterior, operator.model_error)
+        if found is None:
+            return find(operator, pressure)
+        return found if nodes is None else _inside(found, nodes)
 
     def moved() -> Floats:
         displacement = operator.displacement(solution)
@@ -223,12 +206,17 @@ def details(
     }
 
 
+def finder_of(finder: ContactFinder, grid: Grid) -> Finder:
+    """Finder of contacts on a grid that is an operator's own."""
+    return lambda by, pressure: finder(grid, pressure, by.noise, by.posterior, by.model_error)
+
+
 def estimate_of_solution(
     solution: Solution,
     valid: NDArray[np.bool_],
     grid: Grid,
     deformation: Deformation,
-    finder: Finder,
+    finder: ContactFinder,
     *,
     predicted: Callable[[], Floats] | None = None,
     **known: Any,
@@ -242,7 +230,8 @@ def estimate_of_solution(
     **known
         Further attributes of the estimate.
     """
-    rest = details(solution, solution.pressure, valid, grid, deformation, finder)
+    find = finder_of(finder, grid)
+    rest = details(solution, solution.pressure, valid, grid, deformation, find)
     if predicted is not None:
         left = predicted
         rest["residual"] = lambda: np.where(valid, solution.readings - left(), np.nan)
@@ -272,11 +261,12 @@ class LinearFields(LinearOperator):
     fields : (4 K, L) array, Fortran order
         From linearised readings to pressure (K), then displacement x (K), y (K), z (K).
     sets : TaxelSets, optional
-        Of one set of taxels, by which the readings are filled up.
+        By which the readings are filled up: those of set `place` of them.
     """
 
     fields: NDArray[Any] = field(default_factory=lambda: np.zeros((0, 0)))
     sets: TaxelSets | None = None
+    place: int = 0
 
     @classmethod
     def of(cls, setting: Setting, operator: LinearOperator) -> "LinearFields":
@@ -302,13 +292,13 @@ class LinearFields(LinearOperator):
         vars(made)["noise"] = PressureNoise(pressure * operator.model.noise_std)
         return made
 
-    def filled(self, readings: Floats) -> Floats:
-        """Readings (..., L) of all taxels, in which those of a set stand for the others."""
+    def filled(self, readings: Floats, which: Ints | None = None) -> Floats:
+        """Readings (..., L) in which valid taxels stand for the others, of sets `which` (...)."""
         if self.sets is None:
             return readings
         rows = readings.reshape(-1, readings.shape[-1])
-        filled = self.sets.filled(rows, np.zeros(len(rows), dtype=np.int64))
-        return filled.reshape(readings.shape)
+        each = np.full(len(rows), self.place) if which is None else which
+        return self.sets.filled(rows, each).reshape(readings.shape)
 
     def displacement(self, solution: Solution) -> Floats:
         """See `Operator.displacement`."""
@@ -316,17 +306,18 @@ class LinearFields(LinearOperator):
         moved = np.dot(self.fields, readings)[len(self.matrix) :]
         return np.asarray(moved.reshape(3, -1).T, dtype=np.float64)
 
-    def without(self, valid: NDArray[np.bool_]) -> LinearOperator:
+    def without(self, valid: NDArray[np.bool_]) -> "LinearFields":
         """The same matrices, before which the readings are filled up; of a Bayesian solver."""
-        sets = self.among(valid[None])
-        posterior, noise = sets.errors[0]
-        made = replace(self, std=None, posterior=posterior, valid=valid, sets=sets)
-        vars(made)["noise"] = noise
-        return made
+        return self.of_sets(valid[None])[0]
 
-    def among(self, patterns: NDArray[np.bool_]) -> TaxelSets:
-        """Sets of valid taxels (P, L), of which those of the last calls are remembered."""
-        return self._sets(patterns.tobytes())
+    def of_sets(self, patterns: NDArray[np.bool_]) -> "list[LinearFields]":
+        """As `without`, of sets of valid taxels (P, L)."""
+        sets, found = self._sets(patterns.tobytes()), []
+        for place, (posterior, noise) in enumerate(sets.errors):
+            found.append(made := copy(self))
+            parts = {"std": None, "posterior": posterior, "noise": noise, "sets": sets}
+            vars(made).update(parts, valid=patterns[place], place=place)
+        return found
 
     @cached_property
     def _sets(self) -> Callable[[bytes], TaxelSets]:
@@ -364,6 +355,7 @@ class Plan:
         own = self.linear is not None or len(setting.nodes) == len(setting.model.grid)
         self._nodes = None if own else setting.nodes
         self._without = lru_cache(SETS_KEPT)(self._prepared_without)
+        self._errors = lru_cache(SETS_KEPT + 1)(self._errors_on)
         self._spare: list[Data] = []  # of threads that are not at work
 
     def of(self, valid: NDArray[np.bool_]) -> Operator:
@@ -397,7 +389,7 @@ class Plan:
         margin = data.margin if data.searched else None
         self._spare.append(data)
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
-        parts = valid, setting.grid, setting.deformation, setting.find, self._nodes
+        parts = valid, setting.grid, setting.deformation, self.find, self._nodes
         return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
 
     def answer_all(
@@ -411,13 +403,20 @@ class Plan:
         if linear is not None and linear.gaussian is not None:
             full = valid.all(axis=1)
             rows, short = np.flatnonzero(full), np.flatnonzero(~full)
-            if len(short):
-                self._fill_up(linear, table[short], valid[short], short, out)
+            patterns, which = distinct(valid[short])
+            order = np.argsort(which, kind="stable")  # one product serves many sets of taxels
+            for first in range(0, len(patterns), SETS):
+                start, end = np.searchsorted(which[order], [first, first + SETS])
+                some = order[start:end]
+                sets, these = linear.of_sets(patterns[first : first + SETS]), short[some]
+                self._multiply(sets, which[some] - first, table[these], valid[these], these, out)
         patterns, which = distinct(valid[rows])
         for index, pattern in enumerate(patterns):
             these = rows[which == index]
             if linear is not None:
-                self._multiply(self.linear_of(pattern), table, pattern, these, out)
+                mask = np.broadcast_to(pattern, (len(these), len(pattern)))
+                one = [self.linear_of(pattern)], np.zeros(len(these), dtype=np.int64)
+                self._multiply(*one, table[these], mask, these, out)
                 continue
             for row in these:
                 answer = self.answer(table[row], pattern, start := time.perf_counter_ns(), deadline)
@@ -426,72 +425,43 @@ class Plan:
 
     def _multiply(
         self,
-        operator: LinearFields,
-        table: Floats,
-        valid: NDArray[np.bool_],
-        rows: Ints,
-        out: ResultArrays,
-    ) -> None:
-        """Answer rows of a table (T, L) in which the same taxels are valid."""
-        setting, nodes, some = self.setting, len(self.setting.grid), not valid.all()
-        out.pressure_std[rows] = operator.pressure_std()
-        for first in range(0, len(rows), CHUNK):
-            part = rows[first : first + CHUNK]
-            linear = setting.linearised(np.where(valid, table[part], 0.0) if some else table[part])
-            out.fields[part] = (operator.fields @ linear.T.astype(setting.precision)).T
-            left = linear - linear @ operator.explained.T
-            out.residual[part] = np.where(valid, left, np.nan) if some else left
-        for row in rows:
-            out.contacts[row] = self.contacts(operator, out.fields[row, :nodes])
-
-    def _fill_up(
-        self,
-        operator: LinearFields,
-        readings: Floats,
-        valid: NDArray[np.bool_],
-        rows: Ints,
-        out: ResultArrays,
-    ) -> None:
-        """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`.
-
-        What is missing is filled in, so that one product serves all sets of taxels.
-        """
-        patterns, which = distinct(valid)
-        order = np.argsort(which, kind="stable")
-        which = which[order]
-        for first in range(0, len(patterns), SETS):
-            start, end = np.searchsorted(which, [first, first + SETS])
-            known = operator.among(patterns[first : first + SETS])
-            for begin in range(start, end, CHUNK):
-                chunk = order[begin : min(begin + CHUNK, end)]
-                table = np.where(valid[chunk], readings[chunk], 0.0)
-                sets = which[begin : begin + len(chunk)] - first
-                self._multiply_sets(operator, known, table, sets, rows[chunk], out)
-
-    def _multiply_sets(
-        self,
-        operator: LinearFields,
-        known: TaxelSets,
-        table: Floats,
+        operators: Sequence[LinearFields],
         which: Ints,
+        table: Floats,
+        valid: NDArray[np.bool_],
         rows: Ints,
         out: ResultArrays,
     ) -> None:
-        nodes, linear = len(self.setting.grid), self.setting.linearised(table)
-        filled = known.filled(linear, which)
-        out.fields[rows] = (operator.fields @ filled.T.astype(self.setting.precision)).T
-        left = linear - filled @ operator.explained.T
-        out.residual[rows] = np.where(known.valid[which], left, np.nan)
-        for row, place in zip(rows, which, strict=True):
-            posterior, noise = known.errors[place]
-            out.pressure_std[row] = posterior.std
-            parts = self.setting.grid, out.fields[row, :nodes], noise, posterior
-            out.contacts[row] = self.setting.find(*parts, operator.model_error)
+        """Write the answers of a table (R, L), where `valid` (R, L), into `rows` of `out`.
 
-    def contacts(self, operator: Operator, pressure: Floats) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, of an operator of the grid's own nodes."""
-        parts = operator.noise, operator.posterior, operator.model_error
-        return self.setting.find(self.setting.grid, pressure, *parts)
+        `which` (R,) of the operators is each row's; they share their matrix.
+        """
+        setting, nodes, shared = self.setting, len(self.setting.grid), operators[0]
+        for first in range(0, len(rows), CHUNK):
+            part = slice(first, first + CHUNK)
+            linear = setting.linearised(np.where(valid[part], table[part], 0.0))
+            filled = shared.filled(linear, which[part])
+            out.fields[rows[part]] = (shared.fields @ filled.T.astype(setting.precision)).T
+            left = linear - filled @ shared.explained.T
+            out.residual[rows[part]] = np.where(valid[part], left, np.nan)
+        for place, row in zip(which, rows, strict=True):
+            out.pressure_std[row] = operators[place].pressure_std()
+            out.contacts[row] = self.find(operators[place], out.fields[row, :nodes])
+
+    def find(self, operator: Operator, pressure: Floats) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa, of an operator's nodes that are the grid's."""
+        setting, errors = self.setting, (operator.noise, operator.posterior)
+        if self._nodes is not None:
+            errors = self._errors(operator)  # type: ignore[arg-type]
+        stated = operator.model_error if setting.model_errors else EXACT
+        return setting.finder(setting.grid, pressure, *errors, stated)
+
+    def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
+        """Noise and posterior of an operator, on the grid's nodes."""
+        noise: Any = operator.noise
+        posterior: Any = operator.posterior
+        posterior = None if posterior is None else posterior.on(self._nodes)
+        return PressureNoise(noise.factor[self._nodes]), posterior
 
     def within(self, setting: Setting) -> "Plan":
         """The same in another setting of the same patch and grid."""
