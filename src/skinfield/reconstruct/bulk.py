@@ -198,9 +198,8 @@ class BulkFields:
 
     def _linearised(self, readings: Floats, valid: NDArray[np.bool_]) -> Floats:
         """Readings (T, L), 0 where not valid."""
-        quantity = self.reconstructor.quantity
         heard = readings if valid.all() else np.where(valid, readings, 0.0)
-        return quantity.linearise(heard, np.empty(readings.shape))
+        return self.reconstructor.plan.linearised(heard)
 
     def _matrix(self, valid: NDArray[np.bool_]) -> NDArray[Any]:
         """From all taxels, of which some are valid, to all outputs (R): (L, R) of the precision."""

@@ -229,11 +229,10 @@ def averaged(finest: LinearOperator, grid: Grid) -> LinearOperator:
     """Linear operator of the averages over the cells of a coarser grid."""
     if grid.shape == finest.model.grid.shape:
         return finest
-    restriction, posterior = Restriction.between(finest.model.grid, grid), finest.posterior
+    restriction, fine = Restriction.between(finest.model.grid, grid), finest.posterior
     matrix = np.ascontiguousarray(restriction(finest.matrix.T).T)
-    error = None if posterior is None else RestrictedPosterior(posterior, restriction)
-    made = replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None)
-    return replace(made, source=finest)
+    error = None if fine is None else RestrictedPosterior(fine, restriction)
+    return replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None, source=finest)
 
 
 KEPT = 64  # sets of missing taxels whose maps stay at hand

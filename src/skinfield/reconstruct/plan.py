@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import Deformation, ObservationModel, Quantity
+from skinfield.elastic import Deformation
 from skinfield.errors import Floats, Ints
 from skinfield.estimate import (
     Contact,
@@ -20,13 +20,12 @@ from skinfield.estimate import (
     PressureNoise,
 )
 from skinfield.skin import Grid
-from skinfield.solve import LinearOperator, Operator, Solution, TaxelSets
+from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin
 
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 SETS = 16  # at once: their deviations stay in cache
-CALLS_KEPT = 16  # whose sets of taxels stay prepared
-SETS_KEPT = 16  # of valid taxels whose operators stay prepared, beside that of all
+MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
 MOST = 1e6  # s: a deadline that is as good as none
 
 
@@ -116,41 +115,6 @@ class ResultArrays:
         solution = answer.solution
         self.gap[row], self.iterations[row] = solution.gap, solution.steps
         self.notes.extend(note for note in solution.notes if note not in self.notes)
-
-
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """What all plans of a patch share.
-
-    Attributes
-    ----------
-    model : ObservationModel
-        Of the support: wherever pressure may be.
-    deformation : Deformation
-        Of the support.
-    nodes : (K,) int array
-        Of the support, where the answer is wanted.
-    grid : Grid
-        These nodes.
-    quantity : Quantity
-    finder : ContactFinder
-    precision : numpy.float64 or numpy.float32
-    model_errors : bool
-        Whether contacts state the solver's own model error; not where intervals are learnt.
-    """
-
-    model: ObservationModel
-    deformation: Deformation
-    nodes: Ints
-    grid: Grid
-    quantity: Quantity
-    finder: ContactFinder
-    precision: type[np.floating[Any]]
-    model_errors: bool = True
-
-    def linearised(self, readings: Floats) -> Floats:
-        """Readings (..., L'), linearised into an array of its own."""
-        return self.quantity.linearise(readings, np.empty_like(readings))
 
 
 Finder = Callable[[Operator, Floats], tuple[Contact, ...]]
@@ -260,23 +224,21 @@ class LinearFields(LinearOperator):
     ----------
     fields : (4 K, L) array, Fortran order
         From linearised readings to pressure (K), then displacement x (K), y (K), z (K).
-    sets : TaxelSets, optional
-        By which the readings are filled up: those of set `place` of them.
     """
 
     fields: NDArray[Any] = field(default_factory=lambda: np.zeros((0, 0)))
-    sets: TaxelSets | None = None
-    place: int = 0
 
     @classmethod
-    def of(cls, setting: Setting, operator: LinearOperator) -> "LinearFields":
+    def of(
+        cls, operator: LinearOperator, deformation: Deformation, nodes: Ints, precision: Any
+    ) -> "LinearFields":
         """Fold resampling, inversion and displacement into one matrix."""
-        nodes, gaussian = setting.nodes, operator.gaussian
+        gaussian = operator.gaussian
         posterior: Any = operator.posterior
-        displacement = setting.deformation(operator.matrix.T)[:, nodes]  # (L, K, 3)
+        displacement = deformation(operator.matrix.T)[:, nodes]  # (L, K, 3)
         pressure = operator.matrix[nodes]
         blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
-        fields = np.asfortranarray(np.concatenate(blocks), dtype=setting.precision)
+        fields = np.asfortranarray(np.concatenate(blocks), dtype=precision)
         made = cls(
             solver=operator.solver,
             model=operator.model,
@@ -292,40 +254,11 @@ class LinearFields(LinearOperator):
         vars(made)["noise"] = PressureNoise(pressure * operator.model.noise_std)
         return made
 
-    def filled(self, readings: Floats, which: Ints | None = None) -> Floats:
-        """Readings (..., L) in which valid taxels stand for the others, of sets `which` (...)."""
-        if self.sets is None:
-            return readings
-        rows = readings.reshape(-1, readings.shape[-1])
-        each = np.full(len(rows), self.place) if which is None else which
-        return self.sets.filled(rows, each).reshape(readings.shape)
-
     def displacement(self, solution: Solution) -> Floats:
         """See `Operator.displacement`."""
         readings = self.filled(solution.readings).astype(self.fields.dtype, copy=False)
         moved = np.dot(self.fields, readings)[len(self.matrix) :]
         return np.asarray(moved.reshape(3, -1).T, dtype=np.float64)
-
-    def without(self, valid: NDArray[np.bool_]) -> "LinearFields":
-        """The same matrices, before which the readings are filled up; of a Bayesian solver."""
-        return self.of_sets(valid[None])[0]
-
-    def of_sets(self, patterns: NDArray[np.bool_]) -> "list[LinearFields]":
-        """As `without`, of sets of valid taxels (P, L)."""
-        sets, found = self._sets(patterns.tobytes()), []
-        for place, (posterior, noise) in enumerate(sets.errors):
-            found.append(made := copy(self))
-            parts = {"std": None, "posterior": posterior, "noise": noise, "sets": sets}
-            vars(made).update(parts, valid=patterns[place], place=place)
-        return found
-
-    @cached_property
-    def _sets(self) -> Callable[[bytes], TaxelSets]:
-        gaussian, taxels = self.gaussian, self.fields.shape[1]
-        assert gaussian is not None  # what it takes to leave taxels out
-        return lru_cache(CALLS_KEPT)(
-            lambda key: gaussian.sets(np.frombuffer(key, np.bool_).reshape(-1, taxels))
-        )
 
 
 def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
@@ -341,21 +274,41 @@ class Plan:
 
     Parameters
     ----------
-    setting : Setting
     operator : Operator
-        Of all taxels.
+        Of all taxels, on a support: wherever pressure may be.
+    deformation : Deformation
+        Of the support.
+    nodes : (K,) int array
+        Of the support, where the answer is wanted.
+    grid : Grid
+        These nodes.
+    finder : ContactFinder
+    precision : numpy.float64 or numpy.float32
+        Of products.
+    model_errors : bool
+        Whether contacts state the solver's own model error; not where intervals are learnt.
     """
 
-    def __init__(self, setting: Setting, operator: Operator) -> None:
-        self.setting = setting
+    def __init__(
+        self,
+        operator: Operator,
+        deformation: Deformation,
+        nodes: Ints,
+        grid: Grid,
+        finder: ContactFinder,
+        precision: type[np.floating[Any]] = np.float64,
+        model_errors: bool = True,
+    ) -> None:
+        self.deformation, self.grid, self.finder = deformation, grid, finder
+        self.model_errors, self._parts = model_errors, (deformation, nodes, precision)
+        whole = len(nodes) == len(operator.model.grid)
+        self._nodes = None if whole or operator.linear is not None else nodes
         self.linear: LinearFields | None = None
         if operator.linear is not None:
-            operator = self.linear = LinearFields.of(setting, operator.linear)
+            operator = self.linear = LinearFields.of(operator.linear, *self._parts)
         self.whole: Operator = operator
-        own = self.linear is not None or len(setting.nodes) == len(setting.model.grid)
-        self._nodes = None if own else setting.nodes
-        self._without = lru_cache(SETS_KEPT)(self._prepared_without)
-        self._errors = lru_cache(SETS_KEPT + 1)(self._errors_on)
+        self._without = lru_cache(MOST_SETS)(self._prepared_without)
+        self._errors = lru_cache(MOST_SETS + 1)(self._errors_on)
         self._spare: list[Data] = []  # of threads that are not at work
 
     def of(self, valid: NDArray[np.bool_]) -> Operator:
@@ -367,7 +320,7 @@ class Plan:
         if linear is None or linear.gaussian is not None:
             return self.whole.without(valid)
         assert linear.source is not None
-        return LinearFields.of(self.setting, linear.source.without(valid))
+        return LinearFields.of(linear.source.without(valid), *self._parts)
 
     def linear_of(self, valid: NDArray[np.bool_]) -> LinearFields:
         """The same, of a linear solver."""
@@ -379,7 +332,7 @@ class Plan:
         self, reading: Floats, valid: NDArray[np.bool_], start: int, deadline: float | None
     ) -> PatchAnswer:
         """Answer one reading (L,), where `valid`; the deadline is s after `start`, ns."""
-        setting, end, operator = self.setting, until(deadline, start), self.of(valid)
+        end, operator = until(deadline, start), self.of(valid)
         try:
             data = self._spare.pop()
         except IndexError:
@@ -389,7 +342,7 @@ class Plan:
         margin = data.margin if data.searched else None
         self._spare.append(data)
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
-        parts = valid, setting.grid, setting.deformation, self.find, self._nodes
+        parts = valid, self.grid, self.deformation, self.find, self._nodes
         return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
 
     def answer_all(
@@ -436,12 +389,12 @@ class Plan:
 
         `which` (R,) of the operators is each row's; they share their matrix.
         """
-        setting, nodes, shared = self.setting, len(self.setting.grid), operators[0]
+        shared, nodes, precision = operators[0], len(self.grid), operators[0].fields.dtype
         for first in range(0, len(rows), CHUNK):
             part = slice(first, first + CHUNK)
-            linear = setting.linearised(np.where(valid[part], table[part], 0.0))
+            linear = shared.linearised(np.where(valid[part], table[part], 0.0))
             filled = shared.filled(linear, which[part])
-            out.fields[rows[part]] = (shared.fields @ filled.T.astype(setting.precision)).T
+            out.fields[rows[part]] = (shared.fields @ filled.T.astype(precision)).T
             left = linear - filled @ shared.explained.T
             out.residual[rows[part]] = np.where(valid[part], left, np.nan)
         for place, row in zip(which, rows, strict=True):
@@ -450,23 +403,22 @@ class Plan:
 
     def find(self, operator: Operator, pressure: Floats) -> tuple[Contact, ...]:
         """Contacts of a pressure (K,), Pa, of an operator's nodes that are the grid's."""
-        setting, errors = self.setting, (operator.noise, operator.posterior)
+        errors = operator.noise, operator.posterior
         if self._nodes is not None:
             errors = self._errors(operator)  # type: ignore[arg-type]
-        stated = operator.model_error if setting.model_errors else EXACT
-        return setting.finder(setting.grid, pressure, *errors, stated)
+        stated = operator.model_error if self.model_errors else EXACT
+        return self.finder(self.grid, pressure, *errors, stated)
 
     def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
         """Noise and posterior of an operator, on the grid's nodes."""
         noise: Any = operator.noise
         posterior: Any = operator.posterior
-        posterior = None if posterior is None else posterior.on(self._nodes)
-        return PressureNoise(noise.factor[self._nodes]), posterior
+        return noise.on(self._nodes), None if posterior is None else posterior.on(self._nodes)
 
-    def within(self, setting: Setting) -> "Plan":
-        """The same in another setting of the same patch and grid."""
+    def without_model_errors(self) -> "Plan":
+        """The same, whose contacts do not state the solver's own model error."""
         other = copy(self)
-        other.setting, other._spare = setting, []
+        other.model_errors, other._spare = False, []
         return other
 
     def reset(self) -> None:
@@ -476,12 +428,10 @@ class Plan:
 
     def run_in(self) -> None:
         """Load what is compiled for contacts and displacement."""
-        operator, setting = self.whole, self.setting
+        operator, grid = self.whole, self.whole.model.grid if self.linear is None else self.grid
         if operator.contacts(operator.data().solution) is not None:
             return
-        noise = operator.noise
-        peak = np.zeros(len(noise.std))
+        noise, peak = operator.noise, np.zeros(len(grid))
         peak[len(peak) // 2] = 1e3 * max(float(noise.std.max()), 1.0)
-        grid = setting.model.grid if self.linear is None else setting.grid
-        setting.finder(grid, peak, noise, operator.posterior, EXACT)
-        setting.deformation(np.zeros(len(setting.model.grid)))
+        self.finder(grid, peak, noise, operator.posterior, EXACT)
+        self.deformation(np.zeros(len(operator.model.grid)))

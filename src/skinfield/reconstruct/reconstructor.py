@@ -3,7 +3,6 @@
 import copy
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,7 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
-from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays, Setting
+from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, Solver
 
@@ -149,12 +148,11 @@ class Reconstructor:
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        made = (self.model, self.deformation, nodes, self.grid, self.quantity, self.finder)
-        setting = Setting(*made, precision, model_errors=intervals is None)
         self.intervals = intervals
         if intervals is not None:
             intervals.check(*self.kind)
-        self.plans = Plan(setting, self.solver.prepare(self.model))
+        parts = self.deformation, nodes, self.grid, self.finder, precision, intervals is None
+        self.plans = Plan(self.solver.prepare(self.model), *parts)
         self._linear = np.empty(len(patch), precision)
         self._run_in()
 
@@ -325,7 +323,7 @@ class Reconstructor:
             intervals.check(*self.kind)
         other = copy.copy(self)
         other.intervals = intervals
-        other.plans = self.plans.within(replace(self.plans.setting, model_errors=False))
+        other.plans = self.plans.without_model_errors()
         return other
 
     @property

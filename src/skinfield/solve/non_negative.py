@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError, check_positive, check_range, check_shape
-from skinfield.estimate import ModelError, PressureError, PressureNoise
+from skinfield.estimate import ModelError, PressureError
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
     COUNTS,
@@ -87,22 +87,6 @@ def problem_of(
 
 
 LAPS = 6  # of the run in, after which the times of steps are known
-Backing = Callable[[], tuple[LinearOperator, PressureNoise]]
-
-
-def backing_of(prepare: Callable[[], LinearOperator], noise_std: Floats) -> Backing:
-    """The field without the constraint, and how the readings' noise (L,) moves it.
-
-    Contacts and their uncertainty go by it. It is prepared when it is first asked for, as the
-    search itself does not need it.
-    """
-
-    @cache
-    def linear() -> tuple[LinearOperator, PressureNoise]:
-        operator = prepare()
-        return operator, PressureNoise(operator.matrix * noise_std)
-
-    return linear
 
 
 class DualData(Data):
@@ -170,9 +154,10 @@ class NonNegativeOperator(FieldOperator):
     model : ObservationModel
     problem : DualProblem
         Arrays of the compiled search.
-    backing : Backing
-        See `backing_of`. The constraint only narrows a posterior, so that one's is too wide rather
-        than too narrow where the model is right.
+    backing : function that returns LinearOperator
+        The field without the constraint, by which contacts and their uncertainty go; prepared when
+        it is first asked for, as the search itself does not need it. The constraint only narrows a
+        posterior, so that one's is too wide rather than too narrow where the model is right.
     model_error : ModelError
         That a contact has without noise.
     paces : (9,) array
@@ -184,7 +169,7 @@ class NonNegativeOperator(FieldOperator):
     solver: "NonNegative"
     model: ObservationModel
     problem: DualProblem
-    backing: Backing
+    backing: Callable[[], LinearOperator]
     model_error: ModelError
     paces: Floats
     valid: NDArray[np.bool_] | None = None
@@ -193,12 +178,12 @@ class NonNegativeOperator(FieldOperator):
     @property
     def posterior(self) -> PressureError | None:
         """Posterior of the linear field without the constraint."""
-        return self.backing()[0].posterior
+        return self.backing().posterior
 
     @property
-    def noise(self) -> PressureNoise:
+    def noise(self) -> PressureError:
         """How noise moves the linear field: a stand-in, from which contacts must stand out."""
-        return self.backing()[1]
+        return self.backing().noise
 
     def data(self) -> DualData:
         """Make its scratch memory."""
@@ -227,7 +212,7 @@ class NonNegativeOperator(FieldOperator):
 
     def pressure_std(self, solution: Solution | None = None) -> Floats:
         """Posterior deviation of the linear field without the constraint, (K,) Pa."""
-        return self.backing()[0].pressure_std()
+        return self.backing().pressure_std()
 
     def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Leave out taxels, by a mask (L,) of those to use.
@@ -237,7 +222,7 @@ class NonNegativeOperator(FieldOperator):
         """
         check_shape("valid", valid, self.model.noise_std.shape, "one per taxel")
         part, whole = self.problem.without(valid), self.backing
-        backing = backing_of(lambda: whole()[0].without(valid), self.model.noise_std)
+        backing = cache(lambda: whole().without(valid))
         return replace(self, problem=part, backing=backing, valid=np.array(valid, dtype=np.bool_))
 
     def run_in(self) -> "NonNegativeOperator":
@@ -426,7 +411,7 @@ class NonNegative:
             if length == 0.0
             else GaussianField(snr=self.snr, length_scale=length)
         )
-        backing = backing_of(lambda: linear.prepare(model), model.noise_std)
+        backing = cache(lambda: linear.prepare(model))
         error, paces = NON_NEGATIVE.of(model), np.zeros(TYPICAL + 3)
         return NonNegativeOperator(self, model, problem, backing, error, paces).run_in()
 

@@ -1,19 +1,22 @@
 """Operators: solve slowly once (`prepare`), then reading by reading in memory of the caller's."""
 
 import time
+from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Protocol
+from functools import cached_property, lru_cache
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, check_shape
+from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
-from skinfield.solve.gaussian_model import GaussianModel
+from skinfield.solve.gaussian_model import GaussianModel, TaxelSets
 
 EXACT = ModelError()
+CALLS = 16  # whose sets of taxels stay prepared
 EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest one call of fifty is late
 NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
 PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
@@ -323,9 +326,11 @@ class LinearOperator(FieldOperator):
     gaussian : GaussianModel, optional
         Of a Bayesian solver: by which it answers without some of its taxels at little cost.
     valid : (L,) bool array, optional
-        Taxels that are used; the others' columns are 0. Default all.
+        Taxels that are used. Default all.
     source : LinearOperator, optional
         Whose pressure this one's is a part or an average of: what the readings are explained by.
+    sets : TaxelSets, optional
+        By which valid readings stand for the others, those of set `place`; else columns are 0.
     """
 
     solver: Solver
@@ -337,6 +342,8 @@ class LinearOperator(FieldOperator):
     gaussian: GaussianModel | None = None
     valid: NDArray[np.bool_] | None = None
     source: "LinearOperator | None" = None
+    sets: TaxelSets | None = None
+    place: int = 0
 
     @property
     def linear(self) -> "LinearOperator":
@@ -346,7 +353,10 @@ class LinearOperator(FieldOperator):
     @cached_property
     def noise(self) -> PressureError:
         """How the readings' noise moves the pressure."""
-        return PressureNoise(self.matrix * self.model.noise_std)
+        noise = self.model.noise_std
+        if self.sets is None:
+            return PressureNoise(self.matrix * noise)
+        return PressureNoise(self.matrix @ self.filled(np.diag(noise)).T)
 
     @cached_property
     def explained(self) -> Floats:
@@ -371,9 +381,23 @@ class LinearOperator(FieldOperator):
         solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
 
-    def filled(self, readings: Floats) -> Floats:
-        """What the matrix is multiplied with, of linearised readings (L,), 0 where not valid."""
-        return readings
+    def linearised(self, readings: Floats) -> Floats:
+        """Readings (..., L) as a linear sensor's."""
+        physics = self.model.physics
+        return (
+            physics.quantity.linearise(readings, np.empty_like(readings)) if physics else readings
+        )
+
+    def filled(self, readings: Floats, which: Ints | None = None) -> Floats:
+        """What the matrix is multiplied with, of linearised readings (..., L), 0 where not valid.
+
+        `which` (...) of the `sets` each of them is of; by default of `place`.
+        """
+        if self.sets is None:
+            return readings
+        rows = readings.reshape(-1, readings.shape[-1])
+        each = np.full(len(rows), self.place) if which is None else which
+        return self.sets.filled(rows, each).reshape(readings.shape)
 
     def predicted(self, solution: Solution) -> Floats:
         """See `Operator.predicted`."""
@@ -385,20 +409,36 @@ class LinearOperator(FieldOperator):
             return self.std
         return self.noise.std if self.posterior is None else self.posterior.std
 
-    def without(self, valid: NDArray[np.bool_]) -> "LinearOperator":
+    def without(self, valid: NDArray[np.bool_]) -> Self:
         """Leave out taxels: with the same prior, or else by the solver, which prepares anew."""
         check_shape("valid", valid, self.model.noise_std.shape, "one per taxel")
         if self.gaussian is not None:
-            sets = self.gaussian.sets(np.asarray(valid, dtype=np.bool_)[None])
-            part, posterior = sets.matrix(0), sets.posterior(0)
-            made = replace(self, matrix=part, std=posterior.std, posterior=posterior)
-        else:
-            linear = self.solver.prepare(self.model.subset(valid)).linear
-            assert linear is not None  # as it is of all taxels
-            made = linear
+            return self.of_sets(np.asarray(valid, dtype=np.bool_)[None])[0]
+        made = self.solver.prepare(self.model.subset(valid)).linear
+        assert made is not None  # as it is of all taxels
         matrix = np.zeros((len(made.matrix), len(valid)))
         matrix[:, valid] = made.matrix
-        return replace(made, model=self.model, matrix=matrix, gaussian=None, valid=valid)
+        return replace(self, matrix=matrix, std=made.std, posterior=made.posterior, valid=valid)
+
+    def of_sets(self, patterns: NDArray[np.bool_]) -> list[Self]:
+        """As `without` of a Bayesian solver, of sets of valid taxels (P, L).
+
+        The same matrices, before which the readings are filled up.
+        """
+        sets, made = self._sets(patterns.tobytes()), []
+        for place, (posterior, noise) in enumerate(sets.errors):
+            made.append(part := copy(self))
+            parts = {"posterior": posterior, "noise": noise, "valid": patterns[place]}
+            vars(part).update(parts, std=None, source=self, sets=sets, place=place)
+        return made
+
+    @cached_property
+    def _sets(self) -> Callable[[bytes], TaxelSets]:
+        gaussian, taxels = self.gaussian, self.matrix.shape[1]
+        assert gaussian is not None  # what it takes to leave taxels out
+        return lru_cache(CALLS)(
+            lambda key: gaussian.sets(np.frombuffer(key, np.bool_).reshape(-1, taxels))
+        )
 
 
 def propagated_std(matrix: Floats, noise_std: Floats) -> Floats:

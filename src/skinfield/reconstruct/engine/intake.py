@@ -120,7 +120,7 @@ class EngineReadings:
         """Taxels of a patch."""
         return slice(self.starts[place], self.starts[place + 1])
 
-    def given_of(self, place: int) -> Floats:
+    def raw_of(self, place: int) -> Floats:
         """What was handed in of a patch, (L,): a view."""
         return np.asarray(self.given[self._parts[self.names[place]]])
 

@@ -122,7 +122,7 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
     )
 
 
-SETS_KEPT = 64  # of valid taxels, on one rung each, whose operators stay prepared
+MOST_SETS = 64  # of valid taxels, on one rung each, whose operators stay prepared
 
 
 class PatchGroup:
@@ -172,7 +172,7 @@ class PatchGroup:
         ]
         self.last: list[Any] = [None] * count
         self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
-        self._without = lru_cache(SETS_KEPT)(self._prepared_without)
+        self._without = lru_cache(MOST_SETS)(self._prepared_without)
         every = np.ones(len(noise), np.bool_)
         for each in self.operators:
             each.without(every)  # loads what is compiled

@@ -268,7 +268,7 @@ def search(
     masked = not work.intake.all_valid and bool(work.state.invalid[patch])
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
     deadline = start + int(allowance / NS)
-    solution = operator.solve(work.given_rows[patch], data, deadline)
+    solution = operator.solve(work.raw_rows[patch], data, deadline)
     end, gap = work.clock(), solution.gap
     settled = not gap > group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
     missing = 0.0 if settled else solution.objective * gap

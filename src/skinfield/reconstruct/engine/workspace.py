@@ -31,7 +31,7 @@ class Clockwork:
     ----------
     places : P pairs
         Group of each patch, and its place there.
-    given_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, valid_rows : lists of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -85,7 +85,7 @@ class Clockwork:
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.given_rows = [intake.given_of(patch) for patch in range(len(self.places))]
+        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
