@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
-from skinfield.errors import Floats, InputError, Ints, check_count
+from skinfield.errors import Floats, InputError, check_count
 from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, LinearOperator, NonNegative, Operator, Solver
@@ -152,18 +152,6 @@ class Rungs:
         return self.steps[-1].operator is self.start
 
     @cached_property
-    def weights(self) -> Floats:
-        r"""Inverse covariance of the readings that prior and noise let expect, (L, L).
-
-        With A Q Aᵀ + Σ = S the answer is p = Q Aᵀ S⁻¹ y, so it predicts A p = (1 - Σ S⁻¹) y, and
-
-        .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
-        """
-        explained, noise = self.start.explained, self.start.model.noise_std
-        weights = (np.eye(len(explained)) - explained) / np.square(noise)[:, None]
-        return np.asarray(0.5 * (weights + weights.T))
-
-    @cached_property
     def unresolved(self) -> tuple[float, ...]:
         """Part of the finest linear answer's squared norm that each rung averages away."""
         noise, finest = self.start.model.noise_std, self.steps[-1].grid
@@ -233,41 +221,3 @@ def averaged(finest: LinearOperator, grid: Grid) -> LinearOperator:
     matrix = np.ascontiguousarray(restriction(finest.matrix.T).T)
     error = None if fine is None else RestrictedPosterior(fine, restriction)
     return replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None, source=finest)
-
-
-KEPT = 64  # sets of missing taxels whose maps stay at hand
-
-
-class FilledReadings:
-    r"""Readings in place of missing ones, with which the linear answer is that of the valid taxels.
-
-    Parameters
-    ----------
-    weights : (L, L) array
-        Inverse covariance :math:`S^{-1}` of the readings that prior and noise let expect.
-
-    Notes
-    -----
-    A Bayesian linear answer is :math:`p = Q A^T w` with :math:`w = S^{-1} y`. With
-
-    .. math:: y_I = -\left((S^{-1})_{II}\right)^{-1} (S^{-1})_{IV} \, y_V
-
-    the weights of the missing taxels I vanish, and those of the valid ones V become
-    :math:`(S_{VV})^{-1} y_V` (inverse of a partitioned matrix): exactly the answer of an operator
-    that was prepared without I. It is the mean of :math:`y_I` given :math:`y_V`.
-    """
-
-    def __init__(self, weights: Floats) -> None:
-        self.weights = weights
-        self._map_of = lru_cache(KEPT)(self._map)
-
-    def fill(self, readings: NDArray[np.floating], valid: NDArray[np.bool_]) -> None:
-        """Overwrite what is not `valid` (L,) in `readings` (L,); at least one must be."""
-        missing, given, expected = self._map_of(valid.tobytes())
-        readings[missing] = expected @ readings[given]
-
-    def _map(self, key: bytes) -> tuple[Ints, Ints, Floats]:
-        valid = np.frombuffer(key, np.bool_)
-        missing, given = np.flatnonzero(~valid), np.flatnonzero(valid)
-        rows = self.weights[missing]
-        return missing, given, np.asarray(-np.linalg.solve(rows[:, missing], rows[:, given]))

@@ -239,18 +239,11 @@ class LinearFields(LinearOperator):
         pressure = operator.matrix[nodes]
         blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
         fields = np.asfortranarray(np.concatenate(blocks), dtype=precision)
-        made = cls(
-            solver=operator.solver,
-            model=operator.model,
-            matrix=np.asfortranarray(fields[: len(nodes)]),
-            std=operator.pressure_std()[nodes],
-            posterior=None if posterior is None else posterior.on(nodes),
-            model_error=operator.model_error,
-            gaussian=None if gaussian is None else gaussian.on(nodes),
-            valid=operator.valid,
-            source=operator,
-            fields=fields,
-        )
+        std, matrix = operator.pressure_std()[nodes], np.asfortranarray(fields[: len(nodes)])
+        error = None if posterior is None else posterior.on(nodes)
+        prior = None if gaussian is None else gaussian.on(nodes)
+        parts = operator.solver, operator.model, matrix, std, error, operator.model_error, prior
+        made = cls(*parts, operator.valid, operator, fields=fields)
         vars(made)["noise"] = PressureNoise(pressure * operator.model.noise_std)
         return made
 

@@ -1,7 +1,7 @@
 """Contract of every solver, as tests to inherit."""
 
-import threading
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
@@ -136,7 +136,7 @@ class SolverContract:
     def test_only_what_is_copied_lasts(
         self, operator: Operator, readings: tuple[Floats, float]
     ) -> None:
-        """Each reading is answered into the same solution; after a reset as if it were first."""
+        """Each reading is bits into the same solution; after a reset as if it were first."""
         data = operator.data()
         first = operator.solve(readings[0], data)
         copy = first.keep()
@@ -153,24 +153,13 @@ class SolverContract:
         """Two threads with memory of their own answer as one does after the other."""
         chains = [[scale * readings[0] for scale in scales] for scales in ((1, 1.1, 0.6), (0.5, 2))]
 
-        def answer(chain: list[Floats], into: list[Floats]) -> None:
+        def bits(chain: list[Floats]) -> list[bytes]:
             data = operator.data()
-            into += [operator.solve(each, data).pressure.copy() for each in chain]
+            return [operator.solve(each, data).pressure.tobytes() for each in chain]
 
-        expected: list[list[Floats]] = [[], []]
-        found: list[list[Floats]] = [[], []]
-        threads = [
-            threading.Thread(target=answer, args=pair) for pair in zip(chains, found, strict=True)
-        ]
-        for thread in threads:
-            thread.start()
-        for chain, into in zip(chains, expected, strict=True):
-            answer(chain, into)
-        for thread in threads:
-            thread.join()
-        assert [[each.tobytes() for each in chain] for chain in found] == [
-            [each.tobytes() for each in chain] for chain in expected
-        ]
+        with ThreadPoolExecutor(2) as threads:
+            found = list(threads.map(bits, chains))
+        assert found == [bits(chain) for chain in chains]
 
     def test_no_array_is_allocated(
         self, operator: Operator, readings: tuple[Floats, float]

@@ -21,7 +21,7 @@ over 64, as an incompressible layer hardly gives below the middle of a wide cont
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,11 +202,7 @@ class Tikhonov:
 
 
 def _conditioned(
-    solver: "Tikhonov | GaussianField",
-    model: ObservationModel,
-    cross: Floats,
-    near: Floats,
-    known: Errors,
+    solver: Any, model: ObservationModel, cross: Floats, near: Floats, known: Errors
 ) -> LinearOperator:
     """Posterior of a Gaussian field given the taxels.
 

@@ -13,7 +13,7 @@ from skinfield.lab.bench.scene import LEAD, NOISE
 from skinfield.lab.paper import FIELD, LAYER, PAPER, paper_patch
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import ContactFit, NonNegative, Operator, Solution
+from skinfield.solve import Solution, Solver
 
 
 class Outcome(NamedTuple):
@@ -49,18 +49,10 @@ def linear(name: str, rec: Reconstructor) -> Contender:
     return Contender(name, answer, last)
 
 
-def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Contender:
-    """A non-negative field, which is found step by step."""
-    return _iterative(name, solver.prepare(model))
-
-
-def contact_fit(model: ObservationModel) -> Contender:
-    """The contact fit alone: no field stands in for readings that it does not explain."""
-    return _iterative("ContactFit", ContactFit(extended=None).prepare(model))
-
-
-def _iterative(name: str, made: Operator) -> Contender:
-    data, finder = made.data(), ContactFinder()
+def iterative(name: str, model: ObservationModel, solver: Solver) -> Contender:
+    """A solver that answers reading by reading, in memory of its own."""
+    made, finder = solver.prepare(model), ContactFinder()
+    data = made.data()
 
     def contacts(solution: Solution) -> Sequence[Contact]:
         found = made.contacts(solution)

@@ -120,7 +120,8 @@ def idle_tests(groups: Sequence[PatchGroup]) -> list[Atlas]:
             )
             shape = group.rungs.steps[rung].grid.shape
             stamps.append(_stamps(rows * scale[:, None], shape, PROOF))
-        tests.append(Atlas.of(stamps, counts, [group.thresholds[rung] for group in groups]))
+        limits = [group.operators[rung].problem.threshold for group in groups]
+        tests.append(Atlas.of(stamps, counts, limits))
     return tests
 
 

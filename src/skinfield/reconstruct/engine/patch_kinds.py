@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.engine.products import Singles, product_of
-from skinfield.reconstruct.multigrid_levels import FilledReadings, Rungs
+from skinfield.reconstruct.multigrid_levels import Rungs
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Operator
 
@@ -122,7 +122,8 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
     )
 
 
-MOST_SETS = 64  # of valid taxels, on one rung each, whose operators stay prepared
+MOST_SETS = 16  # of valid taxels, on one rung each, whose operators stay prepared
+MOST_FILLINGS = 64  # sets of them whose maps stay at hand
 
 
 class PatchGroup:
@@ -143,16 +144,10 @@ class PatchGroup:
         From whitened readings to the linear answer.
     fields : R arrays (P, K) float32, Pa
         Linear answers.
-    thresholds : R floats
-        Of idle tests; none where linear.
-    tolerances : R floats
-        Gaps at which searches end by themselves.
     operators : R Operators
         That search; none where linear.
     data : R lists of P Data
         Memory of each patch's searches, and their answers.
-    filler : FilledReadings
-        Of whitened readings.
     last : list of P Data
         Of the search that each patch used last, or None.
     """
@@ -165,14 +160,12 @@ class PatchGroup:
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
         self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
-        self.thresholds = [each.problem.threshold for each in self.operators]
-        self.tolerances = [each.problem.tolerance for each in self.operators]
         self.data: list[list[Any]] = [
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
-        self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
+        self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)
         for each in self.operators:
             each.without(every)  # loads what is compiled
@@ -195,6 +188,14 @@ class PatchGroup:
         """Linear answer of one patch, its readings among those (P, L) of all."""
         here = slice(place, place + 1)
         self.products[rung].apply(white[here], self.fields[rung][here])
+
+    def fill(self, white: Singles, valid: NDArray[np.bool_]) -> None:
+        """Let readings of the noise 1 (L,), 0 where not `valid`, give the valid taxels' answer."""
+        white[:] = self._filling(valid.tobytes()) @ white
+
+    def _prepared_filling(self, key: bytes) -> Singles:
+        noise, part = self.kind.noise_std, self.rungs.start.without(np.frombuffer(key, np.bool_))
+        return np.asarray((part.filled(np.diag(noise)) / noise).T, dtype=np.float32)
 
     def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> tuple[Any, Any]:
         """Operator and memory of a patch, which goes on where the patch's last search ended.

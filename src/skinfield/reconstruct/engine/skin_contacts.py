@@ -122,6 +122,6 @@ def _levels(engine: Engine, name: str) -> list[GridLevel]:
             known = step.operator
             signatures = (known.model.matrix / group.kind.noise_std[:, None]).T
             told = grid, known.noise, known.posterior, known.model_error, engine.finder
-            threshold = group.thresholds[rung]
+            threshold = group.operators[rung].problem.threshold
             levels.append(level_of(*told, signatures=signatures, threshold=threshold))
     return levels

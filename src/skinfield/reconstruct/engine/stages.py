@@ -18,7 +18,7 @@ def fill_missing(work: Clockwork, group: PatchGroup, places: Ints) -> None:
     valid = intake.views(intake.valid, group.first, group.count)
     white = work.white[group.index]
     for place in places:
-        group.filler.fill(white[place], valid[place])
+        group.fill(white[place], valid[place])
 
 
 def finest_for_all(work: Clockwork) -> int:
@@ -270,7 +270,7 @@ def search(
     deadline = start + int(allowance / NS)
     solution = operator.solve(work.raw_rows[patch], data, deadline)
     end, gap = work.clock(), solution.gap
-    settled = not gap > group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
+    settled = not gap > operator.problem.tolerance or (deadline - end) * NS > ENDED * allowance
     missing = 0.0 if settled else solution.objective * gap
     return patch, rung, gap, missing, settled, solution.steps, cost, 0.0, start, end
 

@@ -91,7 +91,7 @@ class Clockwork:
         self._opened = (
             *(intake.given, intake.wanted, intake.places),
             *(float(intake.quantity.lowest), intake.how),
-            *(intake.per_noise, intake.valid, self.starts, first.start.posterior is not None),
+            *(intake.per_noise, intake.valid, self.starts, first.start.gaussian is not None),
             *(intake.linear, intake.white, intake.present),
             *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
         )
@@ -174,9 +174,9 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        rows, valid = group.operators[rung].problem.rows, self.valid_rows[patch]
+        problem, valid = group.operators[rung].problem, self.valid_rows[patch]
         white = self.white[group.index][place]
-        return bool(self._idle_without(rows, valid, white, group.thresholds[rung]))
+        return bool(self._idle_without(problem.rows, valid, white, problem.threshold))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
