@@ -1,8 +1,7 @@
-"""What belongs to a prepared `NonNegative`: twins, missing taxels, starts, memory."""
+"""What belongs to a prepared `NonNegative`: missing taxels, starts, memory."""
 
 import gc
 import sys
-import threading
 import time
 import tracemalloc
 
@@ -29,32 +28,6 @@ from skinfield.solve import NonNegative, non_negative
 
 BOTH = [BaseStress(), Capacitance()]
 ROUNDING = 2e-6
-
-
-def test_twins_may_work_at_the_same_time() -> None:
-    """The search lets go of the interpreter: no state is shared that is written."""
-    model = small_model(21, 7)
-    operators = [search_of(NonNegative(), model)]
-    operators += [Search(operators[0].operator) for _ in range(3)]
-    rng = np.random.default_rng(1)
-    readings = [[pressed(model, rng) for _ in range(30)] for _ in operators]
-    expected = [
-        [solve(twin, each).copy() for each in rows]
-        for twin, rows in zip((Search(each.operator) for each in operators), readings, strict=True)
-    ]
-    found: list[list[Floats]] = [[] for _ in operators]
-
-    def work(index: int) -> None:
-        found[index] = [solve(operators[index], each).copy() for each in readings[index]]
-
-    threads = [threading.Thread(target=work, args=(index,)) for index in range(len(operators))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    for mine, theirs in zip(found, expected, strict=True):
-        for one, other in zip(mine, theirs, strict=True):
-            np.testing.assert_allclose(one, other, rtol=0, atol=1e-3 * max(other.max(), 1.0))
 
 
 @pytest.mark.parametrize("quantity", BOTH)
