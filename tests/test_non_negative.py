@@ -185,7 +185,7 @@ def test_a_length_longer_than_the_grid_is_no_harm_but_there_is_an_end() -> None:
 
 
 def test_the_clock_is_that_of_the_deadline() -> None:
-    from skinfield.solve.dual.search import now_ns
+    from skinfield.solve.clock import now_ns
 
     room = np.zeros(2, dtype=np.int64)
     for _ in range(100):

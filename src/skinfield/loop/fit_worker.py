@@ -155,7 +155,7 @@ def fitter_of(patch: Patch, model_config: ModelConfig) -> ContactFitter:
         quantity.typical_noise,
     )
     fitter = ContactFitter(FITTING, model)
-    fitter.run_in(fields=False)
+    fitter.run_in()
     return fitter
 
 
@@ -281,7 +281,7 @@ class PatchFit:
             if mean.readings >= ANEW:
                 fitter.reset()
             until = time.perf_counter_ns() + LONGEST_NS
-            fit = fitter.fit(mean.values, until, fields=False)
+            fit = fitter.fit(mean.values, until)
             self._was_rough = fitter is self._rough
             if fit.explained:
                 break

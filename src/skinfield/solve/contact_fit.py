@@ -1,7 +1,6 @@
 """Contacts as few round or drawn-out loads: the most accurate answer on a thin skin."""
 
 import time
-from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +27,7 @@ class ContactData(Data):
     def __init__(self, operator: "ContactOperator") -> None:
         margin = DeadlineMargin(300_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
-        self.fitter = copy(operator.fitter)
+        self.fitter = operator.fitter.twin()
         self.field: Any = None if operator.field is None else operator.field.data()
         self.reset()
 
@@ -108,7 +107,7 @@ class ContactOperator:
                 solution.notes, solution.offset = (note, *fit.notes), fit.offset
                 return solution
         name, nothing = type(self.solver).__name__, float("nan")
-        parts = fit.pressure, readings, name, self, nothing, nothing, nothing, 0
+        parts = fit.pressure, readings, name, self, nothing, nothing, fit.evidence, 0
         in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         solution.take(Solution(*parts, in_time, fit.notes, fit.offset, fit))
         return solution

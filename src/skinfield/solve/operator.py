@@ -54,34 +54,53 @@ class DeadlineMargin:
         return now <= end
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """What a solver that finds contacts by itself makes of one reading.
+class Fit(Protocol):
+    """What a solver that finds contacts by itself makes of one reading."""
 
-    Attributes
-    ----------
-    pressure, pressure_std : (K,) arrays, Pa
-    displacement : (K, 3) array, m
-        In the patch's frame.
-    contacts : tuple of Contact
-        By falling normal force.
-    predicted : (L,) array, in the quantity's unit
-        What the taxels would read of them.
-    offset : float, in the quantity's unit
-        That all taxels are taken to share; it is part of what is predicted.
-    explained : bool
-        Whether noise accounts for what the contacts leave over.
-    notes : tuple of str
-    """
+    @property
+    def pressure(self) -> Floats:
+        """(K,), Pa."""
+        ...
 
-    pressure: Floats
-    pressure_std: Floats
-    displacement: Floats
-    contacts: tuple[Contact, ...]
-    predicted: Floats
-    offset: float = 0.0
-    explained: bool = True
-    notes: tuple[str, ...] = ()
+    @property
+    def pressure_std(self) -> Floats:
+        """(K,), Pa."""
+        ...
+
+    @property
+    def displacement(self) -> Floats:
+        """(K, 3), m, in the patch's frame."""
+        ...
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """By falling normal force."""
+        ...
+
+    @property
+    def predicted(self) -> Floats:
+        """What the taxels would read of them, (L,), in the quantity's unit."""
+        ...
+
+    @property
+    def offset(self) -> float:
+        """That all taxels are taken to share, in the quantity's unit; part of what is predicted."""
+        ...
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the marginal likelihood, up to a constant that all readings share."""
+        ...
+
+    @property
+    def explained(self) -> bool:
+        """Whether noise accounts for what the contacts leave over."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """On the answer, in sentences."""
+        ...
 
 
 @dataclass(eq=False)

@@ -1,21 +1,33 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import Contact
-from skinfield.solve.atoms.dictionary import MARGIN, BallTemplates, make_bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors
-from skinfield.solve.atoms.posterior import belief_of, stated
+from skinfield.solve.atoms.alternatives_kernel import SearchMemory, SearchRules
+from skinfield.solve.atoms.atom_readings import PARAMETERS
+from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
+from skinfield.solve.atoms.fit_kernel import (
+    LATE,
+    NOW,
+    READINGS,
+    SHARED,
+    WHITE,
+    FitMemory,
+    FitModel,
+    Priors,
+)
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
-from skinfield.solve.atoms.search import AtomSet, FitProblem, search
+from skinfield.solve.atoms.search_kernel import search_atoms
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_tables
-from skinfield.solve.operator import Fit
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 QUIETEST = 1e-3  # of the stated noise, that is believed
@@ -25,49 +37,6 @@ UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
 LOUD = 1.8  # times the stated noise, from which it is more: less may be weak touches
 LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
 NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
-
-
-def explains(problem: FitProblem, found: AtomSet) -> bool:
-    """Whether noise and model error account for what is left over, but for one reading in 1e4."""
-    from scipy.special import chdtri
-
-    squares = np.square(problem.left(found.predicted) * problem.inputs.white).sum()
-    return bool(squares <= chdtri(_freedom(found, problem.heard), ODD))
-
-
-def _freedom(found: AtomSet, taxels: int) -> int:
-    return max(taxels - int(found.free.sum()), 1)
-
-
-def noise_scale(problem: FitProblem, found: AtomSet, scale: float, most: int) -> float:
-    """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
-
-    `scale` is what is assumed already, in terms of what was stated. It is less where the squares
-    are far fewer than the taxels: of all taxels, and of those that see a contact, the larger of the
-    two, so that taxels that always read zero do not speak for the others. It is more where the
-    atoms do not explain the readings and taxels that see none of them are as restless: what they
-    read is no touch. Where as many atoms as there may be (`most`) do not explain the readings, all
-    taxels tell it.
-    """
-    white = problem.inputs.white
-    left = problem.left(found.predicted) * white
-    seen = (np.abs(found.predicted) * white > 1.0) | (white <= 0.0)
-    if not explains(problem, found):
-        if len(found) >= most:
-            left, seen = problem.left(np.zeros(len(left))) * white, white <= 0.0
-        typical = 1.0
-        if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large ones do not move
-            typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
-        return typical if LOUD < typical <= LOUDEST / scale else 1.0
-    if not len(found):
-        return 1.0
-    squares, parameters = np.square(left), int(found.free.sum())
-    share = float(squares.sum()) / _freedom(found, problem.heard)
-    seen &= white > 0.0
-    if seen.sum() > parameters + 2:
-        share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
-    enough = QUIET if scale <= 1.0 else CALM
-    return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
 
 
 def significant(false_alarm_rate: float, taxels: int) -> float:
@@ -80,55 +49,12 @@ def significant(false_alarm_rate: float, taxels: int) -> float:
     return 0.5 * float(chdtri(3, false_alarm_rate / taxels))
 
 
-MOVED = 0.5  # standard deviations within which what was known of a contact still holds
-CHANGED = 0.2  # of its force's logarithm, likewise
-
-
-def notes_on(problem: FitProblem, count: int, scale: float, offset: float) -> tuple[str, ...]:
-    """What is to be told of an answer with as many contacts, in sentences."""
-    notes = []
-    if problem.late:
-        notes.append(f"ContactFit stopped at the deadline, with {count} found")
-    if scale > LOUD:
-        notes.append("ContactFit saw more noise than was stated, and went by what it saw")
-    if abs(offset) > problem.common > 0.0:
-        notes.append("ContactFit took what all taxels share for an offset: tare the skin")
-    return tuple(notes)
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What was found out about an atom (6,).
-
-    Attributes
-    ----------
-    atom : (6,) array
-        The minimum of the cost.
-    offset : (6,) array
-        From there to the posterior's mean, which is stated: its error is smaller.
-    covariance : (6, 6) array
-    """
-
-    atom: Floats
-    offset: Floats
-    covariance: Floats
-
-    def holds(self, atom: Floats) -> bool:
-        """Whether an atom is still about where it was when its covariance was found."""
-        off = atom - self.atom
-        deviation = np.sqrt(np.diag(self.covariance)[:2])
-        return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
-
-
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 ROUNDS = 5  # of searches, until the noise is as what is left over
-PLACES = 100  # that are tried to tell how sure a contact is, for each family
-FEW = 14  # for a contact that the reading before had, too
-STEP, WIDE_STEP = 0.9, 1.2  # standard deviations between places, for many and for few
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
 
 
@@ -141,6 +67,130 @@ ROUND_ERROR, ODD_ERROR = _model_error(0.02, 0.03), _model_error(0.25, 0.1)
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 
 
+@dataclass(frozen=True, eq=False)
+class AtomFit:
+    """What a contact fit makes of one reading; fields and contacts are drawn when they are used.
+
+    Attributes
+    ----------
+    renderer : AtomRenderer
+    thickness : float, m
+    atoms, offsets : (N, 6) arrays
+        At the minimum of the cost, and from there to the posterior's mean; see `fit_kernel`.
+    covariance : (N, 6, 6) array
+    family : (N,) int array
+    at_mean : bool
+        Whether the mean is the answer: its error is smaller.
+    predicted : (L,) array, in the quantity's unit
+        What the taxels would read of them.
+    offset : float, in the quantity's unit
+        That all taxels are taken to share; it is part of what is predicted.
+    evidence : float
+        Logarithm of the marginal likelihood, up to a constant that all readings share.
+    explained : bool
+        Whether noise accounts for what the contacts leave over.
+    notes : tuple of str
+    """
+
+    renderer: AtomRenderer
+    thickness: float
+    atoms: Floats
+    offsets: Floats
+    covariance: Floats
+    family: Ints
+    at_mean: bool
+    predicted: Floats
+    offset: float
+    evidence: float
+    explained: bool
+    notes: tuple[str, ...]
+
+    @cached_property
+    def drawn(self) -> Drawable | None:
+        """Atoms as they are drawn; None without any."""
+        if not len(self.atoms):
+            return None
+        atoms, covariance = np.empty_like(self.atoms), np.empty_like(self.covariance)
+        for index, (atom, known) in enumerate(zip(self.atoms, self.covariance, strict=True)):
+            odd = np.any(atom[4:]) or self.family[index] == RING
+            error = known + (ODD_ERROR if odd else ROUND_ERROR)
+            mean = atom + self.offsets[index] if self.at_mean else atom
+            atoms[index], covariance[index] = stated(mean, error, self.thickness)
+        return drawable(atoms, self.family, covariance, self.thickness)
+
+    @cached_property
+    def pressure(self) -> Floats:
+        """Mean pressure on each cell, (K,) Pa."""
+        out = np.zeros(len(self.renderer.grid))
+        if len(self.atoms):
+            self.renderer.pressure(*self._rendered, out)
+        return out
+
+    @cached_property
+    def _rendered(self) -> tuple[Floats, Ints]:
+        """Atoms in SI as they are drawn, without what a covariance takes, and their families."""
+        if self.family.max() == RING:
+            assert self.drawn is not None  # as there are atoms
+            return self.drawn.atoms, self.drawn.family
+        mean = self.atoms + self.offsets if self.at_mean else self.atoms
+        out, half = np.empty_like(mean), mean[:, 4:]
+        out[:, :2] = mean[:, :2] * self.thickness
+        out[:, 2:4] = np.exp(mean[:, 2:4]) * (1.0, self.thickness)
+        out[:, 4] = np.hypot(half[:, 0], half[:, 1]) * self.thickness
+        out[:, 5] = np.arctan2(half[:, 1], half[:, 0])
+        return out, self.family
+
+    @cached_property
+    def pressure_std(self) -> Floats:
+        """One standard deviation of it, (K,) Pa."""
+        out, drawn = np.zeros(len(self.renderer.grid)), self.drawn
+        if drawn is not None:
+            self.renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, out)
+        return out
+
+    @cached_property
+    def displacement(self) -> Floats:
+        """Of the nodes in the patch's frame, (K, 3) m."""
+        out = np.zeros((len(self.renderer.grid), 3))
+        if self.drawn is not None:
+            self.renderer.displacement(self.drawn.atoms, self.drawn.family, out)
+        return out
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """By falling normal force."""
+        drawn = self.drawn
+        if drawn is None:
+            return ()
+        return self.renderer.contacts(drawn.atoms, drawn.family, drawn.covariance, drawn.groups)
+
+
+class FitData:
+    """Scratch memory of a contact fit, and what it remembers of the reading before.
+
+    Parameters
+    ----------
+    operator : ContactFitter
+    """
+
+    def __init__(self, operator: "ContactFitter") -> None:
+        settings, most = operator.settings, operator.settings.most_contacts
+        self.memory = FitMemory.of(operator.fit_model, most)
+        self.search = SearchMemory.of(operator.bank, most, settings.starts)
+        self.posterior = PosteriorMemory.of(most)
+        self.noise = operator.model.noise_std.copy()
+        self.threshold = operator.threshold
+        self.scale = 1.0
+        self.compared = 0.0
+        self.before = np.zeros(most + 1, np.int64)  # families of the reading before, their number
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.memory.counts[:], self.posterior.known[:] = 0, 0
+        self.scale, self.compared, self.before[-1] = 1.0, 0.0, 0
+        self.search.state[:] = 0
+
+
 class ContactFitter:
     """Finds contacts reading by reading; for one thread at a time.
 
@@ -150,11 +200,6 @@ class ContactFitter:
         Such as `ContactFit()`.
     model : ObservationModel
         With its physics.
-
-    Attributes
-    ----------
-    noise : (L,) array, in the quantity's unit
-        Of the readings; the model's, until `take_noise`.
     """
 
     def __init__(self, settings: FitSettings, model: ObservationModel) -> None:
@@ -165,12 +210,10 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
-        self.noise = model.noise_std
         self._thickness = thickness = physics.layer.thickness
-        self._tables = atom_tables(physics)
-        self._taxels = np.ascontiguousarray(model.taxels / thickness)
-        self._bank: BallTemplates = make_bank(self._taxels, 1.0 / model.noise_std, self._tables)
-        self._priors = Priors(
+        tables = atom_tables(physics)
+        taxels = np.ascontiguousarray(model.taxels / thickness)
+        priors = Priors(
             float(np.log(settings.typical_radius)),
             CURVATURE_STD,
             float(np.log(FLAT_RADIUS / thickness)),
@@ -179,138 +222,209 @@ class ContactFitter:
             RING_STD,
             LENGTH_STD / thickness,
         )
-        low, high = self._taxels.min(axis=0) - MARGIN, self._taxels.max(axis=0) + MARGIN
-        self._places = np.array([low, high])
-        self._threshold = significant(settings.false_alarm_rate, len(model.taxels))
+        low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
+        self.fit_model = FitModel(taxels, tables, priors, np.array([low, high]))
+        self.bank: Templates = make_templates(self.fit_model, 1.0 / model.noise_std)
+        self.threshold = significant(settings.false_alarm_rate, len(model.taxels))
         self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         self.extended = settings.extended.prepare(model) if settings.extended else None
-        self._before: AtomSet | None = None
-        self._kept: tuple[Known, ...] = ()
-        self._compared, self._scale = 0.0, 1.0
+        self._data = FitData(self)
 
-    def run_in(self, fields: bool = True) -> None:
-        """Load all that is compiled: a first reading is as fast as the next.
+    @property
+    def noise(self) -> Floats:
+        """Of the readings (L,); the model's, until `take_noise`."""
+        return self._data.noise
 
-        Parameters
-        ----------
-        fields : bool
-            As of `fit`: without them half as much is needed.
-        """
-        strongest = int(np.argmax(self._bank.norms))
-        template = self._bank.templates[strongest].astype(np.float64)
+    def run_in(self) -> None:
+        """Load all that is compiled: a first reading is as fast as the next."""
+        bank = self.bank
+        strongest = int(np.argmax(bank.norms))
+        block = int(np.searchsorted(bank.firsts, strongest, side="right")) - 1
+        template = np.zeros(len(self.model.taxels))
+        np.add.at(template, bank.taxels[block], bank.templates[strongest])
         for strength in FIRST:
-            self.fit(template * (strength * self.model.noise_std), fields=fields)
+            fit = self.fit(template * (strength * self.model.noise_std))
+        _ = fit.pressure, fit.contacts
         self.reset()
 
     def take_noise(self, noise: Floats) -> None:
-        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard.
-
-        Nothing is prepared anew. What they read must be a number all the same.
-        """
-        if not np.array_equal(noise, self.noise):
-            self.noise, self._kept = np.array(noise, dtype=np.float64), ()
+        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
+        if not np.array_equal(noise, self._data.noise):
+            self._data.noise = np.array(noise, dtype=np.float64)
+            self._data.posterior.known[:] = 0
 
     def take_rate(self, false_alarm_rate: float) -> None:
         """See a contact in another share of idle readings than the settings have it."""
-        self._threshold = significant(false_alarm_rate, len(self.model.taxels))
+        self._data.threshold = significant(false_alarm_rate, len(self.model.taxels))
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._before, self._kept, self._compared, self._scale = None, (), 0.0, 1.0
+        self._data.reset()
 
-    def fit(self, readings: Floats, deadline_ns: int | None = None, *, fields: bool = True) -> Fit:
-        """See `ContactOperator.fit`; without `fields` deviation and displacement stay 0."""
-        problem, found, scale, drawn = self._answer(readings, deadline_ns)
-        nodes, offset = len(self.model.grid), problem.offset(found.predicted)
-        pressure, std, moved = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, 3))
-        contacts: tuple[Contact, ...] = ()
-        if drawn is not None:
-            atoms, family = drawn.atoms, drawn.family
-            self._renderer.pressure(atoms, family, pressure)
-            contacts = self._renderer.contacts(atoms, family, drawn.covariance, drawn.groups)
-            if fields:
-                self._renderer.pressure_std(atoms, family, drawn.each, std)
-                self._renderer.displacement(atoms, family, moved)
-        return Fit(
-            pressure=pressure,
-            pressure_std=std,
-            displacement=moved,
-            contacts=contacts,
-            predicted=found.predicted + offset,
+    def twin(self) -> "ContactFitter":
+        """Share all that is prepared, with a memory of its own."""
+        twin = copy(self)
+        twin._data = FitData(twin)
+        return twin
+
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> "AtomFit":
+        """See `ContactOperator.fit`."""
+        data = self._data
+        memory = data.memory
+        self._search(readings, data, deadline_ns or 0)
+        count = int(memory.counts[NOW])
+        family = memory.family[NOW, :count].copy()
+        data.before[:count], data.before[-1] = family, count
+        predicted = memory.predicted[NOW].copy()
+        offset = self._offset(memory, predicted)
+        return AtomFit(
+            renderer=self._renderer,
+            thickness=self._thickness,
+            atoms=memory.atoms[NOW, :count].copy(),
+            offsets=data.posterior.offsets[:count].copy(),
+            covariance=data.posterior.covariance[:count].copy(),
+            family=family,
+            # where what is left over is model error, no mean of it is known
+            at_mean=not memory.taxels[WHITE].max() * data.noise.min() > QUIETER,
+            predicted=predicted + offset,
             offset=offset,
-            explained=explains(problem, found),
-            notes=notes_on(problem, len(found), scale, offset),
+            evidence=float(data.search.known[0]),
+            explained=self._explains(memory),
+            notes=self._notes(data, count, offset),
         )
 
-    def _answer(
-        self, readings: Floats, deadline_ns: int | None
-    ) -> tuple[FitProblem, AtomSet, float, Drawable | None]:
-        """The atoms that explain a reading, the scale of its noise, and the atoms as drawn."""
-        settings, before = self.settings, self._before if self.settings.warm else None
-        problem = self.problem(readings, deadline_ns)
-        shapes = self._shapes_due(problem)
-        scale, start = self._scale if before is not None and len(before) else 1.0, before
-        for _ in range(ROUNDS):
-            if scale != 1.0:
-                problem = self.problem(readings, deadline_ns, scale)
-            found = search(problem, start, settings.most_contacts, settings.starts, shapes)
-            step = noise_scale(problem, found, scale, settings.most_contacts)
-            if step == 1.0 or problem.late:
-                break
-            start = found if step < 1.0 and scale <= 1.0 else None
-            scale, shapes = scale * step, True
-        self._scale = scale
-        same = before is not None and np.array_equal(before.family, found.family)
-        self._before = found
-        if not len(found):
-            self._kept = ()
-            return problem, found, scale, None
-        atoms, covariance = self._stated(problem, found, same)
-        return problem, found, scale, drawable(atoms, found.family, covariance, self._thickness)
+    def _offset(self, memory: FitMemory, predicted: Floats) -> float:
+        weight = np.square(memory.taxels[WHITE])
+        return float(memory.sums[SHARED] * (weight @ (memory.taxels[READINGS] - predicted)))
 
-    def _shapes_due(self, problem: FitProblem) -> bool:
-        """Whether the readings say much more, or less, than when shapes were last compared."""
-        energy = float(np.square(problem.inputs.readings * problem.inputs.white).sum())
-        due = not self._compared / RISE < energy < self._compared * RISE
-        if due:
-            self._compared = energy
-        return due
+    def _common(self, data: FitData) -> float:
+        return self.settings.common_mode * float(data.noise[np.isfinite(data.noise)].mean())
 
-    def problem(
-        self, readings: Floats, deadline_ns: int | None = None, scale: float = 1.0
-    ) -> FitProblem:
-        """One reading beside all that is known, at a scale of the noise."""
-        readings, noise = np.ascontiguousarray(readings, dtype=np.float64), self.noise
+    def _notes(self, data: FitData, count: int, offset: float) -> tuple[str, ...]:
+        """What is to be told of an answer with as many contacts, in sentences."""
+        notes = []
+        if data.memory.marks[LATE]:
+            notes.append(f"ContactFit stopped at the deadline, with {count} found")
+        if data.scale > LOUD:
+            notes.append("ContactFit saw more noise than was stated, and went by what it saw")
+        if abs(offset) > self._common(data) > 0.0:
+            notes.append("ContactFit took what all taxels share for an offset: tare the skin")
+        return tuple(notes)
+
+    def weigh(self, readings: Floats, data: FitData, scale: float) -> None:
+        """Take in a reading (L,) with a scale of the noise."""
+        memory, noise = data.memory, data.noise
+        memory.taxels[READINGS] = readings
         floor = self.settings.model_error * float(np.abs(readings).max())
-        white = 1.0 / np.hypot(scale * noise, floor)  # of noise and model together
-        common = self.settings.common_mode * float(noise[np.isfinite(noise)].mean())
-        shared = common**2 / (1.0 + common**2 * float(np.square(white).sum()))
-        inputs = Inputs(
-            readings, white, self._taxels, self._tables, self._priors, shared, self._places
-        )
-        return FitProblem(inputs, self._bank, noise, self._threshold, common, deadline_ns)
+        memory.taxels[WHITE] = 1.0 / np.hypot(scale * noise, floor)
+        common = self._common(data)
+        squares = float(np.square(memory.taxels[WHITE]).sum())
+        memory.sums[SHARED] = common**2 / (1.0 + common**2 * squares)
 
-    def _stated(self, problem: FitProblem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
-        """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
-        atoms = np.empty((len(found), PARAMETERS))
-        covariance = np.zeros((len(found), PARAMETERS, PARAMETERS))
-        kept = []
-        for index, atom in enumerate(found.atoms):
-            known = self._kept[index] if same and index < len(self._kept) else None
-            if known is None or not known.holds(atom):
-                effort = PLACES, self.settings.starts, STEP
-                if known is not None:
-                    effort = FEW, 0, WIDE_STEP
-                belief = belief_of(problem, found, index, *effort)
-                offset = belief.mean(int(found.family[index])) - atom
-                if problem.inputs.white.max() * self.noise.min() > QUIETER:
-                    offset[:] = 0.0  # what is left over is model error, of which no mean is known
-                odd = found.long[index] or found.family[index] == RING
-                error = belief.covariance + (ODD_ERROR if odd else ROUND_ERROR)
-                known = Known(atom.copy(), offset, error)
-            kept.append(known)
-            atoms[index], covariance[index] = stated(
-                atom + known.offset, known.covariance, self._thickness
+    def _search(self, readings: Floats, data: FitData, deadline: int) -> None:
+        memory, settings = data.memory, self.settings
+        warm = settings.warm and bool(data.before[-1])
+        if not settings.warm or not data.before[-1]:
+            memory.counts[NOW] = 0
+        scale = data.scale if warm else 1.0
+        self.weigh(readings, data, scale)
+        energy = float(np.square(memory.taxels[READINGS] * memory.taxels[WHITE]).sum())
+        shapes = not data.compared / RISE < energy < data.compared * RISE
+        if shapes:
+            data.compared = energy
+        rules = SearchRules(data.threshold, settings.most_contacts, settings.starts)
+        for turn in range(ROUNDS):
+            if turn:
+                self.weigh(readings, data, scale)
+            search_atoms(
+                self.fit_model,
+                self.bank,
+                memory,
+                data.search,
+                data.posterior,
+                rules,
+                data.noise,
+                shapes,
+                deadline,
             )
-        self._kept = tuple(kept)
-        return atoms, covariance
+            step = self._noise_scale(data, scale)
+            if step == 1.0 or memory.marks[LATE]:
+                break
+            if not (step < 1.0 and scale <= 1.0):
+                memory.counts[NOW] = 0
+            scale, shapes = scale * step, True
+        data.scale = scale
+
+    def _explains(self, memory: FitMemory) -> bool:
+        """Whether noise and model error account for what is left over, but for one in 1e4."""
+        left = self._left(memory) * memory.taxels[WHITE]
+        return bool(left @ left <= self._limits[self._freedom(memory)])
+
+    @cached_property
+    def _limits(self) -> Floats:
+        """Squares of as many normal numbers as the place that all but one in 1e4 stay below."""
+        from scipy.special import chdtri
+
+        return np.asarray(chdtri(np.arange(len(self.model.taxels) + 1), ODD))
+
+    def _left(self, memory: FitMemory) -> Floats:
+        predicted = memory.predicted[NOW]
+        return np.asarray(memory.taxels[READINGS] - predicted - self._offset(memory, predicted))
+
+    def _parameters(self, memory: FitMemory) -> int:
+        count = memory.counts[NOW]
+        long = np.any(memory.atoms[NOW, :count, 4:], axis=1)
+        return int(4 * count + 2 * long.sum())
+
+    def _freedom(self, memory: FitMemory) -> int:
+        heard = int(np.count_nonzero(memory.taxels[WHITE]))
+        return max(heard - self._parameters(memory), 1)
+
+    def _noise_scale(self, data: FitData, scale: float) -> float:
+        """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
+
+        `scale` is what is assumed already, in terms of what was stated. It is less where the
+        squares are far fewer than the taxels: of all taxels, and of those that see a contact, the
+        larger of the two, so that taxels that always read zero do not speak for the others. It is
+        more where the atoms do not explain the readings and taxels that see none of them are as
+        restless: what they read is no touch. Where as many atoms as there may be do not explain the
+        readings, all taxels tell it.
+        """
+        memory = data.memory
+        white, predicted = memory.taxels[WHITE], memory.predicted[NOW]
+        count = int(memory.counts[NOW])
+        left = self._left(memory) * white
+        seen = (np.abs(predicted) * white > 1.0) | (white <= 0.0)
+        if not self._explains(memory):
+            if count >= self.settings.most_contacts:
+                nothing = np.zeros(len(left))
+                left = (memory.taxels[READINGS] - self._offset(memory, nothing)) * white
+                seen = white <= 0.0
+            typical = 1.0
+            if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large do not move
+                typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
+            return typical if LOUD < typical <= LOUDEST / scale else 1.0
+        if not count:
+            return 1.0
+        squares, parameters = np.square(left), self._parameters(memory)
+        share = float(squares.sum()) / self._freedom(memory)
+        seen &= white > 0.0
+        if seen.sum() > parameters + 2:
+            share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
+        enough = QUIET if scale <= 1.0 else CALM
+        return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
+
+
+def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, Floats]:
+    """An atom and its covariance as x m, y m, force N, radius m, half-length m and angle rad."""
+    half, angle = float(np.hypot(atom[4], atom[5])), float(np.arctan2(atom[5], atom[4]))
+    force, radius = float(np.exp(atom[2])), float(np.exp(atom[3])) * thickness
+    by = np.zeros((PARAMETERS, PARAMETERS))
+    by[0, 0] = by[1, 1] = thickness
+    by[2, 2], by[3, 3] = force, radius
+    if half > 0.0:
+        along, across = np.cos(angle), np.sin(angle)
+        by[4, 4], by[4, 5] = thickness * along, thickness * across
+        by[5, 4], by[5, 5] = -across / half, along / half
+    place = atom[:2] * thickness
+    return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T

@@ -233,7 +233,7 @@ def add_pressure(
 
 
 @inner
-def _pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
+def pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
     """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
     total, terms = 0.0, np.empty(TERMS)
     for n in range(len(atoms)):
@@ -272,7 +272,7 @@ def render(
     for k in range(len(out)):
         peak = max(peak, out[k])
     for n in range(len(atoms)):
-        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
+        peak = max(peak, pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
     return peak
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.contacts import bodies
-from skinfield.solve.atoms.fit_kernel import PARAMETERS
 from skinfield.solve.atoms.table import BALL, RIM, RING
 
 FEWEST, MOST = 8, 32  # small contacts that a ring becomes

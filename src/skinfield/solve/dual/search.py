@@ -1,13 +1,10 @@
 """Search of the dual, compiled as one piece so that it can look at the clock between steps."""
 
-import sys
-from typing import Any
-
 import numpy as np
-from numba import types
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
+from skinfield.solve.clock import now_ns
 from skinfield.solve.dual import problem as at
 from skinfield.solve.dual.kernel import (
     FAST,
@@ -37,38 +34,6 @@ MARGIN = 0.5  # standard deviations below a node's own penalty at which it is se
 UNITS = 8  # of a number's last place in the rounding of a dual value
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SMOOTH, SAFE = 0.1, 1.6  # of the mean of a pace, and times that is never gone below
-MONOTONIC = 1  # of Linux: what `time.perf_counter` reads there
-UPTIME_RAW = 8  # of macOS, likewise
-
-if sys.platform == "win32":
-    _ticks: Any = types.ExternalFunction("QueryPerformanceCounter", types.int32(types.voidptr))
-    _rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(types.voidptr))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; in the first two of `room`, int64, the system writes it."""
-        _ticks(room.ctypes)
-        ticks = room[0]
-        _rate(room.ctypes)
-        whole, part = ticks // room[0], ticks % room[0]
-        return int(whole * 1_000_000_000 + part * 1_000_000_000 // room[0])
-
-elif sys.platform == "darwin":
-    _uptime: Any = types.ExternalFunction("clock_gettime_nsec_np", types.int64(types.int32))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; `room` is not needed on this system."""
-        return int(_uptime(UPTIME_RAW))
-
-else:
-    _gettime: Any = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.voidptr))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; in the first two of `room`, int64, the system writes it."""
-        _gettime(MONOTONIC, room.ctypes)
-        return int(room[0] * 1_000_000_000 + room[1])
 
 
 @njit(fastmath=FAST)

@@ -1,0 +1,393 @@
+"""Contacts of atoms as rows of numbers, compiled: place, force, deviations, area and moments.
+
+Atoms become what is drawn: in SI, at the posterior's mean, rings as rows of small balls. Those that
+overlap are one contact. See `skinfield.estimate.live_contacts` for the rows.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
+from skinfield.solve.atoms.render_kernels import GridMesh, pressure_at, render
+from skinfield.solve.atoms.render_tables import PressureTable
+from skinfield.solve.atoms.table import BALL, RIM, RING
+
+PEARLS = 64  # small balls that all rings together become
+FEWEST, MOST = 8, 32  # of one ring
+SHARE = 0.5  # thicknesses between them
+ROUND = np.array([0.02, 0.03])  # what presses is no perfect ball or flat end: place in thicknesses,
+ODD = np.array([0.25, 0.1])  # and part of the force; nor a perfect line or ring
+FINE = 48  # places along the sides of a body of several atoms, of which its area is counted
+TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
+
+
+class Drawing(NamedTuple):
+    """Atoms as they are drawn, N of W.
+
+    Attributes
+    ----------
+    atoms : (W, 6) array
+        Of x m, y m, force N, radius m, half-length m and angle rad.
+    family : (W,) int array
+        Balls and flat ends.
+    covariance : (W, 6, 6) array
+        Of each alone.
+    owner : (W,) int array
+        Number of the body of each.
+    order : (W,) int array
+        Bodies by falling force.
+    sums : (3, W) array
+        Of bodies: their force, N, and room.
+    by : (2, 6, 6) array
+        Room.
+    """
+
+    atoms: Floats
+    family: Ints
+    covariance: Floats
+    owner: Ints
+    order: Ints
+    sums: Floats
+    by: Floats
+
+    @classmethod
+    def of(cls, most: int) -> "Drawing":
+        """Room for so many atoms, and the small balls of rings."""
+        room = most + PEARLS
+        return cls(
+            np.zeros((room, 6)),
+            np.zeros(room, np.int64),
+            np.zeros((room, 6, 6)),
+            np.zeros(room, np.int64),
+            np.zeros(room, np.int64),
+            np.zeros((3, room)),
+            np.zeros((2, 6, 6)),
+        )
+
+
+class RowGrid(NamedTuple):
+    """Grid on which contacts stand.
+
+    Attributes
+    ----------
+    mesh : GridMesh
+    positions, normals : (K, 3) arrays
+    surface : PressureTable
+    thickness : float, m
+    patch : int
+        For the rows.
+    """
+
+    mesh: GridMesh
+    positions: Floats
+    normals: Floats
+    surface: PressureTable
+    thickness: float
+    patch: int
+
+
+@inner(_nrt=False)
+def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None:
+    """Write by covariance by^T, all (6, 6)."""
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += by[i, k] * covariance[k, j]
+            room[i, j] = total
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += room[i, k] * by[j, k]
+            out[i, j] = total
+
+
+@inner(_nrt=False)
+def draw_atom(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    index: int,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+    place: int,
+) -> None:
+    """Draw one atom of NOW into a place."""
+    atom, mean = drawing.atoms[place], memory.atoms[NOW, index]
+    long, ring = is_long(mean), memory.family[NOW, index] == RING
+    by, room = drawing.by[0], drawing.by[1]
+    for i in range(6):
+        atom[i] = mean[i] + (post.offsets[index, i] if at_mean else 0.0)
+        for j in range(6):
+            by[i, j] = 0.0
+    east, north = atom[4], atom[5]
+    half, angle = np.hypot(east, north), np.arctan2(north, east)
+    atom[0], atom[1] = atom[0] * thickness, atom[1] * thickness
+    atom[2], atom[3] = np.exp(atom[2]), np.exp(atom[3]) * thickness
+    atom[4], atom[5] = half * thickness, angle
+    by[0, 0], by[1, 1], by[2, 2], by[3, 3] = thickness, thickness, atom[2], atom[3]
+    if half > 0.0:
+        by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
+        by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
+    covariance = drawing.covariance[place]
+    error = ODD if long or ring else ROUND
+    for i in range(6):
+        for j in range(6):
+            covariance[i, j] = post.covariance[index, i, j]
+        if i < 4:
+            covariance[i, i] += error[i // 2] ** 2
+    transform(covariance, by, room, covariance)
+    drawing.family[place] = memory.family[NOW, index]
+
+
+@inner(_nrt=False)
+def draw(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+) -> int:
+    """Draw the atoms of NOW and number their bodies; how many atoms are drawn."""
+    count = 0
+    for index in range(memory.counts[NOW]):
+        if memory.family[NOW, index] != RING:
+            draw_atom(memory, post, index, thickness, at_mean, drawing, count)
+            drawing.owner[count] = count
+            for other in range(count):
+                one, its = drawing.atoms[count], drawing.atoms[other]
+                if square_apart(one, its) < (one[3] + its[3]) ** 2:
+                    old, new = drawing.owner[count], drawing.owner[other]
+                    for k in range(count + 1):
+                        if drawing.owner[k] == old:
+                            drawing.owner[k] = new
+            count += 1
+    for index in range(memory.counts[NOW]):
+        if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
+            count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
+    return count
+
+
+@inner(_nrt=False)
+def draw_ring(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    index: int,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+    first: int,
+) -> int:
+    """Draw a ring as small balls from a place on; the place after the last."""
+    draw_atom(memory, post, index, thickness, at_mean, drawing, first)
+    by, room = drawing.by[0], drawing.by[1]
+    x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
+    radius = drawing.atoms[first, 3]
+    number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
+    number = min(number, len(drawing.atoms) - first)
+    for pearl in range(number - 1, -1, -1):  # the first last: the ring is read from there
+        place, turn = first + pearl, 2 * np.pi * pearl / number
+        for i in range(6):
+            for j in range(6):
+                by[i, j] = 0.0
+        by[0, 0], by[1, 1], by[2, 2] = 1.0, 1.0, 1.0 / number
+        by[0, 3], by[1, 3] = np.cos(turn), np.sin(turn)
+        transform(drawing.covariance[first], by, room, drawing.covariance[place])
+        atom = drawing.atoms[place]
+        atom[0], atom[1] = x + radius * np.cos(turn), y + radius * np.sin(turn)
+        atom[2], atom[3], atom[4], atom[5] = force / number, RIM * thickness, 0.0, 0.0
+        drawing.family[place], drawing.owner[place] = BALL, first
+    return first + number
+
+
+@inner(_nrt=False)
+def square_apart(one: Floats, other: Floats) -> float:
+    """Squared distance in m² of the segments of two atoms."""
+    east, north = one[4] * np.cos(one[5]), one[4] * np.sin(one[5])
+    its_east, its_north = other[4] * np.cos(other[5]), other[4] * np.sin(other[5])
+    x, y = other[0] - one[0], other[1] - one[1]
+    cross = east * its_north - north * its_east
+    if cross != 0.0:
+        along, its_along = (x * its_north - y * its_east) / cross, (x * north - y * east) / cross
+        if abs(along) <= 1.0 and abs(its_along) <= 1.0:
+            return 0.0
+    nearest = np.inf
+    for side in (-1.0, 1.0):  # else an end is nearest
+        away = square_from(x + side * its_east, y + side * its_north, east, north)
+        back = square_from(side * east - x, side * north - y, its_east, its_north)
+        nearest = min(nearest, away, back)
+    return nearest
+
+
+@inner(_nrt=False)
+def square_from(x: float, y: float, east: float, north: float) -> float:
+    """Squared distance of a point from a segment to both sides of the origin."""
+    square = east * east + north * north
+    share = min(max((x * east + y * north) / square, -1.0), 1.0) if square > 0.0 else 0.0
+    return float((x - share * east) ** 2 + (y - share * north) ** 2)
+
+
+@inner(_nrt=False)
+def is_inside(drawing: Drawing, count: int, body: int, x: float, y: float) -> bool:
+    """Whether a place lies in an atom of a body."""
+    for n in range(count):
+        atom = drawing.atoms[n]
+        if drawing.owner[n] != body:
+            continue
+        away_x, away_y = x - atom[0], y - atom[1]
+        if atom[4] > 0.0:
+            east, north = np.cos(atom[5]), np.sin(atom[5])
+            along = min(max(away_x * east + away_y * north, -atom[4]), atom[4])
+            away_x, away_y = away_x - along * east, away_y - along * north
+        if away_x * away_x + away_y * away_y <= atom[3] * atom[3]:
+            return True
+    return False
+
+
+@inner(_nrt=False)
+def describe_body(
+    grid: RowGrid, drawing: Drawing, count: int, body: int, pressure: Floats, row: Any
+) -> None:
+    """Write the row of one body but for its track."""
+    total, members = drawing.sums[0, body], 0
+    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
+    x, y, area, peak = 0.0, 0.0, 0.0, 0.0
+    for n in range(count):
+        atom = drawing.atoms[n]
+        if drawing.owner[n] != body:
+            continue
+        share = atom[2] / total
+        x, y, members = x + share * atom[0], y + share * atom[1], members + 1
+        wide = abs(atom[4] * np.cos(atom[5])) + atom[3]
+        high = abs(atom[4] * np.sin(atom[5])) + atom[3]
+        low_x, high_x = min(low_x, atom[0] - wide), max(high_x, atom[0] + wide)
+        low_y, high_y = min(low_y, atom[1] - high), max(high_y, atom[1] + high)
+        here = pressure_at(
+            drawing.atoms[:count], drawing.family[:count], grid.surface, atom[0], atom[1]
+        )
+        area, peak = np.pi * atom[3] ** 2 + 4.0 * atom[3] * atom[4], max(peak, here)
+    force, place_x, place_y = 0.0, 0.0, 0.0
+    for n in range(count):
+        if drawing.owner[n] != body:
+            continue
+        atom, covariance = drawing.atoms[n], drawing.covariance[n]
+        share = atom[2] / total
+        off_x, off_y = (atom[0] - x) / total, (atom[1] - y) / total
+        force += covariance[2, 2]
+        place_x += share * share * covariance[0, 0] + off_x * off_x * covariance[2, 2]
+        place_x += 2.0 * share * off_x * covariance[0, 2]
+        place_y += share * share * covariance[1, 1] + off_y * off_y * covariance[2, 2]
+        place_y += 2.0 * share * off_y * covariance[1, 2]
+    if members > 1:
+        inside = 0
+        for i in range(FINE):
+            for j in range(FINE):
+                u, v = (i + 0.5) / FINE, (j + 0.5) / FINE
+                at_x, at_y = low_x + u * (high_x - low_x), low_y + v * (high_y - low_y)
+                inside += is_inside(drawing, count, body, at_x, at_y)
+        area = (high_x - low_x) * (high_y - low_y) * inside / FINE**2
+    row.patch, row.area, row.normal_force = grid.patch, area, total
+    row.force_std, row.place_std = np.sqrt(force), np.sqrt(0.5 * (place_x + place_y))
+    row.x, row.y = x, y
+    spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
+    stand(grid, row)
+
+
+@inner(_nrt=False)
+def spread(
+    grid: RowGrid,
+    drawing: Drawing,
+    count: int,
+    body: int,
+    pressure: Floats,
+    heights: tuple[float, float],
+    peak: float,
+    row: Any,
+) -> None:
+    """Write the cells of a body, their peak, and the second moments of their pressure."""
+    mesh, cells, total, xx, yy, xy = grid.mesh, 0, 0.0, 0.0, 0.0, 0.0
+    own, mean_x, mean_y = mesh.pitch * mesh.pitch / 12.0, 0.0, 0.0
+    low = max(int(np.ceil((heights[0] - mesh.y) / mesh.pitch)), 0)
+    high = min(int(np.floor((heights[1] - mesh.y) / mesh.pitch)), mesh.rows - 1)
+    for i in range(low, high + 1):
+        for j in range(mesh.columns):
+            x, y = mesh.x + j * mesh.pitch, mesh.y + i * mesh.pitch
+            if not is_inside(drawing, count, body, x, y):
+                continue
+            value = pressure[i * mesh.columns + j]
+            x, y = x - row.x, y - row.y
+            cells, total, peak = cells + 1, total + value, max(peak, value)
+            mean_x, mean_y = mean_x + value * x, mean_y + value * y
+            xx, yy, xy = xx + value * x * x, yy + value * y * y, xy + value * x * y
+    moments = row.moments
+    moments[0], moments[1], moments[2] = own, own, 0.0
+    if total > 0.0:
+        mean_x, mean_y = mean_x / total, mean_y / total
+        moments[0] += xx / total - mean_x * mean_x
+        moments[1] += yy / total - mean_y * mean_y
+        moments[2] += xy / total - mean_x * mean_y
+    row.cells, row.peak_pressure = max(cells, 1), peak
+
+
+@inner(_nrt=False)
+def stand(grid: RowGrid, row: Any) -> None:
+    """Write the place and the outward normal on the skin, between four nodes."""
+    mesh = grid.mesh
+    x, y = (row.x - mesh.x) / mesh.pitch, (row.y - mesh.y) / mesh.pitch
+    left = min(max(int(np.floor(x)), 0), max(mesh.columns - 2, 0))
+    low = min(max(int(np.floor(y)), 0), max(mesh.rows - 2, 0))
+    right, high, square = min(left + 1, mesh.columns - 1), min(low + 1, mesh.rows - 1), 0.0
+    u, v = x - left, y - low
+    position, normal = row.position, row.normal
+    for axis in range(3):
+        place, outward = 0.0, 0.0
+        for corner in range(4):
+            node = (high if corner > 1 else low) * mesh.columns + (right if corner % 2 else left)
+            weight = (v if corner > 1 else 1.0 - v) * (u if corner % 2 else 1.0 - u)
+            place += weight * grid.positions[node, axis]
+            outward += weight * grid.normals[node, axis]
+        position[axis], normal[axis] = place, outward
+        square += outward * outward
+    size = np.sqrt(square)
+    for axis in range(3):
+        normal[axis] /= size
+
+
+@njit
+def write_rows(
+    grid: RowGrid,
+    memory: FitMemory,
+    post: PosteriorMemory,
+    at_mean: bool,
+    drawing: Drawing,
+    pressure: Floats,
+    rows: Any,
+) -> int:
+    """Write the pressure (K,), Pa, and the contacts of NOW, by falling force; how many there are.
+
+    Rows beyond their number keep what they had; where there are more contacts, the strongest count.
+    """
+    count = draw(memory, post, grid.thickness, at_mean, drawing)
+    render(drawing.atoms[:count], drawing.family[:count], grid.surface, grid.mesh, pressure)
+    found, forces, order = 0, drawing.sums[0], drawing.order
+    for n in range(count):
+        forces[n] = 0.0
+    for n in range(count):
+        forces[drawing.owner[n]] += drawing.atoms[n, 2]
+    for n in range(count):
+        if drawing.owner[n] != n:
+            continue
+        place = found
+        while place > 0 and forces[order[place - 1]] < forces[n] * (1.0 - TIE):
+            order[place] = order[place - 1]
+            place -= 1
+        order[place] = n
+        found += 1
+    for place in range(min(found, len(rows))):
+        describe_body(grid, drawing, count, order[place], pressure, rows[place])
+    return found
