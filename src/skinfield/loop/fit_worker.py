@@ -1,6 +1,5 @@
 """Fit of one patch's contacts by `ContactFit` from averaged readings, with numbers that last."""
 
-import copy
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -215,10 +214,8 @@ class PatchFit:
 
     def take_fitter(self, fitter: ContactFitter) -> None:
         """Take a fit that was prepared for this geometry; others may have the same one."""
-        self._fine, self._rough = copy.copy(fitter), copy.copy(fitter)
-        self._rough.settings = replace(FITTING, model_error=ROUGH)
-        for each in (self._fine, self._rough):
-            each.reset()
+        self._fine = fitter.with_settings(FITTING)
+        self._rough = fitter.with_settings(replace(FITTING, model_error=ROUGH))
 
     def calibrate(self, noise: Floats, rounding: Floats) -> None:
         """Go by this noise, see `deviation_of`, and forget all answers."""

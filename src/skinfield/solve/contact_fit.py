@@ -27,7 +27,7 @@ class ContactData(Data):
     def __init__(self, operator: "ContactOperator") -> None:
         margin = DeadlineMargin(300_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
-        self.fitter = operator.fitter.twin()
+        self.fitter = operator.fitter.with_settings(operator.solver)
         self.field: Any = None if operator.field is None else operator.field.data()
         self.reset()
 

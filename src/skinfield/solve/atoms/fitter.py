@@ -1,6 +1,6 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
-from copy import copy
+import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -247,6 +247,16 @@ class ContactFitter:
         _ = fit.pressure, fit.contacts
         self.reset()
 
+    def with_settings(self, settings: FitSettings) -> "ContactFitter":
+        """Share all that is prepared, with a memory of its own: for patches of equal geometry.
+
+        `settings` may differ in what is weighed, not in how many atoms or starts there are.
+        """
+        other = copy.copy(self)
+        other.settings = settings
+        other._data = FitData(other)
+        return other
+
     def take_noise(self, noise: Floats) -> None:
         """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
         if not np.array_equal(noise, self._data.noise):
@@ -260,12 +270,6 @@ class ContactFitter:
     def reset(self) -> None:
         """Forget the reading before."""
         self._data.reset()
-
-    def twin(self) -> "ContactFitter":
-        """Share all that is prepared, with a memory of its own."""
-        twin = copy(self)
-        twin._data = FitData(twin)
-        return twin
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> "AtomFit":
         """See `ContactOperator.fit`."""
