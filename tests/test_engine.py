@@ -270,7 +270,7 @@ def test_a_rehearsal_changes_nothing(kind: str, request: pytest.FixtureRequest) 
 
 
 def subset_answer(patch: sf.Patch, readings: Floats, valid: Any) -> Floats:
-    """Posterior mean from the valid taxels, its prior that of all: written out."""
+    """Posterior mean from the valid taxels, its prior about that of all: written out."""
     grid = sf.Grid.square(patch, RUNGS[-1])
     model = ObservationModel.of(
         patch, LAYER, grid, sf.BondedLayer(), sf.Capacitance(), np.full(len(patch), NOISE)
