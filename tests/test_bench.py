@@ -137,7 +137,7 @@ def test_contenders_answer_as_a_reconstructor_does(tiny: scene.BenchScene) -> No
     model = contenders.model_of(nodes)
     for made, solver in (
         (contenders.gaussian("g", nodes), GaussianField()),
-        (contenders.non_negative("n", model, NonNegative()), NonNegative()),
+        (contenders.iterative("n", model, NonNegative()), NonNegative()),
     ):
         made.reset()
         made.answer(reading, None)

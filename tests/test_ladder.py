@@ -158,6 +158,16 @@ def test_a_deadline_reaches_the_search(searching: sf.Ladder) -> None:
     assert hasty.pressure.min() >= 0.0
 
 
+def test_contacts_of_a_fit_are_those_of_a_reconstructor_on_every_rung() -> None:
+    ladder = ladder_of(sf.ContactFit())
+    grid = sf.Grid.square(PATCH, 24)
+    rec = sf.Reconstructor(PATCH, LAYER, grid, solver=sf.ContactFit(), noise_std=NOISE)
+    ladder.rung, alone = 12, rec(READINGS).contacts[0]
+    found = ladder(READINGS).contacts[0]
+    assert found.normal_force == pytest.approx(alone.normal_force, rel=1e-3)
+    np.testing.assert_allclose(found.position, alone.position, atol=1e-5)
+
+
 def test_arguments_that_do_not_fit(linear: sf.Ladder) -> None:
     with pytest.raises(InputError, match=r"rung is 7, expected one of \(6, 12, 24\)"):
         linear.rung = 7

@@ -1,6 +1,7 @@
 """One patch from readings to contacts: the prepared chain against its parts, and bad input."""
 
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -237,3 +238,13 @@ def test_what_is_computed_later_is_of_the_reading_that_was(solver: Any) -> None:
     assert [c.normal_force for c in prompt.contacts] == pytest.approx(
         [c.normal_force for c in whole.contacts[0]]
     )
+
+
+@pytest.mark.parametrize("solver", [sf.GaussianField(), sf.NonNegative()], ids=repr)
+def test_threads_may_share_a_reconstructor(solver: object) -> None:
+    rec = sf.Reconstructor(PATCH, LAYER, GRID, quantity=sf.BaseStress(), solver=solver)
+    rows = [scale * STRESS for scale in np.linspace(0.5, 1.5, 40)]
+    expected = [rec(row).pressure for row in rows]
+    with ThreadPoolExecutor(4) as threads:
+        for mine, alone in zip(threads.map(rec, rows), expected, strict=True):
+            assert np.allclose(mine.pressure, alone, atol=5e-3 * alone.max())

@@ -188,6 +188,10 @@ class PressureNoise(FactoredError):
         Pressure per standard deviation of each reading.
     """
 
+    def on(self, nodes: NDArray[np.int64]) -> "PressureNoise":
+        """Of some of the cells, in their order."""
+        return PressureNoise(self.factor[nodes])
+
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         return self.explained(cells, weights)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -10,17 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
-from skinfield.errors import Floats, InputError, Ints, check_count
-from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
+from skinfield.errors import Floats, InputError, check_count
+from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
-from skinfield.solve import (
-    ContactOperator,
-    FieldOperator,
-    GaussianField,
-    InverseOperator,
-    NonNegative,
-    Solver,
-)
+from skinfield.solve import GaussianField, LinearOperator, NonNegative, Operator, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +65,11 @@ class RestrictedPosterior:
 
     Attributes
     ----------
-    fine : PressurePosterior
+    fine : PressureError
     restriction : Restriction
     """
 
-    fine: PressurePosterior
+    fine: PressureError
     restriction: Restriction
 
     @cached_property
@@ -124,80 +117,46 @@ class Rung:
         Along each side of the grid.
     grid : Grid
     deformation : Deformation
-    matrix : (K, L) array, Pa per unit of the reading
+    start : LinearOperator
         The linear answer: that of the finest rung, averaged over this one's cells.
-    noise : PressureNoise
-        Of the linear answer.
-    posterior : PressurePosterior, RestrictedPosterior or None
-        Of a Bayesian solver, averaged alike.
-    model_error : ModelError
-    model : ObservationModel or None
-        On this grid, where the solver is iterative.
-    operator : FieldOperator or None
-        Of an iterative solver, prepared on this grid.
+    operator : Operator
+        That answers on this grid: `start` where the solver is linear.
     """
 
     nodes: int
     grid: Grid
     deformation: Deformation
-    matrix: Floats
-    noise: PressureNoise
-    posterior: PressurePosterior | RestrictedPosterior | None
-    model_error: ModelError
-    model: ObservationModel | None = None
-    operator: FieldOperator | None = None
-
-    @cached_property
-    def pressure_std(self) -> Floats:
-        """One standard deviation of the linear answer, (K,) Pa."""
-        return self.noise.std if self.posterior is None else self.posterior.std
+    start: LinearOperator
+    operator: Operator
 
 
 @dataclass(frozen=True, eq=False)
 class Rungs:
-    """All resolutions of one patch, from coarse to fine, with what they share.
+    """All resolutions of one patch, from coarse to fine.
 
     Attributes
     ----------
     steps : tuple of Rung
-    start : InverseOperator
-        The linear answer on the finest rung.
-    model : ObservationModel
-        On the finest rung.
     """
 
     steps: tuple[Rung, ...]
-    start: InverseOperator
-    model: ObservationModel
 
-    @cached_property
-    def explained(self) -> Floats:
-        """From linearised readings to what the linear answer predicts of them, on any rung."""
-        return self.model.matrix @ self.start.matrix
+    @property
+    def start(self) -> LinearOperator:
+        """The linear answer on the finest rung."""
+        return self.steps[-1].start
 
     @property
     def linear(self) -> bool:
         """Whether the linear answer is the solver's own."""
-        return self.steps[-1].operator is None
-
-    @cached_property
-    def weights(self) -> Floats:
-        r"""Inverse covariance of the readings that prior and noise let expect, (L, L).
-
-        With A Q Aᵀ + Σ = S the answer is p = Q Aᵀ S⁻¹ y, so it predicts A p = (1 - Σ S⁻¹) y, and
-
-        .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
-        """
-        unexplained = np.eye(len(self.explained)) - self.explained
-        weights = unexplained / np.square(self.model.noise_std)[:, None]
-        return np.asarray(0.5 * (weights + weights.T))
+        return self.steps[-1].operator is self.start
 
     @cached_property
     def unresolved(self) -> tuple[float, ...]:
         """Part of the finest linear answer's squared norm that each rung averages away."""
-        finest = self.steps[-1]
-        kept = [_power(step.matrix * self.model.noise_std, step.grid) for step in self.steps]
-        whole = _power(finest.matrix * self.model.noise_std, finest.grid)
+        noise, finest = self.start.model.noise_std, self.steps[-1].grid
+        kept = [_power(step.start.matrix * noise, step.grid) for step in self.steps]
+        whole = _power(self.start.matrix * noise, finest)
         return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
 
 
@@ -219,31 +178,29 @@ def prepare_rungs(
     Raises
     ------
     InputError
-        For rungs out of order, or a solver that finds contacts by itself.
+        For rungs out of order.
     """
     check_sides(sides)
     grids = [Grid.square(patch, nodes) for nodes in sides]
-    finest = ObservationModel.of(patch, layer, grids[-1], mechanics, quantity, noise_std)
-    top = _prepared(solver, finest)
-    linear = isinstance(top, InverseOperator)
-    if isinstance(top, InverseOperator):
-        start = top
+    physics = mechanics, quantity, noise_std
+    finest = ObservationModel.of(patch, layer, grids[-1], *physics)
+    top = solver.prepare(finest)
+    if top.linear is not None:
+        start = top.linear
     elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
         start = GaussianField(snr=solver.snr, length_scale=solver.length_scale).prepare(finest)
     else:
         start = GaussianField().prepare(finest)
     steps = []
     for nodes, grid in zip(sides, grids, strict=True):
-        step = linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
-        if not linear:
-            model = finest
+        mean = averaged(start, grid)
+        operator: Operator = mean
+        if top.linear is None:
+            operator = top
             if grid is not grids[-1]:
-                model = ObservationModel.of(patch, layer, grid, mechanics, quantity, noise_std)
-            operator = top if model is finest else _prepared(solver, model)
-            assert not isinstance(operator, InverseOperator)  # it is linear on all grids or none
-            step = replace(step, model=model, operator=operator)
-        steps.append(step)
-    return Rungs(tuple(steps), start, finest)
+                operator = solver.prepare(ObservationModel.of(patch, layer, grid, *physics))
+        steps.append(Rung(nodes, grid, Deformation(grid, layer, mechanics), mean, operator))
+    return Rungs(tuple(steps))
 
 
 def check_sides(sides: Sequence[int]) -> None:
@@ -256,64 +213,11 @@ def check_sides(sides: Sequence[int]) -> None:
         )
 
 
-def _prepared(solver: Solver, model: ObservationModel) -> InverseOperator | FieldOperator:
-    operator = solver.prepare(model)
-    if isinstance(operator, ContactOperator):
-        raise InputError(
-            f"solver is {type(solver).__name__}(), which finds contacts by itself and has no "
-            "resolution to choose, expected a solver of fields: NonNegative() or GaussianField(); "
-            "for contacts use a Reconstructor with a deadline"
-        )
-    return operator
-
-
-def linear_rung(
-    nodes: int, deformation: Deformation, finest: InverseOperator, model: ObservationModel
-) -> Rung:
-    """Derive a resolution's linear answer from the finest one's, prepared for a model."""
-    grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
-    error: PressurePosterior | RestrictedPosterior | None = posterior
-    if grid.shape != model.grid.shape:
-        restriction = Restriction.between(model.grid, grid)
-        matrix = np.ascontiguousarray(restriction(matrix.T).T)
-        error = None if posterior is None else RestrictedPosterior(posterior, restriction)
-    noise = PressureNoise(matrix * model.noise_std)
-    return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
-
-
-KEPT = 64  # sets of missing taxels whose maps stay at hand
-
-
-class FilledReadings:
-    r"""Readings in place of missing ones, with which the linear answer is that of the valid taxels.
-
-    Parameters
-    ----------
-    weights : (L, L) array
-        Inverse covariance :math:`S^{-1}` of the readings that prior and noise let expect.
-
-    Notes
-    -----
-    A Bayesian linear answer is :math:`p = Q A^T w` with :math:`w = S^{-1} y`. With
-
-    .. math:: y_I = -\left((S^{-1})_{II}\right)^{-1} (S^{-1})_{IV} \, y_V
-
-    the weights of the missing taxels I vanish, and those of the valid ones V become
-    :math:`(S_{VV})^{-1} y_V` (inverse of a partitioned matrix): exactly the answer of an operator
-    that was prepared without I. It is the mean of :math:`y_I` given :math:`y_V`.
-    """
-
-    def __init__(self, weights: Floats) -> None:
-        self.weights = weights
-        self._map_of = lru_cache(KEPT)(self._map)
-
-    def fill(self, readings: NDArray[np.floating], valid: NDArray[np.bool_]) -> None:
-        """Overwrite what is not `valid` (L,) in `readings` (L,); at least one must be."""
-        missing, given, expected = self._map_of(valid.tobytes())
-        readings[missing] = expected @ readings[given]
-
-    def _map(self, key: bytes) -> tuple[Ints, Ints, Floats]:
-        valid = np.frombuffer(key, np.bool_)
-        missing, given = np.flatnonzero(~valid), np.flatnonzero(valid)
-        rows = self.weights[missing]
-        return missing, given, np.asarray(-np.linalg.solve(rows[:, missing], rows[:, given]))
+def averaged(finest: LinearOperator, grid: Grid) -> LinearOperator:
+    """Linear operator of the averages over the cells of a coarser grid."""
+    if grid.shape == finest.model.grid.shape:
+        return finest
+    restriction, fine = Restriction.between(finest.model.grid, grid), finest.posterior
+    matrix = np.ascontiguousarray(restriction(finest.matrix.T).T)
+    error = None if fine is None else RestrictedPosterior(fine, restriction)
+    return replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None, source=finest)

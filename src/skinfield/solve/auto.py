@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_count, check_range, check_type
+from skinfield.estimate import Contact, ModelError, PressureError
 from skinfield.solve.atoms.fit_kernel import MOST, SHARED, WHITE
-from skinfield.solve.atoms.fitter import AtomFit, ContactFitter
-from skinfield.solve.contact_fit import ContactFit
+from skinfield.solve.contact_fit import ContactFit, ContactOperator
+from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
 from skinfield.solve.non_negative import NonNegative, NonNegativeOperator
-from skinfield.solve.operator import InverseOperator
+from skinfield.solve.operator import Data, DeadlineMargin, LinearOperator, Solution
 
 LENGTHS = (0.7, 2.0, 6.0)  # of a field's correlation, in distances of taxels
 AMPLITUDES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # root mean square of its readings, over noise
@@ -94,6 +95,24 @@ class FieldPriors(NamedTuple):
             shared=ones * precision,
             gain=1.0 / (1.0 + squares),
             constant=known + 0.5 * (np.log(precision).sum(axis=1) - np.log1p(squares)),
+            white=white,
+        )
+
+    def spread(self, valid: NDArray[np.bool_]) -> "FieldPriors":
+        """The same for readings (L,) of which these of the `valid` taxels alone count."""
+        count, taxels = int(valid.sum()), len(valid)
+
+        def padded(values: Floats) -> Floats:
+            return np.pad(values, [(0, 0), (0, taxels - count)])
+
+        vectors = np.zeros((len(self.vectors), taxels, taxels), np.float32)
+        vectors[:, :count, valid] = self.vectors
+        white = np.zeros(taxels)
+        white[valid] = self.white
+        return self._replace(
+            vectors=vectors,
+            precision=padded(self.precision),
+            shared=padded(self.shared),
             white=white,
         )
 
@@ -246,147 +265,180 @@ class Auto:
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
         """Prepare the contacts, the field, and the evidence of both."""
-        return AutoOperator(self, model)
+        contacts = replace(self.contacts, extended=None).prepare(model)
+        operator = AutoOperator(
+            solver=self,
+            model=model,
+            contact_fit=contacts,
+            field=self.field.prepare(model),
+            linear_field=self.linear.prepare(model),
+            priors=FieldPriors.of(model, self.contacts.common_mode),
+            noise_std=model.noise_std,
+        )
+        operator.solve(np.zeros(len(model.noise_std)), operator.data())  # compiles what it takes
+        return operator
 
 
-class AutoField:
-    """Non-negative field, or a linear one where no pressure explains the readings.
+class AutoData(Data):
+    """Scratch memory of an `AutoOperator`, and its reading before."""
 
-    Parameters
-    ----------
-    operator : NonNegativeOperator
-    linear : InverseOperator
-    model : ObservationModel
-
-    Attributes
-    ----------
-    notes : tuple of str
-        Of the last answer.
-    """
-
-    def __init__(
-        self, operator: NonNegativeOperator, linear: InverseOperator, model: ObservationModel
-    ) -> None:
-        self.operator, self.linear, self.model = operator, linear, model
-        self.notes: tuple[str, ...] = ()
-        self.pressure_std, self.noise = operator.pressure_std, operator.noise
-        self.posterior, self.model_error = operator.posterior, operator.model_error
-
-    @property
-    def gap(self) -> float:
-        """Of the last answer, see `NonNegativeOperator.gap`; NaN of a linear one."""
-        return float("nan") if self.notes else self.operator.gap
-
-    @property
-    def iterations(self) -> int:
-        """Newton steps that the last reading took."""
-        return self.operator.iterations
-
-    def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
-        """See `FieldOperator.apply`."""
-        self.operator.apply(readings, out, deadline_ns)
-        self.notes = ()
-        left = readings - self.model.matrix @ out
-        if self.operator.deadline_met and not is_believed(
-            left, readings, 1.0 / self.model.noise_std
-        ):
-            self.linear.apply(readings, out)
-            self.notes = (LINEAR_NOTE,)
+    def __init__(self, operator: "AutoOperator") -> None:
+        margin = DeadlineMargin(300_000, most=2_000_000)
+        super().__init__(operator, len(operator.model.grid), margin)
+        self.contacts, self.field = operator.contact_fit.data(), operator.field.data()
+        self.linear, self.contest = operator.linear_field.data(), Contest()
+        self.contacts.fitter.memory.marks[MOST] = operator.solver.most_steps
+        self.along = np.zeros((2, len(operator.model.noise_std)), np.float32)
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self.operator.reset()
+        self.contacts.reset()
+        self.field.reset()
+        self.contest = Contest()
 
 
+@dataclass(frozen=True, eq=False)
 class AutoOperator:
-    """Prepared choice; for one thread at a time.
+    """Prepared choice.
 
-    Parameters
+    Attributes
     ----------
-    settings : Auto
+    solver : Auto
     model : ObservationModel
         With its physics.
-
-    Attributes
-    ----------
-    contest : Contest
-    extended : AutoField
+    contact_fit : ContactOperator
+    field : NonNegativeOperator
+    linear_field : LinearOperator
+    priors : FieldPriors
+    noise_std : (L,) array, in the quantity's unit
+        Infinite of taxels that are left out.
+    valid : (L,) bool array, optional
+        Taxels that are used. Default all.
     """
 
-    def __init__(self, settings: Auto, model: ObservationModel) -> None:
-        contacts = replace(settings.contacts, extended=None)
-        self.settings, self.model = settings, model
-        self.fitter = ContactFitter(contacts, model)
-        linear = settings.linear.prepare(model)
-        self.extended = AutoField(settings.field.prepare(model), linear, model)
-        self.priors = FieldPriors.of(model, contacts.common_mode)
-        self.contest = Contest()
-        self._common = contacts.common_mode * float(model.noise_std.mean())
-        self._along = np.zeros((2, len(model.taxels)), np.float32)
-        self._linear, self._pressure = np.zeros(len(model.taxels)), np.zeros(len(model.grid))
-        self.fitter.run_in()
-        nothing = self.fitter.fit(np.zeros(len(model.taxels)))
-        self.fitter.memory.marks[MOST] = settings.most_steps
-        self._nothing = replace(nothing, notes=(FIELD_NOTE,))
-        self._compare(np.zeros(len(model.taxels)), nothing)
-        self.reset()
+    solver: Auto
+    model: ObservationModel
+    contact_fit: ContactOperator
+    field: NonNegativeOperator
+    linear_field: LinearOperator
+    priors: FieldPriors
+    noise_std: Floats
+    valid: NDArray[np.bool_] | None = None
+    linear = None  # no matrix
 
     @property
-    def field_answers(self) -> bool:
-        """Whether a field answers in place of the contacts of the last reading."""
-        return self.contest.winner == FIELD
+    def problem(self) -> DualProblem:
+        """Of the field: an engine's test of idle patches."""
+        return self.field.problem
 
-    def reset(self) -> None:
-        """Forget the reading before."""
-        self.fitter.reset()
-        self.extended.reset()
-        self.contest = Contest()
+    @property
+    def noise(self) -> PressureError:
+        """Of the field."""
+        return self.field.noise
 
-    def fit(self, readings: Floats, deadline_ns: int | None = None) -> AtomFit:
-        """See `ContactOperator.fit`; none are found where a field answers.
+    @property
+    def posterior(self) -> PressureError | None:
+        """Of the field."""
+        return self.field.posterior
 
-        They are not even sought in readings about as strong as those of which a field was more
+    @property
+    def model_error(self) -> ModelError:
+        """Of the field."""
+        return self.field.model_error
+
+    def data(self) -> AutoData:
+        """Make its scratch memory."""
+        return AutoData(self)
+
+    def solve(self, readings: Floats, data: AutoData, deadline_ns: int | None = None) -> Solution:
+        """See `Operator.solve`; contacts are found by `contact_fit`, a field by the other two.
+
+        Contacts are not even sought in readings about as strong as those of which a field was more
         probable, while it remains as probable as it was.
         """
-        contest, white = self.contest, self.priors.white
-        energy = float(np.square(readings * white).sum())
-        if self.field_answers and not contest.is_due(energy, contest.count):
-            value = field_evidence(self.priors, readings, self._along)
+        readings, solution, contest = data.heard(readings, self.valid), data.solution, data.contest
+        energy = float(np.square(readings / self.noise_std).sum())
+        if contest.winner == FIELD and not contest.is_due(energy, contest.count):
+            value = field_evidence(self.priors, readings, data.along)
             if value > contest.field - 0.5 * (contest.field - contest.contacts):
-                return self._nothing
-        fit = self.fitter.fit(readings, deadline_ns)
-        count = len(fit.atoms)
+                solution.take(self._by_field(readings, data, deadline_ns))
+                return solution
+        found = self.contact_fit.solve(readings, data.contacts, deadline_ns)
+        fit = found.fit
+        assert fit is not None  # as no field stands in there
+        count = len(fit.contacts)
         if contest.is_due(energy, count) or not fit.explained:
-            self._compare(readings, fit)
+            self._compare(readings, data, found, deadline_ns)
             contest.energy, contest.count = energy, count
-        return self._nothing if self.field_answers else fit
+        if contest.winner == FIELD:
+            found = self._by_field(readings, data, deadline_ns)
+        solution.take(found)
+        return solution
 
-    def _compare(self, readings: Floats, fit: AtomFit) -> None:
+    def _by_field(
+        self, readings: Floats, data: AutoData, deadline_ns: int | None = None
+    ) -> Solution:
+        """Non-negative field, or a linear one where no pressure explains the readings."""
+        found = self.field.solve(readings, data.field, deadline_ns)
+        left, notes = found.residual, [FIELD_NOTE]
+        if found.in_time and not is_believed(left, found.readings, 1.0 / self.noise_std):
+            found = self.linear_field.solve(readings, data.linear, deadline_ns)
+            notes.append(LINEAR_NOTE)
+        found.notes = tuple(notes)
+        return found
+
+    def _compare(
+        self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
+    ) -> None:
         """Compare a field with the contacts, and with nothing but noise.
 
         Contacts that do not explain the readings are not excused by a misfit where a field does.
         """
-        memory = self.fitter.memory
+        memory, contest, fit = data.contacts.fitter.memory, data.contest, found.fit
+        assert fit is not None  # as no field stands in there
         white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
-        density, heard = noise_density(white, shared, self._common), int(np.count_nonzero(white))
-        left, level = (readings - fit.predicted) * white, float(white @ (readings * white))
+        common = self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
+        density, heard = noise_density(white, shared, common), int(np.count_nonzero(white))
+        left = (readings - fit.predicted) * white
+        level = float(white @ (readings * white))
         contacts = fit.evidence + density
         if fit.explained:
-            free = 4 * len(fit.atoms) + int(np.count_nonzero(fit.atoms[:, 4:]))
-            contacts += misfit_gain(float(left @ left), heard - free)
+            contacts += misfit_gain(float(left @ left), heard - fit.parameters)
         idle = float(np.square(readings * white).sum()) - shared * level**2
         nothing = density - 0.5 * idle + misfit_gain(idle, heard)
-        field = field_evidence(self.priors, readings, self._along)
+        field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
-        winner = self.contest.decide(rival, field, len(fit.atoms), self.settings.reluctance)
-        if winner == FIELD and not self._leaves_less(readings, readings - fit.predicted):
-            self.contest.winner = CONTACTS
+        winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
+        if winner == FIELD:
+            over = self._by_field(readings, data, deadline_ns).residual / self.noise_std
+            if not over @ over < LESS * (left @ left):
+                contest.winner = CONTACTS
 
-    def _leaves_less(self, readings: Floats, left: Floats) -> bool:
-        """Whether the field that would answer leaves far less than contacts, (L,), leave."""
-        physics, white = self.model.physics, self.priors.white
-        assert physics is not None  # without it no contact would have been sought
-        linear = physics.quantity.linearise(readings, self._linear)
-        self.extended.apply(linear, self._pressure)
-        over = np.square((linear - self.model.matrix @ self._pressure) * white).sum()
-        return bool(over < LESS * np.square(left * white).sum())
+    def without(self, valid: NDArray[np.bool_]) -> "AutoOperator":
+        """See `Operator.without`."""
+        part = self.model.subset(valid)
+        return replace(
+            self,
+            contact_fit=self.contact_fit.without(valid),
+            field=self.field.without(valid),
+            linear_field=self.linear_field.without(valid),
+            priors=FieldPriors.of(part, self.solver.contacts.common_mode).spread(valid),
+            noise_std=np.where(valid, self.model.noise_std, np.inf),
+            valid=np.array(valid, np.bool_),
+        )
+
+    def predicted(self, solution: Solution) -> Floats:
+        """See `Operator.predicted`."""
+        return solution.operator.predicted(solution)
+
+    def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
+        """See `Operator.contacts`: None where a field answered."""
+        return None if solution.fit is None else solution.fit.contacts
+
+    def pressure_std(self, solution: Solution) -> Floats:
+        """See `Operator.pressure_std`."""
+        return solution.operator.pressure_std(solution)
+
+    def displacement(self, solution: Solution) -> Floats | None:
+        """See `Operator.displacement`."""
+        return solution.operator.displacement(solution)

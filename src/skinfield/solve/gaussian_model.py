@@ -76,25 +76,7 @@ class TaxelSets:
         along = self.weights(readings, which) * (whole * model.spectrum + 1.0) * share
         return np.asarray((along @ model.vectors.T) * model.noise_std)
 
-    def matrix(self, which: int) -> Floats:
-        """Operator (K, L') of a set, Pa per unit of the reading, of its L' taxels."""
-        valid, model = self.valid[which], self.model
-        along = model.turned * self.retained[which]
-        along -= (model.turned @ self.lost[which].T) @ self.lost[which]
-        matrix = self.variance[which] * (along @ model.vectors[valid].T)
-        return np.asarray(matrix / model.noise_std[valid])
-
-    def posterior(self, which: int) -> PressurePosterior:
-        """Posterior of a set, with the factor (K, L') that a solver gives: for its own operator."""
-        valid, model = self.valid[which], self.model
-        inverse = (model.vectors * self.retained[which]) @ model.vectors.T
-        lost = self.lost[which] @ model.vectors.T
-        inverse -= lost.T @ lost
-        lower = np.linalg.cholesky(inverse[np.ix_(valid, valid)])
-        factor = self.variance[which] * (model.turned @ (model.vectors[valid].T @ lower))
-        prior = self.variance[which] * model.prior.prior
-        return PressurePosterior(prior=prior, factor=factor, steps=model.prior.steps)
-
+    @cached_property
     def stds(self) -> tuple[Floats, Floats]:
         """Standard deviations of each cell: of the posterior, and of the readings' noise.
 
@@ -126,14 +108,11 @@ class TaxelSets:
         left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
-    @cached_property
+    @property
     def errors(self) -> "list[tuple[SetError, SetError]]":
         """Posterior of each set's pressure, and its error by the readings' noise alone."""
-        stds = zip(*self.stds(), strict=True)
-        return [
-            (SetError(self, which, posterior, False), SetError(self, which, noise, True))
-            for which, (posterior, noise) in enumerate(stds)
-        ]
+        count = range(len(self.valid))
+        return [(SetError(self, which, False), SetError(self, which, True)) for which in count]
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,20 +123,27 @@ class SetError:
     ----------
     sets : TaxelSets
     which : int
-    std : (K,) array, Pa
     of_noise : bool
         By the readings' noise alone; else of the posterior.
     """
 
     sets: TaxelSets
     which: int
-    std: Floats
     of_noise: bool
+
+    @property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        return np.asarray(self.sets.stds[self.of_noise][self.which])
 
     @cached_property
     def felt(self) -> int:
         """Number of cells that feel any noise."""
         return int(np.count_nonzero(self.std))
+
+    def on(self, nodes: NDArray[np.int64]) -> "SetError":
+        """Of some of the nodes, in their order."""
+        return replace(self, sets=replace(self.sets, model=self.sets.model.on(nodes)))
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""

@@ -21,7 +21,7 @@ over 64, as an incompressible layer hardly gives below the middle of a wide cont
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from skinfield.estimate import ModelError, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.skin.geometry import nearest_distance
 from skinfield.solve.gaussian_model import GaussianModel
-from skinfield.solve.operator import InverseOperator, propagated_std
+from skinfield.solve.operator import LinearOperator, propagated_std
 
 
 class Errors(NamedTuple):
@@ -103,7 +103,7 @@ class Inverse:
 
     resample: bool = True
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Invert once."""
         if self.resample:
             weights, virtual, inside = resampled(model)
@@ -118,7 +118,7 @@ class Inverse:
                 )
             matrix = _solve(model.matrix, np.eye(taxels))
         std = propagated_std(matrix, model.noise_std)
-        return InverseOperator(matrix, std, model_error=INVERSE.of(model))
+        return LinearOperator(self, model, matrix, std, model_error=INVERSE.of(model))
 
 
 def _solve(square: Floats, right: Floats) -> Floats:
@@ -156,7 +156,7 @@ class PseudoInverse:
     def __post_init__(self) -> None:
         check_range("rcond", self.rcond, 0.0, 1.0, "relative to the largest singular value")
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Invert once."""
         if self.resample:
             weights, virtual, _ = resampled(model)
@@ -164,7 +164,7 @@ class PseudoInverse:
         else:
             matrix, known = self._inverse(model.matrix), PSEUDO_INVERSE
         std = propagated_std(matrix, model.noise_std)
-        return InverseOperator(matrix, std, model_error=known.of(model))
+        return LinearOperator(self, model, matrix, std, model_error=known.of(model))
 
     def _inverse(self, matrix: Floats) -> Floats:
         return np.asarray(np.linalg.pinv(matrix, rcond=self.rcond), dtype=np.float64)
@@ -194,23 +194,23 @@ class Tikhonov:
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the penalty is proportional to 1 / snr**2")
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
         white = np.zeros(model.grid.shape)
         white[0, 0] = 1.0
-        return _conditioned(model, model.matrix, white, self.snr, TIKHONOV)
+        return _conditioned(self, model, model.matrix, white, TIKHONOV)
 
 
 def _conditioned(
-    model: ObservationModel, cross: Floats, near: Floats, snr: float, known: Errors
-) -> InverseOperator:
+    solver: Any, model: ObservationModel, cross: Floats, near: Floats, known: Errors
+) -> LinearOperator:
     """Posterior of a Gaussian field given the taxels.
 
     `cross` (L, K) is A Q, `near` (rows, columns) Q by the offset of two nodes, both per variance.
     """
     from scipy.linalg import solve_triangular
 
-    white = 1.0 / model.noise_std
+    white, snr = 1.0 / model.noise_std, solver.snr
     cross = cross.T * white
     gram = (model.matrix @ cross) * white[:, None]
     variance = snr**2 * len(gram) / np.trace(gram)
@@ -219,7 +219,8 @@ def _conditioned(
     matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
     posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
     gaussian = GaussianModel.of(cross, gram, near, model.noise_std, snr)
-    return InverseOperator(matrix, posterior.std, posterior, known.of(model), gaussian)
+    parts = matrix, posterior.std, posterior, known.of(model), gaussian
+    return LinearOperator(solver, model, *parts)
 
 
 PITCHES = 0.25  # of the taxels, per length scale: between presses on a taxel and beside
@@ -257,11 +258,11 @@ class GaussianField:
         if self.length_scale is not None:
             check_positive("length_scale", self.length_scale, "in metres")
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Condition the field on the taxels, once."""
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
         cross, near = smoothed(model.grid, model.matrix, length), correlation(model.grid, length)
-        return _conditioned(model, cross, near, self.snr, GAUSSIAN_FIELD)
+        return _conditioned(self, model, cross, near, GAUSSIAN_FIELD)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

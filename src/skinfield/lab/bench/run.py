@@ -13,10 +13,9 @@ from skinfield.errors import Floats
 from skinfield.lab.bench.contenders import (
     Contender,
     Laps,
-    contact_fit,
     gaussian,
+    iterative,
     model_of,
-    non_negative,
     paper_prepared,
     run_chain,
 )
@@ -26,10 +25,11 @@ from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import LAYER, paper_patch, reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
 from skinfield.skin import Grid
-from skinfield.solve import NonNegative
+from skinfield.solve import ContactFit, NonNegative
 
 CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with
 LONG = NonNegative(tolerance=1e-5)  # goes on while there is time
+FIT = ContactFit(extended=None)  # alone: no field stands in for what it does not explain
 PAPER, INVERSION = "paper", "paper, inversion alone"
 PREPARED, FIELD = "paper's inverse, prepared", "GaussianField, prepared"
 PAPER_REST_MS = {20: 0.4, 40: 1.4}  # as the paper states: all of it but the inversion
@@ -81,10 +81,10 @@ def _methods(size: BenchSize, scene: BenchScene, nodes: int) -> Iterator[Method]
     model = model_of(nodes)
     for gap in GAPS:
         name = f"NonNegative to {gap:.0e}".replace("e-0", "e-")
-        found = non_negative(name, model, NonNegative(tolerance=gap))
+        found = iterative(name, model, NonNegative(tolerance=gap))
         for start in STARTS:
             yield f"{name}, {start}", _chained(found, scene, size.steps, None, start), gap
-    fit = contact_fit(model)
+    fit = iterative("ContactFit", model, FIT)
     for deadline in (*FIT_DEADLINES, None):
         within = "" if deadline is None else f" within {1e3 * deadline:g} ms"
         yield fit.name + within, _chained(fit, scene, size.steps, deadline, "warm"), None
@@ -220,13 +220,13 @@ def anytime(size: BenchSize, seed: int, scene: BenchScene, show: Show) -> list[R
     linear = gaussian("GaussianField", nodes), paper_prepared(PAPER, nodes)
     tracks = [ContenderRun(each, "warm", None, converged(each, "cold")) for each in linear]
     show("preparing", 1, 3)
-    exact = converged(non_negative("converged", model, CONVERGED), "cold")
-    field_solver = non_negative("NonNegative", model, LONG)
+    exact = converged(iterative("converged", model, CONVERGED), "cold")
+    field_solver = iterative("NonNegative", model, LONG)
     tracks += [
         ContenderRun(field_solver, s, deadline, exact) for s in STARTS for deadline in ladder
     ]
     show("preparing", 2, 3)
-    fit = contact_fit(model)
+    fit = iterative("ContactFit", model, FIT)
     own = {start: converged(fit, start) for start in STARTS}
     tracks += [ContenderRun(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
     rng, rounds = np.random.default_rng(seed), size.rounds

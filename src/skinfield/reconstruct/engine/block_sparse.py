@@ -110,17 +110,18 @@ def idle_tests(groups: Sequence[PatchGroup]) -> list[Atlas]:
     most the threshold if a patch is idle.
     """
     counts, tests = [group.count for group in groups], []
-    for rung in range(len(groups[0].searches)):
+    for rung in range(len(groups[0].operators)):
         stamps = []
         for group in groups:
-            problem = group.searches[rung][0].problem
+            problem = group.operators[rung].problem
             rows = problem.rows[:, : len(group.kind.noise_std)]
             scale = np.divide(
                 1.0, problem.norms, out=np.zeros_like(problem.norms), where=problem.norms > 0
             )
             shape = group.rungs.steps[rung].grid.shape
             stamps.append(_stamps(rows * scale[:, None], shape, PROOF))
-        tests.append(Atlas.of(stamps, counts, [group.thresholds[rung] for group in groups]))
+        limits = [group.operators[rung].problem.threshold for group in groups]
+        tests.append(Atlas.of(stamps, counts, limits))
     return tests
 
 
@@ -131,7 +132,7 @@ def linear_answers(groups: Sequence[PatchGroup]) -> list[Atlas]:
         if min(step.grid.shape) < SIDE:
             return []
         steps = [(group.rungs.steps[rung], group.kind.noise_std) for group in groups]
-        stamps = [_stamps(each.matrix * noise, each.grid.shape, CUT) for each, noise in steps]
+        stamps = [_stamps(each.start.matrix * noise, each.grid.shape, CUT) for each, noise in steps]
         answers.append(Atlas.of(stamps, counts))
     return answers
 

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, cast
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.engine.products import Singles, product_of
-from skinfield.reconstruct.multigrid_levels import FilledReadings, Rungs
+from skinfield.reconstruct.multigrid_levels import Rungs
 from skinfield.skin import Patch, Skin
-from skinfield.solve import FieldOperator
-from skinfield.solve.non_negative import NonNegativeOperator
+from skinfield.solve import Operator
 
 SAME = 1e-6  # of the pads' pitch: places that are one
 
@@ -122,7 +122,8 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
     )
 
 
-SHARED = object()  # in place of the search that a patch used last: its dual was copied
+MOST_SETS = 16  # of valid taxels, on one rung each, whose operators stay prepared
+MOST_FILLINGS = 64  # sets of them whose maps stay at hand
 
 
 class PatchGroup:
@@ -143,43 +144,31 @@ class PatchGroup:
         From whitened readings to the linear answer.
     fields : R arrays (P, K) float32, Pa
         Linear answers.
-    thresholds : R floats
-        Of idle tests; none where linear.
-    tolerances : R floats
-        Gaps at which searches end by themselves.
-    searches : R lists of P NonNegativeOperator
-    feasible : R arrays (P, K), Pa
-        Their answers.
-    rows_of_feasible : R lists of P arrays (K,)
-        Each patch's part of them.
-    duals : (P, L) array
-        Where the last search of each patch ended, if it left taxels out.
-    filler : FilledReadings
-        Of whitened readings.
-    last : list of P
-        Search that each patch used last, `SHARED`, or None.
+    operators : R Operators
+        That search; none where linear.
+    data : R lists of P Data
+        Memory of each patch's searches, and their answers.
+    last : list of P Data
+        Of the search that each patch used last, or None.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
-        self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
+        self.products = [product_of(step.start.matrix * noise, step.grid) for step in steps]
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
-        searches = [_search(step.operator) for step in steps if step.operator is not None]
-        self.thresholds = [each.problem.threshold for each in searches]
-        self.tolerances = [each.problem.tolerance for each in searches]
-        self.searches = [[each, *(each.twin() for _ in range(count - 1))] for each in searches]
-        self.feasible = [np.zeros((count, len(each.problem.norms))) for each in searches]
-        self.rows_of_feasible = [list(fields) for fields in self.feasible]
-        self.duals = np.zeros((count, len(noise)))
+        self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
+        self.data: list[list[Any]] = [
+            [each.data() for _ in range(count)] for each in self.operators
+        ]
         self.last: list[Any] = [None] * count
-        self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
+        self._without = lru_cache(MOST_SETS)(self._prepared_without)
+        self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)
-        self._reduced = [each.without(every) for each in searches]
-        for whole, part in zip(searches, self._reduced, strict=True):
-            part.leave_out(whole, every)  # loads what is compiled
+        for each in self.operators:
+            each.without(every)  # loads what is compiled
 
     @property
     def count(self) -> int:
@@ -200,30 +189,29 @@ class PatchGroup:
         here = slice(place, place + 1)
         self.products[rung].apply(white[here], self.fields[rung][here])
 
-    def search_of(
-        self, rung: int, place: int, valid: NDArray[np.bool_] | None
-    ) -> NonNegativeOperator:
-        """Search of a patch, which goes on where the patch's last one ended.
+    def fill(self, white: Singles, valid: NDArray[np.bool_]) -> None:
+        """Let readings of the noise 1 (L,), 0 where not `valid`, give the valid taxels' answer."""
+        white[:] = self._filling(valid.tobytes()) @ white
 
-        If not all taxels are valid, it is one that all patches share.
+    def _prepared_filling(self, key: bytes) -> Singles:
+        noise, part = self.kind.noise_std, self.rungs.start.without(np.frombuffer(key, np.bool_))
+        return np.asarray((part.filled(np.diag(noise)) / noise).T, dtype=np.float32)
+
+    def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> tuple[Any, Any]:
+        """Operator and memory of a patch, which goes on where the patch's last search ended.
+
+        `valid` (L,) where not all taxels are.
         """
-        last = self.last[place]
+        data, last = self.data[rung][place], self.last[place]
+        if last is not None and last is not data:
+            data.start_from(last)
+        self.last[place] = data
         if valid is None:
-            operator = self.searches[rung][place]
-            if last is operator:
-                return self.searches[rung][place]
-        else:
-            operator = self._reduced[rung]
-            operator.leave_out(self.searches[rung][0], valid)
-        if last is not None:
-            operator.start_from(self.duals[place] if last is SHARED else last.dual)
-        self.last[place] = operator
-        return operator
+            return self.operators[rung], data
+        return self._without(rung, valid.tobytes()), data
 
-    def remember(self, place: int, shared: NonNegativeOperator) -> None:
-        """Keep where a patch's search ended that another patch will use next."""
-        np.copyto(self.duals[place], shared.dual)
-        self.last[place] = SHARED
+    def _prepared_without(self, rung: int, key: bytes) -> Operator:
+        return self.operators[rung].without(np.frombuffer(key, np.bool_))  # type: ignore[no-any-return]
 
     def twin(self) -> "PatchGroup":
         """Arrays of its own, with the same matrices.
@@ -232,25 +220,23 @@ class PatchGroup:
         """
         twin = copy(self)
         twin.fields = [np.zeros_like(each) for each in self.fields]
-        twin.feasible = [np.zeros_like(each) for each in self.feasible]
-        twin.rows_of_feasible = [list(fields) for fields in twin.feasible]
-        twin.searches = [[twins[0].twin(), *twins[1:]] for twins in self.searches]
-        twin.duals = np.zeros_like(self.duals)
+        pairs = zip(self.operators, self.data, strict=True)
+        twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
         twin.last = [None] * self.count
         return twin
 
     def reset(self) -> None:
         """Forget the readings before."""
-        for twins in self.searches:
-            for each in twins:
+        for data in self.data:
+            for each in data:
                 each.reset()
         self.last = [None] * self.count
 
 
-def _search(operator: FieldOperator) -> NonNegativeOperator:
-    if not hasattr(operator, "leave_out"):
+def _search(operator: Operator) -> Any:
+    if getattr(operator, "problem", None) is None:
         raise InputError(
-            f"the solver's {type(operator).__name__} can neither be cut short nor tell its gap, "
-            "expected that of NonNegative(), or a linear solver"
+            f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
+            "such as that of NonNegative() or of ContactFit(), or a linear solver"
         )
-    return cast(NonNegativeOperator, operator)
+    return operator

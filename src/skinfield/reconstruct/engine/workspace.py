@@ -31,7 +31,7 @@ class Clockwork:
     ----------
     places : P pairs
         Group of each patch, and its place there.
-    linear_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, valid_rows : lists of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -85,13 +85,13 @@ class Clockwork:
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.linear_rows = [intake.linear[each] for each in rows]
+        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
             *(intake.given, intake.wanted, intake.places),
             *(float(intake.quantity.lowest), intake.how),
-            *(intake.per_noise, intake.valid, self.starts, first.start.posterior is not None),
+            *(intake.per_noise, intake.valid, self.starts, first.start.gaussian is not None),
             *(intake.linear, intake.white, intake.present),
             *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
         )
@@ -174,9 +174,9 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
+        problem, valid = group.operators[rung].problem, self.valid_rows[patch]
         white = self.white[group.index][place]
-        return bool(self._idle_without(rows, valid, white, group.thresholds[rung]))
+        return bool(self._idle_without(problem.rows, valid, white, problem.threshold))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""

@@ -107,6 +107,11 @@ class AtomFit:
     explained: bool
     notes: tuple[str, ...]
 
+    @property
+    def parameters(self) -> int:
+        """Numbers that were fitted: four of each atom, six of a drawn-out one."""
+        return int(4 * len(self.atoms) + 2 * np.any(self.atoms[:, 4:], axis=1).sum())
+
     @cached_property
     def drawn(self) -> Drawable | None:
         """Atoms as they are drawn; None without any."""

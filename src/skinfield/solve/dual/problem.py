@@ -65,19 +65,14 @@ class DualProblem(NamedTuple):
         """Gap at which the search ends."""
         return float(self.numbers[TOLERANCE])
 
-    def copy(self) -> "DualProblem":
-        """With rows, nodes and whitening of its own."""
-        rows, nodes, whitening = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
-        return self._replace(rows=rows, nodes=nodes, whitening=whitening)
-
-    def leave_out(self, whole: "DualProblem", valid: NDArray[np.bool_]) -> None:
-        """Become `whole` without the taxels that are not `valid` (L,), in place."""
+    def without(self, valid: NDArray[np.bool_]) -> "DualProblem":
+        """The same without the taxels that are not `valid` (L,), by some passes over one matrix."""
         heard = np.zeros(self.rows.shape[1], self.rows.dtype)
         heard[: len(valid)] = valid
-        np.multiply(whole.rows, heard, out=self.rows)
-        np.einsum("kl,kl->k", self.rows, self.rows, out=self.norms)
-        np.sqrt(self.norms, out=self.norms)
-        np.multiply(whole.whitening, valid, out=self.whitening)
+        rows, nodes = self.rows * heard, self.nodes.copy()
+        np.einsum("kl,kl->k", rows, rows, out=nodes[NORM])
+        np.sqrt(nodes[NORM], out=nodes[NORM])
+        return self._replace(rows=rows, nodes=nodes, whitening=self.whitening * valid)
 
 
 class Memory(NamedTuple):
