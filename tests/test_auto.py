@@ -33,10 +33,14 @@ def rec():
     return sf.Reconstructor(sf.layouts.hexagon72(), FOAM, solver=Auto(), noise_std=NOISE)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def operator(rec):
-    rec.reset()
-    return rec.plans.whole.operator
+    return rec.solver.prepare(rec.model)
+
+
+@pytest.fixture
+def data(operator):
+    return operator.data()
 
 
 def noise(seed, count=1):
@@ -81,11 +85,10 @@ def test_density_of_noise_has_all_its_constants(operator):
     assert misfit_gain(squares, 72) == pytest.approx(gain)
 
 
-def test_an_idle_patch_is_no_field_however_noisy(operator):
+def test_an_idle_patch_is_no_field_however_noisy(operator, data):
     for reading in (*noise(3, 60), *2.0 * noise(4, 30), *4.0 * noise(5, 30)):
-        operator.reset()
-        operator.fit(reading)
-        assert not operator.field_answers
+        data.reset()
+        assert operator.solve(reading, data).fit is not None
 
 
 def test_a_ball_is_a_contact_and_a_broad_load_a_field(rec):
@@ -100,28 +103,37 @@ def test_a_ball_is_a_contact_and_a_broad_load_a_field(rec):
     assert FIELD_NOTE in rec(load + noise(5)).notes
 
 
-def test_while_a_field_rests_no_contacts_are_sought(operator):
-    load = broad_load(operator.model, 6)
-    operator.fit(load + noise(6))
-    steps = operator.fitter.memory.marks[STEPS]
-    assert operator.field_answers
-    operator.fitter.memory.marks[STEPS] = 0
+def test_while_a_field_rests_no_contacts_are_sought(operator, data):
+    load, marks = broad_load(operator.model, 6), data.contacts.fitter.memory.marks
+    assert operator.solve(load + noise(6), data).fit is None
+    assert marks[STEPS] > 0
+    marks[STEPS] = 0
     for reading in load + noise(7, 20):
-        assert operator.fit(reading).notes == (FIELD_NOTE,)
-    assert steps > 0 == operator.fitter.memory.marks[STEPS]
-    operator.fit(noise(8))
-    assert not operator.field_answers
+        assert operator.solve(reading, data).notes == (FIELD_NOTE,)
+    assert marks[STEPS] == 0
+    assert operator.solve(noise(8), data).fit is not None
 
 
-def test_readings_that_no_pressure_makes_are_answered_by_a_linear_field(operator):
-    alternating = 0.3 * np.resize([1.0, -1.0], 72)
-    out = np.zeros(len(operator.model.grid))
-    operator.extended.apply(alternating, out)
-    assert operator.extended.notes == (LINEAR_NOTE,)
-    assert out.min() < 0.0
-    operator.extended.apply(broad_load(operator.model, 9), out)
-    assert operator.extended.notes == ()
-    assert out.min() >= 0.0
+def test_readings_that_no_pressure_makes_are_answered_by_a_linear_field(operator, data):
+    data.contest.winner = FIELD
+    found = operator.solve(0.3 * np.resize([1.0, -1.0], 72), data)
+    assert LINEAR_NOTE in found.notes
+    assert found.solver == "GaussianField"
+    assert found.pressure.min() < 0.0
+    data.reset()
+    found = operator.solve(broad_load(operator.model, 9), data)
+    assert found.notes == (FIELD_NOTE,)
+    assert found.solver == "NonNegative"
+    assert found.pressure.min() >= 0.0
+
+
+def test_taxels_that_are_left_out_do_not_matter(operator):
+    valid = np.arange(72) % 9 > 0
+    part, load = operator.without(valid), broad_load(operator.model, 5, peak=0.25) + noise(5)
+    found = part.solve(load, part.data()).keep()
+    wrong = np.where(valid, load, 1e3)
+    assert found.solver == "NonNegative"
+    assert np.array_equal(part.solve(wrong, part.data()).pressure, found.pressure)
 
 
 def test_the_winner_stays_at_the_border():
