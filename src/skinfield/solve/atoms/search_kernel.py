@@ -38,6 +38,8 @@ from skinfield.solve.atoms.alternatives_kernel import (
     RIVALS,
     SEED,
     SEEDS,
+    SEEK,
+    SETTLE,
     SHAPE,
     SHAPES,
     STAGE,
@@ -170,7 +172,7 @@ def begin(
         if count:
             return NOW
         clear_set(memory, NOW)
-        state[STAGE] = GROW
+        state[STAGE] = GROW if rules.purpose == SEEK else DONE
     elif stage == PRUNE:
         if index >= count:
             state[STAGE] = SHAPES if state[GREW] == ENOUGH else GROW
@@ -240,7 +242,7 @@ def begin(
             state[MOVE], state[DUE] = 0, 0
         state[COMPARED], state[STAGE] = count, OTHERS
         if not next_shape(memory, search, rules):
-            state[STAGE], state[INDEX] = BELIEVE, 0
+            state[STAGE] = DONE
     elif stage == BELIEVE:
         if index >= count:
             state[STAGE] = DONE
@@ -314,7 +316,9 @@ def conclude(
     state = search.state
     stage = state[STAGE]
     if stage == REFINE:
-        state[STAGE], state[INDEX] = PRUNE, 0
+        state[STAGE], state[INDEX] = DONE, 0
+        if rules.purpose != SETTLE:
+            state[STAGE] = PRUNE if rules.purpose == SEEK else BELIEVE
     elif stage == PRUNE:
         if worth(memory) > CLEAR * rules.threshold:
             state[INDEX] += 1
