@@ -45,7 +45,7 @@ UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
 CLIPPED = 9.0  # squares of residuals count no more: they may be touches
 LOUD = 1.2  # times the stated noise, from which it is more: less may be weak touches
 LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
-ERRORS = 1e-3 * 2.0 ** np.arange(9)  # of the model, in parts of what is read: compared by evidence
+ERRORS: Floats = 1e-3 * np.exp2(np.arange(9.0))  # of the model: parts of what is read
 ERROR_STD = 1.4  # of the logarithm of the model error, before any reading
 COARSE = 0.1  # model error at which contacts are sought first, and at most
 FINER = 0.25  # part of the inferred one, at which more of them are sought
@@ -56,6 +56,7 @@ ELSEWHERE = 1.0  # thicknesses from one press to another one
 FORGET = 0.98  # of what presses before say of the model error, at each other one
 TABULATED = 0.002  # of the highest reading, to which what atoms are read as is known
 MOST_SAID = 20.0  # by one press, in logarithms
+LARGEST = 0.2  # model error, from which on contacts explain nothing
 PRESSES, UNLIKE = 10, 0.02  # of which a model error as large is worth a note
 
 
@@ -339,7 +340,7 @@ class ContactFitter:
             predicted=predicted + offset,
             offset=offset,
             evidence=float(data.search.known[0]),
-            explained=self._explains(memory),
+            explained=self._explains(memory) and data.misfit < LARGEST,
             notes=self._notes(data, count, offset),
         )
 

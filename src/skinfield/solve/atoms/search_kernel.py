@@ -21,6 +21,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     DONE,
     DUE,
     ENOUGH,
+    EXPLORE,
     FOUND,
     GREW,
     GROW,
@@ -434,10 +435,11 @@ def search_atoms(
             memory.sums[SHARED] = search.known[1]
         if state[FOUND] and memory.costs[NOW] - memory.costs[BEST] >= rules.threshold:
             copy_set(memory, BEST, NOW)
-    for index in range(memory.counts[NOW]):
-        if post.known[index] == UNKNOWN or not holds(memory, post, index):
-            curve(model, memory, post, index, ROUGH)
-    for index in range(memory.counts[NOW], len(post.known)):
-        post.known[index] = UNKNOWN
+    if rules.purpose == EXPLORE:
+        for index in range(memory.counts[NOW]):
+            if post.known[index] == UNKNOWN or not holds(memory, post, index):
+                curve(model, memory, post, index, ROUGH)
+        for index in range(memory.counts[NOW], len(post.known)):
+            post.known[index] = UNKNOWN
     search.known[0] = evidence(model, memory, NOW)
     return bool(memory.marks[LATE] == 0)
