@@ -163,7 +163,8 @@ class ContactFit(FitSettings):
     typical_radius : float, m
         Of curvature of what touches: the middle of a broad prior, within a factor of two.
     model_error : float
-        Of the readings, part of the highest: what no atom can explain.
+        What the model is wrong by, part of what taxels read: middle of a prior within a factor of
+        ten, from which it is inferred, reading by reading and press by press.
     starts : int
         Places from which each new contact is sought.
     warm : bool

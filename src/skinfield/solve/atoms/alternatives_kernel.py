@@ -93,11 +93,17 @@ class SearchRules(NamedTuple):
         Atoms.
     starts : int
         Places from which each new one is sought.
+    purpose : int
+        SEEK atoms, SETTLE those of NOW, or EXPLORE what is open about them, too.
     """
 
     threshold: float
     most: int
     starts: int
+    purpose: int
+
+
+SEEK, SETTLE, EXPLORE = 0, 1, 2
 
 
 class SearchMemory(NamedTuple):
@@ -179,21 +185,14 @@ def misfit(memory: FitMemory, which: int) -> float:
 
 
 @inner(_nrt=False)
-def evidence(model: FitModel, memory: FitMemory, which: int) -> float:
-    """Logarithm of the marginal likelihood, up to a constant, by Laplace's approximation.
+def prior_evidence(model: FitModel, memory: FitMemory, which: int) -> float:
+    """What the priors' normalisation adds to the evidence of a set, with the 2π of Laplace's.
 
     Places are uniform over the patch, the force's logarithm over `LOG_FORCES`; the other priors are
     those of the cost.
     """
     count = memory.counts[which]
-    if not count:
-        return float(-memory.costs[which])
-    size, free, determinant = 6 * count, 4 * count, 0.0
-    free_system(memory, which, 0, 0.0)
-    if not factor(memory.system, size):
-        return -np.inf
-    for i in range(size):
-        determinant += np.log(memory.system[i * size + i])  # 0 of what does not move
+    free = 4 * count
     wide = model.places[1, 0] - model.places[0, 0]
     high = model.places[1, 1] - model.places[0, 1]
     known, priors = -count * np.log(wide * high * LOG_FORCES), model.priors
@@ -206,7 +205,25 @@ def evidence(model: FitModel, memory: FitMemory, which: int) -> float:
         if is_long(memory.atoms[which, n]):
             free += 2
             known -= 2 * np.log(priors.length_std) + np.log(2 * np.pi) + LONGER
-    return float(-memory.costs[which] + known + 0.5 * free * np.log(2 * np.pi) - determinant)
+    return float(known + 0.5 * free * np.log(2 * np.pi))
+
+
+@inner(_nrt=False)
+def evidence(model: FitModel, memory: FitMemory, which: int) -> float:
+    """Logarithm of the marginal likelihood, up to a constant, by Laplace's approximation.
+
+    For the present weights of the taxels.
+    """
+    count = memory.counts[which]
+    if not count:
+        return float(-memory.costs[which])
+    size, determinant = 6 * count, 0.0
+    free_system(memory, which, 0, 0.0)
+    if not factor(memory.system, size):
+        return -np.inf
+    for i in range(size):
+        determinant += np.log(memory.system[i * size + i])  # 0 of what does not move
+    return float(prior_evidence(model, memory, which) - memory.costs[which] - determinant)
 
 
 @inner(_nrt=False)

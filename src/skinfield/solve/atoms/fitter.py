@@ -3,13 +3,21 @@
 import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import Contact
-from skinfield.solve.atoms.alternatives_kernel import SearchMemory, SearchRules
+from skinfield.solve.atoms.alternatives_kernel import (
+    BETTER,
+    EXPLORE,
+    SEEK,
+    SETTLE,
+    SearchMemory,
+    SearchRules,
+)
 from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_kernel import (
@@ -24,6 +32,7 @@ from skinfield.solve.atoms.fit_kernel import (
     FitModel,
     Priors,
 )
+from skinfield.solve.atoms.misfit_kernel import evidence_of_errors
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
@@ -36,9 +45,27 @@ QUIETEST = 1e-3  # of the stated noise, that is believed
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 CALM = 0.7  # the same, where more noise than was stated had been assumed
 UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
-LOUD = 1.8  # times the stated noise, from which it is more: less may be weak touches
+CLIPPED = 9.0  # squares of residuals count no more: they may be touches
+LOUD = 1.2  # times the stated noise, from which it is more: less may be weak touches
 LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
-NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
+ERRORS: Floats = 1e-3 * np.exp2(np.arange(9.0))  # of the model: parts of what is read
+ERROR_STD = 1.4  # of the logarithm of the model error, before any reading
+COARSE = 0.1  # model error at which contacts are sought first, and at most
+FINER = 0.25  # part of the inferred one, at which more of them are sought
+STRONG = 20.0  # deviations of a reading, from which the model may be what is wrong
+AROUND = 4.5  # thicknesses over which a model error reaches
+BESIDE, WIDER = 0.2, 4.0  # how much of it does, and times the error
+ELSEWHERE = 1.0  # thicknesses from one press to another one
+FORGET = 0.98  # of what presses before say of the model error, at each other one
+TABULATED = 0.002  # of the highest reading, to which what atoms are read as is known
+MOST_SAID = 20.0  # by one press, in logarithms
+LARGEST = 0.2  # model error, from which on contacts explain nothing
+PRESSES, UNLIKE = 10, 0.02  # of which a model error as large is worth a note
+
+
+def wideness(error: Any) -> Any:
+    """How much what neighbours read counts, for a model error: a large one is not local."""
+    return np.minimum(np.hypot(BESIDE, WIDER * error), 1.0)
 
 
 def significant(false_alarm_rate: float, taxels: int) -> float:
@@ -64,8 +91,10 @@ def _model_error(place: float, force: float) -> Floats:
     return np.diag(np.square([place, place, force, force, 0.0, 0.0]))
 
 
-# What presses is no perfect ball, flat end, line or ring: in thicknesses, and part of the force.
-ROUND_ERROR, ODD_ERROR = _model_error(0.02, 0.03), _model_error(0.25, 0.1)
+# What no residual shows, in thicknesses, and part of the force: scale of the modulus and of the
+# thickness, a body that is no perfect ball, flat end, line or ring; and more per model error.
+ROUND_ERROR, ODD_ERROR = _model_error(0.05, 0.07), _model_error(0.25, 0.1)
+HIDDEN = _model_error(3.0, 1.5)
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 
 
@@ -81,6 +110,8 @@ class AtomFit:
         At the minimum of the cost, and from there to the posterior's mean; see `fit_kernel`.
     covariance : (N, 6, 6) array
     family : (N,) int array
+    model_error : float
+        What the model is wrong by, as inferred: part of what taxels read.
     at_mean : bool
         Whether the mean is the answer: its error is smaller.
     predicted : (L,) array, in the quantity's unit
@@ -100,6 +131,7 @@ class AtomFit:
     offsets: Floats
     covariance: Floats
     family: Ints
+    model_error: float
     at_mean: bool
     predicted: Floats
     offset: float
@@ -120,7 +152,7 @@ class AtomFit:
         atoms, covariance = np.empty_like(self.atoms), np.empty_like(self.covariance)
         for index, (atom, known) in enumerate(zip(self.atoms, self.covariance, strict=True)):
             odd = np.any(atom[4:]) or self.family[index] == RING
-            error = known + (ODD_ERROR if odd else ROUND_ERROR)
+            error = known + (ODD_ERROR if odd else ROUND_ERROR) + HIDDEN * self.model_error**2
             mean = atom + self.offsets[index] if self.at_mean else atom
             atoms[index], covariance[index] = stated(mean, error, self.thickness)
         return drawable(atoms, self.family, covariance, self.thickness)
@@ -190,12 +222,31 @@ class FitData:
         self.scale = 1.0
         self.compared = 0.0
         self.before = np.zeros(most + 1, np.int64)  # families of the reading before, their number
+        self.misfit = self.spread = operator.settings.model_error
+        self.evidence = np.zeros(len(ERRORS))  # of model errors, by this reading
+        self.last, self.learnt = self.evidence, self.evidence  # by the one and all presses before
+        self.presses, self.place = 0, np.full(2, np.inf)
 
     def reset(self) -> None:
         """Forget the reading before."""
         self.memory.counts[:], self.posterior.known[:] = 0, 0
         self.scale, self.compared, self.before[-1] = 1.0, 0.0, 0
         self.search.state[:] = 0
+        self.last = self.learnt = np.zeros(len(ERRORS))
+        self.presses, self.place = 0, np.full(2, np.inf)
+
+    def state(self) -> tuple[Any, ...]:
+        """The answer so far; `take_state` goes back to it."""
+        memory, count = self.memory, int(self.memory.counts[NOW])
+        atoms, family = memory.atoms[NOW, :count].copy(), memory.family[NOW, :count].copy()
+        return atoms, family, self.scale, self.misfit, self.spread, self.evidence
+
+    def take_state(self, state: tuple[Any, ...]) -> None:
+        """Take an answer of before; the set's costs are those of another one then."""
+        atoms, family, self.scale, self.misfit, self.spread, self.evidence = state
+        memory, count = self.memory, len(atoms)
+        memory.counts[NOW] = count
+        memory.atoms[NOW, :count], memory.family[NOW, :count] = atoms, family
 
 
 class ContactFitter:
@@ -215,6 +266,8 @@ class ContactFitter:
                 "the model does not say what it is made of, expected physics: make it with "
                 "ObservationModel.of()"
             )
+        from scipy.spatial import cKDTree
+
         physics = model.physics
         self.settings, self.model = settings, model
         self._thickness = thickness = physics.layer.thickness
@@ -230,6 +283,10 @@ class ContactFitter:
             LENGTH_STD / thickness,
         )
         low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
+        tree = cKDTree(taxels)
+        near = tree.sparse_distance_matrix(tree, 2.0 * AROUND, output_type="coo_matrix").tocsr()
+        near.data = np.where(near.data > 0.0, np.exp(-np.square(near.data / AROUND)), 0.0)
+        self._around = near
         self.fit_model = FitModel(taxels, tables, priors, np.array([low, high]))
         self.bank: Templates = make_templates(self.fit_model, 1.0 / model.noise_std)
         self.threshold = significant(settings.false_alarm_rate, len(model.taxels))
@@ -300,12 +357,13 @@ class ContactFitter:
             offsets=data.posterior.offsets[:count].copy(),
             covariance=data.posterior.covariance[:count].copy(),
             family=family,
+            model_error=data.spread,
             # where what is left over is model error, no mean of it is known
             at_mean=not memory.taxels[WHITE].max() * data.noise.min() > QUIETER,
             predicted=predicted + offset,
             offset=offset,
             evidence=float(data.search.known[0]),
-            explained=self._explains(memory),
+            explained=self._explains(memory) and data.misfit < LARGEST,
             notes=self._notes(data, count, offset),
         )
 
@@ -327,51 +385,153 @@ class ContactFitter:
             notes.append("ContactFit saw more noise than was stated, and went by what it saw")
         if abs(offset) > self._common(data) > 0.0:
             notes.append("ContactFit took what all taxels share for an offset: tare the skin")
+        if data.presses >= PRESSES and data.misfit > UNLIKE:
+            notes.append(
+                f"ContactFit: this skin reads unlike its model, by {100 * data.misfit:.0f} % press "
+                "after press: Poisson's ratio, cover or gains differ; calibrate"
+            )
         return tuple(notes)
 
-    def weigh(self, readings: Floats, data: FitData, scale: float) -> None:
-        """Take in a reading (L,) with a scale of the noise."""
-        memory, noise = data.memory, data.noise
+    def _squares(self, memory: FitMemory) -> Floats:
+        """Squares of what taxels around the atoms read, and of what is read beside them, (2, L).
+
+        Of all taxels, where nothing is found.
+        """
+        values = np.square(memory.taxels[READINGS])
+        count = int(memory.counts[NOW])
+        if count:
+            atoms = memory.atoms[NOW, :count]
+            reach = AROUND + np.exp(atoms[:, 3]) + np.hypot(atoms[:, 4], atoms[:, 5])
+            away = self.fit_model.taxels[:, None] - atoms[:, :2]
+            values[~(np.hypot(away[..., 0], away[..., 1]) < reach).any(axis=1)] = 0.0
+        return np.stack([values, self._around @ values])
+
+    def _noise(self, data: FitData) -> Floats:
+        """What a taxel may be off by where the model holds, (L,): noise, and the tables' error."""
+        highest = float(np.abs(data.memory.taxels[READINGS]).max())
+        return np.hypot(data.scale * data.noise, TABULATED * highest)
+
+    def weigh(self, readings: Floats, data: FitData, error: float) -> None:
+        """Take in a reading (L,) with a model error, in parts of what the taxels around it read."""
+        memory = data.memory
         memory.taxels[READINGS] = readings
-        floor = self.settings.model_error * float(np.abs(readings).max())
-        memory.taxels[WHITE] = 1.0 / np.hypot(scale * noise, floor)
+        own, beside = self._squares(memory)
+        square = error**2 * (own + wideness(error) ** 2 * beside)
+        memory.taxels[WHITE] = 1.0 / np.sqrt(np.square(self._noise(data)) + square)
         common = self._common(data)
         squares = float(np.square(memory.taxels[WHITE]).sum())
         memory.sums[SHARED] = common**2 / (1.0 + common**2 * squares)
 
     def _search(self, readings: Floats, data: FitData, deadline: int) -> None:
-        memory, settings = data.memory, self.settings
-        warm = settings.warm and bool(data.before[-1])
-        if not settings.warm or not data.before[-1]:
-            memory.counts[NOW] = 0
-        scale = data.scale if warm else 1.0
-        self.weigh(readings, data, scale)
-        energy = float(np.square(memory.taxels[READINGS] * memory.taxels[WHITE]).sum())
-        shapes = not data.compared / RISE < energy < data.compared * RISE
-        if shapes:
+        """Find the atoms, first with a coarse model; more where they outweigh a better model.
+
+        How wrong the model is, is inferred with each number of them, by the marginal likelihood.
+        """
+        memory = data.memory
+        if not self.settings.warm:
+            data.reset()
+        warm = bool(data.before[-1])
+        heard = readings / data.noise
+        energy, strong = float(np.square(heard).sum()), float(np.abs(heard).max()) > STRONG
+        thorough = not warm or not data.compared / RISE < energy < data.compared * RISE
+        if thorough:
             data.compared = energy
-        rules = SearchRules(data.threshold, settings.most_contacts, settings.starts)
+        error = data.misfit
+        if not warm:
+            memory.counts[NOW], data.scale = 0, 1.0
+            error = COARSE if strong else FINER * COARSE
+        best = self._round(readings, data, error, thorough, deadline)
+        while thorough and strong and not memory.marks[LATE]:
+            before = data.state()
+            value = self._round(readings, data, FINER * min(data.misfit, COARSE), True, deadline)
+            if not value > best + BETTER:
+                data.take_state(before)
+                break
+            best = value
+        index = 0
+        while thorough and index < memory.counts[NOW] > 1 and not memory.marks[LATE]:
+            before = data.state()
+            memory.counts[NOW] -= 1
+            for row in (memory.atoms[NOW], memory.family[NOW]):
+                row[index:-1] = row[index + 1 :].copy()
+            self.weigh(readings, data, data.misfit)
+            self._run(data, SETTLE, False, deadline)
+            value = self._infer(data)
+            if value > best + BETTER:
+                best = value
+                continue
+            data.take_state(before)
+            index += 1
+        self._learn(data)
+        self.weigh(readings, data, data.spread)
+        self._run(data, EXPLORE, False, deadline)
+
+    def _run(self, data: FitData, purpose: int, shapes: bool, deadline: int) -> None:
+        settings = self.settings
+        search_atoms(
+            self.fit_model,
+            self.bank,
+            data.memory,
+            data.search,
+            data.posterior,
+            SearchRules(data.threshold, settings.most_contacts, settings.starts, purpose),
+            data.noise,
+            shapes,
+            deadline,
+        )
+
+    def _round(
+        self, readings: Floats, data: FitData, error: float, shapes: bool, deadline: int
+    ) -> float:
+        """Search with a model error, and infer noise and error by what is found: the evidence."""
+        memory = data.memory
         for turn in range(ROUNDS):
-            if turn:
-                self.weigh(readings, data, scale)
-            search_atoms(
-                self.fit_model,
-                self.bank,
-                memory,
-                data.search,
-                data.posterior,
-                rules,
-                data.noise,
-                shapes,
-                deadline,
-            )
-            step = self._noise_scale(data, scale)
+            self.weigh(readings, data, min(error, COARSE))
+            self._run(data, SEEK, shapes or turn > 0, deadline)
+            step = self._noise_scale(data)
             if step == 1.0 or memory.marks[LATE]:
                 break
-            if not (step < 1.0 and scale <= 1.0):
+            if not (step < 1.0 and data.scale <= 1.0):
                 memory.counts[NOW] = 0
-            scale, shapes = scale * step, True
-        data.scale = scale
+            data.scale *= step
+        return self._infer(data)
+
+    def _infer(self, data: FitData) -> float:
+        """Infer the model error from what the atoms leave and presses before; their evidence."""
+        memory, out = data.memory, np.empty(len(ERRORS))
+        squares = self._squares(memory) if memory.counts[NOW] else np.zeros((2, len(data.noise)))
+        noise = self._noise(data)
+        evidence_of_errors(
+            self.fit_model,
+            memory,
+            noise,
+            squares,
+            self._common(data),
+            ERRORS,
+            wideness(ERRORS),
+            out,
+        )
+        prior = data.learnt - 0.5 * np.square(
+            np.log(ERRORS / self.settings.model_error) / ERROR_STD
+        )
+        share = np.exp(prior + out - (prior + out).max())
+        evidence = float(np.log(share.sum() / np.exp(prior - prior.max()).sum()))
+        evidence += float((prior + out).max() - prior.max())
+        share /= share.sum()
+        data.evidence = np.maximum(out - out.max(), -MOST_SAID)
+        data.misfit = float(np.exp(share @ np.log(ERRORS)))
+        data.spread = float(np.sqrt(share @ np.square(ERRORS)))
+        heard = np.isfinite(noise)
+        return evidence - float(np.log(noise[heard] / data.noise[heard]).sum())
+
+    def _learn(self, data: FitData) -> None:
+        """Count what the press before says of the model error, where this is another one."""
+        if data.memory.counts[NOW]:
+            place = data.memory.atoms[NOW, 0, :2]
+            if not np.hypot(*(place - data.place)) <= ELSEWHERE:
+                data.learnt = FORGET * (data.learnt + data.last)
+                data.presses, data.place = data.presses + 1, place.copy()
+            data.last = data.evidence
 
     def _explains(self, memory: FitMemory) -> bool:
         """Whether noise and model error account for what is left over, but for one in 1e4."""
@@ -398,17 +558,16 @@ class ContactFitter:
         heard = int(np.count_nonzero(memory.taxels[WHITE]))
         return max(heard - self._parameters(memory), 1)
 
-    def _noise_scale(self, data: FitData, scale: float) -> float:
+    def _noise_scale(self, data: FitData) -> float:
         """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
 
-        `scale` is what is assumed already, in terms of what was stated. It is less where the
-        squares are far fewer than the taxels: of all taxels, and of those that see a contact, the
-        larger of the two, so that taxels that always read zero do not speak for the others. It is
-        more where the atoms do not explain the readings and taxels that see none of them are as
-        restless: what they read is no touch. Where as many atoms as there may be do not explain the
-        readings, all taxels tell it.
+        It is less where the squares are far fewer than the taxels: of all taxels, and of those that
+        see a contact, the larger of the two, so that taxels that always read zero do not speak for
+        the others. It is more where the atoms do not explain the readings and taxels that see none
+        of them are as restless: what they read is no touch. Where as many atoms as there may be do
+        not explain the readings, all taxels tell it.
         """
-        memory = data.memory
+        memory, scale = data.memory, data.scale
         white, predicted = memory.taxels[WHITE], memory.predicted[NOW]
         count = int(memory.counts[NOW])
         left = self._left(memory) * white
@@ -419,8 +578,8 @@ class ContactFitter:
                 left = (memory.taxels[READINGS] - self._offset(memory, nothing)) * white
                 seen = white <= 0.0
             typical = 1.0
-            if np.count_nonzero(~seen) >= UNSEEN:  # by the median, which a few large do not move
-                typical = float(np.median(np.abs(left[~seen]))) / NORMAL_MEDIAN
+            if np.count_nonzero(~seen) >= UNSEEN:
+                typical = float(np.sqrt(np.minimum(np.square(left[~seen]), CLIPPED).mean()))
             return typical if LOUD < typical <= LOUDEST / scale else 1.0
         if not count:
             return 1.0

@@ -21,6 +21,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     DONE,
     DUE,
     ENOUGH,
+    EXPLORE,
     FOUND,
     GREW,
     GROW,
@@ -38,6 +39,8 @@ from skinfield.solve.atoms.alternatives_kernel import (
     RIVALS,
     SEED,
     SEEDS,
+    SEEK,
+    SETTLE,
     SHAPE,
     SHAPES,
     STAGE,
@@ -173,7 +176,7 @@ def begin(
         if count:
             return NOW
         clear_set(memory, NOW)
-        state[STAGE] = GROW
+        state[STAGE] = GROW if rules.purpose == SEEK else DONE
     elif stage == PRUNE:
         if index >= count:
             state[STAGE] = SHAPES if state[GREW] == ENOUGH else GROW
@@ -248,7 +251,7 @@ def begin(
             state[MOVE], state[DUE] = 0, 0
         state[COMPARED], state[STAGE] = count, OTHERS
         if not next_shape(memory, search, rules):
-            state[STAGE], state[INDEX] = BELIEVE, 0
+            state[STAGE] = DONE
     elif stage == BELIEVE:
         if index >= count:
             state[STAGE] = DONE
@@ -322,7 +325,9 @@ def conclude(
     state = search.state
     stage = state[STAGE]
     if stage == REFINE:
-        state[STAGE], state[INDEX] = PRUNE, 0
+        state[STAGE], state[INDEX] = DONE, 0
+        if rules.purpose != SETTLE:
+            state[STAGE] = PRUNE if rules.purpose == SEEK else BELIEVE
     elif stage == PRUNE:
         if worth(memory) > CLEAR * rules.threshold:
             state[INDEX] += 1
@@ -438,10 +443,11 @@ def search_atoms(
             memory.sums[SHARED] = search.known[1]
         if state[FOUND] and memory.costs[NOW] - memory.costs[BEST] >= rules.threshold:
             copy_set(memory, BEST, NOW)
-    for index in range(memory.counts[NOW]):
-        if post.known[index] == UNKNOWN or not holds(memory, post, index):
-            curve(model, memory, post, index, ROUGH)
-    for index in range(memory.counts[NOW], len(post.known)):
-        post.known[index] = UNKNOWN
+    if rules.purpose == EXPLORE:
+        for index in range(memory.counts[NOW]):
+            if post.known[index] == UNKNOWN or not holds(memory, post, index):
+                curve(model, memory, post, index, ROUGH)
+        for index in range(memory.counts[NOW], len(post.known)):
+            post.known[index] = UNKNOWN
     search.known[0] = evidence(model, memory, NOW)
     return bool(memory.marks[LATE] == 0)

@@ -13,7 +13,7 @@ class FitSettings:
     most_contacts: int = 8
     false_alarm_rate: float = 1e-3
     typical_radius: float = 6e-3
-    model_error: float = 0.002
+    model_error: float = 0.02
     starts: int = 8
     warm: bool = True
     common_mode: float = 5.0
