@@ -18,7 +18,7 @@ from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_count, check_range, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
-from skinfield.solve.atoms.fit_kernel import MOST, SHARED, WHITE
+from skinfield.solve.atoms.fit_kernel import MOST
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
@@ -390,27 +390,21 @@ class AutoOperator:
     def _compare(
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
     ) -> None:
-        """Compare a field with the contacts, and with nothing but noise.
-
-        Contacts that do not explain the readings are not excused by a misfit where a field does.
-        """
-        memory, contest, fit = data.contacts.fitter.memory, data.contest, found.fit
+        """Compare a field with the contacts, and with nothing but noise."""
+        contest, fit, white = data.contest, found.fit, 1.0 / self.noise_std
         assert fit is not None  # as no field stands in there
-        white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
+        heard, level = int(np.count_nonzero(white)), float(white @ (readings * white))
         common = self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
-        density, heard = noise_density(white, shared, common), int(np.count_nonzero(white))
-        left = (readings - fit.predicted) * white
-        level = float(white @ (readings * white))
-        contacts = fit.evidence + density
-        if fit.explained:
-            contacts += misfit_gain(float(left @ left), heard - fit.parameters)
+        shared = common**2 / (1.0 + common**2 * float(white @ white))
         idle = float(np.square(readings * white).sum()) - shared * level**2
-        nothing = density - 0.5 * idle + misfit_gain(idle, heard)
+        nothing = noise_density(white, shared, common) - 0.5 * idle + misfit_gain(idle, heard)
+        contacts = data.contacts.fitter.total + noise_density(white, 0.0, 0.0)
         field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
         winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
         if winner == FIELD:
-            over = self._by_field(readings, data, deadline_ns).residual / self.noise_std
+            over = self._by_field(readings, data, deadline_ns).residual * white
+            left = (readings - fit.predicted) * white
             if not over @ over < LESS * (left @ left):
                 contest.winner = CONTACTS
 
