@@ -12,13 +12,13 @@ from scipy.interpolate import CubicSpline
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
 from skinfield.solve.atoms.alternatives_kernel import LOG_FORCES
+from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.atom_readings import predict
 from skinfield.solve.atoms.fit_kernel import NOW, SHARED, WHITE
 from skinfield.solve.atoms.fitter import (
     CURVATURE_STD,
     FLAT_RADIUS,
     FLAT_STD,
-    AtomFit,
     ContactFitter,
 )
 from skinfield.solve.atoms.search_kernel import search_atoms

@@ -367,7 +367,7 @@ class AutoOperator:
         fit = found.fit
         assert fit is not None  # as no field stands in there
         count = len(fit.contacts)
-        if contest.is_due(energy, count) or not fit.explained:
+        if found.in_time and (contest.is_due(energy, count) or not fit.explained):
             self._compare(readings, data, found, deadline_ns)
             contest.energy, contest.count = energy, count
         if contest.winner == FIELD:
