@@ -38,6 +38,10 @@ class Told:
         norms = np.linalg.norm(rows, axis=1)
         problem = SimpleNamespace(
             rows=rows,
+            unshared=rows,
+            nodes=np.zeros((3, len(rows))),
+            root=np.zeros(rows.shape[1]),
+            offset=np.zeros(rows.shape[1]),
             norms=norms,
             whitening=1.0 / model.noise_std,
             threshold=5.0,

@@ -176,6 +176,17 @@ class Rungs:
         return self.model.matrix @ self.start.matrix
 
     @property
+    def offset_std(self) -> float:
+        """Deviation of the offset that the linear answer takes all taxels to share."""
+        known = self.start.gaussian
+        return 0.0 if known is None else float(known.offset[0] * known.noise_std[0])
+
+    @cached_property
+    def offset_weights(self) -> Floats:
+        r"""Of readings (L,) in that offset's posterior mean, :math:`c^2 1^T S^{-1} y`."""
+        return np.asarray(self.offset_std**2 * self.weights.sum(axis=0))
+
+    @property
     def linear(self) -> bool:
         """Whether the linear answer is the solver's own."""
         return self.steps[-1].operator is None
@@ -188,8 +199,8 @@ class Rungs:
 
         .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
         """
-        unexplained = np.eye(len(self.explained)) - self.explained
-        weights = unexplained / np.square(self.model.noise_std)[:, None]
+        noise = np.diag(np.square(self.model.noise_std)) + self.offset_std**2
+        weights = np.linalg.solve(noise, np.eye(len(noise)) - self.explained)
         return np.asarray(0.5 * (weights + weights.T))
 
     @cached_property
@@ -229,7 +240,7 @@ def prepare_rungs(
     if isinstance(top, InverseOperator):
         start = top
     elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
-        start = GaussianField(snr=solver.snr, length_scale=solver.length_scale).prepare(finest)
+        start = solver.unconstrained().prepare(finest)
     else:
         start = GaussianField().prepare(finest)
     steps = []

@@ -37,6 +37,11 @@ from skinfield.solve.gaussian_model import GaussianModel
 from skinfield.solve.operator import InverseOperator, propagated_std
 
 
+def reads_gap(model: ObservationModel) -> bool:
+    """Whether taxels read how far the elastomer gives: an incompressible one shows no sum of it."""
+    return model.physics is not None and not isinstance(model.physics.quantity, BaseStress)
+
+
 class Errors(NamedTuple):
     """One standard deviation by what taxels read; for the gap that of the capacitance.
 
@@ -50,8 +55,7 @@ class Errors(NamedTuple):
         """For a model; none is known of a matrix that was built by hand."""
         if model.physics is None:
             return ModelError()
-        read = isinstance(model.physics.quantity, BaseStress)
-        force, place, area = self.stress if read else self.capacitance
+        force, place, area = self.capacitance if reads_gap(model) else self.stress
         return ModelError(force=force, place=place * model.grid.patch.pitch, area=area)
 
 
@@ -178,6 +182,8 @@ class Tikhonov:
     ----------
     snr : float, dimensionless
         Amplitude of the expected readings over their noise; lower is smoother.
+    common_mode : float, optional
+        As that of `GaussianField`: Wᵀ W below becomes the inverse covariance of noise and offset.
 
     Notes
     -----
@@ -190,19 +196,34 @@ class Tikhonov:
     """
 
     snr: float = 30.0
+    common_mode: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the penalty is proportional to 1 / snr**2")
+        check_common(self.common_mode)
 
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
         white = np.zeros(model.grid.shape)
         white[0, 0] = 1.0
-        return _conditioned(model, model.matrix, white, self.snr, TIKHONOV)
+        return _conditioned(model, model.matrix, white, self, TIKHONOV)
+
+
+COMMON = 5.0  # standard deviations of the noise
+
+
+def check_common(common_mode: float | None) -> None:
+    """Raise InputError for no deviation of an offset that taxels may share."""
+    if common_mode is not None:
+        check_range("common_mode", common_mode, 0.0, 1e3, "in standard deviations of the noise")
 
 
 def _conditioned(
-    model: ObservationModel, cross: Floats, near: Floats, snr: float, known: Errors
+    model: ObservationModel,
+    cross: Floats,
+    near: Floats,
+    solver: "Tikhonov | GaussianField",
+    known: Errors,
 ) -> InverseOperator:
     """Posterior of a Gaussian field given the taxels.
 
@@ -213,12 +234,16 @@ def _conditioned(
     white = 1.0 / model.noise_std
     cross = cross.T * white
     gram = (model.matrix @ cross) * white[:, None]
-    variance = snr**2 * len(gram) / np.trace(gram)
-    lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
+    variance = solver.snr**2 * len(gram) / np.trace(gram)
+    default = COMMON if reads_gap(model) else 0.0
+    share = default if solver.common_mode is None else solver.common_mode
+    offset = share * float(np.median(model.noise_std)) * white
+    noise = np.eye(len(gram)) + np.outer(offset, offset)
+    lower = np.linalg.cholesky(gram * variance + noise)
     factor = solve_triangular(lower, variance * cross.T, lower=True)
     matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
     posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
-    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, snr)
+    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, offset, solver.snr)
     return InverseOperator(matrix, posterior.std, posterior, known.of(model), gaussian)
 
 
@@ -235,25 +260,32 @@ class GaussianField:
         Amplitude of the expected readings over their noise; lower is smoother.
     length_scale : float, m, optional
         Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
+    common_mode : float, optional
+        Standard deviation of an offset that all taxels share, such as a drift, in those of the
+        noise; it is integrated out. Default 5; for stress 0, where a wide press reads as much
+        alike, and a linear solver would take a part of any press for an offset.
 
     Notes
     -----
-    With the covariance :math:`Q_{ij} = q (1 + \sqrt3 d/\ell) e^{-\sqrt3 d/\ell}`, noise
-    :math:`\Sigma` and readings y = A p + noise, the posterior has
+    With the covariance :math:`Q_{ij} = q (1 + \sqrt3 d/\ell) e^{-\sqrt3 d/\ell}`, that of noise
+    and offset :math:`\Sigma = \mathrm{diag}(\sigma^2) + c^2 1 1^T`, and readings y = A p + both,
+    the posterior has
 
     .. math:: \hat p = Q A^T (A Q A^T + \Sigma)^{-1} y, \quad
               \mathrm{cov} = Q - Q A^T (A Q A^T + \Sigma)^{-1} A Q.
 
     q is such that the prior's readings have, over the taxels, `snr` times the noise's power:
-    tr(W A Q A^T W) = L snr². `pressure_std` is the posterior's, so between taxels, where a thin
-    skin is nearly blind, it says so.
+    tr(W A Q A^T W) = L snr², W = diag(1 / σ). `pressure_std` is the posterior's, so between taxels,
+    where a thin skin is nearly blind, it says so.
     """
 
     snr: float = 10.0
     length_scale: float | None = None
+    common_mode: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
+        check_common(self.common_mode)
         if self.length_scale is not None:
             check_positive("length_scale", self.length_scale, "in metres")
 
@@ -261,7 +293,7 @@ class GaussianField:
         """Condition the field on the taxels, once."""
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
         cross, near = smoothed(model.grid, model.matrix, length), correlation(model.grid, length)
-        return _conditioned(model, cross, near, self.snr, GAUSSIAN_FIELD)
+        return _conditioned(model, cross, near, self, GAUSSIAN_FIELD)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

@@ -15,17 +15,29 @@ from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
     COUNTS,
+    DROPPED,
     DUAL,
     GAP,
     IDLE,
+    NORM,
     OBJECTIVE,
+    SHARED,
     STARTED,
     STEPS,
     UNSOLVED,
     DualProblem,
     Memory,
 )
-from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, convolved, taxel_distance
+from skinfield.solve.linear import (
+    COMMON,
+    NON_NEGATIVE,
+    GaussianField,
+    Tikhonov,
+    check_common,
+    convolved,
+    reads_gap,
+    taxel_distance,
+)
 from skinfield.solve.operator import InverseOperator
 from skinfield.solve.tiles import SIDE, Tiles
 
@@ -34,48 +46,60 @@ ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a du
 TILE_CUT = 5e-3  # of a taxel's column that stamps may lack: bounded, and computed where it matters
 SPARSE = 0.4  # share of the whole matrix up to which a pass by stamps is quicker
 LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read where caches are cold
+MODEL_ERROR = 0.02  # of the highest reading, where taxels read the gap
 
 
 def problem_of(
-    solver: "NonNegative", grid: Grid, rows: Floats, bump: Floats, whitening: Floats
+    solver: "NonNegative", model: ObservationModel, rows: Floats, bump: Floats
 ) -> DualProblem:
-    """Problem of a solver on a grid.
+    """Problem of a solver for a model.
 
     Parameters
     ----------
     solver : NonNegative
-    grid : Grid
+    model : ObservationModel
     rows : (K, L) array
-        What each node's bump does to the whitened taxels.
+        What each node's bump does to the taxels, in units of their noise.
     bump : (2 n + 1, 2 n + 1) array, Pa
-    whitening : (L,) array, per unit of the reading
     """
     from scipy.special import ndtri
 
-    norms = np.linalg.norm(rows, axis=1)
-    chances = max(int(np.count_nonzero(norms)), 1)
+    from skinfield.solve.dual.kernel import whiten_rows
+
+    chances = max(int(np.count_nonzero(rows.any(axis=1))), 1)
     threshold = float(-ndtri(solver.false_alarm_rate / chances))
     kind = np.dtype(solver.precision)
     lanes = LANES // kind.itemsize
-    filled = np.zeros((len(rows), -(-len(whitening) // lanes) * lanes), dtype=kind)
-    filled[:, : len(whitening)] = rows
-    stamps, dropped = np.zeros((0, SIDE**2), kind), np.zeros(len(rows))
+    grid, noise_std = model.grid, model.noise_std
+    taxels, nodes, typical = len(noise_std), np.zeros((3, len(rows)), kind), np.median(noise_std)
+    filled = np.zeros((len(rows), -(-taxels // lanes) * lanes), dtype=kind)
+    root, none = np.zeros((2, filled.shape[1])), np.zeros(len(rows))
+    whitening, offset = 1.0 / noise_std, solver.common_mode * typical / noise_std
+    known = none, offset, whitening, filled, root[0], nodes[NORM], nodes[SHARED]
+    whiten_rows(np.ascontiguousarray(rows), root[1], *known)
+    stamps = np.zeros((0, SIDE**2), kind)
     places = np.zeros(0, np.int32)
     if min(grid.shape) >= SIDE and rows.size > LARGE:
         tiles = Tiles.of(rows, grid.shape, cut=TILE_CUT, dtype=kind)
         if tiles.share < SPARSE:
-            stamps, dropped = tiles.values.copy(), tiles.dropped * (1 + 1e-6)  # else read-only
+            stamps = tiles.values.copy()  # else read-only
+            nodes[DROPPED] = tiles.dropped * (1 + 1e-6)
             places = np.concatenate([tiles.taxels, tiles.firsts, tiles.cells])
     penalty, rounding = solver.shrinkage * threshold, ROUNDING[kind.itemsize]
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
+    misfit = solver.model_error
+    if misfit is None:
+        misfit = MODEL_ERROR if reads_gap(model) else 0.0
     return DualProblem(
         rows=filled,
-        nodes=np.stack([norms, dropped]).astype(kind),
-        whitening=np.ascontiguousarray(whitening, dtype=np.float64),
+        nodes=nodes,
+        whitening=whitening,
+        offset=offset,
+        root=root[0],
         bump=np.ascontiguousarray(bump, dtype=kind),
         stamps=stamps,
         places=places,
-        numbers=np.array([*settings, *grid.shape], dtype=np.float64),
+        numbers=np.array([*settings, *grid.shape, misfit / typical], dtype=np.float64),
     )
 
 
@@ -353,11 +377,19 @@ class NonNegative:
         End it anyway after so many Newton steps.
     precision : numpy.float32 or numpy.float64
         Of the search. Rounding, of 1e-6 of the objective or so in float32, is part of the gap.
+    common_mode : float
+        Standard deviation of an offset that all taxels share, such as a drift, in those of the
+        noise; it is integrated out. 0 for none.
+    model_error : float, optional
+        What no pressure on the nodes explains, such as the gap's shape under a contact: part of the
+        highest reading, which all noise grows by where something is felt. Default 0.02; 0 for
+        stress, of which the sum of the pressure is seen.
 
     Notes
     -----
     The pressure is p = G z, where G are bumps that are nowhere negative (a root of the Matérn
-    covariance; see `bumps`) and z their amounts. With the whitened readings b = W y and B = W A G
+    covariance; see `bumps`) and z their amounts. With the whitened readings b = W y and B = W A G,
+    where Wᵀ W is the inverse covariance of noise and offset,
 
     .. math:: \min_{z \ge 0} \; P(z) = \tfrac12 |B z - b|^2 + \tfrac12 |z|^2 + \mu^T z,
               \qquad \mu_k = s z_* |B_k|,
@@ -395,6 +427,8 @@ class NonNegative:
     tolerance: float = 1e-4
     most_iterations: int = 100
     precision: type[np.floating[Any]] = np.float32
+    common_mode: float = COMMON
+    model_error: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
@@ -403,6 +437,9 @@ class NonNegative:
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_range("shrinkage", self.shrinkage, 0.0, 1.0, "part of the detection threshold")
         check_range("tolerance", self.tolerance, 1e-12, 1.0, "a share of the objective")
+        check_common(self.common_mode)
+        if self.model_error is not None:
+            check_range("model_error", self.model_error, 0.0, 1.0, "part of the highest reading")
         if self.most_iterations < 1:
             raise InputError(f"most_iterations is {self.most_iterations}, expected 1 or more")
         if self.precision not in (np.float32, np.float64):
@@ -414,22 +451,26 @@ class NonNegative:
         """Whiten the taxels, look through the bumps and set the threshold, once."""
         length = self._length(model)
         bump = bump_of(model.grid, length)
-        whitening = 1.0 / model.noise_std
-        seen = seen_through(bump, model.matrix * whitening[:, None], model.grid)
+        seen = seen_through(bump, model.matrix / model.noise_std[:, None], model.grid)
         power = float(np.square(seen).sum())
         if not power > 0.0:
             raise InputError("no taxel sees any node: the matrix is 0; check grid and layout")
         scale = np.sqrt(self.snr**2 * len(seen) / power)
-        problem = problem_of(self, model.grid, seen.T * scale, bump * scale, whitening)
-        linear = (
-            Tikhonov(snr=self.snr)
-            if length == 0.0
-            else GaussianField(snr=self.snr, length_scale=length)
-        )
+        problem = problem_of(self, model, seen.T * scale, bump * scale)
+        linear = self.unconstrained(length)
         backing = backing_of(lambda: linear.prepare(model), model.noise_std)
         operator = NonNegativeOperator(problem, backing, NON_NEGATIVE.of(model))
         operator.run_in()
         return operator
+
+    def unconstrained(self, length: float | None = None) -> GaussianField | Tikhonov:
+        """Its prior without the constraint, a linear solver; with a length scale of its model."""
+        length, common = self.length_scale if length is None else length, None
+        if self.common_mode == 0.0:
+            common = 0.0
+        if length == 0.0:
+            return Tikhonov(snr=self.snr, common_mode=common)
+        return GaussianField(snr=self.snr, length_scale=length, common_mode=common)
 
     def _length(self, model: ObservationModel) -> float:
         if self.length_scale is None:

@@ -156,20 +156,33 @@ class PatchGroup:
         Where the last search of each patch ended, if it left taxels out.
     filler : FilledReadings
         Of whitened readings.
+    offset : (2, L) array
+        Weights of whitened readings in the offset that the linear answer takes them to share, and
+        how far one moves them.
+    idle_offset : (2, L) array
+        As `offset`, where nothing touches; of searches.
     last : list of P
         Search that each patch used last, `SHARED`, or None.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
+        from skinfield.reconstruct.engine.block_sparse_kernel import without_offset
+
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
-        self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
+        self.offset = np.stack([rungs.offset_weights * noise, 1.0 / noise])
+        self.products = [product_of(self.matrix_on(rung), s.grid) for rung, s in enumerate(steps)]
+        self.level: Singles = np.zeros((count, len(noise)), np.float32)
+        self.without_offset: Any = without_offset
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
         searches = [_search(step.operator) for step in steps if step.operator is not None]
         self.thresholds = [each.problem.threshold for each in searches]
         self.tolerances = [each.problem.tolerance for each in searches]
+        if searches:
+            offset = searches[0].problem.offset[: len(noise)]
+            self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
         self.searches = [[each, *(each.twin() for _ in range(count - 1))] for each in searches]
         self.feasible = [np.zeros((count, len(each.problem.norms))) for each in searches]
         self.rows_of_feasible = [list(fields) for fields in self.feasible]
@@ -193,12 +206,20 @@ class PatchGroup:
 
     def answer_all(self, rung: int, white: Singles) -> None:
         """Linear answers of all patches from whitened readings (P, L)."""
-        self.products[rung].apply(white, self.fields[rung])
+        self.without_offset(white, *self.offset, self.level)
+        self.products[rung].apply(self.level, self.fields[rung])
 
     def answer_one(self, rung: int, place: int, white: Singles) -> None:
         """Linear answer of one patch, its readings among those (P, L) of all."""
         here = slice(place, place + 1)
-        self.products[rung].apply(white[here], self.fields[rung][here])
+        self.without_offset(white[here], *self.offset, self.level[here])
+        self.products[rung].apply(self.level[here], self.fields[rung][here])
+
+    def matrix_on(self, rung: int) -> Floats:
+        """Linear answer (K, L) to whitened readings without their offset: sparser than with it."""
+        matrix, weights = self.rungs.steps[rung].matrix, self.rungs.offset_weights
+        uniform = matrix.sum(axis=1) / (1.0 - weights.sum())
+        return np.asarray((matrix + np.outer(uniform, weights)) * self.kind.noise_std)
 
     def search_of(
         self, rung: int, place: int, valid: NDArray[np.bool_] | None
@@ -231,7 +252,7 @@ class PatchGroup:
         Of the searches only that of the first patch has a memory of its own.
         """
         twin = copy(self)
-        twin.fields = [np.zeros_like(each) for each in self.fields]
+        twin.fields, twin.level = [np.zeros_like(each) for each in self.fields], self.level.copy()
         twin.feasible = [np.zeros_like(each) for each in self.feasible]
         twin.rows_of_feasible = [list(fields) for fields in twin.feasible]
         twin.searches = [[twins[0].twin(), *twins[1:]] for twins in self.searches]

@@ -11,6 +11,7 @@ from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.state import EngineState, Logged
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
+from skinfield.solve.dual.problem import SHARED
 
 ROUNDS = 6  # of planning in a cycle, at most
 FOREMOST = 1e6  # weight of a patch that is served before all others
@@ -84,6 +85,9 @@ class Clockwork:
         self.unresolved = np.array([group.rungs.unresolved for group in groups])
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
+        self._level = np.zeros_like(intake.white)
+        parts = ((group.first, group.count) for group in groups)
+        self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
         self.linear_rows = [intake.linear[each] for each in rows]
         self.valid_rows = [intake.valid[each] for each in rows]
@@ -148,10 +152,12 @@ class Clockwork:
     def test_idle(self, rung: int) -> int:
         """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
         state = self.state
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.idle_offset, level)
         return int(
             self.kernel.test_idle(
                 *self.tests[rung].arrays,
-                self.intake.white,
+                self._level,
                 self._idle,
                 rung,
                 self.intake.present,
@@ -174,13 +180,16 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
-        white = self.white[group.index][place]
-        return bool(self._idle_without(rows, valid, white, group.thresholds[rung]))
+        problem, valid = group.searches[rung][0].problem, self.valid_rows[patch]
+        white, known = self.white[group.index][place], (problem.root, problem.offset)
+        parts = problem.rows, problem.nodes[SHARED], *known, valid, white
+        return bool(self._idle_without(*parts, group.thresholds[rung]))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
-        self.atlases[rung].apply(self.intake.white, self.fields[rung])
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.offset, level)
+        self.atlases[rung].apply(self._level, self.fields[rung])
 
     def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""

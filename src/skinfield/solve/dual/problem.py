@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 
-NORM, DROPPED = range(2)  # rows of `Problem.nodes`
-THRESHOLD, PENALTY, TOLERANCE, ROUNDING, MOST, HEIGHT, WIDTH = range(7)  # of `Problem.numbers`
+NORM, DROPPED, SHARED = range(3)  # rows of `Problem.nodes`
+THRESHOLD, PENALTY, TOLERANCE, ROUNDING, MOST, HEIGHT, WIDTH, MISFIT = range(8)  # of `numbers`
 TARGET, DUAL, PREDICTED, ASCENT, STEP, SCRATCH, LOWER = range(7)  # rows of `Memory.taxels`
 SLACK, TURN, EVERY, AMOUNT = range(4)  # rows of `Memory.nodes`
 LISTED, ACTIVE, FACTORED, PRESSED, ALL, COUNTS = range(6)  # rows of `Memory.lists`
@@ -27,24 +27,31 @@ class DualProblem(NamedTuple):
     Attributes
     ----------
     rows : (K, W) array
-        What each node's bump does to the taxels.
-    nodes : (2, K) array
-        Of each node: norm of its row, and norm of what the stamps lack of it.
+        What each node's bump does to the taxels, whitened: B - (B s) s'.
+    nodes : (3, K) array
+        Of each node: norm of its row, norm of what the stamps lack of it, and B s.
     whitening : (L,) float64 array, per unit of the reading
         0 for a taxel that is left out.
+    offset : (L,) array
+        Deviation of the offset that taxels share, in each taxel's noise: o.
+    root : (W,) float64 array
+        s, by which 1 - s s' is the inverse of a square root of 1 + o o'; see `whiten_rows`.
     bump : (2 n + 1, 2 n + 1) array, Pa
     stamps : (B, 16) array
-        Blocks of `Tiles`, by which all nodes are seen; none where that does not pay.
+        Blocks of `Tiles` of B, by which all nodes are seen; none where that does not pay.
     places : int32 array
         The blocks' `taxels`, `firsts` and `cells`, one after the other.
-    numbers : (7,) float64 array
+    numbers : (8,) float64 array
         Threshold in standard deviations, penalty per norm of a row, tolerance, rounding of a dual
-        value, most steps, rows and columns of the grid.
+        value, most steps, rows and columns of the grid, and the model's error per highest reading,
+        in deviations of the noise.
     """
 
     rows: NDArray[Any]
     nodes: NDArray[Any]
     whitening: Floats
+    offset: Floats
+    root: Floats
     bump: NDArray[Any]
     stamps: NDArray[Any]
     places: NDArray[np.int32]
@@ -65,19 +72,23 @@ class DualProblem(NamedTuple):
         """Gap at which the search ends."""
         return float(self.numbers[TOLERANCE])
 
+    @property
+    def unshared(self) -> NDArray[Any]:
+        """The rows B (K, W) of independent noise, in which few taxels see a node."""
+        return np.asarray(self.rows + np.outer(self.nodes[SHARED], self.root))
+
     def copy(self) -> "DualProblem":
-        """With rows, nodes and whitening of its own."""
-        rows, nodes, whitening = self.rows.copy(), self.nodes.copy(), self.whitening.copy()
-        return self._replace(rows=rows, nodes=nodes, whitening=whitening)
+        """With rows, nodes, whitening and root of its own."""
+        names = "rows", "nodes", "whitening", "root"
+        return self._replace(**{name: getattr(self, name).copy() for name in names})
 
     def leave_out(self, whole: "DualProblem", valid: NDArray[np.bool_]) -> None:
         """Become `whole` without the taxels that are not `valid` (L,), in place."""
-        heard = np.zeros(self.rows.shape[1], self.rows.dtype)
-        heard[: len(valid)] = valid
-        np.multiply(whole.rows, heard, out=self.rows)
-        np.einsum("kl,kl->k", self.rows, self.rows, out=self.norms)
-        np.sqrt(self.norms, out=self.norms)
+        from skinfield.solve.dual.kernel import whiten_rows
+
         np.multiply(whole.whitening, valid, out=self.whitening)
+        old = whole.rows, whole.root, whole.nodes[SHARED], self.offset, self.whitening
+        whiten_rows(*old, self.rows, self.root, self.nodes[NORM], self.nodes[SHARED])
 
 
 class Memory(NamedTuple):
