@@ -39,8 +39,6 @@ class Told:
         problem = SimpleNamespace(
             rows=rows,
             unshared=rows,
-            nodes=np.zeros((3, len(rows))),
-            root=np.zeros(rows.shape[1]),
             offset=np.zeros(rows.shape[1]),
             norms=norms,
             whitening=1.0 / model.noise_std,
@@ -67,6 +65,8 @@ class ToldOperator:
         clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
         self.gap, self.iterations = (1e-4, 3) if in_time else (0.5, 1)
         out[:] = 1.0
+        problem = self.problem
+        self.idle = bool((problem.rows @ readings <= 5.0 * NOISE * problem.norms).all())
         self.dual[:] = readings
 
     def start_from(self, dual: Any) -> None:

@@ -57,8 +57,8 @@ class TaxelSets:
         lost = np.linalg.solve(lower, rows * kept[:, None])
         if model.offset.any():
             along = (valid * model.offset) @ model.vectors
-            told = (lost @ along[..., None])[..., 0]
-            seen = kept * along - np.einsum("pml,pm->pl", lost, told)  # V' H o
+            less = (lost @ along[..., None])[..., 0]
+            seen = kept * along - np.einsum("pml,pm->pl", lost, less)  # V' H o
             size = np.sqrt(1.0 + np.einsum("pl,pl->p", along, seen))
             lost = np.concatenate([lost, (seen / size[:, None])[:, None]], axis=1)
         return cls(model, valid, variance, kept, lost)

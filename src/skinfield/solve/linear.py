@@ -6,13 +6,8 @@ taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical
 standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
 presses of `reconstruct.interval_training` (balls, flats, a cone, a bar; 0.1 to 3 N).
 
-At other noises one number cannot do. With 2.5 times the typical noise 88 to 98 % of the forces are
-held. With a twentieth of it 70 to 82 %, but for capacitance 98 % (`NonNegative`) and 87 %
-(`Inverse`): weak presses between taxels are then found, of which a linear solver sees a tenth. Of
-the places 93 % are then held by the resampled solvers, 66 to 80 % by `GaussianField` and
-`NonNegative`, and 29 to 36 % by `Tikhonov`, whose prior is only wide where it is told much noise.
-On other layouts and layers nothing was measured: `Reconstructor.calibrated` learns what holds
-there.
+At other noises one number cannot do: docs/uncertainty.md has what then holds. On other layouts and
+layers nothing was measured: `Reconstructor.calibrated` learns what holds there.
 
 They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
 taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For

@@ -87,39 +87,6 @@ def idle_patches(
                 idle[row[FIRST] + start + patch] = above == 0
 
 
-@njit(fastmath=FAST)
-def idle_without(
-    rows: Numbers,
-    shared: Numbers,
-    root: Numbers,
-    offset: Numbers,
-    valid: NDArray[np.bool_],
-    white: Numbers,
-    threshold: float,
-) -> bool:
-    """Whether no row (K, L or more) of the valid taxels alone sees more than the threshold.
-
-    `white` (L,) are readings in units of their noise; a row's length is that of its valid part.
-    The rows are those of a `DualProblem`, with what makes them those of independent noise.
-    """
-    zero, own, along = rows.dtype.type(0), 1.0, 0.0
-    for taxel in range(len(white)):
-        if valid[taxel]:
-            own += offset[taxel] * offset[taxel]
-            along += offset[taxel] * white[taxel]
-    for node in range(len(rows)):
-        seen, square, common, row = zero, zero, 0.0, rows[node]
-        for taxel in range(len(white)):
-            value = row[taxel] + shared[node] * root[taxel] if valid[taxel] else zero
-            seen += value * white[taxel]
-            square += value * value
-            common += value * offset[taxel]
-        length = max(square - common * common / own, 0.0)
-        if not seen - common * along / own <= threshold * np.sqrt(length):
-            return False
-    return True
-
-
 @njit
 def without_offset(white: Numbers, weights: Numbers, offset: Numbers, out: Numbers) -> None:
     """Write into `out` readings (P, L) without what each patch's weights (L,) say of an offset."""

@@ -234,12 +234,16 @@ class PatchGroup:
             if last is operator:
                 return self.searches[rung][place]
         else:
-            operator = self._reduced[rung]
-            operator.leave_out(self.searches[rung][0], valid)
+            operator = self.reduced(rung, valid)
         if last is not None:
             operator.start_from(self.duals[place] if last is SHARED else last.dual)
         self.last[place] = operator
         return operator
+
+    def reduced(self, rung: int, valid: NDArray[np.bool_]) -> NonNegativeOperator:
+        """Search of some of the taxels (L,) alone, which all patches share."""
+        self._reduced[rung].leave_out(self.searches[rung][0], valid)
+        return self._reduced[rung]
 
     def remember(self, place: int, shared: NonNegativeOperator) -> None:
         """Keep where a patch's search ended that another patch will use next."""

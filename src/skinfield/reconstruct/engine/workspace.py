@@ -11,7 +11,6 @@ from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.state import EngineState, Logged
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
-from skinfield.solve.dual.problem import SHARED
 
 ROUNDS = 6  # of planning in a cycle, at most
 FOREMOST = 1e6  # weight of a patch that is served before all others
@@ -64,11 +63,10 @@ class Clockwork:
         clock: Callable[[], int],
         like: "Clockwork | None" = None,
     ) -> None:
-        from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
+        from skinfield.reconstruct.engine import cycle_kernel
 
         self.groups, self.intake, self.clock = groups, intake, clock
         self.kernel: Any = cycle_kernel
-        self._idle_without = block_sparse_kernel.idle_without
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
@@ -180,10 +178,9 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        problem, valid = group.searches[rung][0].problem, self.valid_rows[patch]
-        white, known = self.white[group.index][place], (problem.root, problem.offset)
-        parts = problem.rows, problem.nodes[SHARED], *known, valid, white
-        return bool(self._idle_without(*parts, group.thresholds[rung]))
+        search = group.reduced(rung, self.valid_rows[patch])
+        search.apply(self.linear_rows[patch], group.feasible[rung][place], 1)  # long ago: no step
+        return search.idle
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
