@@ -13,6 +13,7 @@ import argparse
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before NumPy: one core, no spinning threads
@@ -29,11 +30,8 @@ class Anew:
     def __init__(self, solver: sf.GaussianField) -> None:
         self.solver = solver
 
-    def prepare(self, model: ObservationModel) -> sf.solve.InverseOperator:
-        known = self.solver.prepare(model)
-        return sf.solve.InverseOperator(
-            known.matrix, known.pressure_std, known.posterior, known.model_error
-        )
+    def prepare(self, model: ObservationModel) -> sf.solve.LinearOperator:
+        return replace(self.solver.prepare(model), solver=self, gaussian=None)
 
 
 def shortest(work: Callable[[int], object], laps: int) -> float:

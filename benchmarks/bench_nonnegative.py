@@ -102,26 +102,27 @@ def certified(
     solver: sf.NonNegative, model: ObservationModel, rows: np.ndarray, laps: int
 ) -> dict[str, Any]:
     """Seconds per reading, cold and warm, steps and the largest gap."""
-    operator, out = solver.prepare(model), np.empty(len(model.grid))
+    operator = solver.prepare(model)
+    data = operator.data()
     gaps, steps = np.zeros(len(rows)), np.zeros(len(rows))
 
     def warm(index: int) -> None:
-        operator.apply(rows[index], out)
-        gaps[index], steps[index] = operator.gap, operator.iterations
+        found = operator.solve(rows[index], data)
+        gaps[index], steps[index] = found.gap, found.steps
 
     def cold(index: int) -> None:
-        operator.apply(rows[index], out)
+        operator.solve(rows[index], data)
 
-    chained = shortest(warm, operator.reset, len(rows), laps)[1:]
+    chained = shortest(warm, data.reset, len(rows), laps)[1:]
     found = {"warm": chained, "gap": gaps.max(), "steps": steps[1:].mean()}
     alone = np.full(len(rows), np.inf)
     for _ in range(laps):
         for index in range(len(rows)):
-            operator.reset()
+            data.reset()
             start = time.perf_counter_ns()
             cold(index)
             alone[index] = min(alone[index], (time.perf_counter_ns() - start) * 1e-9)
-    return {**found, "cold": alone, "pressed": int(np.count_nonzero(out))}
+    return {**found, "cold": alone, "pressed": int(np.count_nonzero(data.solution.pressure))}
 
 
 def by_fista(

@@ -168,7 +168,7 @@ def add_up(values: np.ndarray) -> float:
 
 def beside(skin: str, engine: sf.Engine, scene: Scene) -> Iterator[Row]:
     """Other ways to the same linear answers on 40 x 40, and the floor."""
-    matrices = [each.rungs.steps[-1].matrix for each in engine.groups]
+    matrices = [each.rungs.steps[-1].start.matrix for each in engine.groups]
     places = [[engine.names.index(p.name) for p in group.kind.patches] for group in engine.groups]
     ways = [  # each its own, as if no two patches were alike
         (place, matrix.copy(), np.empty(len(matrix)))

@@ -9,7 +9,7 @@ from skinfield.elastic import ObservationModel
 from skinfield.lab.case_sets import standard_cases
 from skinfield.lab.score import summarise
 from skinfield.lab.validation import Entrant
-from skinfield.solve import InverseOperator
+from skinfield.solve import LinearOperator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +24,10 @@ class EachAlone:
 
     share: float = 0.8
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Transpose once."""
         matrix = self.share * model.matrix.T / np.sum(model.matrix**2, axis=1)
-        return InverseOperator(matrix, np.sqrt(matrix**2 @ model.noise_std**2))
+        return LinearOperator(self, model, matrix, np.sqrt(matrix**2 @ model.noise_std**2))
 
 
 cases = list(standard_cases(sf.layouts.hexagon72(), count=4, quantity="stress"))

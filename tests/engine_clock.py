@@ -8,6 +8,7 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.skin import generators
+from skinfield.solve.operator import Data, FieldOperator, Solution
 
 NOISE = 0.002
 PATCH = generators.icub_triangle()
@@ -33,56 +34,58 @@ class Told:
     slower: dict[str, float] = field(default_factory=lambda: {"factor": 1.0})
 
     def prepare(self, model: Any) -> "ToldOperator":
-        linear = sf.GaussianField().prepare(model)
+        return ToldOperator(self, model)
+
+
+class ToldData(Data):
+    def __init__(self, operator: "ToldOperator") -> None:
+        super().__init__(operator, len(operator.model.grid))
+        self.first, self.started = 0.0, list[float]()
+
+    def start_from(self, other: Any) -> None:
+        self.started.append(other.first)
+
+
+class ToldOperator(FieldOperator):
+    linear = None
+
+    def __init__(self, told: Told, model: Any) -> None:
+        self.solver, self.model, self.field = told, model, sf.GaussianField().prepare(model)
         rows = (model.matrix / model.noise_std[:, None]).T
         norms = np.linalg.norm(rows, axis=1)
-        problem = SimpleNamespace(
+        self.problem = SimpleNamespace(
             rows=rows,
             unshared=rows,
             offset=np.zeros(rows.shape[1]),
+            root=np.zeros(rows.shape[1]),
             norms=norms,
-            whitening=1.0 / model.noise_std,
             threshold=5.0,
             tolerance=1e-3,
         )
-        return ToldOperator(self, model.grid.shape[0], problem, linear)
+        self.posterior, self.noise = self.field.posterior, self.field.noise
+        self.model_error, self.pressure_std = self.field.model_error, self.field.pressure_std
 
+    def data(self) -> ToldData:
+        return ToldData(self)
 
-class ToldOperator:
-    def __init__(self, told: Told, nodes: int, problem: Any, linear: Any) -> None:
-        self.told, self.nodes, self.problem, self.linear = told, nodes, problem, linear
-        self.gap, self.objective, self.iterations = 1.0, 1.0, 0
-        self.dual = np.zeros(len(problem.whitening))
-        self.started: list[float] = []
-        self.pressure_std, self.posterior = linear.pressure_std, linear.posterior
-        self.model_error = linear.model_error
-        self.noise = sf.estimate.PressureNoise(linear.matrix * NOISE)
-
-    def apply(self, readings: Any, out: Any, deadline_ns: int | None = None) -> None:
-        clock = self.told.clock
-        needed = round(1e9 * self.told.seconds[self.nodes] * self.told.slower["factor"])
+    def solve(self, readings: Any, data: Any, deadline_ns: int | None = None) -> Solution:
+        clock, nodes = self.solver.clock, self.model.grid.shape[0]
+        needed = round(1e9 * self.solver.seconds[nodes] * self.solver.slower["factor"])
         in_time = deadline_ns is None or clock.now + needed <= deadline_ns
         clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
-        self.gap, self.iterations = (1e-4, 3) if in_time else (0.5, 1)
-        out[:] = 1.0
-        problem = self.problem
-        self.idle = bool((problem.rows @ readings <= 5.0 * NOISE * problem.norms).all())
-        self.dual[:] = readings
+        solution: Solution = data.solution
+        solution.gap, solution.steps, solution.objective = (
+            *((1e-4, 3) if in_time else (0.5, 1)),
+            1.0,
+        )
+        solution.pressure[:], data.first = 1.0, float(readings[0])
+        return solution
 
-    def start_from(self, dual: Any) -> None:
-        self.started.append(float(dual[0]))
-
-    def twin(self) -> "ToldOperator":
-        return ToldOperator(self.told, self.nodes, self.problem, self.linear)
+    def predicted(self, solution: Solution) -> Any:
+        return self.model.matrix @ solution.pressure
 
     def without(self, valid: Any) -> "ToldOperator":
-        arrays = {name: np.array(value) for name, value in vars(self.problem).items()}
-        return ToldOperator(self.told, self.nodes, SimpleNamespace(**arrays), self.linear)
-
-    def leave_out(self, whole: Any, valid: Any) -> None: ...
-
-    def reset(self) -> None:
-        self.dual[:] = 0.0
+        return self
 
 
 COSTS = {4: 20e-6, 8: 60e-6, 16: 200e-6}

@@ -17,7 +17,7 @@ from skinfield.solve import NonNegative
 from skinfield.solve.contract import square_patch
 from skinfield.solve.dual.problem import AMOUNT, COUNTS, PRESSED, PRESSING
 from skinfield.solve.linear import taxel_distance
-from skinfield.solve.non_negative import MODEL_ERROR, NonNegativeOperator, bump_of
+from skinfield.solve.non_negative import MODEL_ERROR, DualData, NonNegativeOperator, bump_of
 
 Either = BaseStress | Capacitance
 
@@ -156,35 +156,59 @@ def _dense(solver: NonNegative, model: ObservationModel) -> Dense:
     norms = np.linalg.norm(seen, axis=0)
     threshold = float(-ndtri(solver.false_alarm_rate / np.count_nonzero(norms)))
     penalty = solver.shrinkage * threshold * norms
-    misfit = MODEL_ERROR if model.physics and model.physics.quantity == Capacitance() else 0.0
+    seen_sum = np.abs(model.matrix.sum(axis=1)).sum() / np.abs(model.matrix).sum()
+    misfit = MODEL_ERROR if seen_sum < 0.5 else 0.0
     misfit = misfit if solver.model_error is None else solver.model_error
     return Dense(seen, spread, penalty, threshold, white, misfit / np.median(noise))
 
 
-def amounts_of(operator: NonNegativeOperator) -> Floats:
+class Search:
+    """A prepared search with a memory of its own, of readings that are linear already."""
+
+    def __init__(self, operator: NonNegativeOperator) -> None:
+        self.operator, self.problem, self.data = operator, operator.problem, operator.data()
+
+    def __getattr__(self, name: str) -> Any:
+        """Of the operator, else of its memory or of the last solution."""
+        places = (self.operator, self.data, self.data.solution)
+        return getattr(next(each for each in places if hasattr(each, name)), name)
+
+    def without(self, valid: Any) -> "Search":
+        """Another without some taxels."""
+        return Search(self.operator.without(valid))
+
+    def apply(self, readings: Floats, out: Floats, deadline: int | None = None) -> None:
+        """Write the pressure of readings (L,) into `out` (K,)."""
+        np.copyto(out, self.operator.solve(readings, self.data, deadline).pressure)
+
+
+def search_of(solver: NonNegative, model: ObservationModel) -> Search:
+    """Prepare a search."""
+    return Search(solver.prepare(replace(model, physics=None)))
+
+
+def amounts_of(operator: Search) -> Floats:
     """z (K,) of the last answer."""
-    memory: Any = operator._memory
-    count = memory.lists[COUNTS, PRESSING]
+    data: DualData = operator.data
+    count = data.memory.lists[COUNTS, PRESSING]
     found = np.zeros(len(operator.problem.rows))
-    found[memory.lists[PRESSED, :count]] = memory.nodes[AMOUNT, :count]
+    found[data.memory.lists[PRESSED, :count]] = data.memory.nodes[AMOUNT, :count]
     return found
 
 
-def solve(operator: NonNegativeOperator, readings: Floats, deadline: int | None = None) -> Floats:
+def solve(operator: Search, readings: Floats, deadline: int | None = None) -> Floats:
     """Pressure (K,) of one reading."""
-    out = np.full(len(operator.problem.norms), np.nan)
-    operator.apply(readings, out, deadline)
-    return out
+    return operator.operator.solve(readings, operator.data, deadline).pressure.copy()
 
 
-def solved(operator: NonNegativeOperator, readings: Floats) -> Floats:
+def solved(operator: Search, readings: Floats) -> Floats:
     """As `solve`, from nothing."""
     operator.reset()
     return solve(operator, readings)
 
 
 def assert_proved(
-    operator: NonNegativeOperator, dense: Dense, readings: Floats, pressure: Floats, gap: float
+    operator: Search, dense: Dense, readings: Floats, pressure: Floats, gap: float
 ) -> None:
     """The last answer is the minimum, as near as its gap says, which is at most `gap`.
 

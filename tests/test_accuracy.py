@@ -29,7 +29,7 @@ from skinfield.lab.validation import (
 from skinfield.simulate import Sphere
 from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.generators import icub_hexagon, icub_triangle
-from skinfield.solve import InverseOperator
+from skinfield.solve import LinearOperator
 
 PATCH = icub_hexagon()
 FEW = 10
@@ -141,9 +141,9 @@ def test_errors_at_the_bound_have_its_size() -> None:
 class Blind:
     """A field of nothing: it never finds a contact."""
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         nodes, taxels = len(model.grid), len(model.taxels)
-        return InverseOperator(np.zeros((nodes, taxels)), np.ones(nodes))
+        return LinearOperator(self, model, np.zeros((nodes, taxels)), np.ones(nodes))
 
 
 def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:

@@ -16,14 +16,14 @@ MADE = ("--seed", 4, "--quantity", "stress", "--noise", 200)
 PAGE = ROOT / "docs" / "cases.md"
 OWN = """
 import numpy as np
-from skinfield.solve import InverseOperator
+from skinfield.solve import LinearOperator
 
 class Mine:
     def __init__(self, *, gain=1.0):
         self.gain = gain
     def prepare(self, model):
         matrix = self.gain * np.linalg.pinv(model.matrix)
-        return InverseOperator(matrix, np.ones(len(matrix)))
+        return LinearOperator(self, model, matrix, np.ones(len(matrix)))
 
 ready = Mine(gain=0.5)
 

@@ -170,22 +170,25 @@ def test_other_linear_solvers(solver: Any, power: float) -> None:
     assert apart(engine([readings])[TRIANGLE.name].pressure, rec(readings).pressure) < power
 
 
-class FindsContacts:
-    """As `ContactFit`: what it prepares has contacts, and no field on a grid."""
-
-    extended = None
-
-    def prepare(self, model: ObservationModel) -> "FindsContacts":
-        return self
-
-    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Any: ...
-
-    def reset(self) -> None: ...
+def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
+    readings, solver = readings_of(SKIN, ("icub_triangle",)), sf.ContactFit()
+    engine, rec = (
+        engine_of(solver, TRIANGLE),
+        sf.Reconstructor(
+            TRIANGLE, LAYER, sf.Grid.square(TRIANGLE, RUNGS[-1]), solver=solver, noise_std=NOISE
+        ),
+    )
+    ours, alone = engine([readings[TRIANGLE.name]])[TRIANGLE.name], rec(readings[TRIANGLE.name])
+    assert len(ours.contacts) == len(alone.contacts) == 1
+    for name in ("position", "force", "covariance"):
+        np.testing.assert_allclose(
+            getattr(ours.contacts[0], name), getattr(alone.contacts[0], name), rtol=1e-9
+        )
 
 
 def test_arguments_that_do_not_fit() -> None:
-    with pytest.raises(InputError, match=r"FindsContacts.*finds contacts by itself"):
-        engine_of(FindsContacts(), TRIANGLE)
+    with pytest.raises(InputError, match=r"ContactOperator has no test of idle patches"):
+        engine_of(sf.ContactFit(extended=None), TRIANGLE)
     with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
         engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))
     with pytest.raises(InputError, match="budget is -1, expected a finite number above 0"):
@@ -308,7 +311,7 @@ def test_missing_taxels_are_left_out_of_a_linear_answer_exactly(
 
 def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
     readings = readings_of(SKIN, ("other", "hexagon72"), seed=5)
-    operator: Any = searching.groups[1].searches[-1][0]
+    operator: Any = searching.groups[1].operators[-1]
     for missing in ([5, 6], [40], [5, 6]):  # one search serves both patches, whatever is missing
         searching.reset()
         valid = np.ones(72, np.bool_)
@@ -319,8 +322,7 @@ def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
         estimates = searching(given)
         assert estimates.report["hexagon72"].invalid == 2
         alone = operator.without(valid)
-        expected = np.zeros(len(estimates["other"].grid))
-        alone.apply(np.where(valid, given["other"] / (1 + given["other"]), 0.0), expected, None)
+        expected = alone.solve(given["other"], alone.data()).pressure
         assert apart(estimates["other"].pressure, expected) < 0.02
         assert estimates["other"].gap <= 1e-4
         assert estimates["hexagon72"].pressure.any()
@@ -337,7 +339,7 @@ def test_missing_taxels_of_a_solver_without_a_prior_are_told() -> None:
 
 def seen_by_few(engine: Engine, rung: int, share: float) -> tuple[Floats, Any]:
     """Readings that stand out by `share` of the threshold, of which two taxels alone are valid."""
-    problem: Any = engine.groups[1].searches[rung][0].problem
+    problem: Any = engine.groups[1].operators[rung].problem
     rows, pair = problem.unshared[:, :72].astype(np.float64), np.zeros(72)
     pair[[48, 51]] = 1.0, -1.0  # apart, so that no node matches both alone, and no offset does
     valid = pair != 0.0
@@ -357,11 +359,11 @@ def test_idle_is_told_by_the_valid_taxels_alone(searching: Engine, share: float)
     readings, valid = seen_by_few(searching, -1, share)
     given = readings_of(SKIN, ()) | {"other": np.where(valid, readings, np.nan)}
     report = searching(given).report
-    alone: Any = searching.groups[1].searches[-1][0]
-    alone = alone.without(valid)
-    alone.apply(readings / (1.0 + readings), np.zeros(RUNGS[-1] ** 2), None)
-    assert alone.idle == (share < 1.0)
-    assert (report["other"].answer == "idle") == alone.idle
+    alone: Any = searching.groups[1].operators[-1].without(valid)
+    data = alone.data()
+    alone.solve(readings, data)
+    assert data.idle == (share < 1.0)
+    assert (report["other"].answer == "idle") == data.idle
     assert report["other"].rung == RUNGS[-1]
     assert report["other"].gap <= 1e-4
 

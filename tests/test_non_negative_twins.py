@@ -11,9 +11,11 @@ import pytest
 from non_negative_reference import (
     Dense,
     Either,
+    Search,
     amounts_of,
     assert_proved,
     pressed,
+    search_of,
     small_model,
     solve,
     solved,
@@ -24,40 +26,21 @@ from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, Obser
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Grid
 from skinfield.solve import NonNegative, non_negative
-from skinfield.solve.non_negative import NonNegativeOperator
 
 BOTH = [BaseStress(), Capacitance()]
 ROUNDING = 2e-6
 
 
-def test_twins_share_what_is_prepared_and_nothing_else() -> None:
-    model = small_model()
-    first = NonNegative().prepare(model)
-    second = first.twin()
-    rng = np.random.default_rng(0)
-    one, other = (pressed(model, rng) for _ in range(2))
-    expected = solved(first, one).copy()
-    dual = first.dual.copy()
-    assert second.problem is first.problem
-    assert second.backing is first.backing
-    solve(second, other)
-    assert np.array_equal(first.dual, dual)
-    assert not np.shares_memory(first.dual, second.dual)
-    assert not np.array_equal(second.dual, dual)
-    second.reset()
-    assert solve(second, one) == pytest.approx(expected, abs=1e-6 * expected.max())
-
-
 def test_twins_may_work_at_the_same_time() -> None:
     """The search lets go of the interpreter: no state is shared that is written."""
     model = small_model(21, 7)
-    operators = [NonNegative().prepare(model)]
-    operators += [operators[0].twin() for _ in range(3)]
+    operators = [search_of(NonNegative(), model)]
+    operators += [Search(operators[0].operator) for _ in range(3)]
     rng = np.random.default_rng(1)
     readings = [[pressed(model, rng) for _ in range(30)] for _ in operators]
     expected = [
         [solve(twin, each).copy() for each in rows]
-        for twin, rows in zip((each.twin() for each in operators), readings, strict=True)
+        for twin, rows in zip((Search(each.operator) for each in operators), readings, strict=True)
     ]
     found: list[list[Floats]] = [[] for _ in operators]
 
@@ -81,7 +64,7 @@ def test_taxels_are_left_out_as_if_they_were_not_there(
 ) -> None:
     model = small_model(13, 5, quantity)
     solver = NonNegative(tolerance=1e-6, precision=precision)
-    operator, dense = solver.prepare(model), Dense.of(solver, model)
+    operator, dense = search_of(solver, model), Dense.of(solver, model)
     rng = np.random.default_rng(3)
     for missing in (1, 5, 20):
         readings = pressed(model, rng)
@@ -98,37 +81,10 @@ def test_taxels_are_left_out_as_if_they_were_not_there(
             assert_proved(part, left, readings[valid], pressure, 1e-5)
 
 
-@pytest.mark.parametrize("large", [False, True])
-def test_taxels_are_left_out_in_place_as_by_a_new_operator(
-    large: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if large:
-        monkeypatch.setattr(non_negative, "LARGE", 0)
-    model = small_model(24, 7, BOTH[1])
-    whole = NonNegative().prepare(model)
-    part = whole.without(np.ones(len(model.taxels), dtype=bool))
-    rng = np.random.default_rng(10)
-    reading = pressed(model, rng)
-    untouched = solved(whole, reading)
-    for missing in (3, 0, 20, 1):
-        valid = np.ones(len(reading), dtype=bool)
-        valid[rng.choice(len(reading), missing, replace=False)] = False
-        readings = np.where(valid, pressed(model, rng), np.nan)
-        part.leave_out(whole, valid)
-        assert np.isnan(part.gap)
-        expected = whole.without(valid)
-        found, fresh = solve(part, readings), solve(expected, readings)
-        assert found == pytest.approx(fresh, abs=1e-3 * max(fresh.max(), 1.0))
-        assert part.gap <= 1e-4
-        assert part.problem.norms == pytest.approx(expected.problem.norms, rel=1e-6)
-        assert part.idle == expected.idle
-    assert np.array_equal(solved(whole, reading), untouched)
-
-
 def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(non_negative, "LARGE", 0)  # by stamps, which still hold them
     model = small_model(24, 7)
-    operator = NonNegative().prepare(model)
+    operator = search_of(NonNegative(), model)
     assert len(operator.problem.stamps) > 0
     readings = pressed(model, np.random.default_rng(9))
     valid = np.arange(len(readings)) % 5 != 0
@@ -144,7 +100,7 @@ def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.Mo
 
 def test_without_any_taxel_nothing_is_pressed() -> None:
     model = small_model()
-    part = NonNegative().prepare(model).without(np.zeros(len(model.taxels), dtype=bool))
+    part = search_of(NonNegative(), model).without(np.zeros(len(model.taxels), dtype=bool))
     assert not solve(part, np.full(len(model.taxels), np.nan)).any()
     assert part.idle
 
@@ -157,8 +113,8 @@ def test_the_dual_of_a_coarse_grid_is_a_start_for_a_fine_one(quantity: Either) -
         ObservationModel.of(patch, Layer(), Grid.square(patch, n), BondedLayer(), quantity, noise)
         for n in (12, 20)
     ]
-    coarse, fine = (NonNegative(length_scale=2e-3).prepare(model) for model in models)
-    alone, saved = fine.twin(), []
+    coarse, fine = (search_of(NonNegative(length_scale=2e-3), model) for model in models)
+    alone, saved = Search(fine.operator), []
     for seed in range(20):
         readings = pressed(models[0], np.random.default_rng(seed))
         solved(coarse, readings)
@@ -168,13 +124,13 @@ def test_the_dual_of_a_coarse_grid_is_a_start_for_a_fine_one(quantity: Either) -
         solve(fine, readings)
         assert_near(fine, alone)
         assert fine.gap <= 1e-4
-        saved.append(alone.iterations - fine.iterations)
+        saved.append(alone.steps - fine.steps)
     assert np.mean(saved) > 0.0
 
 
 def test_a_bad_start_is_no_harm() -> None:
     model = small_model()
-    operator = NonNegative().prepare(model)
+    operator = search_of(NonNegative(), model)
     readings = pressed(model, np.random.default_rng(4))
     expected = solved(operator, readings)
     for value in (np.nan, np.inf, 1e30, -1e30, 1e6, -1e3, 0.0):
@@ -191,10 +147,10 @@ def test_a_bad_start_is_no_harm() -> None:
 
 def test_reset_forgets() -> None:
     model = small_model()
-    operator = NonNegative().prepare(model)
+    operator = search_of(NonNegative(), model)
     rng = np.random.default_rng(5)
     readings = pressed(model, rng)
-    expected, steps = solve(operator, readings).copy(), operator.iterations
+    expected, steps = solve(operator, readings).copy(), operator.steps
     for _ in range(5):
         solve(operator, pressed(model, rng))
     operator.reset()
@@ -202,13 +158,13 @@ def test_reset_forgets() -> None:
     assert not operator.dual.any()
     found = solve(operator, readings)
     assert found == pytest.approx(expected, abs=1e-3 * expected.max())
-    assert operator.iterations == steps
+    assert operator.steps == steps
 
 
 @pytest.mark.parametrize("precision", [np.float32, np.float64])
 def test_apply_allocates_nothing(precision: type[np.floating]) -> None:
     model = small_model(21, 7)
-    operator = NonNegative(precision=precision).prepare(model)
+    operator = search_of(NonNegative(precision=precision), model)
     rng = np.random.default_rng(6)
     chain = [pressed(model, rng) for _ in range(20)]
     chain += [0.0 * chain[0], rng.normal(size=len(chain[0])) * model.noise_std]
@@ -259,15 +215,13 @@ def moving(model: ObservationModel, count: int, rng: np.random.Generator) -> lis
     return rows
 
 
-def assert_near(warm: NonNegativeOperator, cold: NonNegativeOperator) -> None:
+def assert_near(warm: Search, cold: Search) -> None:
     """Two answers to one reading are as near to each other as their gaps say."""
     apart = sum(np.sqrt(2 * (each.gap + ROUNDING) * each.objective) for each in (warm, cold))
     assert np.linalg.norm(amounts_of(warm) - amounts_of(cold)) <= apart
 
 
-def assert_same_within_proofs(
-    warm: NonNegativeOperator, cold: NonNegativeOperator, readings: Floats
-) -> None:
+def assert_same_within_proofs(warm: Search, cold: Search, readings: Floats) -> None:
     found, expected = solve(warm, readings), solved(cold, readings)
     assert found.min() >= 0.0
     assert np.isfinite(found).all()
@@ -285,7 +239,7 @@ def test_every_answer_of_a_chain_of_moving_contacts_against_nnls(
 ) -> None:
     model = small_model(13, 5, quantity)
     solver = NonNegative(tolerance=tolerance, length_scale=length)
-    operator, dense = solver.prepare(model), Dense.of(solver, model)
+    operator, dense = search_of(solver, model), Dense.of(solver, model)
     idle = 0
     for readings in moving(model, 200, np.random.default_rng(1)):
         solve(operator, readings)
@@ -297,36 +251,36 @@ def test_every_answer_of_a_chain_of_moving_contacts_against_nnls(
         least = dense.objective(dense.minimum_by_squares(readings), readings)
         assert -1e-9 * least <= reached - least <= (operator.gap + ROUNDING) * reached
         assert operator.gap <= tolerance + ROUNDING
-        assert operator.iterations <= 40
+        assert operator.steps <= 40
     assert 8 <= idle <= 25  # the readings of noise alone, at the least
 
 
 def test_a_reading_that_stays_needs_no_step() -> None:
     model = small_model(21, 7)
-    operator = NonNegative().prepare(model)
+    operator = search_of(NonNegative(), model)
     readings = moving(model, 1, np.random.default_rng(3))[0]
     first = solve(operator, readings)
-    assert operator.iterations > 0
+    assert operator.steps > 0
     for _ in range(5):
         assert solve(operator, readings) == pytest.approx(first, abs=1e-3 * first.max())
-        assert operator.iterations <= 1
+        assert operator.steps <= 1
     constant = np.full(len(readings), 30.0 * model.noise_std[0])
-    cold = operator.twin()
+    cold = Search(operator.operator)
     for _ in range(3):
         assert_same_within_proofs(operator, cold, constant)
 
 
 def test_a_warm_start_saves_steps_where_little_changes() -> None:
     model = small_model(21, 7)
-    warm = NonNegative().prepare(model)
-    cold = warm.twin()
+    warm = search_of(NonNegative(), model)
+    cold = Search(warm.operator)
     clean = blob(model, 1e-3, 2e-3, 4e-3, 60.0)
     rng = np.random.default_rng(4)
     steps = []
     for _ in range(100):
         readings = clean + 0.2 * rng.normal(size=len(clean)) * model.noise_std
         assert_same_within_proofs(warm, cold, readings)
-        steps.append((warm.iterations, cold.iterations))
+        steps.append((warm.steps, cold.steps))
     found = np.mean(steps, axis=0)
     assert found[0] < 0.7 * found[1]
 
@@ -334,8 +288,8 @@ def test_a_warm_start_saves_steps_where_little_changes() -> None:
 def test_deadlines_in_a_chain_leave_no_trace() -> None:
     """A reading that was cut short starts the next one badly at most, never wrongly."""
     model = small_model(21, 7, BOTH[1])
-    warm = NonNegative().prepare(model)
-    cold = warm.twin()
+    warm = search_of(NonNegative(), model)
+    cold = Search(warm.operator)
     rng = np.random.default_rng(5)
     for index, readings in enumerate(moving(model, 200, rng)):
         if index % 3:

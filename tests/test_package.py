@@ -17,7 +17,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.solve.operator import InverseOperator, propagated_std
+from skinfield.solve.operator import LinearOperator, propagated_std
 
 ROOT = Path(__file__).resolve().parents[1]
 PUBLIC = [name for name in dir(sf) if not name.startswith("_")]
@@ -144,7 +144,7 @@ def test_help_names_every_command(
 def test_the_solver_that_contributing_shows_is_one() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text()
     code = text.split("```python\n")[1].split("```")[0]
-    known = (dataclass, ObservationModel, InverseOperator, propagated_std)
+    known = (dataclass, ObservationModel, LinearOperator, propagated_std)
     names: dict[str, Any] = {each.__name__: each for each in known}
     exec(code, names)
     patch = sf.layouts.rectangular(rows=5, columns=5)

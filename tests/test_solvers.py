@@ -51,6 +51,7 @@ class TestContactFit(SolverContract):
     solver = ContactFit()
     force_ratio = (0.97, 1.03)
     place_error = 0.2e-3
+    allocates = True
 
 
 @pytest.mark.parametrize("solver", [Tikhonov(), GaussianField(), PseudoInverse()])

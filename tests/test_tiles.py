@@ -247,7 +247,7 @@ def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
     """From whitened readings to pressure (K, L), its deviation (K,), and the grid."""
     model = model_of(patch, nodes)
     prepared = GaussianField(common_mode=0.0).prepare(model)  # which reaches every cell
-    return prepared.matrix * model.noise_std, prepared.pressure_std, model.grid
+    return prepared.matrix * model.noise_std, prepared.pressure_std(), model.grid
 
 
 def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:

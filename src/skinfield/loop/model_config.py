@@ -4,7 +4,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,12 @@ from skinfield.loop.slots import CycleSlot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.multigrid import estimate_of_pressure
+from skinfield.reconstruct.plan import details, finder_of
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
 from skinfield.skin import Grid, Patch, Skin
-from skinfield.solve import Solver
+from skinfield.solve import Solution, Solver
 
 VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows")
 
@@ -316,19 +316,37 @@ class Models:
         taxels = slice(self.starts[patch], self.starts[patch + 1])
         values = slot.values[taxels].astype(np.float64)
         linear = np.array(model_config.quantity.linearise(values, np.empty_like(values)))
-        return estimate_of_pressure(
-            grid,
-            pressure,
-            readings=linear,
-            valid=slot.valid[taxels].astype(np.bool_),
-            predicted=lambda: self._predicted(patch, nodes, answer, pressure, linear),
-            moved=lambda: self.moved(patch, nodes, pressure),
-            beliefs=lambda: self._beliefs(patch, nodes, answer),
-            finder=self.finder,
+        valid = slot.valid[taxels].astype(np.bool_)
+        gap, steps = float(row["gap"]), int(row["iterations"])
+
+        @cache
+        def rest() -> dict[str, Callable[[], Any]]:  # for which an engine is prepared
+            rungs, step = self._group(patch).rungs, self._rung(patch, nodes)
+            operator = step.operator if answer == Answer.FEASIBLE else step.start
+            name = type(operator.solver).__name__
+            solution = Solution(pressure, linear, name, operator, gap, steps=steps)
+            deformation = step.deformation.on(grid)
+            find = finder_of(self.finder, grid)
+            found = details(solution, pressure, valid, grid, deformation, find)
+            if not rungs.linear:
+                matrix = step.operator.model.matrix
+                found["residual"] = lambda: np.where(valid, linear - matrix @ pressure, np.nan)
+            return found
+
+        names = ("displacement", "pressure_std", "contacts", "residual")
+        later: dict[str, Callable[[], Any]] = {
+            name: partial(lambda name: rest()[name](), name) for name in names
+        }
+        later["traction"] = lambda: -pressure[:, None] * grid.normals
+        return Estimate.later(
+            later,
+            grid=grid,
+            pressure=pressure,
+            valid=valid,
             latency=latency,
             stamp_ns=int(row["stamp_ns"]),
-            gap=float(row["gap"]),
-            iterations=int(row["iterations"]),
+            gap=gap,
+            iterations=steps,
             deadline_met=not late,
         )
 
@@ -338,19 +356,6 @@ class Models:
 
     def _rung(self, patch: int, nodes: int) -> Any:
         return self._group(patch).rungs.steps[self.model_config.rungs.index(nodes)]
-
-    def _beliefs(self, patch: int, nodes: int, answer: int) -> Any:
-        step = self._rung(patch, nodes)
-        searched = answer == Answer.FEASIBLE and step.operator is not None
-        return step.operator if searched else step
-
-    def _predicted(
-        self, patch: int, nodes: int, answer: int, pressure: Floats, linear: Floats
-    ) -> Floats:
-        step = self._rung(patch, nodes)
-        if step.model is None:
-            return np.asarray(self._group(patch).rungs.explained @ linear)
-        return np.asarray(step.model.matrix @ pressure)
 
 
 LEAVE = 5.0  # s that the next process of an engine may take to go on with its ring

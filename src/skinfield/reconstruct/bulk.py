@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_choice, check_shape
 from skinfield.estimate import Contact, Estimate
-from skinfield.reconstruct.plan import LinearPlan
+from skinfield.reconstruct.plan import LinearFields
 from skinfield.reconstruct.reconstructor import Reconstructor
 
 CHUNK = 512  # readings per product at most
@@ -63,8 +63,7 @@ class BulkFields:
         if not self.outputs or len(set(self.outputs)) < len(self.outputs):
             raise InputError(f"outputs is {self.outputs!r}, expected one name or more, each once")
         self.precision = precision
-        plan = reconstructor.plans.whole
-        self._linear = plan if isinstance(plan, LinearPlan) else None
+        self._linear = reconstructor.plans.linear
         fitting = max(CACHE_BYTES // (self.width * np.dtype(precision).itemsize), 1)
         chunk = min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
         self.run = RUN if self._linear is None else chunk
@@ -144,7 +143,9 @@ class BulkFields:
             "contacts": partial(self.contacts, readings),
             "displacement": lambda: fields["displacement"],
             "traction": lambda: -pressure[..., None] * grid.normals,
-            "pressure_std": lambda: np.broadcast_to(self._plan(same).pressure_std, pressure.shape),
+            "pressure_std": lambda: np.broadcast_to(
+                self.reconstructor.plans.linear_of(same).pressure_std(), pressure.shape
+            ),
             "residual": lambda: np.full(readings.shape, np.nan),
         }
         known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
@@ -171,49 +172,44 @@ class BulkFields:
         same = self._same_valid(readings)
         if self._linear is None or same is None:
             return [each for estimate in self.estimates(readings) for each in estimate.contacts]
-        plan, intervals = self._plan(same), self.reconstructor.intervals
-        linear, contacts = self._linearised(readings[:, same]), []
+        plans, intervals = self.reconstructor.plans, self.reconstructor.intervals
+        operator = plans.linear_of(same)
+        linear, contacts = operator.filled(self._linearised(readings, same)), []
         for first in range(0, len(linear), RUN):
-            for pressure in np.dot(linear[first : first + RUN], plan.pressing.T.astype(np.float64)):
-                each = plan.contacts(pressure, plan.noise, plan.posterior)
+            for pressure in np.dot(linear[first : first + RUN], operator.matrix.T.astype(float)):
+                each = plans.find(operator, pressure)
                 contacts.append(each if intervals is None else intervals(each))
         return contacts
 
-    def _into(self, plan: LinearPlan, readings: Floats, out: NDArray[Any]) -> None:
+    def _into(self, operator: LinearFields, readings: Floats, out: NDArray[Any]) -> None:
         """Write all outputs of some readings (T, L), one after the other, into `out` (T, R)."""
         mask = ~np.isnan(readings)
-        if (mask == mask[0]).all():
-            linear = self._linearised(readings if mask[0].all() else readings[:, mask[0]])
-            np.dot(linear.astype(self.precision), self._matrix(mask[0]), out=out)
-            return
-        patterns, which = np.unique(mask, axis=0, return_inverse=True)
-        which = which.ravel()
-        if plan.gaussian is None:
-            for number, pattern in enumerate(patterns):
-                rows = np.flatnonzero(which == number)
-                linear = self._linearised(readings[np.ix_(rows, pattern)])
-                out[rows] = linear.astype(self.precision) @ self._matrix(pattern)
-            return
-        filled = plan.sets(patterns).filled(self._linearised(np.where(mask, readings, 0.0)), which)
-        every = np.ones(mask.shape[1], np.bool_)
-        np.dot(filled.astype(self.precision), self._matrix(every), out=out)
+        linear, every = self._linearised(readings, mask), np.ones(mask.shape[1], np.bool_)
+        if not mask.all():
+            patterns, which = np.unique(mask, axis=0, return_inverse=True)
+            which = which.ravel()
+            if operator.gaussian is None:
+                for number, pattern in enumerate(patterns):
+                    rows = np.flatnonzero(which == number)
+                    out[rows] = linear[rows].astype(self.precision) @ self._matrix(pattern)
+                return
+            linear = operator.of_sets(patterns)[0].filled(linear, which)
+        np.dot(linear.astype(self.precision), self._matrix(every), out=out)
 
-    def _linearised(self, readings: Floats) -> Floats:
+    def _linearised(self, readings: Floats, valid: NDArray[np.bool_]) -> Floats:
+        """Readings (T, L), 0 where not valid."""
         quantity = self.reconstructor.quantity
-        return quantity.linearise(readings, np.empty(readings.shape))
-
-    def _plan(self, valid: NDArray[np.bool_]) -> LinearPlan:
-        plan = self._linear if valid.all() else self.reconstructor.plans.of(valid)
-        assert isinstance(plan, LinearPlan)
-        return plan
+        heard = readings if valid.all() else np.where(valid, readings, 0.0)
+        return quantity.linearise(heard, np.empty(readings.shape))
 
     def _matrix(self, valid: NDArray[np.bool_]) -> NDArray[Any]:
-        """From valid taxels (L') to all outputs (R): (L', R) of the precision."""
+        """From all taxels, of which some are valid, to all outputs (R): (L, R) of the precision."""
         return self._matrix_of(valid.tobytes())
 
     def _made_matrix(self, key: bytes) -> NDArray[Any]:
-        operator, grid = self._plan(np.frombuffer(key, np.bool_)).operator, self.reconstructor.grid
-        pressure, moved = operator[: len(grid)], operator[len(grid) :].reshape(3, len(grid), -1)
+        operator = self.reconstructor.plans.linear_of(np.frombuffer(key, np.bool_))
+        fields, grid = operator.fields, self.reconstructor.grid
+        pressure, moved = fields[: len(grid)], fields[len(grid) :].reshape(3, len(grid), -1)
         blocks: dict[str, Callable[[], NDArray[Any]]] = {
             "pressure": lambda: pressure,
             "indentation": lambda: -np.einsum("ckl,kc->kl", moved, grid.normals),

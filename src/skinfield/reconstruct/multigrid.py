@@ -1,67 +1,21 @@
 """Multigrid reconstruction: one patch at several resolutions, from coarse to fine."""
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import lru_cache, partial
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
 from skinfield.errors import Floats, InputError, check_offers, check_positive
-from skinfield.estimate import Contact, ContactFinder, Estimate
-from skinfield.reconstruct.multigrid_levels import Rung, linear_rung, prepare_rungs
-from skinfield.reconstruct.plan import until
+from skinfield.estimate import ContactFinder, Estimate
+from skinfield.reconstruct.multigrid_levels import averaged, prepare_rungs
+from skinfield.reconstruct.plan import estimate_of_solution, until
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.skin import Grid, Patch
-from skinfield.solve import FieldOperator, GaussianField, InverseOperator, Solver
-from skinfield.solve.operator import Beliefs
-
-
-def estimate_of_pressure(
-    grid: Grid,
-    pressure: Floats,
-    *,
-    readings: Floats,
-    valid: NDArray[np.bool_],
-    predicted: Callable[[], Floats],
-    moved: Callable[[], Floats],
-    beliefs: Callable[[], Beliefs],
-    finder: ContactFinder,
-    **known: Any,
-) -> Estimate:
-    """Estimate of a pressure (K,), Pa; what else it holds is worked out when asked for.
-
-    Parameters
-    ----------
-    readings : (L,) array
-        Linearised.
-    valid : (L,) bool array
-    predicted : function that returns (L,) array
-        Linearised readings that the answer predicts.
-    moved : function that returns (K, 3) array, m
-        Displacement.
-    beliefs : function that returns Beliefs
-    finder : ContactFinder
-    **known
-        Further attributes of the estimate.
-    """
-
-    def contacts() -> tuple[Contact, ...]:
-        its = beliefs()
-        return finder(grid, pressure, its.noise, its.posterior, its.model_error)
-
-    rest: dict[str, Callable[[], Any]] = {
-        "traction": lambda: -pressure[:, None] * grid.normals,
-        "displacement": moved,
-        "pressure_std": lambda: beliefs().pressure_std,
-        "contacts": contacts,
-        "residual": lambda: np.where(valid, readings - predicted(), np.nan),
-    }
-    return Estimate.later(rest, grid=grid, pressure=pressure, valid=valid, **known)
-
+from skinfield.solve import GaussianField, Operator, Solution, Solver
 
 SETS = 16  # of valid taxels, on one rung each, that stay prepared
 
@@ -81,7 +35,7 @@ class Ladder:
     quantity : Quantity, optional
         Default `Capacitance()`.
     solver : Solver, optional
-        Linear, or `NonNegative()`. Default `GaussianField()`.
+        Default `GaussianField()`.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
@@ -89,7 +43,7 @@ class Ladder:
     Raises
     ------
     InputError
-        For arguments that do not fit, and for solvers that find contacts by themselves.
+        For arguments that do not fit.
 
     Notes
     -----
@@ -123,10 +77,11 @@ class Ladder:
         self.prepared = prepare_rungs(
             patch, self.layer, self.rungs, self.mechanics, self.quantity, self.solver, noise
         )
-        self._steps = dict(zip(self.rungs, self.prepared.steps, strict=True))
-        self._step = self.prepared.steps[-1]
-        self._before: FieldOperator | None = None  # that answered last
-        self._linear = np.zeros(len(patch))
+        steps = self.prepared.steps
+        self._steps = {each.nodes: each for each in steps}
+        self._step = steps[-1]
+        self._data: dict[int, Any] = {each.nodes: each.operator.data() for each in steps}
+        self._before: Any = None  # memory of the last answer
         self._without = lru_cache(SETS)(self._prepared_without)
 
     @property
@@ -159,11 +114,7 @@ class Ladder:
         deadline_ns : int, optional
             Of `time.perf_counter_ns`, for a solver that searches.
         """
-        linear, step = self.quantity.linearise(readings, self._linear), self._step
-        if step.operator is None:
-            np.dot(step.matrix, linear, out=out)
-        else:
-            self._search(step.operator, linear, out, deadline_ns)
+        np.copyto(out, self._solve(self._step.operator, readings, deadline_ns).pressure)
 
     def __call__(
         self,
@@ -198,92 +149,38 @@ class Ladder:
                 f"readings has shape {np.shape(readings)}, expected ({len(self.patch)},): a ladder "
                 "answers one reading at a time; a Reconstructor takes many"
             )
-        good = mask[0]
-        known = np.where(good, table[0], 0.0)
-        linear = np.array(self.quantity.linearise(known, np.empty_like(known)))
-        end = until(deadline, start)
-        answer, operator = self._answer(linear, good, end)
+        step, good, end = self._step, mask[0], until(deadline, start)
+        operator = step.operator
+        if not good.all():
+            operator = self._without(good.tobytes(), step.nodes)
+        solution = self._solve(operator, table[0], end).keep()
         now = time.perf_counter_ns()
-        notes = () if good.all() else (f"{int((~good).sum())} taxels left out",)
-        return answer(
+        missing = () if good.all() else (f"{int((~good).sum())} taxels left out",)
+        return estimate_of_solution(
+            *(solution, good, step.grid, step.deformation, self.finder),
             latency=(now - start) * 1e-9,
             stamp_ns=stamp_ns,
-            gap=0.0 if operator is None else float(getattr(operator, "gap", float("nan"))),
-            iterations=int(getattr(operator, "iterations", 0)),
             deadline_met=end is None or now <= end,
-            notes=notes,
+            notes=(*missing, *solution.notes),
         )
 
     def reset(self) -> None:
         """Forget the reading before, from which a search starts."""
         self._before = None
-        for step in self.prepared.steps:
-            reset = getattr(step.operator, "reset", None)
-            if reset is not None:
-                reset()
+        for data in self._data.values():
+            data.reset()
 
-    def _search(
-        self, operator: FieldOperator, linear: Floats, out: Floats, end: int | None
-    ) -> None:
-        """Answer by an operator; if it is another than before, from that one's dual variables."""
-        before = self._before
-        if before is not None and operator is not before and hasattr(operator, "start_from"):
-            operator.start_from(before.dual)  # type: ignore[attr-defined]
-        self._before = operator
-        operator.apply(linear, out, end)
+    def _solve(self, operator: Operator, readings: Floats, end: int | None) -> Solution:
+        """Answer on the present rung; after another one, from where that ended."""
+        data, before = self._data[self._step.nodes], self._before
+        if before is not None and data is not before:
+            data.start_from(before)
+        self._before = data
+        return operator.solve(readings, data, end)
 
-    def _answer(
-        self, linear: Floats, valid: NDArray[np.bool_], end: int | None
-    ) -> tuple[Callable[..., Estimate], FieldOperator | None]:
-        """What makes the estimate of linearised readings, 0 where not valid; who searched."""
-        step, explained = self._step, self.prepared.explained
-        operator = step.operator
-        if operator is None:
-            if not valid.all():
-                step, explained = self._without(valid.tobytes(), step.nodes)
-            pressure = np.asarray(step.matrix @ linear)
-        else:
-            if not valid.all():
-                without = getattr(operator, "without", None)
-                if without is None:
-                    raise InputError(
-                        f"the solver's {type(operator).__name__} cannot leave out taxels, expected "
-                        "one such as that of NonNegative(): prepare a Reconstructor of the others"
-                    )
-                operator = without(valid)
-            pressure = np.empty(len(step.grid))
-            self._search(operator, linear, pressure, end)
-        model, beliefs = step.model, step if operator is None else operator
-        answer = partial(
-            estimate_of_pressure,
-            step.grid,
-            pressure,
-            readings=linear,
-            valid=valid,
-            predicted=lambda: np.asarray(
-                explained @ linear if model is None else model.matrix @ pressure
-            ),
-            moved=lambda: step.deformation(pressure),
-            beliefs=lambda: beliefs,
-            finder=self.finder,
-        )
-        return answer, operator
-
-    def _prepared_without(self, key: bytes, nodes: int) -> tuple[Rung, Floats]:
-        """A linear solver's rung had the patch the valid taxels alone; what it predicts, (L, L).
-
-        Of all readings: the others, by the bytes of a mask (L,), are multiplied by 0.
-        """
-        valid, prepared = np.frombuffer(key, np.bool_), self.prepared
-        model = prepared.model.subset(valid)
-        start = prepared.start.without(valid)
-        if start is None:
-            operator = self.solver.prepare(model)
-            assert isinstance(operator, InverseOperator)  # as it is of all taxels
-            start = operator
-        made = linear_rung(nodes, self._steps[nodes].deformation, start, model)
-        matrix = np.zeros((len(made.grid), len(valid)))
-        matrix[:, valid] = made.matrix
-        explained = np.zeros((len(valid), len(valid)))
-        explained[:, valid] = prepared.model.matrix @ start.matrix
-        return replace(made, matrix=matrix), explained
+    def _prepared_without(self, key: bytes, nodes: int) -> Operator:
+        """A rung's operator without taxels, by the bytes of a mask (L,) of the valid ones."""
+        step, valid = self._steps[nodes], np.frombuffer(key, np.bool_)
+        if self.prepared.linear:
+            return averaged(self.prepared.start.without(valid), step.grid)
+        return step.operator.without(valid)

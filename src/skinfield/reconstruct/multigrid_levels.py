@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
 from skinfield.errors import Floats, InputError, Ints, check_count
-from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
+from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
-from skinfield.solve import (
-    ContactOperator,
-    FieldOperator,
-    GaussianField,
-    InverseOperator,
-    NonNegative,
-    Solver,
-)
+from skinfield.solve import GaussianField, LinearOperator, NonNegative, Operator, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +65,11 @@ class RestrictedPosterior:
 
     Attributes
     ----------
-    fine : PressurePosterior
+    fine : PressureError
     restriction : Restriction
     """
 
-    fine: PressurePosterior
+    fine: PressureError
     restriction: Restriction
 
     @cached_property
@@ -124,56 +117,34 @@ class Rung:
         Along each side of the grid.
     grid : Grid
     deformation : Deformation
-    matrix : (K, L) array, Pa per unit of the reading
+    start : LinearOperator
         The linear answer: that of the finest rung, averaged over this one's cells.
-    noise : PressureNoise
-        Of the linear answer.
-    posterior : PressurePosterior, RestrictedPosterior or None
-        Of a Bayesian solver, averaged alike.
-    model_error : ModelError
-    model : ObservationModel or None
-        On this grid, where the solver is iterative.
-    operator : FieldOperator or None
-        Of an iterative solver, prepared on this grid.
+    operator : Operator
+        That answers on this grid: `start` where the solver is linear.
     """
 
     nodes: int
     grid: Grid
     deformation: Deformation
-    matrix: Floats
-    noise: PressureNoise
-    posterior: PressurePosterior | RestrictedPosterior | None
-    model_error: ModelError
-    model: ObservationModel | None = None
-    operator: FieldOperator | None = None
-
-    @cached_property
-    def pressure_std(self) -> Floats:
-        """One standard deviation of the linear answer, (K,) Pa."""
-        return self.noise.std if self.posterior is None else self.posterior.std
+    start: LinearOperator
+    operator: Operator
 
 
 @dataclass(frozen=True, eq=False)
 class Rungs:
-    """All resolutions of one patch, from coarse to fine, with what they share.
+    """All resolutions of one patch, from coarse to fine.
 
     Attributes
     ----------
     steps : tuple of Rung
-    start : InverseOperator
-        The linear answer on the finest rung.
-    model : ObservationModel
-        On the finest rung.
     """
 
     steps: tuple[Rung, ...]
-    start: InverseOperator
-    model: ObservationModel
 
-    @cached_property
-    def explained(self) -> Floats:
-        """From linearised readings to what the linear answer predicts of them, on any rung."""
-        return self.model.matrix @ self.start.matrix
+    @property
+    def start(self) -> LinearOperator:
+        """The linear answer on the finest rung."""
+        return self.steps[-1].start
 
     @property
     def offset_std(self) -> float:
@@ -189,7 +160,7 @@ class Rungs:
     @property
     def linear(self) -> bool:
         """Whether the linear answer is the solver's own."""
-        return self.steps[-1].operator is None
+        return self.steps[-1].operator is self.start
 
     @cached_property
     def weights(self) -> Floats:
@@ -199,16 +170,17 @@ class Rungs:
 
         .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
         """
-        noise = np.diag(np.square(self.model.noise_std)) + self.offset_std**2
-        weights = np.linalg.solve(noise, np.eye(len(noise)) - self.explained)
+        explained, noise = self.start.explained, self.start.model.noise_std
+        covariance = np.diag(np.square(noise)) + self.offset_std**2
+        weights = np.linalg.solve(covariance, np.eye(len(noise)) - explained)
         return np.asarray(0.5 * (weights + weights.T))
 
     @cached_property
     def unresolved(self) -> tuple[float, ...]:
         """Part of the finest linear answer's squared norm that each rung averages away."""
-        finest = self.steps[-1]
-        kept = [_power(step.matrix * self.model.noise_std, step.grid) for step in self.steps]
-        whole = _power(finest.matrix * self.model.noise_std, finest.grid)
+        noise, finest = self.start.model.noise_std, self.steps[-1].grid
+        kept = [_power(step.start.matrix * noise, step.grid) for step in self.steps]
+        whole = _power(self.start.matrix * noise, finest)
         return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
 
 
@@ -230,31 +202,29 @@ def prepare_rungs(
     Raises
     ------
     InputError
-        For rungs out of order, or a solver that finds contacts by itself.
+        For rungs out of order.
     """
     check_sides(sides)
     grids = [Grid.square(patch, nodes) for nodes in sides]
-    finest = ObservationModel.of(patch, layer, grids[-1], mechanics, quantity, noise_std)
-    top = _prepared(solver, finest)
-    linear = isinstance(top, InverseOperator)
-    if isinstance(top, InverseOperator):
-        start = top
+    physics = mechanics, quantity, noise_std
+    finest = ObservationModel.of(patch, layer, grids[-1], *physics)
+    top = solver.prepare(finest)
+    if top.linear is not None:
+        start = top.linear
     elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
         start = solver.unconstrained().prepare(finest)
     else:
         start = GaussianField().prepare(finest)
     steps = []
     for nodes, grid in zip(sides, grids, strict=True):
-        step = linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
-        if not linear:
-            model = finest
+        mean = averaged(start, grid)
+        operator: Operator = mean
+        if top.linear is None:
+            operator = top
             if grid is not grids[-1]:
-                model = ObservationModel.of(patch, layer, grid, mechanics, quantity, noise_std)
-            operator = top if model is finest else _prepared(solver, model)
-            assert not isinstance(operator, InverseOperator)  # it is linear on all grids or none
-            step = replace(step, model=model, operator=operator)
-        steps.append(step)
-    return Rungs(tuple(steps), start, finest)
+                operator = solver.prepare(ObservationModel.of(patch, layer, grid, *physics))
+        steps.append(Rung(nodes, grid, Deformation(grid, layer, mechanics), mean, operator))
+    return Rungs(tuple(steps))
 
 
 def check_sides(sides: Sequence[int]) -> None:
@@ -267,29 +237,15 @@ def check_sides(sides: Sequence[int]) -> None:
         )
 
 
-def _prepared(solver: Solver, model: ObservationModel) -> InverseOperator | FieldOperator:
-    operator = solver.prepare(model)
-    if isinstance(operator, ContactOperator):
-        raise InputError(
-            f"solver is {type(solver).__name__}(), which finds contacts by itself and has no "
-            "resolution to choose, expected a solver of fields: NonNegative() or GaussianField(); "
-            "for contacts use a Reconstructor with a deadline"
-        )
-    return operator
-
-
-def linear_rung(
-    nodes: int, deformation: Deformation, finest: InverseOperator, model: ObservationModel
-) -> Rung:
-    """Derive a resolution's linear answer from the finest one's, prepared for a model."""
-    grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
-    error: PressurePosterior | RestrictedPosterior | None = posterior
-    if grid.shape != model.grid.shape:
-        restriction = Restriction.between(model.grid, grid)
-        matrix = np.ascontiguousarray(restriction(matrix.T).T)
-        error = None if posterior is None else RestrictedPosterior(posterior, restriction)
-    noise = PressureNoise(matrix * model.noise_std)
-    return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
+def averaged(finest: LinearOperator, grid: Grid) -> LinearOperator:
+    """Linear operator of the averages over the cells of a coarser grid."""
+    if grid.shape == finest.model.grid.shape:
+        return finest
+    restriction, posterior = Restriction.between(finest.model.grid, grid), finest.posterior
+    matrix = np.ascontiguousarray(restriction(finest.matrix.T).T)
+    error = None if posterior is None else RestrictedPosterior(posterior, restriction)
+    made = replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None)
+    return replace(made, source=finest)
 
 
 KEPT = 64  # sets of missing taxels whose maps stay at hand

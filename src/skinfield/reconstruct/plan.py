@@ -1,8 +1,9 @@
-"""Linear plan of a patch: everything that needs no reading, folded into one matrix."""
+"""Plan of a patch: one operator per set of valid taxels, and products for what is linear."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -14,59 +15,24 @@ from skinfield.errors import Floats, Ints
 from skinfield.estimate import (
     Contact,
     ContactFinder,
-    ModelError,
+    Estimate,
     PressureError,
     PressureNoise,
-    PressurePosterior,
 )
-from skinfield.estimate.finder import EXACT
 from skinfield.skin import Grid
-from skinfield.solve import GaussianModel, InverseOperator, TaxelSets
+from skinfield.solve import LinearOperator, Operator, Solution, TaxelSets
+from skinfield.solve.operator import EXACT, Data, DeadlineMargin
 
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 SETS = 16  # at once: their deviations stay in cache
 CALLS_KEPT = 16  # whose sets of taxels stay prepared
+SETS_KEPT = 16  # of valid taxels whose operators stay prepared, beside that of all
 MOST = 1e6  # s: a deadline that is as good as none
-EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest one call of fifty is late
-NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
-PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
 
 
 def until(deadline: float | None, start: int) -> int | None:
     """Time, ns, at which a deadline ends, in seconds from the start."""
     return None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-
-
-@dataclass
-class DeadlineMargin:
-    """Learns from how late answers were.
-
-    Attributes
-    ----------
-    margin_ns : int, ns
-    least, most : int, ns
-        Between which it stays.
-    """
-
-    margin_ns: int = 10_000
-    least: int = 2_000
-    most: int = 50_000
-
-    def before(self, end: int | None) -> int | None:
-        """When a solver should end so that all is done at `end` of `time.perf_counter_ns`."""
-        return None if end is None else end - self.margin_ns
-
-    def learn(self, start: int, end: int) -> bool:
-        """Take note that all is done now; whether that is in time.
-
-        Of an end so near to the start that nothing was left for the solver nothing is learnt.
-        """
-        now = time.perf_counter_ns()
-        tells = -NEAR * self.margin_ns < now - end < max(PAUSE, 2 * self.margin_ns)
-        if tells and end - self.margin_ns > start:
-            change = EARLIER if now <= end else LATER
-            self.margin_ns = int(min(max(change * self.margin_ns, self.least), self.most))
-        return now <= end
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,26 +41,23 @@ class PatchAnswer:
 
     Attributes
     ----------
+    solution : Solution
     pressure : (K,) array, Pa
+        Of the nodes where the answer is wanted.
     rest : mapping of names to functions
-        Of the other attributes of an `Estimate`, but for the traction.
-    gap : float
-    iterations : int
-    notes : tuple of str
+        See `details`.
     margin : DeadlineMargin, optional
         Which learns how late this was; none where it could not have been any earlier.
     """
 
+    solution: Solution
     pressure: Floats
     rest: dict[str, Callable[[], Any]]
-    gap: float = 0.0
-    iterations: int = 0
-    notes: tuple[str, ...] = ()
     margin: DeadlineMargin | None = None
 
-    def met(self, start: int, end: int | None) -> bool:
-        """Whether all that is done now, begun at `start`, is there in time."""
-        if end is None:
+    def met(self, start: int, deadline: float | None) -> bool:
+        """Whether all that is done now, begun at `start`, ns, is there after `deadline`, s."""
+        if (end := until(deadline, start)) is None:
             return True
         if self.margin is None:
             return time.perf_counter_ns() <= end
@@ -150,8 +113,9 @@ class ResultArrays:
         self.pressure_std[row] = rest["pressure_std"]()
         self.residual[row] = rest["residual"]()
         self.contacts[row] = rest["contacts"]()
-        self.gap[row], self.iterations[row] = answer.gap, answer.iterations
-        self.notes.extend(note for note in answer.notes if note not in self.notes)
+        solution = answer.solution
+        self.gap[row], self.iterations[row] = solution.gap, solution.steps
+        self.notes.extend(note for note in solution.notes if note not in self.notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,162 +152,180 @@ class Setting:
         """Readings (..., L'), linearised into an array of its own."""
         return self.quantity.linearise(readings, np.empty_like(readings))
 
-    def contacts(
-        self,
-        pressure: Floats,
-        noise: PressureError,
-        posterior: PressureError | None,
-        error: ModelError,
-    ) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, whose errors are known."""
-        stated = error if self.model_errors else EXACT
-        return self.finder(self.grid, pressure, noise, posterior, stated)
+
+Finder = Callable[[Operator, Floats], tuple[Contact, ...]]
+
+
+def details(
+    solution: Solution,
+    pressure: Floats,
+    valid: NDArray[np.bool_],
+    grid: Grid,
+    deformation: Deformation,
+    find: Finder,
+    nodes: Ints | None = None,
+) -> dict[str, Callable[[], Any]]:
+    """What an estimate of a solution holds beside its pressure, to be worked out when asked for.
+
+    Parameters
+    ----------
+    solution : Solution
+        That nothing overwrites.
+    pressure : (K,) array, Pa
+        Of the grid's nodes.
+    valid : (L,) bool array
+    grid : Grid
+    deformation : Deformation
+        Of the solution's nodes.
+    find : function of an operator and a pressure (K,)
+        Finds the contacts, where the operator does not.
+    nodes : int array, optional
+        Those of the solution's nodes that are the grid's. Default all.
+    """
+    operator = solution.operator
+    here: Any = slice(None) if nodes is None else nodes
+
+    def contacts() -> tuple[Contact, ...]:
+        found = operator.contacts(solution)
+        if found is None:
+            return find(operator, pressure)
+        return found if nodes is None else _inside(found, nodes)
+
+    def moved() -> Floats:
+        displacement = operator.displacement(solution)
+        if displacement is None:
+            displacement = deformation(solution.pressure)
+        return np.asarray(displacement[here])
+
+    return {
+        "traction": lambda: -pressure[:, None] * grid.normals,
+        "displacement": moved,
+        "pressure_std": lambda: np.array(operator.pressure_std(solution)[here]),
+        "contacts": contacts,
+        "residual": lambda: np.where(valid, solution.residual, np.nan),
+    }
+
+
+def finder_of(finder: ContactFinder, grid: Grid) -> Finder:
+    """Finder of contacts on a grid that is an operator's own."""
+    return lambda by, pressure: finder(grid, pressure, by.noise, by.posterior, by.model_error)
+
+
+def estimate_of_solution(
+    solution: Solution,
+    valid: NDArray[np.bool_],
+    grid: Grid,
+    deformation: Deformation,
+    finder: ContactFinder,
+    *,
+    predicted: Callable[[], Floats] | None = None,
+    **known: Any,
+) -> Estimate:
+    """Estimate of a solution that nothing overwrites, of all its nodes; see `details`.
+
+    Parameters
+    ----------
+    predicted : function that returns (L,) array, optional
+        Linearised readings that the answer predicts, where the operator does not say so.
+    **known
+        Further attributes of the estimate.
+    """
+    find = finder_of(finder, grid)
+    rest = details(solution, solution.pressure, valid, grid, deformation, find)
+    if predicted is not None:
+        left = predicted
+        rest["residual"] = lambda: np.where(valid, solution.readings - left(), np.nan)
+    its = {"grid": grid, "pressure": solution.pressure, "valid": valid, "gap": solution.gap}
+    return Estimate.later(rest, iterations=solution.steps, **its, **known)
+
+
+def _inside(contacts: tuple[Contact, ...], here: Ints) -> tuple[Contact, ...]:
+    """Contacts that press a window, by its own nodes, which are `here` of theirs."""
+    order = np.argsort(here)
+    nodes = here[order]
+    inside = []
+    for contact in contacts:
+        place = np.minimum(np.searchsorted(nodes, contact.cells), len(nodes) - 1)
+        pressed = nodes[place] == contact.cells
+        if pressed.any():
+            inside.append(replace(contact, cells=np.sort(order[place[pressed]])))
+    return tuple(inside)
 
 
 @dataclass(frozen=True, eq=False)
-class LinearPlan:
-    """Resampling, inversion and displacement in one matrix.
+class LinearFields(LinearOperator):
+    """Linear operator of a window's nodes, with what follows of its answers in one matrix.
 
     Attributes
     ----------
-    operator : (4 K, L') array, Fortran order
+    fields : (4 K, L) array, Fortran order
         From linearised readings to pressure (K), then displacement x (K), y (K), z (K).
-    explained : (L', L') array
-        From linearised readings to what the pressure predicts of them.
-    noise : PressureNoise
-    pressure_std : (K,) array, Pa
-        As the solver states it.
-    posterior : PressurePosterior or None
-        Of a Bayesian solver.
-    model_error : ModelError
-        That the solver states beside.
-    valid : (L,) bool array
-        Which taxels it uses.
-    gaussian : GaussianModel or None
-        What answers readings that lack some of all taxels, if the solver is a Bayesian one.
+    sets : TaxelSets, optional
+        By which the readings are filled up: those of set `place` of them.
     """
 
-    setting: Setting
-    operator: NDArray[Any]
-    explained: Floats
-    noise: PressureNoise
-    pressure_std: Floats
-    posterior: PressurePosterior | None
-    model_error: ModelError
-    valid: NDArray[np.bool_]
-    gaussian: GaussianModel | None = None
+    fields: NDArray[Any] = field(default_factory=lambda: np.zeros((0, 0)))
+    sets: TaxelSets | None = None
+    place: int = 0
 
-    def solve(self, readings: Floats, rows: Ints, out: ResultArrays) -> None:
-        """Write the answers of `readings` (R, L'), in the quantity's unit, into `rows` of `out`."""
-        setting, nodes = self.setting, len(self.setting.grid)
-        out.pressure_std[rows] = self.pressure_std
-        for first in range(0, len(rows), CHUNK):
-            part, linear = rows[first : first + CHUNK], readings[first : first + CHUNK]
-            linear = setting.linearised(linear)
-            out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
-            out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
-        for row in rows:
-            out.contacts[row] = self.contacts(out.fields[row, :nodes], self.noise, self.posterior)
+    @classmethod
+    def of(cls, setting: Setting, operator: LinearOperator) -> "LinearFields":
+        """Fold resampling, inversion and displacement into one matrix."""
+        nodes, gaussian = setting.nodes, operator.gaussian
+        posterior: Any = operator.posterior
+        displacement = setting.deformation(operator.matrix.T)[:, nodes]  # (L, K, 3)
+        pressure = operator.matrix[nodes]
+        blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
+        fields = np.asfortranarray(np.concatenate(blocks), dtype=setting.precision)
+        made = cls(
+            solver=operator.solver,
+            model=operator.model,
+            matrix=np.asfortranarray(fields[: len(nodes)]),
+            std=operator.pressure_std()[nodes],
+            posterior=None if posterior is None else posterior.on(nodes),
+            model_error=operator.model_error,
+            gaussian=None if gaussian is None else gaussian.on(nodes),
+            valid=operator.valid,
+            source=operator,
+            fields=fields,
+        )
+        vars(made)["noise"] = PressureNoise(pressure * operator.model.noise_std)
+        return made
 
-    def solve_among(
-        self, readings: Floats, valid: NDArray[np.bool_], rows: Ints, out: ResultArrays
-    ) -> None:
-        """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`.
+    def filled(self, readings: Floats, which: Ints | None = None) -> Floats:
+        """Readings (..., L) in which valid taxels stand for the others, of sets `which` (...)."""
+        if self.sets is None:
+            return readings
+        rows = readings.reshape(-1, readings.shape[-1])
+        each = np.full(len(rows), self.place) if which is None else which
+        return self.sets.filled(rows, each).reshape(readings.shape)
 
-        What is missing is filled in, so that one product serves all sets of taxels.
-        """
-        patterns, which = distinct(valid)
-        order = np.argsort(which, kind="stable")
-        which = which[order]
-        for first in range(0, len(patterns), SETS):
-            start, end = np.searchsorted(which, [first, first + SETS])
-            known = self.sets(patterns[first : first + SETS])
-            for begin in range(start, end, CHUNK):
-                chunk = order[begin : min(begin + CHUNK, end)]
-                table = np.where(valid[chunk], readings[chunk], 0.0)
-                self._solve_sets(
-                    known, table, which[begin : begin + len(chunk)] - first, rows[chunk], out
-                )
+    def displacement(self, solution: Solution) -> Floats:
+        """See `Operator.displacement`."""
+        readings = self.filled(solution.readings).astype(self.fields.dtype, copy=False)
+        moved = np.dot(self.fields, readings)[len(self.matrix) :]
+        return np.asarray(moved.reshape(3, -1).T, dtype=np.float64)
 
-    def _solve_sets(
-        self, known: TaxelSets, table: Floats, which: Ints, rows: Ints, out: ResultArrays
-    ) -> None:
-        nodes, linear = len(self.setting.grid), self.setting.linearised(table)
-        filled = known.filled(linear, which)
-        out.fields[rows] = (self.operator @ filled.T.astype(self.setting.precision)).T
-        left = linear - filled @ self.explained.T
-        out.residual[rows] = np.where(known.valid[which], left, np.nan)
-        for row, place in zip(rows, which, strict=True):
-            posterior, noise = known.errors[place]
-            out.pressure_std[row] = posterior.std
-            out.contacts[row] = self.contacts(out.fields[row, :nodes], noise, posterior)
+    def without(self, valid: NDArray[np.bool_]) -> "LinearFields":
+        """The same matrices, before which the readings are filled up; of a Bayesian solver."""
+        return self.of_sets(valid[None])[0]
 
-    def sets(self, patterns: NDArray[np.bool_]) -> TaxelSets:
-        """Sets of valid taxels (P, L), of which those of the last calls are kept."""
-        return self._sets(patterns.tobytes())
+    def of_sets(self, patterns: NDArray[np.bool_]) -> "list[LinearFields]":
+        """As `without`, of sets of valid taxels (P, L)."""
+        sets, found = self._sets(patterns.tobytes()), []
+        for place, (posterior, noise) in enumerate(sets.errors):
+            found.append(made := copy(self))
+            parts = {"std": None, "posterior": posterior, "noise": noise, "sets": sets}
+            vars(made).update(parts, valid=patterns[place], place=place)
+        return found
 
     @cached_property
     def _sets(self) -> Callable[[bytes], TaxelSets]:
-        gaussian, taxels = self.gaussian, len(self.valid)
+        gaussian, taxels = self.gaussian, self.fields.shape[1]
         assert gaussian is not None  # what it takes to leave taxels out
         return lru_cache(CALLS_KEPT)(
             lambda key: gaussian.sets(np.frombuffer(key, np.bool_).reshape(-1, taxels))
         )
-
-    @cached_property
-    def pressing(self) -> NDArray[Any]:
-        """The operator's rows of the pressure alone, (K, L'): what has to be there at once."""
-        return np.asfortranarray(self.operator[: len(self.setting.grid)])
-
-    def prompt(
-        self, reading: Floats, end: int | None, among: NDArray[np.bool_] | None = None
-    ) -> PatchAnswer:
-        """Answer one reading (L',) at once, whatever the time it should end.
-
-        Of a Bayesian solver's plan of all taxels also one (L,) of which some are valid.
-        """
-        nodes, valid, one = len(self.setting.grid), self.valid, np.zeros(1, dtype=np.int64)
-        if among is None:
-            filled = linear = self.setting.linearised(reading)
-        else:
-            valid, known = among, self.sets(among[None])
-            linear = self.setting.linearised(np.where(among, reading, 0.0))
-            filled = known.filled(linear[None], one)[0]
-        single = filled.astype(self.setting.precision, copy=False)
-        pressure = np.asarray(np.dot(self.pressing, single), dtype=np.float64)
-
-        def moved() -> Floats:
-            fields = np.dot(self.operator, single)
-            return np.asarray(fields[nodes:].reshape(3, nodes).T, dtype=np.float64)
-
-        def contacts() -> tuple[Contact, ...]:
-            if among is None:
-                return self.contacts(pressure, self.noise, self.posterior)
-            posterior, noise = known.errors[0]
-            return self.contacts(pressure, noise, posterior)
-
-        return PatchAnswer(
-            pressure,
-            {
-                "displacement": moved,
-                "pressure_std": lambda: np.array(
-                    self.pressure_std if among is None else known.errors[0][0].std
-                ),
-                "contacts": contacts,
-                "residual": lambda: spread_out(
-                    (linear - self.explained @ filled)[valid[self.valid]], valid
-                ),
-            },
-        )
-
-    def contacts(
-        self, pressure: Floats, noise: PressureError, posterior: PressureError | None
-    ) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, whose errors are known."""
-        return self.setting.contacts(pressure, noise, posterior, self.model_error)
-
-    def reset(self) -> None:
-        """Nothing is kept."""
 
 
 def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
@@ -354,29 +336,152 @@ def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
     return valid[first], which
 
 
-def linear_plan(
-    setting: Setting, model: ObservationModel, inverse: InverseOperator, valid: NDArray[np.bool_]
-) -> LinearPlan:
-    """Fold resampling, inversion and displacement into one matrix."""
-    nodes, gaussian = setting.nodes, inverse.gaussian if valid.all() else None
-    displacement = setting.deformation(inverse.matrix.T)[:, nodes]  # (L', K, 3)
-    pressure = inverse.matrix[nodes]
-    blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
-    return LinearPlan(
-        setting=setting,
-        operator=np.asfortranarray(np.concatenate(blocks), dtype=setting.precision),
-        explained=model.matrix @ inverse.matrix,
-        noise=PressureNoise(pressure * model.noise_std),
-        pressure_std=inverse.pressure_std[nodes],
-        posterior=None if inverse.posterior is None else inverse.posterior.on(nodes),
-        model_error=inverse.model_error,
-        valid=valid,
-        gaussian=None if gaussian is None else gaussian.on(nodes),
-    )
+class Plan:
+    """What is prepared of a patch: an operator of all taxels, and of sets of them as they come.
 
+    Parameters
+    ----------
+    setting : Setting
+    operator : Operator
+        Of all taxels.
+    """
 
-def spread_out(values: Floats, valid: NDArray[np.bool_]) -> Floats:
-    """Values (L',) of valid taxels among all (L,), the others NaN."""
-    out = np.full(len(valid), np.nan)
-    out[valid] = values
-    return out
+    def __init__(self, setting: Setting, operator: Operator) -> None:
+        self.setting = setting
+        self.linear: LinearFields | None = None
+        if operator.linear is not None:
+            operator = self.linear = LinearFields.of(setting, operator.linear)
+        self.whole: Operator = operator
+        own = self.linear is not None or len(setting.nodes) == len(setting.model.grid)
+        self._nodes = None if own else setting.nodes
+        self._without = lru_cache(SETS_KEPT)(self._prepared_without)
+        self._errors = lru_cache(SETS_KEPT + 1)(self._errors_on)
+        self._spare: list[Data] = []  # of threads that are not at work
+
+    def of(self, valid: NDArray[np.bool_]) -> Operator:
+        """Operator of the valid taxels, (L,); it takes all readings."""
+        return self.whole if valid.all() else self._without(valid.tobytes())
+
+    def _prepared_without(self, key: bytes) -> Operator:
+        valid, linear = np.frombuffer(key, np.bool_), self.linear
+        if linear is None or linear.gaussian is not None:
+            return self.whole.without(valid)
+        assert linear.source is not None
+        return LinearFields.of(self.setting, linear.source.without(valid))
+
+    def linear_of(self, valid: NDArray[np.bool_]) -> LinearFields:
+        """The same, of a linear solver."""
+        made = self.of(valid)
+        assert isinstance(made, LinearFields)
+        return made
+
+    def answer(
+        self, reading: Floats, valid: NDArray[np.bool_], start: int, deadline: float | None
+    ) -> PatchAnswer:
+        """Answer one reading (L,), where `valid`; the deadline is s after `start`, ns."""
+        setting, end, operator = self.setting, until(deadline, start), self.of(valid)
+        try:
+            data = self._spare.pop()
+        except IndexError:
+            data = self.whole.data()
+        by = end if data.margin is None else data.margin.before(end)
+        solution = operator.solve(reading, data, by).keep()
+        margin = data.margin if data.searched else None
+        self._spare.append(data)
+        pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
+        parts = valid, setting.grid, setting.deformation, self.find, self._nodes
+        return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
+
+    def answer_all(
+        self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays, deadline: float | None
+    ) -> None:
+        """Write the answers of readings (T, L), where `valid` (T, L), into `out`.
+
+        `deadline` is in seconds for each reading; what is linear is one product per chunk.
+        """
+        rows, linear = np.arange(len(table)), self.linear
+        if linear is not None and linear.gaussian is not None:
+            full = valid.all(axis=1)
+            rows, short = np.flatnonzero(full), np.flatnonzero(~full)
+            patterns, which = distinct(valid[short])
+            order = np.argsort(which, kind="stable")  # one product serves many sets of taxels
+            for first in range(0, len(patterns), SETS):
+                start, end = np.searchsorted(which[order], [first, first + SETS])
+                some = order[start:end]
+                sets, these = linear.of_sets(patterns[first : first + SETS]), short[some]
+                self._multiply(sets, which[some] - first, table[these], valid[these], these, out)
+        patterns, which = distinct(valid[rows])
+        for index, pattern in enumerate(patterns):
+            these = rows[which == index]
+            if linear is not None:
+                mask = np.broadcast_to(pattern, (len(these), len(pattern)))
+                one = [self.linear_of(pattern)], np.zeros(len(these), dtype=np.int64)
+                self._multiply(*one, table[these], mask, these, out)
+                continue
+            for row in these:
+                answer = self.answer(table[row], pattern, start := time.perf_counter_ns(), deadline)
+                out.in_time[row] = answer.met(start, deadline)
+                out.take(row, answer)
+
+    def _multiply(
+        self,
+        operators: Sequence[LinearFields],
+        which: Ints,
+        table: Floats,
+        valid: NDArray[np.bool_],
+        rows: Ints,
+        out: ResultArrays,
+    ) -> None:
+        """Write the answers of a table (R, L), where `valid` (R, L), into `rows` of `out`.
+
+        `which` (R,) of the operators is each row's; they share their matrix.
+        """
+        setting, nodes, shared = self.setting, len(self.setting.grid), operators[0]
+        for first in range(0, len(rows), CHUNK):
+            part = slice(first, first + CHUNK)
+            linear = setting.linearised(np.where(valid[part], table[part], 0.0))
+            filled = shared.filled(linear, which[part])
+            out.fields[rows[part]] = (shared.fields @ filled.T.astype(setting.precision)).T
+            left = linear - filled @ shared.explained.T
+            out.residual[rows[part]] = np.where(valid[part], left, np.nan)
+        for place, row in zip(which, rows, strict=True):
+            out.pressure_std[row] = operators[place].pressure_std()
+            out.contacts[row] = self.find(operators[place], out.fields[row, :nodes])
+
+    def find(self, operator: Operator, pressure: Floats) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa, of an operator's nodes that are the grid's."""
+        setting, errors = self.setting, (operator.noise, operator.posterior)
+        if self._nodes is not None:
+            errors = self._errors(operator)  # type: ignore[arg-type]
+        stated = operator.model_error if setting.model_errors else EXACT
+        return setting.finder(setting.grid, pressure, *errors, stated)
+
+    def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
+        """Noise and posterior of an operator, on the grid's nodes."""
+        noise: Any = operator.noise
+        posterior: Any = operator.posterior
+        posterior = None if posterior is None else posterior.on(self._nodes)
+        return PressureNoise(noise.factor[self._nodes]), posterior
+
+    def within(self, setting: Setting) -> "Plan":
+        """The same in another setting of the same patch and grid."""
+        other = copy(self)
+        other.setting, other._spare = setting, []
+        return other
+
+    def reset(self) -> None:
+        """Forget the readings before."""
+        for data in self._spare:
+            data.reset()
+
+    def run_in(self) -> None:
+        """Load what is compiled for contacts and displacement."""
+        operator, setting = self.whole, self.setting
+        if operator.contacts(operator.data().solution) is not None:
+            return
+        noise = operator.noise
+        peak = np.zeros(len(noise.std))
+        peak[len(peak) // 2] = 1e3 * max(float(noise.std.max()), 1.0)
+        grid = setting.model.grid if self.linear is None else setting.grid
+        setting.finder(grid, peak, noise, operator.posterior, EXACT)
+        setting.deformation(np.zeros(len(setting.model.grid)))

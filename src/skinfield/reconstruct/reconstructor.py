@@ -32,8 +32,7 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
-from skinfield.reconstruct.plan import LinearPlan, ResultArrays, Setting, until
-from skinfield.reconstruct.plans import Plans
+from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays, Setting
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, Solver
 
@@ -155,30 +154,25 @@ class Reconstructor:
         self.intervals = intervals
         if intervals is not None:
             intervals.check(*self.kind)
-        self._plans = Plans(setting, self.solver)
+        self.plans = Plan(setting, self.solver.prepare(self.model))
         self._linear = np.empty(len(patch), precision)
         self._run_in()
 
     @property
-    def plan(self) -> LinearPlan:
+    def plan(self) -> LinearFields:
         """What is prepared for all taxels, of a linear solver."""
-        whole = self._plans.whole
-        if not isinstance(whole, LinearPlan):
+        linear = self.plans.linear
+        if linear is None:
             raise InputError(
                 f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
                 "reconstructor with readings, or use a linear solver such as GaussianField()"
             )
-        return whole
-
-    @property
-    def plans(self) -> Plans:
-        """What is prepared, for all taxels and for those sets of them that came."""
-        return self._plans
+        return linear
 
     @property
     def operator(self) -> NDArray[Any]:
         """The prepared matrix (4 K, L): pressure, then displacement x, y, z; all taxels valid."""
-        return self.plan.operator
+        return self.plan.fields
 
     def apply(self, readings: NDArray[Any], out: NDArray[Any]) -> None:
         """Write pressure and displacement of one reading into `out`; allocates nothing.
@@ -190,7 +184,7 @@ class Reconstructor:
         out : (4 K,) array of `precision`
             Pressure (K) Pa, then displacement x, y, z (K each) m.
         """
-        np.dot(self.plan.operator, self.quantity.linearise(readings, self._linear), out=out)
+        np.dot(self.plan.fields, self.quantity.linearise(readings, self._linear), out=out)
 
     def __call__(
         self,
@@ -230,9 +224,9 @@ class Reconstructor:
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            return self._prompt(table[0], mask[0], stamps, start, deadline)
+            return self._answer(table[0], mask[0], stamps, start, deadline)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
-        self._plans.solve(table, mask, out, deadline)
+        self.plans.answer_all(table, mask, out, deadline)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
         return Estimate(
@@ -252,7 +246,7 @@ class Reconstructor:
             deadline_met=out.in_time,
         )
 
-    def _prompt(
+    def _answer(
         self,
         reading: Floats,
         valid: NDArray[np.bool_],
@@ -261,25 +255,23 @@ class Reconstructor:
         deadline: float | None,
     ) -> Estimate:
         """Answer one reading with its pressure, the rest to be computed when asked for."""
-        end = until(deadline, start)
-        answer = self._plans.prompt(reading, valid, end)
-        pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
-        rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
+        answer, learnt = self.plans.answer(reading, valid, start, deadline), self.intervals
+        solution, rest = answer.solution, answer.rest
         if learnt is not None:
             found = rest["contacts"]
             rest["contacts"] = lambda: learnt(found())
         estimate = Estimate.later(
             rest,
             grid=self.grid,
-            pressure=pressure.copy(),  # what is computed later is of what was found
+            pressure=answer.pressure.copy(),  # what is computed later is of what was found
             valid=valid,
             stamp_ns=stamps.ravel()[0],
-            gap=answer.gap,
-            iterations=answer.iterations,
-            notes=answer.notes,
+            gap=solution.gap,
+            iterations=solution.steps,
+            notes=solution.notes,
         )
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
-        vars(estimate)["deadline_met"] = answer.met(start, end)
+        vars(estimate)["deadline_met"] = answer.met(start, deadline)
         return estimate
 
     def calibrated(
@@ -333,7 +325,7 @@ class Reconstructor:
             intervals.check(*self.kind)
         other = copy.copy(self)
         other.intervals = intervals
-        other._plans = self._plans.within(replace(self._plans.setting, model_errors=False))
+        other.plans = self.plans.within(replace(self.plans.setting, model_errors=False))
         return other
 
     @property
@@ -344,13 +336,13 @@ class Reconstructor:
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
-        self._plans.reset()
+        self.plans.reset()
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
         self(np.zeros(len(self.patch)))
         self.reset()
-        self._plans.run_in()
+        self.plans.run_in()
 
 
 def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:

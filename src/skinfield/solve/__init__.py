@@ -8,9 +8,10 @@ from skinfield.solve.linear import Inverse as Inverse
 from skinfield.solve.linear import PseudoInverse as PseudoInverse
 from skinfield.solve.linear import Tikhonov as Tikhonov
 from skinfield.solve.non_negative import NonNegative as NonNegative
-from skinfield.solve.operator import ContactOperator as ContactOperator
-from skinfield.solve.operator import FieldOperator as FieldOperator
+from skinfield.solve.operator import Data as Data
 from skinfield.solve.operator import Fit as Fit
-from skinfield.solve.operator import InverseOperator as InverseOperator
+from skinfield.solve.operator import LinearOperator as LinearOperator
+from skinfield.solve.operator import Operator as Operator
+from skinfield.solve.operator import Solution as Solution
 from skinfield.solve.operator import Solver as Solver
 from skinfield.solve.sheet.sheet import Sheet as Sheet

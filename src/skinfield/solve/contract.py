@@ -1,5 +1,7 @@
 """Contract of every solver, as tests to inherit."""
 
+import threading
+import tracemalloc
 from functools import lru_cache
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 from skinfield.elastic import BaseStress, BondedLayer, Layer, ObservationModel
 from skinfield.errors import Floats
 from skinfield.skin import Grid, Patch
-from skinfield.solve import ContactOperator, Solver
+from skinfield.solve import Operator, Solution, Solver
 
 NOISE = 20.0  # Pa
 
@@ -59,6 +61,8 @@ class SolverContract:
         Of the grid, a side.
     quantity : BaseStress
         Over the pads, or at points for a solver that cannot undo the pads.
+    allocates : bool
+        Whether a reading costs new arrays.
     """
 
     solver: Solver
@@ -67,61 +71,133 @@ class SolverContract:
     left_out_change: float = 0.01
     nodes: int = 23
     quantity: BaseStress = BaseStress()
+    allocates: bool = False
 
-    @pytest.fixture(name="model")
-    def _model(self) -> ObservationModel:
-        return broad_press_model(self.nodes, self.quantity)
+    @pytest.fixture(scope="class", name="operator")
+    @classmethod
+    def _operator(cls) -> Operator:
+        return cls.solver.prepare(broad_press_model(cls.nodes, cls.quantity))
 
     @pytest.fixture(name="readings")
     def _readings(self) -> tuple[Floats, float]:
         return broad_press_readings(self.quantity)
 
-    def solve(self, model: ObservationModel, readings: Floats) -> Floats:
-        """Pressure (K,) of readings, through `apply` or `fit`."""
-        operator = self.solver.prepare(model)
-        if isinstance(operator, ContactOperator):
-            return operator.fit(readings).pressure
-        out = np.full(len(model.grid), np.nan)
-        operator.apply(readings, out)
-        return out
-
     def test_force_stays_in_its_bracket(
-        self, model: ObservationModel, readings: tuple[Floats, float]
+        self, operator: Operator, readings: tuple[Floats, float]
     ) -> None:
         """The known loss of the solver, no more and no less."""
-        pressure = self.solve(model, readings[0])
-        ratio = pressure.sum() * model.grid.cell_area / readings[1]
+        pressure = solved(operator, readings[0]).pressure
+        ratio = pressure.sum() * operator.model.grid.cell_area / readings[1]
         assert self.force_ratio[0] <= ratio <= self.force_ratio[1]
 
-    def test_place_is_found(self, model: ObservationModel, readings: tuple[Floats, float]) -> None:
+    def test_place_is_found(self, operator: Operator, readings: tuple[Floats, float]) -> None:
         """The centre of the pressure's square (robust to ringing) lies where the press is."""
-        weight = np.maximum(self.solve(model, readings[0]), 0.0) ** 2
-        centre = weight @ model.grid.plane / weight.sum()
+        weight = np.maximum(solved(operator, readings[0]).pressure, 0.0) ** 2
+        centre = weight @ operator.model.grid.plane / weight.sum()
         assert np.linalg.norm(centre - (1e-3, -2e-3)) <= self.place_error
 
-    def test_no_reading_gives_no_pressure(self, model: ObservationModel) -> None:
-        """Zero in, zero out, and every entry of `out` written."""
-        assert not self.solve(model, np.zeros(len(model.taxels))).any()
+    def test_no_reading_gives_no_pressure(self, operator: Operator) -> None:
+        """Zero in, zero out, and every entry of the solution written."""
+        data = operator.data()
+        data.solution.pressure[:] = np.nan
+        assert not operator.solve(np.zeros(len(operator.model.taxels)), data).pressure.any()
 
     def test_pressure_std_is_positive_and_grows_with_the_noise(
-        self, model: ObservationModel
+        self, operator: Operator, readings: tuple[Floats, float]
     ) -> None:
         """The stated deviation is finite, not negative, and not blind to the noise."""
-        operator = self.solver.prepare(model)
-        if isinstance(operator, ContactOperator):
-            quiet = operator.fit(broad_press_readings(self.quantity)[0]).pressure_std
-        else:
-            quiet = operator.pressure_std
-        assert quiet.shape == (len(model.grid),)
+        quiet = operator.pressure_std(solved(operator, readings[0]))
+        assert quiet.shape == (len(operator.model.grid),)
         assert np.isfinite(quiet).all()
         assert (quiet >= 0).all()
         assert quiet.max() > 0
 
     def test_a_taxel_that_is_left_out_changes_little_elsewhere(
-        self, model: ObservationModel, readings: tuple[Floats, float]
+        self, operator: Operator, readings: tuple[Floats, float]
     ) -> None:
-        """Without the corner taxel the press in the middle stays."""
-        keep = np.arange(len(model.taxels)) > 0
-        whole = self.solve(model, readings[0])
-        part = self.solve(model.subset(keep), readings[0][keep])
-        assert np.abs(whole - part).max() < self.left_out_change * whole.max()
+        """Without the corner taxel, whatever it reads, the press in the middle stays."""
+        keep, data = np.arange(len(operator.model.taxels)) > 0, operator.data()
+        whole = operator.solve(readings[0], data).pressure.copy()
+        part = operator.without(keep).solve(np.where(keep, readings[0], np.nan), data)
+        assert np.abs(whole - part.pressure).max() < self.left_out_change * whole.max()
+        assert np.isfinite(part.residual[keep]).all()
+
+    def test_the_rest_of_a_solution_has_its_shapes(
+        self, operator: Operator, readings: tuple[Floats, float]
+    ) -> None:
+        """Residual, displacement and contacts, for which others may stand in."""
+        solution, nodes = solved(operator, readings[0]), len(operator.model.grid)
+        assert np.isfinite(solution.residual).all()
+        moved, contacts = operator.displacement(solution), operator.contacts(solution)
+        assert moved is None or moved.shape == (nodes, 3)
+        assert contacts is None or len(contacts) > 0
+        assert operator.noise.std.shape == (nodes,)
+
+    def test_only_what_is_copied_lasts(
+        self, operator: Operator, readings: tuple[Floats, float]
+    ) -> None:
+        """Each reading is answered into the same solution; after a reset as if it were first."""
+        data = operator.data()
+        first = operator.solve(readings[0], data)
+        copy = first.keep()
+        assert operator.solve(0.5 * readings[0], data) is first is data.solution
+        assert not np.array_equal(first.pressure, copy.pressure)
+        data.reset()
+        operator.solve(readings[0], data)
+        assert np.array_equal(first.pressure, copy.pressure)
+        assert np.array_equal(first.residual, copy.residual)
+
+    def test_threads_give_the_same_bits(
+        self, operator: Operator, readings: tuple[Floats, float]
+    ) -> None:
+        """Two threads with memory of their own answer as one does after the other."""
+        chains = [[scale * readings[0] for scale in scales] for scales in ((1, 1.1, 0.6), (0.5, 2))]
+
+        def answer(chain: list[Floats], into: list[Floats]) -> None:
+            data = operator.data()
+            into += [operator.solve(each, data).pressure.copy() for each in chain]
+
+        expected: list[list[Floats]] = [[], []]
+        found: list[list[Floats]] = [[], []]
+        threads = [
+            threading.Thread(target=answer, args=pair) for pair in zip(chains, found, strict=True)
+        ]
+        for thread in threads:
+            thread.start()
+        for chain, into in zip(chains, expected, strict=True):
+            answer(chain, into)
+        for thread in threads:
+            thread.join()
+        assert [[each.tobytes() for each in chain] for chain in found] == [
+            [each.tobytes() for each in chain] for chain in expected
+        ]
+
+    def test_no_array_is_allocated(
+        self, operator: Operator, readings: tuple[Floats, float]
+    ) -> None:
+        """From the second reading on, with a deadline too."""
+        data = operator.data()
+        rows = [readings[0], 0.9 * readings[0]]
+        for lap in range(40):  # until the interpreter's own stores are full
+            if lap == 39 and not self.allocates:
+                tracemalloc.start()
+            for row in rows:
+                operator.solve(row, data)
+                operator.solve(row, data, 1)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < data.solution.pressure.nbytes
+
+    def test_a_deadline_that_is_over_leaves_an_answer(
+        self, operator: Operator, readings: tuple[Floats, float]
+    ) -> None:
+        """It is late, and says so."""
+        solution = operator.solve(readings[0], operator.data(), 1)
+        assert np.isfinite(solution.pressure).all()
+        assert not solution.in_time
+        assert solution.solver == type(self.solver).__name__
+
+
+def solved(operator: Operator, readings: Floats) -> Solution:
+    """Solution of one reading, from nothing."""
+    return operator.solve(readings, operator.data())

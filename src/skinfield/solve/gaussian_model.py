@@ -107,6 +107,7 @@ class TaxelSets:
         prior = self.variance[which] * model.prior.prior
         return PressurePosterior(prior=prior, factor=factor, steps=model.prior.steps)
 
+    @cached_property
     def stds(self) -> tuple[Floats, Floats]:
         """Standard deviations of each cell: of the posterior, and of the readings' noise.
 
@@ -138,14 +139,11 @@ class TaxelSets:
         left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
-    @cached_property
+    @property
     def errors(self) -> "list[tuple[SetError, SetError]]":
         """Posterior of each set's pressure, and its error by the readings' noise alone."""
-        stds = zip(*self.stds(), strict=True)
-        return [
-            (SetError(self, which, posterior, False), SetError(self, which, noise, True))
-            for which, (posterior, noise) in enumerate(stds)
-        ]
+        count = range(len(self.valid))
+        return [(SetError(self, which, False), SetError(self, which, True)) for which in count]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,15 +154,18 @@ class SetError:
     ----------
     sets : TaxelSets
     which : int
-    std : (K,) array, Pa
     of_noise : bool
         By the readings' noise alone; else of the posterior.
     """
 
     sets: TaxelSets
     which: int
-    std: Floats
     of_noise: bool
+
+    @property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        return np.asarray(self.sets.stds[self.of_noise][self.which])
 
     @cached_property
     def felt(self) -> int:

@@ -29,12 +29,12 @@ from skinfield.estimate import ModelError, PressurePosterior
 from skinfield.skin import Grid
 from skinfield.skin.geometry import nearest_distance
 from skinfield.solve.gaussian_model import GaussianModel
-from skinfield.solve.operator import InverseOperator, propagated_std
+from skinfield.solve.operator import LinearOperator, propagated_std
 
 
-def reads_gap(model: ObservationModel) -> bool:
-    """Whether taxels read how far the elastomer gives: an incompressible one shows no sum of it."""
-    return model.physics is not None and not isinstance(model.physics.quantity, BaseStress)
+def sees_sum(matrix: Floats) -> bool:
+    """Whether rows (L, K) see a uniform pressure; where no volume gives it cancels in each."""
+    return bool(np.abs(matrix.sum(axis=1)).sum() > 0.5 * np.abs(matrix).sum())
 
 
 class Errors(NamedTuple):
@@ -50,7 +50,8 @@ class Errors(NamedTuple):
         """For a model; none is known of a matrix that was built by hand."""
         if model.physics is None:
             return ModelError()
-        force, place, area = self.capacitance if reads_gap(model) else self.stress
+        read = isinstance(model.physics.quantity, BaseStress)
+        force, place, area = self.stress if read else self.capacitance
         return ModelError(force=force, place=place * model.grid.patch.pitch, area=area)
 
 
@@ -102,7 +103,7 @@ class Inverse:
 
     resample: bool = True
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Invert once."""
         if self.resample:
             weights, virtual, inside = resampled(model)
@@ -117,7 +118,7 @@ class Inverse:
                 )
             matrix = _solve(model.matrix, np.eye(taxels))
         std = propagated_std(matrix, model.noise_std)
-        return InverseOperator(matrix, std, model_error=INVERSE.of(model))
+        return LinearOperator(self, model, matrix, std, model_error=INVERSE.of(model))
 
 
 def _solve(square: Floats, right: Floats) -> Floats:
@@ -155,7 +156,7 @@ class PseudoInverse:
     def __post_init__(self) -> None:
         check_range("rcond", self.rcond, 0.0, 1.0, "relative to the largest singular value")
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Invert once."""
         if self.resample:
             weights, virtual, _ = resampled(model)
@@ -163,7 +164,7 @@ class PseudoInverse:
         else:
             matrix, known = self._inverse(model.matrix), PSEUDO_INVERSE
         std = propagated_std(matrix, model.noise_std)
-        return InverseOperator(matrix, std, model_error=known.of(model))
+        return LinearOperator(self, model, matrix, std, model_error=known.of(model))
 
     def _inverse(self, matrix: Floats) -> Floats:
         return np.asarray(np.linalg.pinv(matrix, rcond=self.rcond), dtype=np.float64)
@@ -197,11 +198,11 @@ class Tikhonov:
         check_positive("snr", self.snr, "the penalty is proportional to 1 / snr**2")
         check_common(self.common_mode)
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
         white = np.zeros(model.grid.shape)
         white[0, 0] = 1.0
-        return _conditioned(model, model.matrix, white, self, TIKHONOV)
+        return _conditioned(self, model, model.matrix, white, TIKHONOV)
 
 
 COMMON = 5.0  # standard deviations of the noise
@@ -214,23 +215,23 @@ def check_common(common_mode: float | None) -> None:
 
 
 def _conditioned(
+    solver: "Tikhonov | GaussianField",
     model: ObservationModel,
     cross: Floats,
     near: Floats,
-    solver: "Tikhonov | GaussianField",
     known: Errors,
-) -> InverseOperator:
+) -> LinearOperator:
     """Posterior of a Gaussian field given the taxels.
 
     `cross` (L, K) is A Q, `near` (rows, columns) Q by the offset of two nodes, both per variance.
     """
     from scipy.linalg import solve_triangular
 
-    white = 1.0 / model.noise_std
+    white, snr = 1.0 / model.noise_std, solver.snr
     cross = cross.T * white
     gram = (model.matrix @ cross) * white[:, None]
-    variance = solver.snr**2 * len(gram) / np.trace(gram)
-    default = COMMON if reads_gap(model) else 0.0
+    variance = snr**2 * len(gram) / np.trace(gram)
+    default = 0.0 if sees_sum(model.matrix) else COMMON
     share = default if solver.common_mode is None else solver.common_mode
     offset = share * float(np.median(model.noise_std)) * white
     noise = np.eye(len(gram)) + np.outer(offset, offset)
@@ -238,8 +239,9 @@ def _conditioned(
     factor = solve_triangular(lower, variance * cross.T, lower=True)
     matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
     posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
-    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, offset, solver.snr)
-    return InverseOperator(matrix, posterior.std, posterior, known.of(model), gaussian)
+    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, offset, snr)
+    parts = matrix, posterior.std, posterior, known.of(model), gaussian
+    return LinearOperator(solver, model, *parts)
 
 
 PITCHES = 0.25  # of the taxels, per length scale: between presses on a taxel and beside
@@ -257,8 +259,8 @@ class GaussianField:
         Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
     common_mode : float, optional
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
-        noise; it is integrated out. Default 5; for stress 0, where a wide press reads as much
-        alike, and a linear solver would take a part of any press for an offset.
+        noise; it is integrated out. Default 5; 0 where the sum of the pressure is seen (stress, or
+        a Poisson's ratio well below 0.5): part of a press would be taken for an offset.
 
     Notes
     -----
@@ -284,11 +286,11 @@ class GaussianField:
         if self.length_scale is not None:
             check_positive("length_scale", self.length_scale, "in metres")
 
-    def prepare(self, model: ObservationModel) -> InverseOperator:
+    def prepare(self, model: ObservationModel) -> LinearOperator:
         """Condition the field on the taxels, once."""
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
         cross, near = smoothed(model.grid, model.matrix, length), correlation(model.grid, length)
-        return _conditioned(model, cross, near, self, GAUSSIAN_FIELD)
+        return _conditioned(self, model, cross, near, GAUSSIAN_FIELD)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError, check_positive, check_range, check_shape
-from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
+from skinfield.estimate import ModelError, PressureError, PressureNoise
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
     COUNTS,
@@ -24,9 +24,11 @@ from skinfield.solve.dual.problem import (
     SHARED,
     STARTED,
     STEPS,
+    TYPICAL,
     UNSOLVED,
     DualProblem,
     Memory,
+    whitened,
 )
 from skinfield.solve.linear import (
     COMMON,
@@ -35,10 +37,16 @@ from skinfield.solve.linear import (
     Tikhonov,
     check_common,
     convolved,
-    reads_gap,
+    sees_sum,
     taxel_distance,
 )
-from skinfield.solve.operator import InverseOperator
+from skinfield.solve.operator import (
+    Data,
+    DeadlineMargin,
+    FieldOperator,
+    LinearOperator,
+    Solution,
+)
 from skinfield.solve.tiles import SIDE, Tiles
 
 LANES = 64  # bytes: rows are filled up to whole vector registers
@@ -46,7 +54,7 @@ ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a du
 TILE_CUT = 5e-3  # of a taxel's column that stamps may lack: bounded, and computed where it matters
 SPARSE = 0.4  # share of the whole matrix up to which a pass by stamps is quicker
 LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read where caches are cold
-MODEL_ERROR = 0.02  # of the highest reading, where taxels read the gap
+MODEL_ERROR = 0.01  # of the highest reading, where the sum of the pressure is not seen
 
 
 def problem_of(
@@ -64,19 +72,15 @@ def problem_of(
     """
     from scipy.special import ndtri
 
-    from skinfield.solve.dual.kernel import whiten_rows
-
     chances = max(int(np.count_nonzero(rows.any(axis=1))), 1)
     threshold = float(-ndtri(solver.false_alarm_rate / chances))
     kind = np.dtype(solver.precision)
     lanes = LANES // kind.itemsize
     grid, noise_std = model.grid, model.noise_std
     taxels, nodes, typical = len(noise_std), np.zeros((3, len(rows)), kind), np.median(noise_std)
-    filled = np.zeros((len(rows), -(-taxels // lanes) * lanes), dtype=kind)
-    root, none = np.zeros((2, filled.shape[1])), np.zeros(len(rows))
-    whitening, offset = 1.0 / noise_std, solver.common_mode * typical / noise_std
-    known = none, offset, whitening, filled, root[0], nodes[NORM], nodes[SHARED]
-    whiten_rows(np.ascontiguousarray(rows), root[1], *known)
+    width = (0, -taxels % lanes)
+    offset = np.pad(solver.common_mode * typical / noise_std, width)
+    filled, root, nodes[NORM], nodes[SHARED] = whitened(np.pad(rows, ((0, 0), width)), offset)
     stamps = np.zeros((0, SIDE**2), kind)
     places = np.zeros(0, np.int32)
     if min(grid.shape) >= SIDE and rows.size > LARGE:
@@ -89,13 +93,13 @@ def problem_of(
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
     misfit = solver.model_error
     if misfit is None:
-        misfit = MODEL_ERROR if reads_gap(model) else 0.0
+        misfit = 0.0 if sees_sum(model.matrix) else MODEL_ERROR
     return DualProblem(
-        rows=filled,
+        rows=filled.astype(kind),
         nodes=nodes,
-        whitening=whitening,
+        whitening=1.0 / noise_std,
         offset=offset,
-        root=root[0],
+        root=root,
         bump=np.ascontiguousarray(bump, dtype=kind),
         stamps=stamps,
         places=places,
@@ -104,10 +108,10 @@ def problem_of(
 
 
 LAPS = 6  # of the run in, after which the times of steps are known
-Backing = Callable[[], tuple[InverseOperator, PressureNoise]]
+Backing = Callable[[], tuple[LinearOperator, PressureNoise]]
 
 
-def backing_of(prepare: Callable[[], InverseOperator], noise_std: Floats) -> Backing:
+def backing_of(prepare: Callable[[], LinearOperator], noise_std: Floats) -> Backing:
     """The field without the constraint, and how the readings' noise (L,) moves it.
 
     Contacts and their uncertainty go by it. It is prepared when it is first asked for, as the
@@ -115,22 +119,76 @@ def backing_of(prepare: Callable[[], InverseOperator], noise_std: Floats) -> Bac
     """
 
     @cache
-    def linear() -> tuple[InverseOperator, PressureNoise]:
+    def linear() -> tuple[LinearOperator, PressureNoise]:
         operator = prepare()
         return operator, PressureNoise(operator.matrix * noise_std)
 
     return linear
 
 
-@dataclass(eq=False)
-class NonNegativeOperator:
-    """Prepared search, with what it needs to start from the reading before.
-
-    One reading at a time: it works in its own arrays. Patches of equal geometry share what is
-    prepared by `twin`.
+class DualData(Data):
+    """Scratch memory of a search, and where the last one ended: the next starts there.
 
     Parameters
     ----------
+    operator : NonNegativeOperator
+    """
+
+    def __init__(self, operator: "NonNegativeOperator") -> None:
+        from skinfield.solve.dual.search import answer
+
+        nodes, width = operator.problem.rows.shape
+        super().__init__(operator, nodes, DeadlineMargin())
+        self.answer: Any = answer
+        self.memory = Memory.of(nodes, width, operator.problem.rows.dtype)
+        self.memory.measures[:] = operator.paces
+        self.problem = operator.problem
+        self.reset()
+
+    @property
+    def searched(self) -> bool:
+        """Whether any step was taken."""
+        return self.solution.steps > 0
+
+    @property
+    def idle(self) -> bool:
+        """Whether the last reading was proved to hold no contact."""
+        return bool(self.memory.lists[COUNTS, IDLE])
+
+    @property
+    def dual(self) -> NDArray[Any]:
+        """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
+        return self.memory.taxels[DUAL, : len(self.problem.whitening)]
+
+    def start_from(self, other: "Data | Floats") -> None:
+        """Begin the next reading from another operator's multipliers, as of a coarser grid."""
+        dual = other.dual if isinstance(other, DualData) else np.asarray(other)
+        check_shape("dual", dual, self.dual.shape, "one per taxel")
+        self.dual[:] = dual
+        self.memory.lists[COUNTS, STARTED] = 1
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.memory.lists[COUNTS], self.memory.taxels[DUAL] = 0, 0.0
+        self.memory.measures[: OBJECTIVE + 1], self.memory.measures[UNSOLVED] = np.nan, 0.0
+        self.solution.gap = self.solution.objective = np.nan
+        self.solution.steps = 0
+
+    def go_on_with(self, problem: DualProblem) -> None:
+        """Search another problem from now on, with other taxels left out, from the same start."""
+        if problem is not self.problem:
+            self.problem = problem
+            self.memory.lists[COUNTS], self.memory.lists[COUNTS, STARTED] = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class NonNegativeOperator(FieldOperator):
+    """Prepared search, which starts from the reading before where its `data` has one.
+
+    Attributes
+    ----------
+    solver : NonNegative
+    model : ObservationModel
     problem : DualProblem
         Arrays of the compiled search.
     backing : Backing
@@ -138,38 +196,23 @@ class NonNegativeOperator:
         than too narrow where the model is right.
     model_error : ModelError
         That a contact has without noise.
-
-    Attributes
-    ----------
-    deadline_met : bool
-        Whether the last answer was there in time.
+    paces : (9,) array
+        `measures` with which memory begins: how long steps take.
+    valid : (L,) bool array, optional
+        Taxels that are used. Default all.
     """
 
+    solver: "NonNegative"
+    model: ObservationModel
     problem: DualProblem
     backing: Backing
     model_error: ModelError
-    deadline_met: bool = field(default=True, init=False)
-
-    def __post_init__(self) -> None:
-        from skinfield.solve.dual.search import answer
-
-        nodes, width = self.problem.rows.shape
-        self._answer, self._memory = answer, Memory.of(nodes, width, self.problem.rows.dtype)
-        self._memory.measures[: OBJECTIVE + 1] = np.nan
-        self._readings = np.zeros(self.taxels)
+    paces: Floats
+    valid: NDArray[np.bool_] | None = None
+    linear = None  # no matrix
 
     @property
-    def taxels(self) -> int:
-        """Number of readings, L."""
-        return len(self.problem.whitening)
-
-    @property
-    def pressure_std(self) -> Floats:
-        """Posterior deviation of the linear field without the constraint, (K,) Pa."""
-        return self.backing()[0].pressure_std
-
-    @property
-    def posterior(self) -> PressurePosterior | None:
+    def posterior(self) -> PressureError | None:
         """Posterior of the linear field without the constraint."""
         return self.backing()[0].posterior
 
@@ -178,48 +221,34 @@ class NonNegativeOperator:
         """How noise moves the linear field: a stand-in, from which contacts must stand out."""
         return self.backing()[1]
 
-    @property
-    def gap(self) -> float:
-        """Share of its objective, 0 to 1, by which the last answer is above the minimum at most.
+    def data(self) -> DualData:
+        """Make its scratch memory."""
+        return DualData(self)
 
-        It is proved, by a dual value; of an idle patch by its test.
+    def solve(self, readings: Floats, data: DualData, deadline_ns: int | None = None) -> Solution:
+        """See `Operator.solve`.
+
+        At the deadline it holds the best pressure so far, which is nowhere negative and explains
+        the readings no worse than 0; no step is begun that would take longer than is left, going by
+        those before. The gap is proved, by a dual value; of an idle patch by its test.
         """
-        return float(self._memory.measures[GAP])
+        solution, memory = data.linearise(self, readings, self.valid), data.memory
+        data.go_on_with(self.problem)
+        limit = 0 if deadline_ns is None else max(deadline_ns, 1)
+        data.answer(self.problem, memory, solution.readings, solution.pressure, limit)
+        solution.gap = float(memory.measures[GAP])
+        solution.objective = float(memory.measures[OBJECTIVE])
+        solution.steps = int(memory.lists[COUNTS, STEPS])
+        solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
+        return solution
 
-    @property
-    def objective(self) -> float:
-        """Objective of the last answer."""
-        return float(self._memory.measures[OBJECTIVE])
+    def predicted(self, solution: Solution) -> Floats:
+        """See `Operator.predicted`."""
+        return np.asarray(self.model.matrix @ solution.pressure)
 
-    @property
-    def idle(self) -> bool:
-        """Whether the last reading was proved to hold no contact."""
-        return bool(self._memory.lists[COUNTS, IDLE])
-
-    @property
-    def iterations(self) -> int:
-        """Newton steps that the last reading took."""
-        return int(self._memory.lists[COUNTS, STEPS])
-
-    @property
-    def dual(self) -> NDArray[Any]:
-        """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
-        return self._memory.taxels[DUAL, : self.taxels]
-
-    def start_from(self, dual: Floats) -> None:
-        """Begin the next reading from another operator's `dual` (L,), such as a coarser grid's."""
-        check_shape("dual", dual, (self.taxels,), "one per taxel")
-        self.dual[:] = dual
-        self._memory.lists[COUNTS, STARTED] = 1
-
-    def reset(self) -> None:
-        """Forget the reading before."""
-        self._memory.lists[COUNTS], self._memory.taxels[DUAL] = 0, 0.0
-        self._memory.measures[: OBJECTIVE + 1], self._memory.measures[UNSOLVED] = np.nan, 0.0
-
-    def twin(self) -> "NonNegativeOperator":
-        """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
-        return self._with(self.problem)
+    def pressure_std(self, solution: Solution | None = None) -> Floats:
+        """Posterior deviation of the linear field without the constraint, (K,) Pa."""
+        return self.backing()[0].pressure_std()
 
     def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
         """Leave out taxels, by a mask (L,) of those to use.
@@ -227,58 +256,26 @@ class NonNegativeOperator:
         It still takes all L readings; those left out may be anything, NaN as well. The bumps keep
         their size, where a fresh `prepare` would have the same power spread over fewer taxels.
         """
-        check_shape("valid", valid, (self.taxels,), "one per taxel")
-        part, whole = self.problem.copy(), self.backing
-        part.leave_out(self.problem, valid)
+        check_shape("valid", valid, self.model.noise_std.shape, "one per taxel")
+        part, whole = self.problem.without(valid), self.backing
+        backing = backing_of(lambda: whole()[0].without(valid), self.model.noise_std)
+        return replace(self, problem=part, backing=backing, valid=np.array(valid, dtype=np.bool_))
 
-        def shorter() -> InverseOperator:
-            linear = whole()[0].without(valid)  # a low-rank update, some milliseconds
-            assert linear is not None  # as the operator is of all taxels, and Bayesian
-            return linear
-
-        return self._with(part, backing_of(shorter, 1.0 / self.problem.whitening[valid]))
-
-    def leave_out(self, whole: "NonNegativeOperator", valid: NDArray[np.bool_]) -> None:
-        """Become `whole.without(valid)` in place, from any other operator of `whole.without`.
-
-        It takes a few passes over one matrix and no memory: for taxels that fail while readings
-        come in. The uncertainty that it states stays what it was.
-        """
-        self.problem.leave_out(whole.problem, valid)
-        self.reset()
-
-    def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
-        """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).
-
-        At `deadline_ns` of `time.perf_counter_ns` it holds the best pressure so far, which is
-        nowhere negative and explains the readings no worse than 0; no step is begun that would
-        take longer than is left, going by those before.
-        """
-        self._readings[:] = readings
-        limit = 0 if deadline_ns is None else max(deadline_ns, 1)
-        self._answer(self.problem, self._memory, self._readings, out, limit)
-        self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
-
-    def run_in(self) -> None:
+    def run_in(self) -> "NonNegativeOperator":
         """Compile, and learn how long steps take, so that the first reading is in time."""
-        out = np.empty(len(self.problem.norms))
-        white = self.problem.whitening
-        strongest = int(np.argmax(self.problem.norms))
-        clear = self.problem.rows[strongest, : self.taxels].astype(np.float64)
-        clear *= 4.0 * self.problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
+        data, problem = self.data(), self.problem
+        strongest = int(np.argmax(problem.norms))
+        data.solution.readings[:] = problem.rows[strongest, : len(problem.whitening)]
+        clear = data.solution.readings
+        clear *= 4.0 * problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
+        clear /= problem.whitening
         paces = []
         for lap in range(LAPS):
-            self._memory.measures[:] = 0.0
-            bend = 1.0 + 0.1 * lap * np.cos(np.arange(self.taxels))
-            self.apply(clear * bend / white, out)
-            paces.append(self._memory.measures.copy())
-        self._memory.measures[:] = np.median(paces, axis=0)
-        self.reset()
-
-    def _with(self, problem: DualProblem, backing: Backing | None = None) -> "NonNegativeOperator":
-        other = NonNegativeOperator(problem, backing or self.backing, self.model_error)
-        other._memory.measures[OBJECTIVE + 1 :] = self._memory.measures[OBJECTIVE + 1 :]
-        return other
+            data.memory.measures[:] = 0.0
+            bend = 1.0 + 0.1 * lap * np.cos(np.arange(len(clear)))
+            data.answer(problem, data.memory, clear * bend, data.solution.pressure, 0)
+            paces.append(data.memory.measures.copy())
+        return replace(self, paces=np.median(paces, axis=0))
 
 
 VANISHED = 20.0  # length scales at which the correlation is below 1e-13
@@ -382,8 +379,8 @@ class NonNegative:
         noise; it is integrated out. 0 for none.
     model_error : float, optional
         What no pressure on the nodes explains, such as the gap's shape under a contact: part of the
-        highest reading, which all noise grows by where something is felt. Default 0.02; 0 for
-        stress, of which the sum of the pressure is seen.
+        highest reading, which all noise grows by where something is felt. Default 0.01; 0
+        where the sum of the pressure is seen.
 
     Notes
     -----
@@ -459,9 +456,8 @@ class NonNegative:
         problem = problem_of(self, model, seen.T * scale, bump * scale)
         linear = self.unconstrained(length)
         backing = backing_of(lambda: linear.prepare(model), model.noise_std)
-        operator = NonNegativeOperator(problem, backing, NON_NEGATIVE.of(model))
-        operator.run_in()
-        return operator
+        error, paces = NON_NEGATIVE.of(model), np.zeros(TYPICAL + 3)
+        return NonNegativeOperator(self, model, problem, backing, error, paces).run_in()
 
     def unconstrained(self, length: float | None = None) -> GaussianField | Tikhonov:
         """Its prior without the constraint, a linear solver; with a length scale of its model."""

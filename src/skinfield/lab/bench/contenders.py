@@ -13,7 +13,7 @@ from skinfield.lab.bench.scene import LEAD, NOISE
 from skinfield.lab.paper import FIELD, LAYER, PAPER, paper_patch
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import ContactFit, NonNegative
+from skinfield.solve import ContactFit, NonNegative, Operator, Solution
 
 
 class Outcome(NamedTuple):
@@ -51,34 +51,30 @@ def linear(name: str, rec: Reconstructor) -> Contender:
 
 def non_negative(name: str, model: ObservationModel, solver: NonNegative) -> Contender:
     """A non-negative field, which is found step by step."""
-    made: Any = solver.prepare(model)
-    found, finder = np.zeros(len(model.grid)), ContactFinder()
-
-    def last() -> Outcome:
-        pressure = found.copy()
-        noise = (made.noise, made.posterior, made.model_error)
-        return Outcome(
-            pressure.astype(np.float32),
-            lambda: finder(model.grid, pressure, *noise),
-            float(made.gap),
-        )
-
-    return Contender(name, lambda y, by: made.apply(y, found, by), last, made.reset)
+    return _iterative(name, solver.prepare(model))
 
 
 def contact_fit(model: ObservationModel) -> Contender:
     """The contact fit alone: no field stands in for readings that it does not explain."""
-    made = ContactFit(extended=None).prepare(model)
-    found: list[Any] = [None]
+    return _iterative("ContactFit", ContactFit(extended=None).prepare(model))
 
-    def answer(readings: Floats, deadline_ns: int | None) -> None:
-        found[0] = made.fit(readings, deadline_ns)
+
+def _iterative(name: str, made: Operator) -> Contender:
+    data, finder = made.data(), ContactFinder()
+
+    def contacts(solution: Solution) -> Sequence[Contact]:
+        found = made.contacts(solution)
+        if found is not None:
+            return found
+        noise = (made.noise, made.posterior, made.model_error)
+        return finder(made.model.grid, solution.pressure, *noise)
 
     def last() -> Outcome:
-        fit = found[0]
-        return Outcome(fit.pressure.astype(np.float32), lambda: fit.contacts, np.nan)
+        solution = data.solution.keep()
+        pressure = solution.pressure.astype(np.float32)
+        return Outcome(pressure, lambda: contacts(solution), solution.gap)
 
-    return Contender("ContactFit", answer, last, made.reset)
+    return Contender(name, lambda y, by: made.solve(y, data, by), last, data.reset)
 
 
 def model_of(nodes: int) -> ObservationModel:

@@ -110,10 +110,10 @@ def idle_tests(groups: Sequence[PatchGroup]) -> list[Atlas]:
     their offset are at most the threshold if a patch is idle.
     """
     counts, tests = [group.count for group in groups], []
-    for rung in range(len(groups[0].searches)):
+    for rung in range(len(groups[0].operators)):
         stamps = []
         for group in groups:
-            problem = group.searches[rung][0].problem
+            problem = group.operators[rung].problem
             rows = problem.unshared[:, : len(group.kind.noise_std)]
             scale = np.divide(
                 1.0, problem.norms, out=np.zeros_like(problem.norms), where=problem.norms > 0

@@ -35,7 +35,7 @@ def measure(work: Clockwork) -> None:
             if not work.atlases:
                 _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
-            if group.searches:
+            if group.operators:
                 _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
                 _searches(work, group, rung, rng)
 
@@ -66,19 +66,19 @@ def _lap(
 
 def _searches(work: Clockwork, group: PatchGroup, rung: int, rng: "np.random.Generator") -> None:
     """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
-    search, out = group.searches[rung][0], group.feasible[rung][0]
+    operator, data = group.operators[rung], group.data[rung][0]
     cold: list[float] = []
     warm: list[float] = []
     for _ in range(LAPS + 1):
         touch = rehearsed(group, rung, rng)
-        search.reset()
+        data.reset()
         for laps in (cold, warm):
             noise = rng.normal(size=touch.shape) * group.kind.noise_std
             start = work.clock()
-            search.apply(touch + noise, out, None)
+            operator.solve(touch + noise, data)
             laps.append((work.clock() - start) * NS)
-    search.reset()
-    out[:] = 0.0
+    data.reset()
+    data.solution.pressure[:] = 0.0
     work.times.start(work.times.which(COLD, group.index, rung), np.array(cold[1:]))
     work.times.start(work.times.which(WARM, group.index, rung), np.array(warm[1:]))
 
@@ -86,8 +86,7 @@ def _searches(work: Clockwork, group: PatchGroup, rung: int, rng: "np.random.Gen
 def rehearsed(group: PatchGroup, rung: int, rng: "np.random.Generator") -> Floats:
     """Readings (L,) of a round touch at a random taxel, without noise."""
     step = group.rungs.steps[rung]
-    model = step.model
-    assert model is not None  # searches have a model on each grid
+    model = step.operator.model
     centre = model.taxels[rng.integers(len(model.taxels))]
     distance = np.linalg.norm(step.grid.plane - centre, axis=1)
     reach = max(RADIUS * step.grid.patch.pitch, 0.75 * step.grid.pitch)
@@ -151,6 +150,3 @@ class Shadow:
         for each in (self._engine, work, work.state, work.intake, work.times, *used):
             if hasattr(each, "__dict__"):
                 list(vars(each).values())  # counting references touches objects
-        for last in used:
-            for room in getattr(last, "rooms", ()):
-                work.kernel.touch(room)

@@ -120,6 +120,10 @@ class EngineReadings:
         """Taxels of a patch."""
         return slice(self.starts[place], self.starts[place + 1])
 
+    def given_of(self, place: int) -> Floats:
+        """What was handed in of a patch, (L,): a view."""
+        return np.asarray(self.given[self._parts[self.names[place]]])
+
     def _each(self, readings: Readings) -> list[Any]:
         """Readings of each patch in the skin's order; zeros where there are none."""
         if isinstance(readings, Mapping):

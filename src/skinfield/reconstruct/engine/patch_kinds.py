@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, cast
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +14,7 @@ from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.engine.products import Singles, product_of
 from skinfield.reconstruct.multigrid_levels import FilledReadings, Rungs
 from skinfield.skin import Patch, Skin
-from skinfield.solve import FieldOperator
-from skinfield.solve.non_negative import NonNegativeOperator
+from skinfield.solve import Operator
 
 SAME = 1e-6  # of the pads' pitch: places that are one
 
@@ -122,7 +122,7 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
     )
 
 
-SHARED = object()  # in place of the search that a patch used last: its dual was copied
+SETS_KEPT = 64  # of valid taxels, on one rung each, whose operators stay prepared
 
 
 class PatchGroup:
@@ -147,13 +147,10 @@ class PatchGroup:
         Of idle tests; none where linear.
     tolerances : R floats
         Gaps at which searches end by themselves.
-    searches : R lists of P NonNegativeOperator
-    feasible : R arrays (P, K), Pa
-        Their answers.
-    rows_of_feasible : R lists of P arrays (K,)
-        Each patch's part of them.
-    duals : (P, L) array
-        Where the last search of each patch ended, if it left taxels out.
+    operators : R Operators
+        That search; none where linear.
+    data : R lists of P Data
+        Memory of each patch's searches, and their answers.
     filler : FilledReadings
         Of whitened readings.
     offset : (2, L) array
@@ -161,8 +158,8 @@ class PatchGroup:
         how far one moves them.
     idle_offset : (2, L) array
         As `offset`, where nothing touches; of searches.
-    last : list of P
-        Search that each patch used last, `SHARED`, or None.
+    last : list of P Data
+        Of the search that each patch used last, or None.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
@@ -177,22 +174,21 @@ class PatchGroup:
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
-        searches = [_search(step.operator) for step in steps if step.operator is not None]
-        self.thresholds = [each.problem.threshold for each in searches]
-        self.tolerances = [each.problem.tolerance for each in searches]
-        if searches:
-            offset = searches[0].problem.offset[: len(noise)]
+        self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
+        self.thresholds = [each.problem.threshold for each in self.operators]
+        self.tolerances = [each.problem.tolerance for each in self.operators]
+        if self.operators:
+            offset = self.operators[0].problem.offset[: len(noise)]
             self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
-        self.searches = [[each, *(each.twin() for _ in range(count - 1))] for each in searches]
-        self.feasible = [np.zeros((count, len(each.problem.norms))) for each in searches]
-        self.rows_of_feasible = [list(fields) for fields in self.feasible]
-        self.duals = np.zeros((count, len(noise)))
+        self.data: list[list[Any]] = [
+            [each.data() for _ in range(count)] for each in self.operators
+        ]
         self.last: list[Any] = [None] * count
         self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
+        self.without = lru_cache(SETS_KEPT)(self._prepared_without)
         every = np.ones(len(noise), np.bool_)
-        self._reduced = [each.without(every) for each in searches]
-        for whole, part in zip(searches, self._reduced, strict=True):
-            part.leave_out(whole, every)  # loads what is compiled
+        for each in self.operators:
+            each.without(every)  # loads what is compiled
 
     @property
     def count(self) -> int:
@@ -217,38 +213,25 @@ class PatchGroup:
 
     def matrix_on(self, rung: int) -> Floats:
         """Linear answer (K, L) to whitened readings without their offset: sparser than with it."""
-        matrix, weights = self.rungs.steps[rung].matrix, self.rungs.offset_weights
+        matrix, weights = self.rungs.steps[rung].start.matrix, self.rungs.offset_weights
         uniform = matrix.sum(axis=1) / (1.0 - weights.sum())
         return np.asarray((matrix + np.outer(uniform, weights)) * self.kind.noise_std)
 
-    def search_of(
-        self, rung: int, place: int, valid: NDArray[np.bool_] | None
-    ) -> NonNegativeOperator:
-        """Search of a patch, which goes on where the patch's last one ended.
+    def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> tuple[Any, Any]:
+        """Operator and memory of a patch, which goes on where the patch's last search ended.
 
-        If not all taxels are valid, it is one that all patches share.
+        `valid` (L,) where not all taxels are.
         """
-        last = self.last[place]
+        data, last = self.data[rung][place], self.last[place]
+        if last is not None and last is not data:
+            data.start_from(last)
+        self.last[place] = data
         if valid is None:
-            operator = self.searches[rung][place]
-            if last is operator:
-                return self.searches[rung][place]
-        else:
-            operator = self.reduced(rung, valid)
-        if last is not None:
-            operator.start_from(self.duals[place] if last is SHARED else last.dual)
-        self.last[place] = operator
-        return operator
+            return self.operators[rung], data
+        return self.without(rung, valid.tobytes()), data
 
-    def reduced(self, rung: int, valid: NDArray[np.bool_]) -> NonNegativeOperator:
-        """Search of some of the taxels (L,) alone, which all patches share."""
-        self._reduced[rung].leave_out(self.searches[rung][0], valid)
-        return self._reduced[rung]
-
-    def remember(self, place: int, shared: NonNegativeOperator) -> None:
-        """Keep where a patch's search ended that another patch will use next."""
-        np.copyto(self.duals[place], shared.dual)
-        self.last[place] = SHARED
+    def _prepared_without(self, rung: int, key: bytes) -> Operator:
+        return self.operators[rung].without(np.frombuffer(key, np.bool_))  # type: ignore[no-any-return]
 
     def twin(self) -> "PatchGroup":
         """Arrays of its own, with the same matrices.
@@ -257,25 +240,23 @@ class PatchGroup:
         """
         twin = copy(self)
         twin.fields, twin.level = [np.zeros_like(each) for each in self.fields], self.level.copy()
-        twin.feasible = [np.zeros_like(each) for each in self.feasible]
-        twin.rows_of_feasible = [list(fields) for fields in twin.feasible]
-        twin.searches = [[twins[0].twin(), *twins[1:]] for twins in self.searches]
-        twin.duals = np.zeros_like(self.duals)
+        pairs = zip(self.operators, self.data, strict=True)
+        twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
         twin.last = [None] * self.count
         return twin
 
     def reset(self) -> None:
         """Forget the readings before."""
-        for twins in self.searches:
-            for each in twins:
+        for data in self.data:
+            for each in data:
                 each.reset()
         self.last = [None] * self.count
 
 
-def _search(operator: FieldOperator) -> NonNegativeOperator:
-    if not hasattr(operator, "leave_out"):
+def _search(operator: Operator) -> Any:
+    if getattr(operator, "problem", None) is None:
         raise InputError(
-            f"the solver's {type(operator).__name__} can neither be cut short nor tell its gap, "
-            "expected that of NonNegative(), or a linear solver"
+            f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
+            "such as that of NonNegative() or of ContactFit(), or a linear solver"
         )
-    return cast(NonNegativeOperator, operator)
+    return operator

@@ -12,8 +12,9 @@ from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid import estimate_of_pressure
+from skinfield.reconstruct.plan import estimate_of_solution
 from skinfield.skin import Grid
+from skinfield.solve import Operator, Solution
 
 
 class PatchResults:
@@ -96,7 +97,7 @@ class PatchResults:
         for each in zeros:
             each.setflags(write=False)
         linear = [each[place] for each in group.fields]
-        return linear, [each[place] for each in group.feasible], zeros
+        return linear, [each[place].solution.pressure for each in group.data], zeros
 
 
 def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
@@ -122,26 +123,26 @@ def estimate_of(
     pressure, valid = _pressure(group, answer, rung, place), intake.valid[rows].copy()
     filled = work.white[group.index][place] * group.kind.noise_std
 
-    def predicted() -> Floats:
-        if step.model is None:
-            return np.asarray(group.rungs.explained @ filled)
-        return np.asarray(step.model.matrix @ pressure)
+    def explained() -> Floats:
+        if work.linear:
+            return np.asarray(group.rungs.start.explained @ filled)
+        return np.asarray(step.operator.model.matrix @ pressure)
 
-    return estimate_of_pressure(
-        grid,
-        pressure,
-        readings=intake.linear[rows].copy(),
-        valid=valid,
-        predicted=predicted,
-        moved=lambda: step.deformation.on(grid)(pressure),
-        beliefs=lambda: step if answer == LINEAR or step.operator is None else step.operator,
-        finder=finder,
+    operator: Operator = step.start if answer == LINEAR else step.operator
+    name = type(operator.solver).__name__
+    solution = Solution(pressure, intake.linear[rows].copy(), name, operator)
+    if answer == FEASIBLE:
+        solution = group.data[rung][place].solution.keep()
+        if place:  # contacts that a solver finds are the first patch's
+            solution.operator, solution.fit = operator, None
+    solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
+    return estimate_of_solution(
+        *(solution, valid, grid, step.deformation.on(grid), finder),
+        predicted=None if answer == FEASIBLE else explained,
         latency=report.spent,
         stamp_ns=stamp_ns,
-        gap=float(state.gap[patch]),
-        iterations=int(state.iterations[patch]),
         deadline_met=not report.overrun,
-        notes=_notes(work, answer, valid),
+        notes=(*_notes(work, answer, valid), *solution.notes),
     )
 
 
@@ -149,7 +150,7 @@ def _pressure(group: PatchGroup, answer: int, rung: int, place: int) -> Floats:
     if answer == LINEAR:
         return np.asarray(group.fields[rung][place], dtype=np.float64)
     if answer == FEASIBLE:
-        return np.array(group.feasible[rung][place])
+        return np.array(group.data[rung][place].solution.pressure)
     return np.zeros(len(group.rungs.steps[rung].grid))
 
 
@@ -159,7 +160,8 @@ def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str,
         notes.append("no time to search: the clipped linear answer, without a certificate")
     if not valid.all():
         missing = int(len(valid) - valid.sum())
-        notes.append(f"{missing} taxels left out; pressure_std is that of all taxels")
+        which = "" if answer == FEASIBLE else "; pressure_std is that of all taxels"
+        notes.append(f"{missing} taxels left out{which}")
     return tuple(notes)
 
 

@@ -1,5 +1,7 @@
 """Contacts of all patches of an engine's cycle, as rows of numbers."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -112,12 +114,13 @@ def _levels(engine: Engine, name: str) -> list[GridLevel]:
     levels = []
     for rung, step in enumerate(group.rungs.steps):
         grid = grid_on(group, place, rung)
-        if step.operator is None or rung == 0:
-            told = grid, step.noise, step.posterior, step.model_error, engine.finder
+        known: Any = step.start
+        if group.rungs.linear or rung == 0:
+            told = grid, known.noise, known.posterior, known.model_error, engine.finder
             levels.append(level_of(*told))
-        if step.operator is not None and step.model is not None:
+        if not group.rungs.linear:
             known = step.operator
-            signatures = (step.model.matrix / group.kind.noise_std[:, None]).T
+            signatures = (known.model.matrix / group.kind.noise_std[:, None]).T
             told = grid, known.noise, known.posterior, known.model_error, engine.finder
             threshold = group.thresholds[rung]
             levels.append(level_of(*told, signatures=signatures, threshold=threshold))

@@ -266,15 +266,13 @@ def search(
     """Search one patch on a rung from where its last search ended, on whichever rung that was."""
     group, place = work.places[patch]
     masked = not work.intake.all_valid and bool(work.state.invalid[patch])
-    operator = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
+    operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
     deadline = start + int(allowance / NS)
-    operator.apply(work.linear_rows[patch], group.rows_of_feasible[rung][place], deadline)
-    end, gap = work.clock(), operator.gap
-    settled = gap <= group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
-    if masked:
-        group.remember(place, operator)
-    missing = 0.0 if settled else operator.objective * gap
-    return patch, rung, gap, missing, settled, operator.iterations, cost, 0.0, start, end
+    solution = operator.solve(work.given_rows[patch], data, deadline)
+    end, gap = work.clock(), solution.gap
+    settled = not gap > group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
+    missing = 0.0 if settled else solution.objective * gap
+    return patch, rung, gap, missing, settled, solution.steps, cost, 0.0, start, end
 
 
 def take_in(work: Clockwork, found: list[Found], hot: Ints) -> bool:

@@ -31,7 +31,7 @@ class Clockwork:
     ----------
     places : P pairs
         Group of each patch, and its place there.
-    linear_rows, valid_rows : lists of P arrays (L,)
+    given_rows, valid_rows : lists of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -87,7 +87,7 @@ class Clockwork:
         parts = ((group.first, group.count) for group in groups)
         self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.linear_rows = [intake.linear[each] for each in rows]
+        self.given_rows = [intake.given_of(patch) for patch in range(len(self.places))]
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
@@ -178,9 +178,11 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        search = group.reduced(rung, self.valid_rows[patch])
-        search.apply(self.linear_rows[patch], group.feasible[rung][place], 1)  # long ago: no step
-        return search.idle
+        problem = group.without(rung, self.valid_rows[patch].tobytes()).problem
+        white, taxels = self.white[group.index][place], len(self.valid_rows[patch])
+        root = problem.root[:taxels]
+        scores = problem.rows[:, :taxels] @ (white - (root @ white) * root)
+        return bool((scores <= group.thresholds[rung] * problem.norms).all())
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""

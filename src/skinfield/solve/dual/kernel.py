@@ -6,7 +6,7 @@ first in it. Loops over elements compile in a tenth of the time of array express
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
@@ -39,42 +39,6 @@ def project(rows: Floats, listed: Ints, count: int, values: Floats, out: Floats)
             third += c[taxel] * value
             fourth += d[taxel] * value
         out[i], out[j], out[k], out[m] = first, second, third, fourth
-
-
-@njit
-def whiten_rows(
-    before: Floats,
-    old: Floats,
-    shared: Floats,
-    offset: Floats,
-    whitening: Floats,
-    rows: Floats,
-    root: Floats,
-    norms: Floats,
-    along: Floats,
-) -> None:
-    """Whiten rows B (K, W) for noise and a shared offset, of the taxels whose whitening is not 0.
-
-    `before` are the rows as they are now, B - `shared` `old`'; the rest is as in `DualProblem`.
-    Written are `rows`, `root`, the `norms` of the rows and, `along` it, B s.
-    (1 + o o')^-1 is the square of 1 - s s', with s along o and |s|^2 = 1 - (1 + |o|^2)^-1/2.
-    """
-    square, taxels = 0.0, len(whitening)
-    for taxel in range(taxels):
-        square += offset[taxel] ** 2 if whitening[taxel] > 0.0 else 0.0
-    factor = np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / square) if square > 0.0 else 0.0
-    for taxel in range(taxels):
-        root[taxel] = factor * offset[taxel] if whitening[taxel] > 0.0 else 0.0
-    for node in range(len(rows)):
-        part, norm = 0.0, 0.0
-        for taxel in range(taxels):
-            value = before[node, taxel] + shared[node] * old[taxel]
-            part += root[taxel] * value
-        for taxel in range(taxels):
-            value = before[node, taxel] + shared[node] * old[taxel] - part * root[taxel]
-            rows[node, taxel] = value if whitening[taxel] > 0.0 else 0.0
-            norm += np.float64(rows[node, taxel]) ** 2
-        norms[node], along[node] = np.sqrt(norm), part
 
 
 @inner

@@ -21,6 +21,25 @@ COUNTED = 8
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED, TYPICAL = range(7)  # of `measures`
 
 
+def whitened(
+    rows: NDArray[Any], offset: Floats
+) -> tuple[NDArray[Any], Floats, NDArray[Any], NDArray[Any]]:
+    """Rows B (K, W) of independent noise for that with an offset o (W,) that taxels share.
+
+    (1 + o o')^-1 is the square of 1 - s s', with s along o and |s|^2 = 1 - (1 + |o|^2)^-1/2.
+
+    Returns
+    -------
+    rows, root, norms, shared : (K, W), (W,), (K,) and (K,) arrays
+        B - (B s) s', s, the norms of these rows, and B s.
+    """
+    square = float(offset @ offset)
+    root = offset * np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / max(square, 1e-300))
+    shared = rows @ root
+    rows = rows - np.outer(shared, root)
+    return rows, root, np.linalg.norm(rows, axis=1), shared
+
+
 class DualProblem(NamedTuple):
     """What never changes.
 
@@ -32,10 +51,8 @@ class DualProblem(NamedTuple):
         Of each node: norm of its row, norm of what the stamps lack of it, and B s.
     whitening : (L,) float64 array, per unit of the reading
         0 for a taxel that is left out.
-    offset : (L,) array
-        Deviation of the offset that taxels share, in each taxel's noise: o.
-    root : (W,) float64 array
-        s, by which 1 - s s' is the inverse of a square root of 1 + o o'; see `whiten_rows`.
+    offset, root : (W,) float64 arrays
+        Deviation of the offset that taxels share, in each taxel's noise, and s; see `whitened`.
     bump : (2 n + 1, 2 n + 1) array, Pa
     stamps : (B, 16) array
         Blocks of `Tiles` of B, by which all nodes are seen; none where that does not pay.
@@ -77,18 +94,17 @@ class DualProblem(NamedTuple):
         """The rows B (K, W) of independent noise, in which few taxels see a node."""
         return np.asarray(self.rows + np.outer(self.nodes[SHARED], self.root))
 
-    def copy(self) -> "DualProblem":
-        """With rows, nodes, whitening and root of its own."""
-        names = "rows", "nodes", "whitening", "root"
-        return self._replace(**{name: getattr(self, name).copy() for name in names})
-
-    def leave_out(self, whole: "DualProblem", valid: NDArray[np.bool_]) -> None:
-        """Become `whole` without the taxels that are not `valid` (L,), in place."""
-        from skinfield.solve.dual.kernel import whiten_rows
-
-        np.multiply(whole.whitening, valid, out=self.whitening)
-        old = whole.rows, whole.root, whole.nodes[SHARED], self.offset, self.whitening
-        whiten_rows(*old, self.rows, self.root, self.nodes[NORM], self.nodes[SHARED])
+    def without(self, valid: NDArray[np.bool_]) -> "DualProblem":
+        """The same without the taxels that are not `valid` (L,), by some passes over one matrix."""
+        heard = np.zeros(self.rows.shape[1], self.rows.dtype)
+        heard[: len(valid)] = valid
+        nodes = self.nodes.copy()
+        rows, root, nodes[NORM], nodes[SHARED] = whitened(
+            self.unshared * heard, self.offset * heard
+        )
+        whitening = self.whitening * valid
+        rows = rows.astype(self.rows.dtype)
+        return self._replace(rows=rows, nodes=nodes, whitening=whitening, root=root)
 
 
 class Memory(NamedTuple):
