@@ -16,9 +16,9 @@ PATCH = sf.layouts.hexagon72()
 LAYER = sf.Layer(2e-3, 100e3, 0.4)
 GRID = sf.Grid.square(PATCH, nodes=24)
 LENGTH = PITCHES * taxel_distance(PATCH.plane, 1.0)  # that of all taxels, whichever are there
-SMOOTH = sf.GaussianField(length_scale=LENGTH)
-SURE = sf.GaussianField(snr=200.0, length_scale=1e-3)
-SOLVERS = [SMOOTH, SURE, sf.Tikhonov(), sf.Tikhonov(snr=1.0)]
+SMOOTH = sf.GaussianField(length_scale=LENGTH, common_mode=5.0)
+SURE = sf.GaussianField(snr=200.0, length_scale=1e-3, common_mode=5.0)
+SOLVERS = [SMOOTH, SURE, sf.Tikhonov(common_mode=5.0), sf.Tikhonov(snr=1.0, common_mode=5.0)]
 NOISE = np.linspace(1e-3, 3e-3, 72)
 FIELDS = ("pressure", "displacement", "pressure_std", "traction")
 
@@ -143,7 +143,7 @@ def test_in_single_precision_and_in_a_window(pressed: np.ndarray) -> None:
 
 
 def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray) -> None:
-    solver = sf.Tikhonov()
+    solver = sf.Tikhonov(common_mode=5.0)
     mine, other = reconstructor(solver), reconstructor(Anew(solver))
     count = 2 * plan.SETS + 5
     valid = masks(2, count)
@@ -187,10 +187,11 @@ def test_other_solvers_are_prepared_anew(pressed: np.ndarray) -> None:
 
 
 def test_the_default_length_stays_that_of_all_taxels() -> None:
-    whole = sf.GaussianField().prepare(reconstructor(sf.GaussianField()).model)
+    free = sf.GaussianField(common_mode=5.0)
+    whole = free.prepare(reconstructor(free).model)
     spaced = np.zeros(72, dtype=np.bool_)
     spaced[::9] = True  # far from each other: prepared alone, their prior would be longer
-    fixed, free = reconstructor(SMOOTH).model, sf.GaussianField()
+    fixed = reconstructor(SMOOTH).model
     alone = prepared(SMOOTH, fixed.subset(spaced))
     assert apart(whole.without(spaced).matrix, alone.matrix) < 1e-9
     assert apart(whole.without(spaced).matrix, free.prepare(fixed.subset(spaced)).matrix) > 0.1

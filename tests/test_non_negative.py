@@ -120,7 +120,7 @@ def test_less_noise_leaves_less_error(presses: dict[str, sf.simulate.Press]) -> 
         )
         errors.append(np.median(np.abs(rec(clean + std * noise).normal_force / 2.0 - 1.0)))
     assert errors[0] > 1.2 * errors[1]
-    assert 0.08 < errors[2] < 1.1 * errors[1] < 0.25
+    assert 0.08 < errors[2] < 1.25 * errors[1] < 0.25
 
 
 @pytest.mark.parametrize("solver", [NonNegative(), GaussianField()], ids=repr)

@@ -32,9 +32,9 @@ from skinfield.solve.gaussian_model import GaussianModel
 from skinfield.solve.operator import InverseOperator, propagated_std
 
 
-def reads_gap(model: ObservationModel) -> bool:
-    """Whether taxels read how far the elastomer gives: an incompressible one shows no sum of it."""
-    return model.physics is not None and not isinstance(model.physics.quantity, BaseStress)
+def sees_sum(matrix: Floats) -> bool:
+    """Whether rows (L, K) see a uniform pressure; where no volume gives it cancels in each."""
+    return bool(np.abs(matrix.sum(axis=1)).sum() > 0.5 * np.abs(matrix).sum())
 
 
 class Errors(NamedTuple):
@@ -50,7 +50,8 @@ class Errors(NamedTuple):
         """For a model; none is known of a matrix that was built by hand."""
         if model.physics is None:
             return ModelError()
-        force, place, area = self.capacitance if reads_gap(model) else self.stress
+        read = isinstance(model.physics.quantity, BaseStress)
+        force, place, area = self.stress if read else self.capacitance
         return ModelError(force=force, place=place * model.grid.patch.pitch, area=area)
 
 
@@ -230,7 +231,7 @@ def _conditioned(
     cross = cross.T * white
     gram = (model.matrix @ cross) * white[:, None]
     variance = solver.snr**2 * len(gram) / np.trace(gram)
-    default = COMMON if reads_gap(model) else 0.0
+    default = 0.0 if sees_sum(model.matrix) else COMMON
     share = default if solver.common_mode is None else solver.common_mode
     offset = share * float(np.median(model.noise_std)) * white
     noise = np.eye(len(gram)) + np.outer(offset, offset)
@@ -257,8 +258,8 @@ class GaussianField:
         Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
     common_mode : float, optional
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
-        noise; it is integrated out. Default 5; for stress 0, where a wide press reads as much
-        alike, and a linear solver would take a part of any press for an offset.
+        noise; it is integrated out. Default 5; 0 where the sum of the pressure is seen (stress, or
+        a Poisson's ratio well below 0.5): part of a press would be taken for an offset.
 
     Notes
     -----

@@ -35,7 +35,7 @@ from skinfield.solve.linear import (
     Tikhonov,
     check_common,
     convolved,
-    reads_gap,
+    sees_sum,
     taxel_distance,
 )
 from skinfield.solve.operator import InverseOperator
@@ -46,7 +46,7 @@ ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a du
 TILE_CUT = 5e-3  # of a taxel's column that stamps may lack: bounded, and computed where it matters
 SPARSE = 0.4  # share of the whole matrix up to which a pass by stamps is quicker
 LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read where caches are cold
-MODEL_ERROR = 0.02  # of the highest reading, where taxels read the gap
+MODEL_ERROR = 0.01  # of the highest reading, where the sum of the pressure is not seen
 
 
 def problem_of(
@@ -89,7 +89,7 @@ def problem_of(
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
     misfit = solver.model_error
     if misfit is None:
-        misfit = MODEL_ERROR if reads_gap(model) else 0.0
+        misfit = 0.0 if sees_sum(model.matrix) else MODEL_ERROR
     return DualProblem(
         rows=filled,
         nodes=nodes,
@@ -382,8 +382,8 @@ class NonNegative:
         noise; it is integrated out. 0 for none.
     model_error : float, optional
         What no pressure on the nodes explains, such as the gap's shape under a contact: part of the
-        highest reading, which all noise grows by where something is felt. Default 0.02; 0 for
-        stress, of which the sum of the pressure is seen.
+        highest reading, which all noise grows by where something is felt. Default 0.01; 0
+        where the sum of the pressure is seen.
 
     Notes
     -----
