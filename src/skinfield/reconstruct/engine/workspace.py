@@ -178,7 +178,8 @@ class Clockwork:
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
-        problem = group.without(rung, self.valid_rows[patch].tobytes()).problem
+        operator: Any = group.without(rung, self.valid_rows[patch].tobytes())
+        problem = operator.problem
         white, taxels = self.white[group.index][place], len(self.valid_rows[patch])
         root = problem.root[:taxels]
         scores = problem.rows[:, :taxels] @ (white - (root @ white) * root)
