@@ -222,11 +222,13 @@ class Contest:
         return self.winner
 
 
-def is_believed(left: Floats, readings: Floats, white: Floats) -> bool:
-    """Whether what is left over of readings (L,) is no more than what a skin's model may err by."""
-    over = np.square(left * white).sum()
-    most = max(WORTH**2 * np.square(readings * white).sum(), WORST**2 * len(left))
-    return bool(over <= most)
+def squares_of(left: Floats, white: Floats, common: float) -> float:
+    """Squares of readings (L,) over the noise, which an offset that all taxels share has part of.
+
+    `white` (L,) is one over the noise, `common` the standard deviation of the offset.
+    """
+    over, square = left * white, common**2 * (white @ white)
+    return float(over @ over - common**2 * (white @ over) ** 2 / (1.0 + square))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,6 +334,11 @@ class AutoOperator:
         return self.field.problem
 
     @property
+    def common(self) -> float:
+        """Standard deviation of an offset that all taxels share, in the quantity's unit."""
+        return self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
+
+    @property
     def noise(self) -> PressureError:
         """Of the field."""
         return self.field.noise
@@ -379,13 +386,16 @@ class AutoOperator:
         self, readings: Floats, data: AutoData, deadline_ns: int | None = None
     ) -> Solution:
         """Non-negative field, or a linear one where no pressure explains the readings."""
-        found = self.field.solve(readings, data.field, deadline_ns)
-        left, notes = found.residual, [FIELD_NOTE]
-        if found.in_time and not is_believed(left, found.readings, 1.0 / self.noise_std):
+        found, notes = self.field.solve(readings, data.field, deadline_ns), [FIELD_NOTE]
+        most = max(WORTH**2 * self._squares(found.readings), WORST**2 * len(readings))
+        if found.in_time and self._squares(found.residual) > most:
             found = self.linear_field.solve(readings, data.linear, deadline_ns)
             notes.append(LINEAR_NOTE)
         found.notes = tuple(notes)
         return found
+
+    def _squares(self, left: Floats) -> float:
+        return squares_of(left, 1.0 / self.noise_std, self.common)
 
     def _compare(
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
@@ -397,21 +407,19 @@ class AutoOperator:
         memory, contest, fit = data.contacts.fitter.memory, data.contest, found.fit
         assert fit is not None  # as no field stands in there
         white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
-        common = self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
-        density, heard = noise_density(white, shared, common), int(np.count_nonzero(white))
+        density, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
         left = (readings - fit.predicted) * white
-        level = float(white @ (readings * white))
         contacts = fit.evidence + density
         if fit.explained:
             contacts += misfit_gain(float(left @ left), heard - fit.parameters)
-        idle = float(np.square(readings * white).sum()) - shared * level**2
+        idle = squares_of(readings, white, self.common)
         nothing = density - 0.5 * idle + misfit_gain(idle, heard)
         field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
         winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
         if winner == FIELD:
-            over = self._by_field(readings, data, deadline_ns).residual / self.noise_std
-            if not over @ over < LESS * (left @ left):
+            over = self._squares(self._by_field(readings, data, deadline_ns).residual)
+            if not over < LESS * (left @ left):
                 contest.winner = CONTACTS
 
     def without(self, valid: NDArray[np.bool_]) -> "AutoOperator":
