@@ -9,6 +9,7 @@ than the noise the readings may be off, as no skin is quite like its model.
 
 import dataclasses
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_count, check_range, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
-from skinfield.solve.atoms.fit_kernel import MOST, SHARED, WHITE
+from skinfield.solve.atoms.fit_kernel import MOST
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
@@ -222,15 +223,6 @@ class Contest:
         return self.winner
 
 
-def squares_of(left: Floats, white: Floats, common: float) -> float:
-    """Squares of readings (L,) over the noise, which an offset that all taxels share has part of.
-
-    `white` (L,) is one over the noise, `common` the standard deviation of the offset.
-    """
-    over, square = left * white, common**2 * (white @ white)
-    return float(over @ over - common**2 * (white @ over) ** 2 / (1.0 + square))
-
-
 @dataclass(frozen=True, kw_only=True)
 class Auto:
     """Few contacts, or a field where one is more probable: the choice of every command.
@@ -338,6 +330,12 @@ class AutoOperator:
         """Standard deviation of an offset that all taxels share, in the quantity's unit."""
         return self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
 
+    @cached_property
+    def _shared(self) -> float:
+        """Variance of that offset after readings."""
+        precision = float(np.square(1.0 / self.noise_std).sum())
+        return float(self.common**2 / (1.0 + self.common**2 * precision))
+
     @property
     def noise(self) -> PressureError:
         """Of the field."""
@@ -387,39 +385,35 @@ class AutoOperator:
     ) -> Solution:
         """Non-negative field, or a linear one where no pressure explains the readings."""
         found, notes = self.field.solve(readings, data.field, deadline_ns), [FIELD_NOTE]
-        most = max(WORTH**2 * self._squares(found.readings), WORST**2 * len(readings))
-        if found.in_time and self._squares(found.residual) > most:
+        highest = WORTH**2 * float(np.square(found.readings / self.noise_std).sum())
+        most = max(highest, WORST**2 * len(readings))
+        if found.in_time and not self._squares(found.residual) <= most:
             found = self.linear_field.solve(readings, data.linear, deadline_ns)
             notes.append(LINEAR_NOTE)
         found.notes = tuple(notes)
         return found
 
     def _squares(self, left: Floats) -> float:
-        return squares_of(left, 1.0 / self.noise_std, self.common)
+        """Squares of readings (L,) over the noise, but for what an offset that all share takes."""
+        over = left / self.noise_std
+        return float(over @ over - self._shared * (over @ (1.0 / self.noise_std)) ** 2)
 
     def _compare(
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
     ) -> None:
-        """Compare a field with the contacts, and with nothing but noise.
-
-        Contacts that do not explain the readings are not excused by a misfit where a field does.
-        """
-        memory, contest, fit = data.contacts.fitter.memory, data.contest, found.fit
+        """Compare a field with the contacts, and with nothing but noise."""
+        contest, fit, white = data.contest, found.fit, 1.0 / self.noise_std
         assert fit is not None  # as no field stands in there
-        white, shared = memory.taxels[WHITE], float(memory.sums[SHARED])
-        density, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
-        left = (readings - fit.predicted) * white
-        contacts = fit.evidence + density
-        if fit.explained:
-            contacts += misfit_gain(float(left @ left), heard - fit.parameters)
-        idle = squares_of(readings, white, self.common)
-        nothing = density - 0.5 * idle + misfit_gain(idle, heard)
+        shared, idle = self._shared, self._squares(readings)
+        known, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
+        nothing = known - 0.5 * idle + misfit_gain(idle, heard)
+        contacts = data.contacts.fitter.total + noise_density(white, 0.0, 0.0)
         field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
         winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
         if winner == FIELD:
             over = self._squares(self._by_field(readings, data, deadline_ns).residual)
-            if not over < LESS * (left @ left):
+            if not over < LESS * self._squares(readings - fit.predicted):
                 contest.winner = CONTACTS
 
     def without(self, valid: NDArray[np.bool_]) -> "AutoOperator":

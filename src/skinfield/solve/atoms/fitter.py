@@ -207,6 +207,9 @@ class AtomFit:
 class FitData:
     """Scratch memory of a contact fit, and what it remembers of the reading before.
 
+    Its `total` is the logarithm of the marginal likelihood of the atoms, whatever the model error,
+    over the density of the stated noise at 0.
+
     Parameters
     ----------
     operator : ContactFitter
@@ -226,6 +229,7 @@ class FitData:
         self.evidence = np.zeros(len(ERRORS))  # of model errors, by this reading
         self.last, self.learnt = self.evidence, self.evidence  # by the one and all presses before
         self.presses, self.place = 0, np.full(2, np.inf)
+        self.total = 0.0
 
     def reset(self) -> None:
         """Forget the reading before."""
@@ -325,6 +329,11 @@ class ContactFitter:
         other.settings = settings
         other._data = FitData(other)
         return other
+
+    @property
+    def total(self) -> float:
+        """Evidence of the last answer; see `FitData`."""
+        return self._data.total
 
     def take_noise(self, noise: Floats) -> None:
         """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
@@ -462,6 +471,7 @@ class ContactFitter:
                 continue
             data.take_state(before)
             index += 1
+        data.total = best
         self._learn(data)
         self.weigh(readings, data, data.spread)
         self._run(data, EXPLORE, False, deadline)
