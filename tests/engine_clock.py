@@ -53,7 +53,16 @@ class ToldOperator(FieldOperator):
         self.solver, self.model, self.field = told, model, sf.GaussianField().prepare(model)
         rows = (model.matrix / model.noise_std[:, None]).T
         norms = np.linalg.norm(rows, axis=1)
-        self.problem = SimpleNamespace(rows=rows, norms=norms, threshold=5.0, tolerance=1e-3)
+        self.problem = SimpleNamespace(
+            rows=rows,
+            unshared=rows,
+            offset=np.zeros(rows.shape[1]),
+            root=np.zeros(rows.shape[1]),
+            shared=np.zeros(len(rows)),
+            norms=norms,
+            threshold=5.0,
+            tolerance=1e-3,
+        )
         self.posterior, self.noise = self.field.posterior, self.field.noise
         self.model_error, self.pressure_std = self.field.model_error, self.field.pressure_std
 

@@ -281,7 +281,8 @@ def subset_answer(patch: sf.Patch, readings: Floats, valid: Any) -> Floats:
     covariance = prior.prior[abs(row[:, None] - row), abs(column[:, None] - column)]
     seen = model.matrix[valid]
     strain = readings[valid] / (1.0 + readings[valid])
-    expected = seen @ covariance @ seen.T + NOISE**2 * np.eye(valid.sum())
+    noise = NOISE**2 * (np.eye(valid.sum()) + 5.0**2)  # with the offset that taxels share
+    expected = seen @ covariance @ seen.T + noise
     return np.asarray(covariance @ seen.T @ np.linalg.solve(expected, strain))
 
 
@@ -339,13 +340,14 @@ def test_missing_taxels_of_a_solver_without_a_prior_are_told() -> None:
 def seen_by_few(engine: Engine, rung: int, share: float) -> tuple[Floats, Any]:
     """Readings that stand out by `share` of the threshold, of which two taxels alone are valid."""
     problem: Any = engine.groups[1].operators[rung].problem
-    rows = problem.rows[:, :72].astype(np.float64)
-    valid = np.zeros(72, np.bool_)
-    valid[[48, 51]] = True  # apart, so that no node matches both alone
-    norms = np.linalg.norm(rows[:, valid], axis=1)
-    white = valid * share * problem.threshold / (rows @ valid / norms).max()
+    rows, pair = problem.unshared[:, :72].astype(np.float64), np.zeros(72)
+    pair[[48, 51]] = 1.0, -1.0  # apart, so that no node matches both alone, and no offset does
+    valid = pair != 0.0
+    inverse = np.linalg.inv(np.eye(2) + 5.0**2)
+    norms = np.sqrt(np.einsum("ki,ij,kj->k", rows[:, valid], inverse, rows[:, valid]))
+    white = pair * share * problem.threshold / (rows @ pair / norms).max()
     if share < 1.5:  # by the lengths of whole rows nothing would stand out
-        whole = rows @ white / np.linalg.norm(rows, axis=1)
+        whole = rows @ white / problem.norms
         assert whole.max() < 0.99 * problem.threshold
     strain = white * NOISE
     return strain / (1.0 - strain), valid

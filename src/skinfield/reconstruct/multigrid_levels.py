@@ -146,6 +146,19 @@ class Rungs:
         """The linear answer on the finest rung."""
         return self.steps[-1].start
 
+    @cached_property
+    def offset_weights(self) -> Floats:
+        """Of readings (L,) in the mean of the offset that the linear answer takes them to share.
+
+        That is the mean of what the pressure leaves over, weighed by the noise, and drawn to 0.
+        """
+        known, explained = self.start.gaussian, self.start.explained
+        if known is None:
+            return np.zeros(len(explained))
+        odds = np.square(known.offset)
+        weights = odds / (1.0 + odds.sum())
+        return np.asarray(weights - weights @ explained)
+
     @property
     def linear(self) -> bool:
         """Whether the linear answer is the solver's own."""
@@ -188,7 +201,7 @@ def prepare_rungs(
     if top.linear is not None:
         start = top.linear
     elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
-        start = GaussianField(snr=solver.snr, length_scale=solver.length_scale).prepare(finest)
+        start = solver.unconstrained().prepare(finest)
     else:
         start = GaussianField().prepare(finest)
     steps = []

@@ -93,6 +93,9 @@ def plain_from_value(name: str, value: Any) -> Any:
     )
 
 
+OLDER = {"common_mode": 0.0, "model_error": 0.0}  # what files mean that do not have these
+
+
 def value_from_plain(name: str, plain: Any) -> Any:
     """Undo `plain_from_value`; raises FileError for what it never writes."""
     if isinstance(plain, list):
@@ -114,6 +117,7 @@ def value_from_plain(name: str, plain: Any) -> Any:
     parts = {key: value_from_plain(f"{name}.{key}", item) for key, item in plain.items()}
     del parts["is"]
     known = {each.name for each in fields(kind) if each.init}
+    parts = {key: value for key, value in OLDER.items() if key in known} | parts
     if parts.keys() != known:
         odd = ", ".join(sorted(str(key)[:40] for key in parts.keys() ^ known))
         raise FileError(

@@ -9,6 +9,7 @@ than the noise the readings may be off, as no skin is quite like its model.
 
 import dataclasses
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -222,13 +223,6 @@ class Contest:
         return self.winner
 
 
-def is_believed(left: Floats, readings: Floats, white: Floats) -> bool:
-    """Whether what is left over of readings (L,) is no more than what a skin's model may err by."""
-    over = np.square(left * white).sum()
-    most = max(WORTH**2 * np.square(readings * white).sum(), WORST**2 * len(left))
-    return bool(over <= most)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Auto:
     """Few contacts, or a field where one is more probable: the choice of every command.
@@ -332,6 +326,17 @@ class AutoOperator:
         return self.field.problem
 
     @property
+    def common(self) -> float:
+        """Standard deviation of an offset that all taxels share, in the quantity's unit."""
+        return self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
+
+    @cached_property
+    def _shared(self) -> float:
+        """Variance of that offset after readings."""
+        precision = float(np.square(1.0 / self.noise_std).sum())
+        return float(self.common**2 / (1.0 + self.common**2 * precision))
+
+    @property
     def noise(self) -> PressureError:
         """Of the field."""
         return self.field.noise
@@ -379,13 +384,19 @@ class AutoOperator:
         self, readings: Floats, data: AutoData, deadline_ns: int | None = None
     ) -> Solution:
         """Non-negative field, or a linear one where no pressure explains the readings."""
-        found = self.field.solve(readings, data.field, deadline_ns)
-        left, notes = found.residual, [FIELD_NOTE]
-        if found.in_time and not is_believed(left, found.readings, 1.0 / self.noise_std):
+        found, notes = self.field.solve(readings, data.field, deadline_ns), [FIELD_NOTE]
+        highest = WORTH**2 * float(np.square(found.readings / self.noise_std).sum())
+        most = max(highest, WORST**2 * len(readings))
+        if found.in_time and not self._squares(found.residual) <= most:
             found = self.linear_field.solve(readings, data.linear, deadline_ns)
             notes.append(LINEAR_NOTE)
         found.notes = tuple(notes)
         return found
+
+    def _squares(self, left: Floats) -> float:
+        """Squares of readings (L,) over the noise, but for what an offset that all share takes."""
+        over = left / self.noise_std
+        return float(over @ over - self._shared * (over @ (1.0 / self.noise_std)) ** 2)
 
     def _compare(
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
@@ -393,19 +404,16 @@ class AutoOperator:
         """Compare a field with the contacts, and with nothing but noise."""
         contest, fit, white = data.contest, found.fit, 1.0 / self.noise_std
         assert fit is not None  # as no field stands in there
-        heard, level = int(np.count_nonzero(white)), float(white @ (readings * white))
-        common = self.contact_fit.solver.common_mode * float(self.model.noise_std.mean())
-        shared = common**2 / (1.0 + common**2 * float(white @ white))
-        idle = float(np.square(readings * white).sum()) - shared * level**2
-        nothing = noise_density(white, shared, common) - 0.5 * idle + misfit_gain(idle, heard)
+        shared, idle = self._shared, self._squares(readings)
+        known, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
+        nothing = known - 0.5 * idle + misfit_gain(idle, heard)
         contacts = data.contacts.fitter.total + noise_density(white, 0.0, 0.0)
         field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
         winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
         if winner == FIELD:
-            over = self._by_field(readings, data, deadline_ns).residual * white
-            left = (readings - fit.predicted) * white
-            if not over @ over < LESS * (left @ left):
+            over = self._squares(self._by_field(readings, data, deadline_ns).residual)
+            if not over < LESS * self._squares(readings - fit.predicted):
                 contest.winner = CONTACTS
 
     def without(self, valid: NDArray[np.bool_]) -> "AutoOperator":

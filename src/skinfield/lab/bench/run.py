@@ -28,7 +28,7 @@ from skinfield.skin import Grid
 from skinfield.solve import ContactFit, NonNegative
 
 CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with
-LONG = NonNegative(tolerance=1e-5)  # goes on while there is time
+LONG = NonNegative(tolerance=2e-6)  # goes on while there is time
 FIT = ContactFit(extended=None)  # alone: no field stands in for what it does not explain
 PAPER, INVERSION = "paper", "paper, inversion alone"
 PREPARED, FIELD = "paper's inverse, prepared", "GaussianField, prepared"

@@ -148,18 +148,31 @@ class PatchGroup:
         That search; none where linear.
     data : R lists of P Data
         Memory of each patch's searches, and their answers.
+    offset : (2, L) array
+        Weights of whitened readings in the offset that the linear answer takes them to share, and
+        how far one moves them.
+    idle_offset : (2, L) array
+        As `offset`, where nothing touches; of searches.
     last : list of P Data
         Of the search that each patch used last, or None.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
+        from skinfield.reconstruct.engine.block_sparse_kernel import without_offset
+
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
-        self.products = [product_of(step.start.matrix * noise, step.grid) for step in steps]
+        self.offset = np.stack([rungs.offset_weights * noise, 1.0 / noise])
+        self.products = [product_of(self.matrix_on(rung), s.grid) for rung, s in enumerate(steps)]
+        self.level: Singles = np.zeros((count, len(noise)), np.float32)
+        self.without_offset: Any = without_offset
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
         self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
+        if self.operators:
+            offset = self.operators[0].problem.offset[: len(noise)]
+            self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
         self.data: list[list[Any]] = [
             [each.data() for _ in range(count)] for each in self.operators
         ]
@@ -182,12 +195,20 @@ class PatchGroup:
 
     def answer_all(self, rung: int, white: Singles) -> None:
         """Linear answers of all patches from whitened readings (P, L)."""
-        self.products[rung].apply(white, self.fields[rung])
+        self.without_offset(white, *self.offset, self.level)
+        self.products[rung].apply(self.level, self.fields[rung])
 
     def answer_one(self, rung: int, place: int, white: Singles) -> None:
         """Linear answer of one patch, its readings among those (P, L) of all."""
         here = slice(place, place + 1)
-        self.products[rung].apply(white[here], self.fields[rung][here])
+        self.without_offset(white[here], *self.offset, self.level[here])
+        self.products[rung].apply(self.level[here], self.fields[rung][here])
+
+    def matrix_on(self, rung: int) -> Floats:
+        """Linear answer (K, L) to whitened readings without their offset: sparser than with it."""
+        matrix, weights = self.rungs.steps[rung].start.matrix, self.rungs.offset_weights
+        uniform = matrix.sum(axis=1) / (1.0 - weights.sum())
+        return np.asarray((matrix + np.outer(uniform, weights)) * self.kind.noise_std)
 
     def fill(self, white: Singles, valid: NDArray[np.bool_]) -> None:
         """Let readings of the noise 1 (L,), 0 where not `valid`, give the valid taxels' answer."""
@@ -219,7 +240,7 @@ class PatchGroup:
         Of the searches only that of the first patch has a memory of its own.
         """
         twin = copy(self)
-        twin.fields = [np.zeros_like(each) for each in self.fields]
+        twin.fields, twin.level = [np.zeros_like(each) for each in self.fields], self.level.copy()
         pairs = zip(self.operators, self.data, strict=True)
         twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
         twin.last = [None] * self.count

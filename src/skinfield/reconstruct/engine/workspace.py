@@ -84,6 +84,9 @@ class Clockwork:
         self.unresolved = np.array([group.rungs.unresolved for group in groups])
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
+        self._level = np.zeros_like(intake.white)
+        parts = ((group.first, group.count) for group in groups)
+        self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
         self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
         self.valid_rows = [intake.valid[each] for each in rows]
@@ -148,10 +151,12 @@ class Clockwork:
     def test_idle(self, rung: int) -> int:
         """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
         state = self.state
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.idle_offset, level)
         return int(
             self.kernel.test_idle(
                 *self.tests[rung].arrays,
-                self.intake.white,
+                self._level,
                 self._idle,
                 rung,
                 self.intake.present,
@@ -175,12 +180,15 @@ class Clockwork:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
         problem, valid = group.operators[rung].problem, self.valid_rows[patch]
+        rows = problem.rows, problem.shared, problem.root, problem.offset
         white = self.white[group.index][place]
-        return bool(self._idle_without(problem.rows, valid, white, problem.threshold))
+        return bool(self._idle_without(*rows, valid, white, problem.threshold))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
-        self.atlases[rung].apply(self.intake.white, self.fields[rung])
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.offset, level)
+        self.atlases[rung].apply(self._level, self.fields[rung])
 
     def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""
