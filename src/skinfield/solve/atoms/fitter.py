@@ -219,7 +219,7 @@ class ContactFitter:
         self._before, self._kept, self._compared, self._scale = None, (), 0.0, 1.0
 
     def fit(self, readings: Floats, deadline_ns: int | None = None, *, fields: bool = True) -> Fit:
-        """See `ContactOperator.fit`; without `fields` deviation and displacement stay 0."""
+        """Answer readings (L,); without `fields` deviation and displacement stay 0."""
         problem, found, scale, drawn = self._answer(readings, deadline_ns)
         nodes, offset = len(self.model.grid), problem.offset(found.predicted)
         pressure, std, moved = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, 3))
