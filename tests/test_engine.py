@@ -24,6 +24,7 @@ import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.reconstruct.engine import Engine, MissingPatch
+from skinfield.reconstruct.engine.results import FOUND_IN_FIELD
 
 
 @pytest.fixture(scope="module")
@@ -184,6 +185,15 @@ def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
         np.testing.assert_allclose(
             getattr(ours.contacts[0], name), getattr(alone.contacts[0], name), rtol=1e-9
         )
+
+
+def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> None:
+    reading = readings_of(SKIN, ("icub_triangle",))[TRIANGLE.name]
+    engine = engine_of(sf.ContactFit(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
+    first, further = engine([reading, reading]).values()
+    assert np.array_equal(first.pressure, further.pressure)
+    assert FOUND_IN_FIELD in further.notes
+    assert FOUND_IN_FIELD not in first.notes
 
 
 def test_arguments_that_do_not_fit() -> None:

@@ -168,10 +168,12 @@ class SolverContract:
         self, operator: Operator, readings: tuple[Floats, float]
     ) -> None:
         """From the second reading on, with a deadline too."""
+        if self.allocates:
+            pytest.skip("the solver states that a reading costs new arrays")
         data = operator.data()
         rows = [readings[0], 0.9 * readings[0]]
         for lap in range(40):  # until the interpreter's own stores are full
-            if lap == 39 and not self.allocates:
+            if lap == 39:
                 tracemalloc.start()
             for row in rows:
                 operator.solve(row, data)

@@ -107,6 +107,12 @@ def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
     return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
 
 
+FOUND_IN_FIELD = (
+    "contacts were found in the fitted pressure, which states less: the solver's own hold for the "
+    "first of equal patches; for them, reconstruct this patch alone"
+)
+
+
 def estimate_of(
     work: Clockwork,
     finder: ContactFinder,
@@ -133,8 +139,9 @@ def estimate_of(
     solution = Solution(pressure, intake.linear[rows].copy(), name, operator)
     if answer == FEASIBLE:
         solution = group.data[rung][place].solution.keep()
-        if place:  # contacts that a solver finds are the first patch's
+        if place and solution.fit is not None:  # its contacts are drawn on the first patch
             solution.operator, solution.fit = operator, None
+            solution.notes = (*solution.notes, FOUND_IN_FIELD)
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
     return estimate_of_solution(
         *(solution, valid, grid, step.deformation.on(grid), finder),
