@@ -71,8 +71,7 @@ def stored(recording: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps and windows of some readings, so that a short recording has several."""
-    monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 128)
+    """Windows of some readings, so that a short recording has several."""
     monkeypatch.setattr(manifest_module, "WINDOW", 512)
 
 
@@ -150,7 +149,8 @@ def test_readings_that_lack_any_taxels_are_written_too(tmp_path: Path) -> None:
     table[77] = np.nan
     path, fields = saved(tmp_path / "gaps.csv", table), tmp_path / "f.npz"
     outputs = ("-o", tmp_path / "c.csv", "-o", tmp_path / "r.skinfield")
-    said = run("reconstruct", path, *LAYOUT, "--fields", fields, *outputs)
+    words = (path, *LAYOUT, "--solver", "gaussian")
+    said = run("reconstruct", *words, "--fields", fields, *outputs)
     assert "1 of 200 readings have no valid taxel" in said
     assert "(1 left out)" in said
     results = read_results(tmp_path / "r.skinfield")

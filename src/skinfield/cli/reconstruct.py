@@ -54,7 +54,7 @@ def reconstruct(
     A recording may be longer than memory. -o run.skinfield stores its readings, its contacts and
     what reconstructs them, far less than the fields, which are computed when they are looked at: in
     Python with skinfield.open_results, here with --slice. Solvers that start from the reading
-    before (nonnegative, contact) do so within runs of 64 readings and begin anew at each.
+    before (auto, contact, nonnegative) do so within runs of 64 readings and begin anew at each.
 
     Several recordings, or one by several processes, go into a folder: -o DIR gets results of each,
     made window by window by Dask's workers, here or on a cluster. What is complete stands in
@@ -305,7 +305,7 @@ def _summary(
         "grid": list(config.grid.shape),
         "options": {name: value for name, value in values.items() if value is not None},
         "contact_force_N": {"mean": totals.load / count, "highest": totals.highest_load},
-        "field_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
+        "total_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
         "highest_load_reading": totals.peak,
         "latency_ms_per_reading": totals.seconds / count * 1e3,

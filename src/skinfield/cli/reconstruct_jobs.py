@@ -209,7 +209,7 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[PartialRe
     while first < readings.stop:
         last, begun = min(first - first % size + size, readings.stop), time.perf_counter()
         estimate = results.estimates(first, last, names)
-        force = estimate.pressure.sum(axis=1, dtype=np.float64) * results.config.grid.cell_area
+        force = estimate.normal_force
         load = np.array([sum(c.normal_force for c in each) for each in estimate.contacts])
         rows = list(rows_from_estimate(estimate, first, start_ns))
         series = series_of(estimate) if fields else None

@@ -20,7 +20,7 @@ from skinfield.settings import (
 )
 
 LiveSolverName = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
-SolverName = Literal[LiveSolverName, "contact"]
+SolverName = Literal["auto", LiveSolverName, "contact"]
 MechanicsName = Literal["layer", "covered-layer", "half-space"]
 QuantityName = Literal["capacitance", "gap", "stress"]
 FASTEST = 1e5  # cycles per second
@@ -120,7 +120,7 @@ class ModelSettings(Section):
     Parameters
     ----------
     solver : str, optional
-        How readings become pressure; contact fits the fewest contacts instead. Default gaussian.
+        What readings are explained by. Default auto: few contacts or a field, by evidence.
     mechanics : str, optional
         Model of the elastomer; the paper's is the half-space. Default the profile's.
     quantity : str, optional

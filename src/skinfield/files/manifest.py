@@ -31,7 +31,7 @@ class Totals:
     peak : int
         The reading of the highest load.
     force, highest_force : float, N
-        The same of the pressure's sum.
+        The same of `Estimate.normal_force`.
     contacts : int
     seconds : float
         That reconstruction took.
