@@ -44,7 +44,8 @@ def test_linear_answers_are_those_of_reconstructors(linear: Engine) -> None:
     assert not estimates.report.overrun
     assert estimates.report.spent > 0
     for patch in SKIN:
-        rec = sf.Reconstructor(patch, LAYER, sf.Grid.square(patch, RUNGS[-1]), noise_std=NOISE)
+        grid, solver = sf.Grid.square(patch, RUNGS[-1]), sf.GaussianField()
+        rec = sf.Reconstructor(patch, LAYER, grid, solver=solver, noise_std=NOISE)
         ours, alone = estimates[patch.name], rec(readings[patch.name])
         assert ours.grid.patch is patch
         assert ours.stamp_ns == 7
