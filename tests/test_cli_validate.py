@@ -108,7 +108,7 @@ def test_own_solver_from_the_current_folder(
                   ("my_own_solver:make", "--settings", '{"gain": 0.25}')):  # fmt: skip
         run("validate", folder, "--grid", 12, "-o", "a.json", "--force", "--solver", *words)
         rows = json.loads(Path("a.json").read_text())["rows"]
-        forces.append([row["field_force_error"] + 1 for row in rows])
+        forces.append([row["total_force_error"] + 1 for row in rows])
     one, half, quarter = np.array(forces)
     np.testing.assert_allclose(half, one / 2)
     np.testing.assert_allclose(quarter, one / 4)

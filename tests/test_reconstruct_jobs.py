@@ -124,8 +124,8 @@ def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
         load[int(row["reading"]) - 300] += float(row["normal_force_N"] or 0.0)
     summary = json.loads((tmp_path / "s.json").read_text())
     assert summary["readings"] == 120
-    assert summary["contact_force_N"]["highest"] == pytest.approx(load.max(), rel=1e-5)
-    assert summary["highest_load_reading"] == 300 + int(np.argmax(load))
+    assert summary["total_force_N"]["highest"] == pytest.approx(load.max(), rel=1e-5)
+    assert summary["highest_force_reading"] == 300 + int(np.argmax(load))
 
 
 def test_the_runs_of_an_iterative_solver_are_those_of_the_results(

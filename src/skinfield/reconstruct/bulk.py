@@ -167,9 +167,7 @@ class BulkFields:
                 contacts.append(each if intervals is None else intervals(each))
         return contacts
 
-    def _into(
-        self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]
-    ) -> None:
+    def _into(self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]) -> None:
         """Write an output of some readings (T, L) into `out` (T, R)."""
         mask = ~np.isnan(readings)
         linear, every = self._linearised(readings, mask), np.ones(mask.shape[1], np.bool_)

@@ -224,8 +224,8 @@ class Reconstructor:
         if np.ndim(readings) == 1:
             return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
         if self.plans.linear is None:
-            times = np.broadcast_to(stamps, len(table))
-            each = [self._answer(*row, None, deadline) for row in zip(table, mask, times)]
+            rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
+            each = [self._answer(*row, None, deadline) for row in rows]
             spent = (time.perf_counter_ns() - start) * 1e-9
             return Estimate.joined(each, stamp_ns=stamps, latency=spent)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
