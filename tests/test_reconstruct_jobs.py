@@ -97,13 +97,13 @@ def test_what_is_printed_is_the_same_whatever_is_written(
     assert any("taken as iCub bytes" in note for note in results.attrs["notes"])
     loads = np.zeros(READINGS)
     for row in rows_of(tmp_path / "c.csv"):
-        loads[int(row["reading"])] += float(row["normal_force_N"] or 0)
+        loads[int(row["reading"])] = float(row["total_force_N"])
     best = int(np.argmax(loads))
     assert f"reading {best} at {best * 0.02:.2f} s: {loads[best]:.2f} N" in said[0]
     table = sf.load_contacts(tmp_path / "r.skinfield", slice(700, 800)).to_pylist()
     assert {row["reading"] for row in table} == set(range(700, 800))
-    some = sum(row["normal_force_N"] or 0 for row in table)
-    assert some == pytest.approx(loads[700:800].sum(), rel=1e-6)
+    some = {row["reading"]: row["total_force_N"] for row in table}
+    assert sum(some.values()) == pytest.approx(loads[700:800].sum(), rel=1e-6)
 
 
 def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
     assert [int(r["reading"]) for r in rows if int(r["contact"]) <= 0] == list(range(300, 420))
     load = np.zeros(120)
     for row in rows:
-        load[int(row["reading"]) - 300] += float(row["normal_force_N"] or 0.0)
+        load[int(row["reading"]) - 300] = float(row["total_force_N"])
     summary = json.loads((tmp_path / "s.json").read_text())
     assert summary["readings"] == 120
     assert summary["total_force_N"]["highest"] == pytest.approx(load.max(), rel=1e-5)
