@@ -34,8 +34,12 @@ CONTACT = np.dtype(
         ("moments", np.float64, (3,)),
         ("age", np.float64),
         ("speed", np.float64),
+        ("shape", np.int32),
+        ("maybe", np.int32),
+        ("radius", np.float64),
     ]
 )
+SHAPES = ("other", "sphere", "flat", "line")  # what `shape` is an index into
 KNOWN = np.dtype(
     [
         ("track", np.int64),
