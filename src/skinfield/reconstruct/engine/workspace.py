@@ -29,6 +29,8 @@ class Clockwork:
 
     Attributes
     ----------
+    finds_contacts : bool
+        Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
     raw_rows, valid_rows : lists of P arrays (L,)
@@ -71,6 +73,7 @@ class Clockwork:
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
+        self.finds_contacts = groups[0].finds_contacts
         if like is None:
             self.tests = idle_tests(groups)
             self.atlases = linear_answers(groups) if self.linear else []
@@ -228,6 +231,11 @@ class Clockwork:
         if kinds is not None:
             self.log.append((kinds, found.copy()))
         return bool(settled)
+
+    def in_turn(self, hot: Ints) -> Ints:
+        """Patches with a contact in the order of their turns: a view, until this is asked again."""
+        self.kernel.list_turns(hot, self.state.age, self.weights, self._order)
+        return self._order[: len(hot)]
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.
