@@ -224,6 +224,7 @@ def find_contacts_of(work: Clockwork, patch: int, start: int, deadline: int) -> 
     group, place = work.places[patch]
     masked = not work.intake.all_valid and bool(state.invalid[patch])
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
+    data.noise[:] = work.deviation_rows[patch]
     solution = operator.solve(work.raw_rows[patch], data, deadline)
     state.answer[patch] = FEASIBLE if data.count < 0 else CONTACTS
     state.rung[patch] = state.at[patch] = rung
