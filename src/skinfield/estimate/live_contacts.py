@@ -100,18 +100,17 @@ def contact_of(row: Any, grid: Grid) -> Contact:
     frame = grid.patch.surface.frame_from_plane(place[None])[0]
     longer = frame[:, :2] @ vectors[:, 1]
     turned = np.arctan2(longer @ frame[:, 1], longer @ frame[:, 0])
-    normal, place_std, area = row["normal"].copy(), float(row["place_std"]), float(row["area"])
-    radius = float(row["radius"])
+    normal, place_std = row["normal"].copy(), float(row["place_std"])
     return Contact(
         position=row["position"].copy(),
         force=-float(row["normal_force"]) * normal,
         moment=np.zeros(3),
         normal=normal,
-        area=area,
+        area=float(row["area"]),
         peak_pressure=float(row["peak_pressure"]),
         covariance=np.diag([place_std**2, place_std**2, float(row["force_std"]) ** 2]),
         area_std=float("nan"),
-        radius=float(np.sqrt(area / np.pi)) if np.isnan(radius) else radius,
+        radius=float(row["radius"]),
         shape=SHAPES[int(row["shape"])],
         outline=np.asarray(grid.patch.surface.position_from_plane(border)),
         axes=axes[::-1].copy(),
