@@ -12,6 +12,7 @@ import numpy as np
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate.live_contacts import contact_of
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import CycleSlot
@@ -24,6 +25,7 @@ from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Solution, Solver
+from skinfield.solve.auto import AutoOperator
 
 VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows")
 
@@ -308,6 +310,7 @@ class Models:
     def estimate(self, slot: CycleSlot, patch: int, latency: float, late: bool) -> Estimate:
         """Estimate of a patch: pressure at once, the rest when it is asked for."""
         row, model_config = slot.patches[patch], self.model_config
+        rows = slot.contacts[patch][: int(row["contacts"])].copy()
         nodes = int(row["rung"]) or model_config.rungs[0]
         grid, answer = self.grid(patch, nodes), int(row["answer"])
         pressure = np.zeros(len(grid))
@@ -322,12 +325,16 @@ class Models:
         @cache
         def rest() -> dict[str, Callable[[], Any]]:  # for which an engine is prepared
             rungs, step = self._group(patch).rungs, self._rung(patch, nodes)
-            operator = step.operator if answer == Answer.FEASIBLE else step.start
+            operator = step.operator if answer >= Answer.FEASIBLE else step.start
+            if isinstance(operator, AutoOperator):
+                operator = operator.field
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
             deformation = step.deformation.on(grid)
             find = finder_of(self.finder, grid)
             found = details(solution, pressure, valid, grid, deformation, find)
+            if answer == Answer.CONTACTS:
+                found["contacts"] = lambda: tuple(contact_of(row, grid) for row in rows)
             if not rungs.linear:
                 matrix = step.operator.model.matrix
                 found["residual"] = lambda: np.where(valid, linear - matrix @ pressure, np.nan)

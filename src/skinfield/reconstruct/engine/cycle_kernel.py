@@ -156,6 +156,22 @@ def list_touched(
 
 
 @njit
+def list_turns(hot: Ints, age: Ints, weights: Floats, order: Ints) -> None:
+    """Write the patches in `hot` (H,) into `order`: what weighs most, then what waited longest."""
+    for count in range(len(hot)):
+        patch, place = hot[count], count
+        while place > 0:
+            before = order[place - 1]
+            if weights[before] > weights[patch]:
+                break
+            if weights[before] == weights[patch] and age[before] >= age[patch]:
+                break
+            order[place] = before
+            place -= 1
+        order[place] = patch
+
+
+@njit
 def all_settled(hot: Ints, settled: Flags, integers: Ints, tops: Ints) -> bool:
     """Whether all contacts are solved on the finest rung (P,) that each may have."""
     settled_all = True
@@ -235,7 +251,7 @@ def close_cycle(
     was_hot[:] = False
     for patch in hot:
         was_hot[patch] = True
-        age[patch] = 0 if integers[ANSWER, patch] == FEASIBLE else age[patch] + 1
+        age[patch] = 0 if integers[ANSWER, patch] >= FEASIBLE else age[patch] + 1
     longest = 0
     for patch in range(len(age)):
         if not was_hot[patch]:

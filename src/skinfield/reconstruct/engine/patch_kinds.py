@@ -155,6 +155,8 @@ class PatchGroup:
         As `offset`, where nothing touches; of searches.
     last : list of P Data
         Of the search that each patch used last, or None.
+    finds_contacts : bool
+        Whether searches find contacts by themselves, as rows of their data.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
@@ -177,6 +179,7 @@ class PatchGroup:
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
+        self.finds_contacts = bool(self.data) and getattr(self.data[0][0], "rows", None) is not None
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)

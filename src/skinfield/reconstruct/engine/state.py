@@ -17,6 +17,7 @@ class Answer(IntEnum):
     IDLE = 1  # nothing stands out of the noise on the rung that is told: 0 is the answer
     LINEAR = 2  # of a linear solver; or, of an iterative one, its clipped start
     FEASIBLE = 3  # of an iterative solver, with its certificate
+    CONTACTS = 4  # of a solver that finds contacts by itself, with the pressure below them
 
 
 class Step(IntEnum):
@@ -31,7 +32,7 @@ class Step(IntEnum):
 
 
 # as plain numbers: the members of an enumeration are slow to look up
-MISSING, IDLE, LINEAR, FEASIBLE = (int(each) for each in Answer)
+MISSING, IDLE, LINEAR, FEASIBLE, CONTACTS = (int(each) for each in Answer)
 PRODUCT, TEST, ROW, COLD, WARM, MASKED = (int(each) for each in Step)
 
 

@@ -29,9 +29,11 @@ class Clockwork:
 
     Attributes
     ----------
+    finds_contacts : bool
+        Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
-    raw_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -71,6 +73,7 @@ class Clockwork:
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
+        self.finds_contacts = groups[0].finds_contacts
         if like is None:
             self.tests = idle_tests(groups)
             self.atlases = linear_answers(groups) if self.linear else []
@@ -88,7 +91,8 @@ class Clockwork:
         parts = ((group.first, group.count) for group in groups)
         self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
+        raw = [intake.raw_of(patch) for patch in range(len(self.places))]
+        self.raw_rows, self.deviation_rows = zip(*raw, strict=True)
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
@@ -228,6 +232,11 @@ class Clockwork:
         if kinds is not None:
             self.log.append((kinds, found.copy()))
         return bool(settled)
+
+    def in_turn(self, hot: Ints) -> Ints:
+        """Patches with a contact in the order of their turns: a view, until this is asked again."""
+        self.kernel.list_turns(hot, self.state.age, self.weights, self._order)
+        return self._order[: len(hot)]
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.
