@@ -173,7 +173,7 @@ def test_other_linear_solvers(solver: Any, power: float) -> None:
 
 
 def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
-    readings, solver = readings_of(SKIN, ("icub_triangle",)), sf.ContactFit()
+    readings, solver = readings_of(SKIN, ("icub_triangle",)), sf.Auto()
     engine, rec = (
         engine_of(solver, TRIANGLE),
         sf.Reconstructor(
@@ -190,7 +190,7 @@ def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
 
 def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> None:
     reading = readings_of(SKIN, ("icub_triangle",))[TRIANGLE.name]
-    engine = engine_of(sf.ContactFit(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
+    engine = engine_of(sf.Auto(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
     first, further = engine([reading, reading]).values()
     assert np.array_equal(first.pressure, further.pressure)
     assert FOUND_IN_FIELD in further.notes
@@ -199,7 +199,7 @@ def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> N
 
 def test_arguments_that_do_not_fit() -> None:
     with pytest.raises(InputError, match=r"ContactOperator has no test of idle patches"):
-        engine_of(sf.ContactFit(extended=None), TRIANGLE)
+        engine_of(sf.ContactFit(), TRIANGLE)
     with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
         engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))
     with pytest.raises(InputError, match="budget is -1, expected a finite number above 0"):

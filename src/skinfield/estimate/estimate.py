@@ -95,15 +95,15 @@ class Estimate:
         known
             Attributes of all.
         """
-        names = (REQUIRED | {"gap", "iterations", "deadline_met", "is_field"}) - {"grid"}
 
         def stacked(name: str) -> Any:
             values = [getattr(one, name) for one in each]
             return tuple(values) if name == "contacts" else np.stack(values)
 
         estimate = cls.later(
-            {name: partial(stacked, name) for name in names},
+            {name: partial(stacked, name) for name in REQUIRED - {"grid"}},
             grid=each[0].grid,
+            **{name: stacked(name) for name in ("gap", "iterations", "deadline_met", "is_field")},
             notes=tuple(dict.fromkeys(note for one in each for note in one.notes)),
             solver=tuple(one.solver for one in each),
             **known,
@@ -118,7 +118,8 @@ class Estimate:
         Parameters
         ----------
         rest : mapping of names to functions without arguments
-            Whatever has no default and is not known, each computed at most once, by any thread.
+            Whatever has no default and is not known, and nothing that has one, each computed at
+            most once, by any thread.
         known
             The other attributes.
         """

@@ -94,7 +94,7 @@ HARMONICS = 20  # of what rounding does to a mean
 ROUGH = 0.02  # of the highest reading: model error of boards that are not calibrated
 FALSE_ALARMS = 1e-8  # of one reading; there are many, and averages overlap
 TOUCHED = 1e-3  # the same, where the engine sees a touch
-FITTING = ContactFit(false_alarm_rate=FALSE_ALARMS, extended=None)
+FITTING = ContactFit(false_alarm_rate=FALSE_ALARMS)
 AGAIN = 1.5  # times the readings of the last fit, from which another is worth its while
 REST_NS = 250_000_000  # between fits of a touch that rests, once no more readings are averaged
 IDLE_NS = 200_000_000  # between fits of a patch that nothing touches, as the engine says

@@ -142,7 +142,6 @@ def details(
         "pressure_std": lambda: np.array(operator.pressure_std(solution)[here]),
         "contacts": contacts,
         "residual": lambda: np.where(valid, solution.residual, np.nan),
-        "is_field": lambda: operator.contacts(solution) is None,
     }
 
 
@@ -177,6 +176,7 @@ def estimate_of_solution(
         rest["residual"] = lambda: np.where(valid, solution.readings - left(), np.nan)
     its = {"grid": grid, "pressure": solution.pressure, "valid": valid, "gap": solution.gap}
     its |= {"iterations": solution.steps, "solver": solution.solver}
+    its["is_field"] = solution.fit is None
     return Estimate.later(rest, **its, **known)
 
 

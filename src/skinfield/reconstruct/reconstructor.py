@@ -275,6 +275,7 @@ class Reconstructor:
             iterations=solution.steps,
             notes=solution.notes,
             solver=solution.solver,
+            is_field=solution.fit is None,
         )
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         vars(estimate)["deadline_met"] = answer.met(start, deadline)
