@@ -68,7 +68,7 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
 CONTACT_WORDS, IDLE = CONTACT.itemsize // 8, int(Answer.IDLE)
 
 
-DOUBT = 1.5  # times less noise there may be than was found: it is what smooths rounding
+DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 
