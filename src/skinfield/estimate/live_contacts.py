@@ -280,7 +280,12 @@ class LiveContacts:
         )
 
     def take(
-        self, rows: NDArray[np.void], count: int, shift: Floats, stamp_ns: int, out: NDArray[np.void]
+        self,
+        rows: NDArray[np.void],
+        count: int,
+        shift: Floats,
+        stamp_ns: int,
+        out: NDArray[np.void],
     ) -> int:
         """Write contacts that a solver has found by itself into `out`; how many there are.
 
