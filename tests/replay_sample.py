@@ -2,6 +2,7 @@
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,7 @@ def write(
     without: range = range(0),
     tared_at: int = -1,
     every: int = 1,
+    beside: Callable[[RecordingWriter, CycleSlot, int], None] | None = None,
     layout: CycleLayout = ROWS,
 ) -> list[Known]:
     """Write `cycles` cycles of a press that comes and goes.
@@ -81,6 +83,8 @@ def write(
         Cycle before which another baseline is taken.
     every : int
         Cycles from field to field.
+    beside : function of writer, slot and number, optional
+        Called after each cycle; more may be written then.
     layout : CycleLayout
         Of rows with fewer fields, as older recordings have.
     """
@@ -122,6 +126,8 @@ def write(
             if number == tared_at:
                 writer.enclose(wall, tare_file(table, 2))
                 writer.event(wall, "calibrated", "the baseline was taken anew", tares=2)
+            if beside is not None:
+                beside(writer, slot, number)
         made.append(_known(told, slot))
     writer.close()
     return made

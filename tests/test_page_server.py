@@ -193,7 +193,7 @@ def test_an_update_is_the_estimate(page: Page, source: StillSource) -> None:
     )
     expected = snapshot["hexagon72"].pressure
     assert_allclose(pressure, expected, atol=expected.max() / 65535)
-    assert row["answer"] == "searched"
+    assert row["answer"] == "field"
     contact, found = head["contacts"][0], snapshot.contacts[0]
     assert contact["force"] == found["normal_force"]
     apart = np.subtract(contact["position"], told["truth"][0]["position"])

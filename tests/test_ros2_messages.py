@@ -181,7 +181,7 @@ def test_bytes_of_contacts(live, speaker):
     wanted = [0.1, 0.21, 0.3, 0, 0.6, 0.8, 0, -1.2, -1.6, 0, 0, 0]
     np.testing.assert_allclose(numbers[:12], wanted, atol=1e-15)
     assert numbers[12:] == [2.0, 0.1, 2e-4, 3e-5, 4e4, 0.5, 1e-3]
-    assert cdr.take("?") is False
+    assert (cdr.text(), cdr.take("d"), cdr.take("?")) == ("flat", 4e-3, True)
 
 
 def test_diagnostics(engine, live, speaker):

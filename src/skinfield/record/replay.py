@@ -105,7 +105,7 @@ class Replay:
                 "its estimates are; `skinfield export` still gives its readings"
             )
         self.model_config = ModelConfig.from_json(json.dumps(found.configuration))
-        if not CYCLE.extends(found.cycle_layout):
+        if found.cycle_layout.completed() != CYCLE:
             raise FileError(
                 f"{path}: the rows of contacts and patches are of another version, expected those "
                 "of this one; `skinfield reconstruct` makes its estimates anew"

@@ -171,6 +171,7 @@ class Export:
             Scan(patch.channel + port.first) for patch, port in zip(self.patches, its, strict=True)
         ]
         self._held: list[Cycle] = []
+        self._layout = recording.cycle_layout.completed()
         self.tables = self._cycle_tables()
 
     def into(self, sink: LiveExport) -> Iterator[int]:
@@ -178,7 +179,7 @@ class Export:
         recording = self._recording
         for topic, at, what in recording.contents((BLOCKS, CYCLES)):
             if topic == CYCLES:
-                self._held.append(what)
+                self._held.append(self._layout.extend(what))
                 if len(self._held) >= HELD:
                     self._put_cycles(sink)
             else:
@@ -208,7 +209,7 @@ class Export:
 
     def _cycle_tables(self) -> dict[str, Rows]:
         """Rows of the tables of the cycles that are held."""
-        cycles, layout = self._held, self._recording.cycle_layout
+        cycles, layout = self._held, self._layout
         heads = {"cycle": _ints([each.number for each in cycles])}
         heads |= {name: _ints([getattr(each, name) for each in cycles]) for name in TIMES}
         contacts, patches = (

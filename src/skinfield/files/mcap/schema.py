@@ -29,7 +29,7 @@ what the rows lack is not known (`ADDED`).
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntFlag
 from struct import Struct
@@ -108,7 +108,10 @@ class Cycle:
     patches: Rows
 
 
-ADDED = {"shape": 0, "maybe": 0, "radius": np.nan, "readings": 1}  # what older rows lack
+ADDED: Mapping[str, Sequence[tuple[str, str, float]]] = {  # what older rows lack, and is then taken
+    "contact": (("shape", "<i4", 0), ("maybe", "<i4", 0), ("radius", "<f8", np.nan)),
+    "patch": (("readings", "<i8", 1),),
+}
 
 
 @dataclass(frozen=True)
@@ -153,20 +156,17 @@ class CycleLayout:
                 f"contact, patch as JSON: {error}"
             ) from error
 
-    def extends(self, other: Self) -> bool:
-        """Whether rows of another layout lack nothing but `ADDED`: `extend` makes them of this."""
-        return all(
-            set(own.names or ()) - set(ADDED) <= set(its.names or ()) <= set(own.names or ())
-            and all(its[name] == own[name] for name in its.names or ())
-            for own, its in ((self.contact, other.contact), (self.patch, other.patch))
+    def completed(self) -> Self:
+        """With the fields of `ADDED` that it lacks, as older recordings do."""
+        return replace(
+            self, **{name: _completed(rows, ADDED[name]) for name, rows in vars(self).items()}
         )
 
     def extend(self, cycle: Cycle) -> Cycle:
-        """The cycle with rows of this layout: `ADDED` where they lack something."""
+        """The cycle with rows of this layout, which is `completed` of theirs."""
+        contacts = _extended(cycle.contacts, self.contact, ADDED["contact"])
         return replace(
-            cycle,
-            contacts=_extended(cycle.contacts, self.contact),
-            patches=_extended(cycle.patches, self.patch),
+            cycle, contacts=contacts, patches=_extended(cycle.patches, self.patch, ADDED["patch"])
         )
 
     def encode(self, cycle: Cycle) -> bytes:
@@ -213,13 +213,20 @@ class CycleLayout:
         )  # fmt: skip
 
 
-def _extended(rows: Rows, kind: np.dtype[Any]) -> Rows:
-    """Rows with all fields of a layout: `ADDED` where they have none."""
+def _completed(kind: np.dtype[Any], added: Sequence[tuple[str, str, float]]) -> np.dtype[Any]:
+    lacking = [(name, its) for name, its, _ in added if name not in (kind.names or ())]
+    return np.dtype([*kind.descr, *lacking]) if lacking else kind
+
+
+def _extended(rows: Rows, kind: np.dtype[Any], added: Sequence[tuple[str, str, float]]) -> Rows:
     if rows.dtype == kind:
         return rows
     made = np.zeros(len(rows), kind)
-    for name in kind.names or ():
-        made[name] = rows[name] if name in (rows.dtype.names or ()) else ADDED[name]
+    for name in rows.dtype.names or ():
+        made[name] = rows[name]
+    for name, _, value in added:
+        if name not in (rows.dtype.names or ()):
+            made[name] = value
     return made
 
 
