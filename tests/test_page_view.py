@@ -259,7 +259,7 @@ def colours_at(
     page: Any,
     spots: list[tuple[float, float]],
     value: float = 0.0,
-    answer: str = "searched",
+    answer: str = "contacts",
     quantity: str = "pressure",
     dead: bool = False,
 ) -> np.ndarray:

@@ -392,8 +392,11 @@ def sum_up_contacts(
 
     Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; its
     largest force `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in
-    the patch's frame, `area_mm2`, `peak_kpa`.
+    the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
+    `maybe`: whether two contacts explain the readings nearly as well.
     """
+    from skinfield.estimate.row_contacts import shape_name
+
     now = round(seconds, DIGITS)
     for row in rows:
         track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
@@ -401,13 +404,16 @@ def sum_up_contacts(
         contact = known.setdefault(track, new)
         contact["last_s"] = now
         if force >= contact["force_n"]:
-            std = float(row["force_std"])
+            std, radius = float(row["force_std"]), float(row["radius"])
             contact |= {
                 "force_n": force,
                 "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
                 "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
                 "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
                 "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+                "shape": shape_name(row),
+                "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
+                "maybe": bool(row["maybe"]),
             }
 
 
