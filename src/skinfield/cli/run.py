@@ -34,7 +34,7 @@ from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
 DIGITS = 4  # to which numbers of contacts are rounded: what they are good for
-SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
+SETTLE = 3.0  # s that the engine answers a press, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
@@ -280,7 +280,6 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         solvers=get_args(LiveSolverName),
         solver=wanted.model.solver or "nonnegative",
         choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
-        fit=wanted.loop.fit,
         tare_seconds=wanted.loop.tare_s,
     )
     try:
@@ -299,7 +298,6 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
     from skinfield.loop.client import Live
-    from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
 
@@ -324,7 +322,6 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
             virtual = parts.enter_context(virtual_skin(wanted, profile))
             settings = settings_of(on_virtual_boards(source, virtual.channels))
         supervisor = parts.enter_context(Supervisor(settings))
-        fit = parts.enter_context(FitProcess(settings.name)) if wanted.loop.fit else None
         supervisor.wait(STARTS, State.STARTING).close()
         into = wanted.record.into
         if into is not None:
@@ -336,8 +333,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
 
     def check() -> None:
         page.check()
-        beside = [*bridged, *([] if fit is None else [fit])]
-        for text in (text for each in beside for text in each.notices()):
+        for text in (text for each in bridged for text in each.notices()):
             page.controller.say("warn", text)
             report.note(text, "yellow", console)
 
@@ -396,8 +392,11 @@ def sum_up_contacts(
 
     Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; its
     largest force `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in
-    the patch's frame, `area_mm2`, `peak_kpa`.
+    the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
+    `maybe`: whether two contacts explain the readings nearly as well.
     """
+    from skinfield.estimate.row_contacts import shape_name
+
     now = round(seconds, DIGITS)
     for row in rows:
         track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
@@ -405,13 +404,16 @@ def sum_up_contacts(
         contact = known.setdefault(track, new)
         contact["last_s"] = now
         if force >= contact["force_n"]:
-            std = float(row["force_std"])
+            std, radius = float(row["force_std"]), float(row["radius"])
             contact |= {
                 "force_n": force,
                 "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
                 "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
                 "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
                 "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+                "shape": shape_name(row),
+                "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
+                "maybe": bool(row["maybe"]),
             }
 
 
@@ -468,8 +470,8 @@ def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> 
 def warmup(*, as_json: options.Json = False) -> None:
     """Compile, once for this machine, what a first `skinfield run` needs.
 
-    It is such a run, of a virtual skin that is pressed, until engine and fit have answered. What
-    they compile stays in the user's cache folder, so that the next run starts within seconds. Where
+    It is such a run, of a virtual skin that is pressed, until the engine has answered. What
+    it compiles stays in the user's cache folder, so that the next run starts within seconds. Where
     all is compiled already this takes a few seconds.
 
       skinfield warmup

@@ -137,7 +137,7 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True, kw_only=True)
 class LiveModelSettings(ModelSettings):
-    """The same of a live skin, whose contacts are fitted beside the solver; see `ModelSettings`.
+    """The same of a live skin; see `ModelSettings`.
 
     Parameters
     ----------
@@ -170,8 +170,6 @@ class LoopSettings(Section):
         Time constant of a low-pass of what each taxel reads, ms; 0: none.
     tare_s : float, s
         Time of an untouched skin at the start, for its baseline, s.
-    fit : bool
-        Fit contacts beside the engine: surer places and forces, some 10 ms later.
     priority : int
         Of SCHED_FIFO, where it is granted; 0: not asked for.
     cpu : int, optional
@@ -188,7 +186,6 @@ class LoopSettings(Section):
     threshold_n: Annotated[float, Range(0.0, 5.0, "N, of contacts")] = 0.0
     smoothing_ms: Annotated[float, Range(0.0, 1000.0, "ms; 0: none")] = 0.0
     tare_s: Annotated[float, Positive("seconds of an untouched skin")] = 1.0
-    fit: bool = True
     priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 80
     cpu: Annotated[int | None, Range(0, 1 << 16, "number of a processor")] = None
 
