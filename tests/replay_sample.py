@@ -109,7 +109,7 @@ def write(
             table = table + np.array([0.25, 0.0, 0.0, 0.0])
             cycle.calibrate(table)
         channels.apply_good(blocks)
-        cycle.answer(channels, wall, slot, reset=number == 0)
+        cycle.answer(channels, wall, slot, reset=number == 0, budget=10.0)
         data = bytes(blocks.data)
         position += len(data)
         _stamp(slot, wall, position)
