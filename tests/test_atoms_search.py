@@ -12,17 +12,16 @@ from scipy.interpolate import CubicSpline
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
 from skinfield.solve.atoms.alternatives_kernel import LOG_FORCES
-from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.atom_readings import predict
 from skinfield.solve.atoms.fit_kernel import NOW, SHARED, WHITE
 from skinfield.solve.atoms.fitter import (
     CURVATURE_STD,
     FLAT_RADIUS,
     FLAT_STD,
-    ContactFitter,
 )
 from skinfield.solve.atoms.search_kernel import search_atoms
 from skinfield.solve.atoms.table import BALL, FLAT, curvature_force
+from skinfield.solve.contact_fit import ContactOperator
 
 Floats = NDArray[np.float64]
 H = LAYER.thickness
@@ -31,15 +30,28 @@ BALL_6 = sf.simulate.Sphere(radius=6e-3, force=1.0)
 PLACE = (-3.8e-3, 6.1e-3)
 
 
-def fitter_of(name: str, **settings: Any) -> ContactFitter:
+class Prepared:
+    """Operator with a memory."""
+
+    def __init__(self, operator: ContactOperator) -> None:
+        self.operator, self.fitter, self.data = operator, operator.fitter, operator.data()
+        self.memory = self.data.fit.memory
+
+    def fit(self, readings: Floats) -> Any:
+        solution = self.operator.solve(readings, self.data)
+        assert solution.fit is not None
+        return solution.fit.keep()
+
+
+def fitter_of(name: str, **settings: Any) -> Prepared:
     quantity: Quantity = BaseStress() if name == "stress" else Capacitance()
     grid = sf.Grid.square(PATCH, nodes=12)
     model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), quantity, NOISE[name])
-    return ContactFitter(sf.ContactFit(extended=None, **settings), model)
+    return Prepared(sf.ContactFit(extended=None, **settings).prepare(model))
 
 
 @pytest.fixture(scope="module", name="fitters")
-def _fitters() -> dict[str, ContactFitter]:
+def _fitters() -> dict[str, Prepared]:
     return {name: fitter_of(name) for name in NOISE}
 
 
@@ -55,42 +67,45 @@ def log_curvature_force() -> CubicSpline:
     return CubicSpline(logs, [np.log(curvature_force(LAYER, float(np.exp(x) * H))) for x in logs])
 
 
-def alone(fitter: ContactFitter, atom: Floats, family: int) -> Floats:
+def alone(fitter: Prepared, atom: Floats, family: int) -> Floats:
     """What one ball or flat end (4,) is read as, (L,)."""
-    model = fitter.fit_model
+    model = fitter.fitter.fit_model
     out, jacobian = np.empty(len(PATCH)), np.empty((len(PATCH), 1, 6))
     one = np.append(atom, [0.0, 0.0])[None]
     predict(one, np.array([family]), model.taxels, model.tables, out, jacobian)
     return out
 
 
-def residuals(fitter: ContactFitter, readings: Floats, atom: Floats, family: int) -> Floats:
+def residuals(fitter: Prepared, readings: Floats, atom: Floats, family: int) -> Floats:
     """Of the readings and of the priors, made of the exact contact, and of an offset."""
-    white = fitter._data.memory.taxels[WHITE]
+    white = fitter.memory.taxels[WHITE]
     prior = (float(log_curvature_force()(atom[3])) - atom[2] - np.log(6e-3)) / CURVATURE_STD
     if family == FLAT:
         prior = (atom[3] - np.log(FLAT_RADIUS / H)) / FLAT_STD
     off = np.append((readings - alone(fitter, atom, family)) * white, 0.0)
-    common = fitter.settings.common_mode * NOISE["stress" if readings.max() > 10 else "capacitance"]
+    common = (
+        fitter.operator.solver.common_mode
+        * NOISE["stress" if readings.max() > 10 else "capacitance"]
+    )
     shared = np.append(white, 1.0 / common)  # what an offset of 1 would add
     return np.append(off - shared * (shared @ off) / (shared @ shared), prior)
 
 
-def cold(fitter: ContactFitter, readings: Floats) -> AtomFit:
-    fitter.reset()
+def cold(fitter: Prepared, readings: Floats) -> Any:
+    fitter.data.reset()
     return fitter.fit(readings)
 
 
 @pytest.mark.parametrize("name", list(NOISE))
 @pytest.mark.parametrize("seed", [1, 4])
 def test_refinement_ends_where_scipy_does(
-    fitters: dict[str, ContactFitter], name: str, seed: int
+    fitters: dict[str, Prepared], name: str, seed: int
 ) -> None:
     from scipy.optimize import least_squares
 
     fitter, readings = fitters[name], noisy(name, seed)
     fit = cold(fitter, readings)
-    memory = fitter._data.memory
+    memory = fitter.memory
     (family,) = fit.family.tolist()
     by_scipy = least_squares(
         lambda atom: residuals(fitter, readings, atom, family),
@@ -110,14 +125,12 @@ def test_refinement_ends_where_scipy_does(
     )
 
 
-def drawn(
-    fitter: ContactFitter, fit: AtomFit, readings: Floats, count: int
-) -> tuple[Floats, Floats]:
+def drawn(fitter: Prepared, fit: Any, readings: Floats, count: int) -> tuple[Floats, Floats]:
     """Samples (C, 4) of a ball about a minimum, wider than it, and their log-weights."""
     from scipy.stats import multivariate_t
 
     rng = np.random.default_rng(5)
-    inner = np.linalg.inv(fitter._data.memory.hessian[NOW, :36].reshape(6, 6)[:4, :4])
+    inner = np.linalg.inv(fitter.memory.hessian[NOW, :36].reshape(6, 6)[:4, :4])
     freedom = 5.0  # Student's t: heavier tails than what is sampled
     normal = rng.normal(size=(count, 4))
     chi = rng.chisquare(freedom, size=count) / freedom
@@ -133,7 +146,7 @@ def drawn(
     ("place", "seed"), [(PLACE, 3), ((-9e-3, 3e-3), 8)], ids=["between", "beside"]
 )
 def test_evidence_and_covariance_are_those_of_samples(
-    fitters: dict[str, ContactFitter], place: tuple[float, float], seed: int
+    fitters: dict[str, Prepared], place: tuple[float, float], seed: int
 ) -> None:
     """Importance sampling of all four parameters against Laplace and against the walk.
 
@@ -146,7 +159,7 @@ def test_evidence_and_covariance_are_those_of_samples(
     highest = log_weight.max()
     weight = np.exp(log_weight - highest)
     assert weight.sum() ** 2 / np.square(weight).sum() > 100  # effective samples
-    places = fitter.fit_model.places
+    places = fitter.fitter.fit_model.places
     area = float(np.prod(places[1] - places[0]))
     prior = -np.log(area * LOG_FORCES * CURVATURE_STD) - 0.5 * np.log(2 * np.pi)
     evidence = highest + np.log(weight.mean()) + prior
@@ -161,29 +174,27 @@ def test_evidence_and_covariance_are_those_of_samples(
     assert np.abs(off).max() < 0.5 * spread[:3].max()
 
 
-def test_more_is_never_worse_and_nothing_is_left_out(fitters: dict[str, ContactFitter]) -> None:
+def test_more_is_never_worse_and_nothing_is_left_out(fitters: dict[str, Prepared]) -> None:
     """Two balls 19 mm apart: each atom lowers the cost, the search keeps both."""
     readings = noisy("stress", 4, (-9e-3, 3e-3)) + truth(BALL_6, (1e-2, 2e-3), "stress")
     fitter, single = fitters["stress"], fitter_of("stress", most_contacts=1)
     both = cold(fitter, readings)
-    cost, threshold = float(fitter._data.memory.costs[NOW]), fitter.threshold
+    cost, threshold = float(fitter.memory.costs[NOW]), fitter.fitter.threshold
     one = cold(single, readings)
     assert len(both.atoms) == 2
     assert len(one.atoms) == 1
-    memory = single._data.memory
+    memory = single.memory
     white = memory.taxels[WHITE]
     nothing = np.square(readings * white).sum()
     nothing -= memory.sums[SHARED] * float(np.square(white) @ readings) ** 2
     assert cost + threshold < memory.costs[NOW] < 0.5 * nothing
     assert both.evidence > one.evidence > -0.5 * nothing
     fitter.fit(readings)
-    assert fitter._data.memory.costs[NOW] == pytest.approx(cost, abs=0.05)
+    assert fitter.memory.costs[NOW] == pytest.approx(cost, abs=0.05)
 
 
 @pytest.mark.parametrize("name", list(NOISE))
-def test_noise_alone_is_seldom_taken_for_a_contact(
-    fitters: dict[str, ContactFitter], name: str
-) -> None:
+def test_noise_alone_is_seldom_taken_for_a_contact(fitters: dict[str, Prepared], name: str) -> None:
     """4000 idle readings at 1e-3: 4 are expected at most, 12 would be one chance in a thousand."""
     rng = np.random.default_rng(6)
     seen = 0
@@ -193,21 +204,21 @@ def test_noise_alone_is_seldom_taken_for_a_contact(
     assert seen <= 11
 
 
-def test_the_stated_rate_sets_the_threshold(fitters: dict[str, ContactFitter]) -> None:
+def test_the_stated_rate_sets_the_threshold(fitters: dict[str, Prepared]) -> None:
     """At a rate a hundred times higher, weaker touches are found; idle ones more often, too."""
     bold, careful = fitter_of("stress", false_alarm_rate=0.1), fitters["stress"]
-    assert bold.threshold < careful.threshold
+    assert bold.fitter.threshold < careful.fitter.threshold
     rng = np.random.default_rng(7)
     idle = rng.normal(scale=NOISE["stress"], size=(600, len(PATCH)))
     seen = sum(len(cold(bold, readings).atoms) > 0 for readings in idle)
     assert 1 <= seen <= 85  # 60 and three deviations
 
 
-def test_fields_are_drawn_when_they_are_used(fitters: dict[str, ContactFitter]) -> None:
+def test_fields_are_drawn_when_they_are_used(fitters: dict[str, Prepared]) -> None:
     fitter = fitter_of("capacitance")
     fit = cold(fitter, noisy("capacitance", 4))
     assert len(fit.contacts) == 1
-    assert "_moves" not in vars(fitter._renderer)  # displacements are not tabulated
+    assert "_moves" not in vars(fitter.operator.renderer)  # displacements are not tabulated
     assert fit.displacement.any()
     idle = fitter.fit(np.zeros(len(PATCH)))
     assert idle.explained
@@ -215,9 +226,9 @@ def test_fields_are_drawn_when_they_are_used(fitters: dict[str, ContactFitter]) 
     assert not idle.pressure.any()
 
 
-def test_all_that_is_searched_is_compiled_once(fitters: dict[str, ContactFitter]) -> None:
+def test_all_that_is_searched_is_compiled_once(fitters: dict[str, Prepared]) -> None:
     for name, fitter in fitters.items():
         fitter.fit(noisy(name, 1))
         fitter.fit(noisy(name, 1, (2e-3, -5e-3)) + noisy(name, 3))
-        fitter.reset()
+        fitter.data.reset()
     assert len(search_atoms.signatures) == 1

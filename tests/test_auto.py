@@ -104,7 +104,7 @@ def test_a_ball_is_a_contact_and_a_broad_load_a_field(rec):
 
 
 def test_while_a_field_rests_no_contacts_are_sought(operator, data):
-    load, marks = broad_load(operator.model, 6), data.contacts.fitter.memory.marks
+    load, marks = broad_load(operator.model, 6), data.contacts.fit.memory.marks
     assert operator.solve(load + noise(6), data).fit is None
     assert marks[STEPS] > 0
     marks[STEPS] = 0

@@ -59,7 +59,7 @@ def tell(
         mine = cells[starts[region] : starts[region + 1]]
         total = describe(pressure, mine, numbers, row)
         row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
-        row.shape, row.maybe, row.radius = 0, 0, np.nan
+        row.shape, row.maybe, row.radius = 0, 0, np.sqrt(row.area / np.pi)
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)

@@ -19,7 +19,7 @@ from skinfield.compiled import njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_count, check_range, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
-from skinfield.solve.atoms.fit_kernel import MOST
+from skinfield.solve.atoms.fit_kernel import MOST, NOW
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.linear import GaussianField, smoothed, taxel_distance
@@ -274,21 +274,42 @@ class Auto:
 
 
 class AutoData(Data):
-    """Scratch memory of an `AutoOperator`, and its reading before."""
+    """Scratch memory of an `AutoOperator`, and its reading before.
+
+    Attributes
+    ----------
+    contacts : ContactData
+        Whose `rows` and `noise` are these.
+    count : int
+        How many of the rows hold; -1 where a field answered, in whose pressure a finder finds them.
+    """
 
     def __init__(self, operator: "AutoOperator") -> None:
         margin = DeadlineMargin(300_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
         self.contacts, self.field = operator.contact_fit.data(), operator.field.data()
         self.linear, self.contest = operator.linear_field.data(), Contest()
-        self.contacts.fitter.memory.marks[MOST] = operator.solver.most_steps
+        self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
         self.along = np.zeros((2, len(operator.model.noise_std)), np.float32)
+        self.rows, self.count = self.contacts.rows, 0
+
+    @property
+    def noise(self) -> Floats:
+        """See `ContactData.noise`."""
+        return self.contacts.noise
 
     def reset(self) -> None:
         """Forget the reading before."""
         self.contacts.reset()
         self.field.reset()
         self.contest = Contest()
+
+    def start_from(self, other: Data) -> None:
+        """Go on with the memory of another grid, from now on with the same one."""
+        if isinstance(other, AutoData):
+            self.contacts.start_from(other.contacts)
+            self.field.start_from(other.field)
+            self.contest = other.contest
 
 
 @dataclass(frozen=True, eq=False)
@@ -366,16 +387,16 @@ class AutoOperator:
         if contest.winner == FIELD and not contest.is_due(energy, contest.count):
             value = field_evidence(self.priors, readings, data.along)
             if value > contest.field - 0.5 * (contest.field - contest.contacts):
+                data.count = -1
                 solution.take(self._by_field(readings, data, deadline_ns))
                 return solution
         found = self.contact_fit.solve(readings, data.contacts, deadline_ns)
-        fit = found.fit
-        assert fit is not None  # as no field stands in there
-        count = len(fit.contacts)
-        if found.in_time and (contest.is_due(energy, count) or not fit.explained):
+        count, data.count = data.contacts.count, data.contacts.count
+        if found.in_time and (contest.is_due(energy, count) or not data.contacts.fit.explained):
             self._compare(readings, data, found, deadline_ns)
             contest.energy, contest.count = energy, count
         if contest.winner == FIELD:
+            data.count = -1
             found = self._by_field(readings, data, deadline_ns)
         solution.take(found)
         return solution
@@ -402,19 +423,27 @@ class AutoOperator:
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
     ) -> None:
         """Compare a field with the contacts, and with nothing but noise."""
-        contest, fit, white = data.contest, found.fit, 1.0 / self.noise_std
-        assert fit is not None  # as no field stands in there
+        contest, fit, white = data.contest, data.contacts.fit, 1.0 / self.noise_std
         shared, idle = self._shared, self._squares(readings)
         known, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
         nothing = known - 0.5 * idle + misfit_gain(idle, heard)
-        contacts = data.contacts.fitter.total + noise_density(white, 0.0, 0.0)
+        contacts = fit.total + noise_density(white, 0.0, 0.0)
         field = field_evidence(self.priors, readings, data.along)
         rival = max(contacts, nothing)
-        winner = contest.decide(rival, field, len(fit.contacts), self.solver.reluctance)
+        winner = contest.decide(rival, field, data.contacts.count, self.solver.reluctance)
         if winner == FIELD:
             over = self._squares(self._by_field(readings, data, deadline_ns).residual)
-            if not over < LESS * self._squares(readings - fit.predicted):
+            left = readings - fit.memory.predicted[NOW] - fit.offset
+            if not over < LESS * self._squares(left):
                 contest.winner = CONTACTS
+
+    def on(self, model: ObservationModel) -> "AutoOperator":
+        """The same for another grid of the patch; all but the fields is shared."""
+        field, linear = self.solver.field.prepare(model), self.solver.linear.prepare(model)
+        if self.valid is not None:
+            field, linear = field.without(self.valid), linear.without(self.valid)
+        contacts = self.contact_fit.on(model)
+        return replace(self, model=model, contact_fit=contacts, field=field, linear_field=linear)
 
     def without(self, valid: NDArray[np.bool_]) -> "AutoOperator":
         """See `Operator.without`."""
@@ -435,7 +464,7 @@ class AutoOperator:
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
         """See `Operator.contacts`: None where a field answered."""
-        return None if solution.fit is None else solution.fit.contacts
+        return None if solution.fit is None else solution.fit.keep().contacts
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""

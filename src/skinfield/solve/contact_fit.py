@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,32 +10,63 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.solve.atoms.atom_fit import AtomFit
+from skinfield.solve.atoms.fit_kernel import NOW
+from skinfield.solve.atoms.fitter import ContactFitter
+from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.non_negative import NonNegativeOperator
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
 
-if TYPE_CHECKING:
-    from skinfield.solve.atoms.fitter import ContactFitter
-
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 
 
 class ContactData(Data):
-    """Scratch memory of a `ContactOperator`, and its reading before."""
+    """Scratch memory of a `ContactOperator`, and its reading before.
+
+    Attributes
+    ----------
+    rows : (most,) array of CONTACT
+        Contacts of the last reading, by falling force; `patch`, `track`, `age` and `speed` are
+        left to others.
+    count : int
+        How many of the rows hold; -1 where a field answered.
+    fit : FitData
+    """
 
     def __init__(self, operator: "ContactOperator") -> None:
         margin = DeadlineMargin(300_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
-        self.fitter = operator.fitter.with_settings(operator.solver)
+        self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
+        self.fit, self._operator = operator.fitter.data(), operator
         self.field: Any = None if operator.field is None else operator.field.data()
-        self.reset()
+
+    @property
+    def noise(self) -> Floats:
+        """Deviation (L,) of what is solved next, in the quantity's unit; may be written to.
+
+        Averages have less than the operator's. Taxels that are left out count as infinite.
+        """
+        return self.fit.noise
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self.fitter.reset()
+        self.fit.reset()
         if self.field is not None:
             self.field.reset()
+
+    def start_from(self, other: Data) -> None:
+        """Go on with the memory of another grid's fit, from now on with the same one."""
+        if isinstance(other, ContactData):
+            self.fit = other.fit
+            if self.field is not None:
+                self.field.start_from(other.field)
+
+    def keep(self) -> AtomFit:
+        """What was found in the last reading, which nothing overwrites."""
+        return self._operator.fitter.answer_of(self.fit, self._operator.renderer)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +78,9 @@ class ContactOperator:
     solver : ContactFit
     model : ObservationModel
     fitter : ContactFitter
-        Of which each memory has a copy.
-    noise_std : (L,) array, in the quantity's unit
-        Infinite of taxels that are left out.
+        Shared by all grids of a patch.
+    renderer : AtomRenderer
+        For the grid.
     field : NonNegativeOperator, optional
         What answers the readings that no few contacts explain.
     valid : (L,) bool array, optional
@@ -58,8 +89,8 @@ class ContactOperator:
 
     solver: "ContactFit"
     model: ObservationModel
-    fitter: "ContactFitter"
-    noise_std: Floats
+    fitter: ContactFitter
+    renderer: AtomRenderer
     field: NonNegativeOperator | None
     valid: NDArray[np.bool_] | None = None
     linear = None  # no matrix
@@ -90,57 +121,65 @@ class ContactOperator:
         """Make its scratch memory."""
         return ContactData(self)
 
+    def on(self, model: ObservationModel) -> "ContactOperator":
+        """The same fit for another grid of the patch; all but the field is shared."""
+        physics, valid = model.physics, self.valid
+        assert physics is not None  # as it is that of the grid before
+        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        field = None if self.solver.extended is None else self.solver.extended.prepare(model)
+        if field is not None and valid is not None:
+            field = field.without(valid)
+        return replace(self, model=model, renderer=renderer, field=field)
+
     def solve(
         self, readings: Floats, data: ContactData, deadline_ns: int | None = None
     ) -> Solution:
-        """See `Operator.solve`; for the moment arrays are allocated."""
-        readings, solution = data.heard(readings, self.valid), data.solution
-        data.fitter.take_noise(self.noise_std)
-        fit = data.fitter.fit(readings, deadline_ns)
+        """See `Operator.solve`."""
+        readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
+        self.fitter.fit(readings, fit, self.valid, deadline_ns)
         late = deadline_ns is not None and time.perf_counter_ns() >= deadline_ns
+        notes = self.fitter.notes(fit)
         if not (fit.explained or late or self.field is None):
             field = self.field.solve(readings - fit.offset, data.field, deadline_ns)
-            left = self._squares(readings - fit.predicted)
-            if self._squares(field.residual) < LESS * left:
-                note = "more than few contacts: a non-negative field answers"
+            left = fit.squares(readings - fit.memory.predicted[NOW] - fit.offset)
+            if fit.squares(field.residual) < LESS * left:
                 solution.take(field)
-                solution.notes, solution.offset = (note, *fit.notes), fit.offset
+                solution.notes = ("more than few contacts: a non-negative field answers", *notes)
+                solution.offset, data.count = fit.offset, -1
                 return solution
-        name, nothing = type(self.solver).__name__, float("nan")
-        parts = fit.pressure, readings, name, self, nothing, nothing, fit.evidence, 0
-        in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
-        solution.take(Solution(*parts, in_time, fit.notes, fit.offset, fit))
+        solution.operator, solution.fit, solution.notes = self, data, notes
+        solution.solver, solution.offset = type(self.solver).__name__, fit.offset
+        solution.gap = solution.objective = float("nan")
+        solution.evidence, solution.steps = float(fit.search.known[0]), 0
+        np.copyto(solution.readings, readings)
+        data.count = self.fitter.write(fit, self.renderer, solution.pressure, data.rows)
+        solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
-
-    def _squares(self, left: Floats) -> float:
-        """Of what is left over of readings (L,), over their noise."""
-        return float(np.square(left / self.noise_std).sum())
 
     def without(self, valid: NDArray[np.bool_]) -> "ContactOperator":
         """See `Operator.without`; nothing is prepared anew."""
-        noise = np.where(valid, self.model.noise_std, np.inf)
         field = None if self.field is None else self.field.without(valid)
-        return replace(self, noise_std=noise, field=field, valid=np.array(valid, np.bool_))
+        return replace(self, field=field, valid=np.array(valid, np.bool_))
 
     def predicted(self, solution: Solution) -> Floats:
         """See `Operator.predicted`."""
         if solution.fit is not None:
-            return solution.fit.predicted
+            return solution.fit.keep().predicted
         return np.asarray(self.model.matrix @ solution.pressure)
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
         """See `Operator.contacts`: None where the field answered."""
-        return None if solution.fit is None else solution.fit.contacts
+        return None if solution.fit is None else solution.fit.keep().contacts
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""
         if solution.fit is not None:
-            return solution.fit.pressure_std
+            return solution.fit.keep().pressure_std
         return self.noise.std if self.field is None else self.field.pressure_std()
 
     def displacement(self, solution: Solution) -> Floats | None:
         """See `Operator.displacement`."""
-        return None if solution.fit is None else solution.fit.displacement
+        return None if solution.fit is None else solution.fit.keep().displacement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,8 +218,12 @@ class ContactFit(FitSettings):
 
     def prepare(self, model: ObservationModel) -> ContactOperator:
         """Tabulate what single contacts are read as, and templates of them all over the patch."""
-        from skinfield.solve.atoms.fitter import ContactFitter
-
-        fitter = ContactFitter(self, model)
-        fitter.run_in()
-        return ContactOperator(self, model, fitter, model.noise_std, fitter.extended)
+        fitter, physics = ContactFitter(self, model), model.physics
+        assert physics is not None  # the fitter checks it
+        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        field = None if self.extended is None else self.extended.prepare(model)
+        operator = ContactOperator(self, model, fitter, renderer, field)
+        data = operator.data()
+        for reading in fitter.touches():
+            operator.solve(reading, data)  # a first reading is as fast as the next
+        return operator

@@ -107,6 +107,18 @@ class Fit(Protocol):
         """On the answer, in sentences."""
         ...
 
+    def keep(self) -> "Fit":
+        """Itself."""
+        ...
+
+
+class FitSource(Protocol):
+    """A fit, or the memory that holds one until the next reading."""
+
+    def keep(self) -> Fit:
+        """The fit, which nothing overwrites."""
+        ...
+
 
 @dataclass(eq=False)
 class Solution:
@@ -134,7 +146,7 @@ class Solution:
     notes : tuple of str
     offset : float, in the quantity's unit
         That all taxels are taken to share.
-    fit : Fit, optional
+    fit : FitSource, optional
         Of a solver that finds contacts by itself.
     """
 
@@ -149,7 +161,7 @@ class Solution:
     in_time: bool = True
     notes: tuple[str, ...] = ()
     offset: float = 0.0
-    fit: Fit | None = None
+    fit: FitSource | None = None
 
     @property
     def residual(self) -> Floats:
@@ -161,6 +173,7 @@ class Solution:
         other = object.__new__(Solution)  # several times as quick as `copy.copy`
         vars(other).update(vars(self))
         other.pressure, other.readings = self.pressure.copy(), self.readings.copy()
+        other.fit = None if self.fit is None else self.fit.keep()
         return other
 
     def take(self, other: "Solution") -> None:

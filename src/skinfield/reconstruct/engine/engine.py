@@ -70,7 +70,7 @@ class Engine:
     ------
     InputError
         For arguments that do not fit, and for a solver that has neither a linear operator nor a
-        search that can be cut short, such as `ContactFit`.
+        test of idle patches.
 
     Notes
     -----
@@ -212,6 +212,7 @@ class Engine:
         self,
         readings: Floats,
         valid: NDArray[np.bool_] | None = None,
+        deviation: Floats | None = None,
         *,
         budget: float | None = None,
     ) -> None:
@@ -224,6 +225,9 @@ class Engine:
             mark taxels that did not answer; a patch without any other is missing.
         valid : (N,) bool array, optional
             False for further taxels to leave out.
+        deviation : (N,) float64 array, optional
+            Standard deviation of each reading, as of means of several, for solvers that find
+            contacts. Default the engine's `noise_std`, by which all else goes.
         budget : float, s, optional
 
         Raises
@@ -233,7 +237,7 @@ class Engine:
         """
         start = self._begin(budget)
         self._work.logging = False
-        self._work.intake.take_flat(readings, valid)
+        self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 
     def _begin(self, budget: float | None) -> int:
@@ -283,6 +287,11 @@ class Engine:
         assert self._double is not None
         self._double.run(*self._shadow.next_touch(), budget=budget)
         self._shadow.touch()
+
+    @property
+    def finds_contacts(self) -> bool:
+        """Whether the solver finds contacts by itself."""
+        return self._work.finds_contacts
 
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""

@@ -183,7 +183,7 @@ def finest_within(work: Clockwork, seconds: float, least: int) -> int:
     return least
 
 
-LEAST = 60e-6  # s in which a search for contacts comes to something
+LEAST, TURN = 60e-6, 150e-6  # s in which a search for contacts comes to something, and to an end
 
 
 def find_contacts(work: Clockwork, hot: Ints) -> Ints:
@@ -210,10 +210,11 @@ def search_in_turn(work: Clockwork, hot: Ints) -> bool:
     for patch in work.in_turn(hot).tolist():
         if state.answer[patch] == LINEAR:
             start = work.clock()
-            allowance = (work.end - start) * NS / waiting
-            if allowance < LEAST and state.age[patch] < PATIENCE:
+            left = (work.end - start) * NS
+            if left < LEAST and state.age[patch] < PATIENCE:
                 return False
-            find_contacts_of(work, patch, start, start + int(max(allowance, LEAST) / NS))
+            allowance = max(min(left, TURN), left / waiting, LEAST)
+            find_contacts_of(work, patch, start, start + int(allowance / NS))
         waiting -= 1
     return True
 
@@ -224,6 +225,7 @@ def find_contacts_of(work: Clockwork, patch: int, start: int, deadline: int) -> 
     group, place = work.places[patch]
     masked = not work.intake.all_valid and bool(state.invalid[patch])
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
+    data.noise[:] = work.deviation_rows[patch]
     solution = operator.solve(work.raw_rows[patch], data, deadline)
     state.answer[patch] = FEASIBLE if data.count < 0 else CONTACTS
     state.rung[patch] = state.at[patch] = rung

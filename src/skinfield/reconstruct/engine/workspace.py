@@ -33,7 +33,7 @@ class Clockwork:
         Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
-    raw_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -91,7 +91,8 @@ class Clockwork:
         parts = ((group.first, group.count) for group in groups)
         self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
+        raw = [intake.raw_of(patch) for patch in range(len(self.places))]
+        self.raw_rows, self.deviation_rows = zip(*raw, strict=True)
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (

@@ -10,6 +10,7 @@ from skinfield.estimate import Contact
 from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
+from skinfield.solve.atoms.rows_kernel import HIDDEN, ODD, ROUND
 from skinfield.solve.atoms.table import RING
 
 
@@ -17,10 +18,8 @@ def _model_error(place: float, force: float) -> Floats:
     return np.diag(np.square([place, place, force, force, 0.0, 0.0]))
 
 
-# What no residual shows, in thicknesses, and part of the force: scale of the modulus and of the
-# thickness, a body that is no perfect ball, flat end, line or ring; and more per model error.
-ROUND_ERROR, ODD_ERROR = _model_error(0.05, 0.07), _model_error(0.25, 0.1)
-HIDDEN = _model_error(3.0, 1.5)
+ROUND_ERROR, ODD_ERROR = _model_error(*ROUND), _model_error(*ODD)
+HIDDEN_ERROR = _model_error(*HIDDEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +63,10 @@ class AtomFit:
     explained: bool
     notes: tuple[str, ...]
 
+    def keep(self) -> "AtomFit":
+        """Itself: nothing overwrites it."""
+        return self
+
     @property
     def parameters(self) -> int:
         """Numbers that were fitted: four of each atom, six of a drawn-out one."""
@@ -77,7 +80,7 @@ class AtomFit:
         atoms, covariance = np.empty_like(self.atoms), np.empty_like(self.covariance)
         for index, (atom, known) in enumerate(zip(self.atoms, self.covariance, strict=True)):
             odd = np.any(atom[4:]) or self.family[index] == RING
-            error = known + (ODD_ERROR if odd else ROUND_ERROR) + HIDDEN * self.model_error**2
+            error = known + (ODD_ERROR if odd else ROUND_ERROR) + HIDDEN_ERROR * self.model_error**2
             mean = atom + self.offsets[index] if self.at_mean else atom
             atoms[index], covariance[index] = stated(mean, error, self.thickness)
         return drawable(atoms, self.family, covariance, self.thickness)

@@ -1,10 +1,10 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
-import copy
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
@@ -33,6 +33,7 @@ from skinfield.solve.atoms.fit_kernel import (
 from skinfield.solve.atoms.misfit_kernel import evidence_of_errors
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render import AtomRenderer
+from skinfield.solve.atoms.rows_kernel import Drawing, write_rows
 from skinfield.solve.atoms.search_kernel import search_atoms
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import atom_tables
@@ -90,29 +91,65 @@ QUIETER = 2.0  # times the stated precision, from which the noise is less than w
 class FitData:
     """Scratch memory of a contact fit, and what it remembers of the reading before.
 
-    Its `total` is the logarithm of the marginal likelihood of the atoms, whatever the model error,
-    over the density of the stated noise at 0.
-
     Parameters
     ----------
-    operator : ContactFitter
+    fitter : ContactFitter
+
+    Attributes
+    ----------
+    noise : (L,) array, in the quantity's unit
+        Deviation of what is solved next; infinite of taxels that shall not be heard.
+    total : float
+        Logarithm of the marginal likelihood of the atoms, whatever the model error, over the
+        density of the stated noise at 0.
+    offset : float, in the quantity's unit
+        That all taxels are taken to share.
+    explained : bool
+        Whether noise and model error account for what is left over.
     """
 
-    def __init__(self, operator: "ContactFitter") -> None:
-        settings, most = operator.settings, operator.settings.most_contacts
-        self.memory = FitMemory.of(operator.fit_model, most)
-        self.search = SearchMemory.of(operator.bank, most, settings.starts)
+    def __init__(self, fitter: "ContactFitter") -> None:
+        settings, most = fitter.settings, fitter.settings.most_contacts
+        self.memory = FitMemory.of(fitter.fit_model, most)
+        self.search = SearchMemory.of(fitter.bank, most, settings.starts)
         self.posterior = PosteriorMemory.of(most)
-        self.noise = operator.model.noise_std.copy()
-        self.threshold = operator.threshold
+        self.drawing = Drawing.of(most)
+        self.noise = fitter.model.noise_std.copy()
+        self.heard = self.noise.copy()  # infinite of taxels that are left out
+        self.threshold = fitter.threshold
         self.scale = 1.0
         self.compared = 0.0
         self.before = np.zeros(most + 1, np.int64)  # families of the reading before, their number
-        self.misfit = self.spread = operator.settings.model_error
+        self.misfit = self.spread = fitter.settings.model_error
         self.evidence = np.zeros(len(ERRORS))  # of model errors, by this reading
         self.last, self.learnt = self.evidence, self.evidence  # by the one and all presses before
         self.presses, self.place = 0, np.full(2, np.inf)
-        self.total = 0.0
+        self.total = self.offset = 0.0
+        self.explained = True
+
+    @property
+    def count(self) -> int:
+        """Atoms of the answer."""
+        return int(self.memory.counts[NOW])
+
+    @property
+    def at_mean(self) -> bool:
+        """Whether the posterior's mean is the answer: its error is smaller.
+
+        Where what is left over is model error, no mean of it is known.
+        """
+        return not self.memory.taxels[WHITE].max() * self.heard.min() > QUIETER
+
+    def take_noise(self, valid: NDArray[np.bool_] | None) -> None:
+        """Go by the present noise, with all taxels or with those of a mask (L,)."""
+        noise = self.noise if valid is None else np.where(valid, self.noise, np.inf)
+        if not np.array_equal(noise, self.heard):
+            np.copyto(self.heard, noise)
+            self.posterior.known[:] = 0
+
+    def squares(self, left: Floats) -> float:
+        """Of what is left over of readings (L,), over their noise."""
+        return float(np.square(left / self.heard).sum())
 
     def reset(self) -> None:
         """Forget the reading before."""
@@ -137,7 +174,7 @@ class FitData:
 
 
 class ContactFitter:
-    """Finds contacts reading by reading; for one thread at a time.
+    """Finds contacts reading by reading: prepared once, for all grids of a patch.
 
     Parameters
     ----------
@@ -177,86 +214,60 @@ class ContactFitter:
         self.fit_model = FitModel(taxels, tables, priors, np.array([low, high]))
         self.bank: Templates = make_templates(self.fit_model, 1.0 / model.noise_std)
         self.threshold = significant(settings.false_alarm_rate, len(model.taxels))
-        self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
-        self.extended = settings.extended.prepare(model) if settings.extended else None
-        self._data = FitData(self)
 
-    @property
-    def noise(self) -> Floats:
-        """Of the readings (L,); the model's, until `take_noise`."""
-        return self._data.noise
+    def data(self) -> FitData:
+        """Make scratch memory."""
+        return FitData(self)
 
-    @property
-    def memory(self) -> FitMemory:
-        """What is known of the last reading."""
-        return self._data.memory
-
-    def run_in(self) -> None:
-        """Load all that is compiled: a first reading is as fast as the next."""
+    def touches(self) -> list[Floats]:
+        """Readings (L,) of touches by which all that is compiled is run."""
         bank = self.bank
         strongest = int(np.argmax(bank.norms))
         block = int(np.searchsorted(bank.firsts, strongest, side="right")) - 1
         template = np.zeros(len(self.model.taxels))
         np.add.at(template, bank.taxels[block], bank.templates[strongest])
-        for strength in FIRST:
-            fit = self.fit(template * (strength * self.model.noise_std))
-        _ = fit.pressure, fit.contacts
-        self.reset()
+        return [template * (strength * self.model.noise_std) for strength in FIRST]
 
-    def with_settings(self, settings: FitSettings) -> "ContactFitter":
-        """Share all that is prepared, with a memory of its own: for patches of equal geometry.
-
-        `settings` may differ in what is weighed, not in how many atoms or starts there are.
-        """
-        other = copy.copy(self)
-        other.settings = settings
-        other._data = FitData(other)
-        return other
-
-    @property
-    def total(self) -> float:
-        """Evidence of the last answer; see `FitData`."""
-        return self._data.total
-
-    def take_noise(self, noise: Floats) -> None:
-        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard."""
-        if not np.array_equal(noise, self._data.noise):
-            self._data.noise = np.array(noise, dtype=np.float64)
-            self._data.posterior.known[:] = 0
-
-    def take_rate(self, false_alarm_rate: float) -> None:
-        """See a contact in another share of idle readings than the settings have it."""
-        self._data.threshold = significant(false_alarm_rate, len(self.model.taxels))
-
-    def reset(self) -> None:
-        """Forget the reading before."""
-        self._data.reset()
-
-    def fit(self, readings: Floats, deadline_ns: int | None = None) -> AtomFit:
-        """See `ContactOperator.fit`."""
-        data = self._data
+    def fit(
+        self,
+        readings: Floats,
+        data: FitData,
+        valid: NDArray[np.bool_] | None = None,
+        deadline_ns: int | None = None,
+    ) -> None:
+        """Find the contacts of readings (L,), 0 where not `valid`; see `ContactOperator.solve`."""
         memory = data.memory
+        data.take_noise(valid)
         self._search(readings, data, deadline_ns or 0)
-        count = int(memory.counts[NOW])
-        family = memory.family[NOW, :count].copy()
-        data.before[:count], data.before[-1] = family, count
-        predicted = memory.predicted[NOW].copy()
-        offset = self._offset(memory, predicted)
+        count = data.count
+        data.before[:count], data.before[-1] = memory.family[NOW, :count], count
+        data.offset = self._offset(memory, memory.predicted[NOW])
+        data.explained = self._explains(memory) and data.misfit < LARGEST
+
+    def write(
+        self, data: FitData, renderer: AtomRenderer, pressure: Floats, rows: NDArray[np.void]
+    ) -> int:
+        """Write pressure (K,) and rows of `CONTACT` of the last answer; how many there are."""
+        known = data.memory, data.posterior, data.at_mean, data.spread, data.drawing
+        return int(write_rows(renderer.rows, *known, pressure, rows))
+
+    def answer_of(self, data: FitData, renderer: AtomRenderer) -> AtomFit:
+        """The last answer, drawn by a renderer when it is used."""
+        memory, count = data.memory, data.count
         return AtomFit(
-            renderer=self._renderer,
+            renderer=renderer,
             thickness=self._thickness,
             atoms=memory.atoms[NOW, :count].copy(),
             offsets=data.posterior.offsets[:count].copy(),
             covariance=data.posterior.covariance[:count].copy(),
-            family=family,
+            family=memory.family[NOW, :count].copy(),
             model_error=data.spread,
-            # where what is left over is model error, no mean of it is known
-            at_mean=not memory.taxels[WHITE].max() * data.noise.min() > QUIETER,
-            predicted=predicted + offset,
-            offset=offset,
+            at_mean=data.at_mean,
+            predicted=memory.predicted[NOW] + data.offset,
+            offset=data.offset,
             evidence=float(data.search.known[0]),
-            explained=self._explains(memory) and data.misfit < LARGEST,
-            notes=self._notes(data, count, offset),
+            explained=data.explained,
+            notes=self.notes(data),
         )
 
     def _offset(self, memory: FitMemory, predicted: Floats) -> float:
@@ -264,11 +275,11 @@ class ContactFitter:
         return float(memory.sums[SHARED] * (weight @ (memory.taxels[READINGS] - predicted)))
 
     def _common(self, data: FitData) -> float:
-        return self.settings.common_mode * float(data.noise[np.isfinite(data.noise)].mean())
+        return self.settings.common_mode * float(data.heard[np.isfinite(data.heard)].mean())
 
-    def _notes(self, data: FitData, count: int, offset: float) -> tuple[str, ...]:
-        """What is to be told of an answer with as many contacts, in sentences."""
-        notes = []
+    def notes(self, data: FitData) -> tuple[str, ...]:
+        """What is to be told of the last answer, in sentences."""
+        notes, count, offset = [], data.count, data.offset
         if data.memory.marks[LATE]:
             steps, most = data.memory.marks[STEPS], data.memory.marks[MOST]
             end = f"after {steps} steps" if steps >= most > 0 else "at the deadline"
@@ -301,9 +312,9 @@ class ContactFitter:
     def _noise(self, data: FitData) -> Floats:
         """What a taxel may be off by where the model holds, (L,): noise, and the tables' error."""
         highest = float(np.abs(data.memory.taxels[READINGS]).max())
-        return np.hypot(data.scale * data.noise, TABULATED * highest)
+        return np.hypot(data.scale * data.heard, TABULATED * highest)
 
-    def weigh(self, readings: Floats, data: FitData, error: float) -> None:
+    def _weigh(self, readings: Floats, data: FitData, error: float) -> None:
         """Take in a reading (L,) with a model error, in parts of what the taxels around it read."""
         memory = data.memory
         memory.taxels[READINGS] = readings
@@ -323,7 +334,7 @@ class ContactFitter:
         if not self.settings.warm:
             data.reset()
         warm = bool(data.before[-1])
-        heard = readings / data.noise
+        heard = readings / data.heard
         energy, strong = float(np.square(heard).sum()), float(np.abs(heard).max()) > STRONG
         thorough = not warm or not data.compared / RISE < energy < data.compared * RISE
         if thorough:
@@ -346,7 +357,7 @@ class ContactFitter:
             memory.counts[NOW] -= 1
             for row in (memory.atoms[NOW], memory.family[NOW]):
                 row[index:-1] = row[index + 1 :].copy()
-            self.weigh(readings, data, data.misfit)
+            self._weigh(readings, data, data.misfit)
             self._run(data, SETTLE, False, deadline)
             value = self._infer(data)
             if value > best + BETTER:
@@ -356,7 +367,7 @@ class ContactFitter:
             index += 1
         data.total = best
         self._learn(data)
-        self.weigh(readings, data, data.spread)
+        self._weigh(readings, data, data.spread)
         self._run(data, EXPLORE, False, deadline)
 
     def _run(self, data: FitData, purpose: int, shapes: bool, deadline: int) -> None:
@@ -368,7 +379,7 @@ class ContactFitter:
             data.search,
             data.posterior,
             SearchRules(data.threshold, settings.most_contacts, settings.starts, purpose),
-            data.noise,
+            data.heard,
             shapes,
             deadline,
         )
@@ -379,7 +390,7 @@ class ContactFitter:
         """Search with a model error, and infer noise and error by what is found: the evidence."""
         memory = data.memory
         for turn in range(ROUNDS):
-            self.weigh(readings, data, min(error, COARSE))
+            self._weigh(readings, data, min(error, COARSE))
             self._run(data, SEEK, shapes or turn > 0, deadline)
             step = self._noise_scale(data)
             if step == 1.0 or memory.marks[LATE]:
@@ -392,7 +403,7 @@ class ContactFitter:
     def _infer(self, data: FitData) -> float:
         """Infer the model error from what the atoms leave and presses before; their evidence."""
         memory, out = data.memory, np.empty(len(ERRORS))
-        squares = self._squares(memory) if memory.counts[NOW] else np.zeros((2, len(data.noise)))
+        squares = self._squares(memory) if memory.counts[NOW] else np.zeros((2, len(data.heard)))
         noise = self._noise(data)
         evidence_of_errors(
             self.fit_model,
@@ -415,7 +426,7 @@ class ContactFitter:
         data.misfit = float(np.exp(share @ np.log(ERRORS)))
         data.spread = float(np.sqrt(share @ np.square(ERRORS)))
         heard = np.isfinite(noise)
-        return evidence - float(np.log(noise[heard] / data.noise[heard]).sum())
+        return evidence - float(np.log(noise[heard] / data.heard[heard]).sum())
 
     def _learn(self, data: FitData) -> None:
         """Count what the press before says of the model error, where this is another one."""

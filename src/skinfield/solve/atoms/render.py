@@ -35,6 +35,7 @@ from skinfield.solve.atoms.render_tables import (
     displacement_table,
     pressure_table,
 )
+from skinfield.solve.atoms.rows_kernel import RowGrid
 from skinfield.solve.atoms.table import BALL, FLAT
 
 NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
@@ -199,6 +200,13 @@ class AtomRenderer:
         self.grid, self._layer, self._mechanics = grid, layer, mechanics
         self._surface = pressure_table(layer, cast(Hashable, mechanics))
         self._mesh = mesh_of(grid)
+
+    @cached_property
+    def rows(self) -> RowGrid:
+        """What rows of contacts are written by."""
+        grid = self.grid
+        places = np.array(grid.positions), np.array(grid.normals)
+        return RowGrid(self._mesh, *places, self._surface, self._layer.thickness)
 
     @cached_property
     def _moves(self) -> DisplacementTable:

@@ -10,17 +10,22 @@ import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
+from skinfield.estimate.live_contacts import SHAPES
+from skinfield.solve.atoms.contacts import LINE
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import GridMesh, pressure_at, render
 from skinfield.solve.atoms.render_tables import PressureTable
-from skinfield.solve.atoms.table import BALL, RIM, RING
+from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 
 PEARLS = 64  # small balls that all rings together become
 FEWEST, MOST = 8, 32  # of one ring
 SHARE = 0.5  # thicknesses between them
-ROUND = np.array([0.02, 0.03])  # what presses is no perfect ball or flat end: place in thicknesses,
-ODD = np.array([0.25, 0.1])  # and part of the force; nor a perfect line or ring
+# What no residual shows, in thicknesses, and part of the force: scale of the modulus and of the
+# thickness, a body that is no perfect ball, flat end, line or ring; and more per model error.
+ROUND, ODD = np.array([0.05, 0.07]), np.array([0.25, 0.1])
+HIDDEN = np.array([3.0, 1.5])
+OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
 FINE = 48  # places along the sides of a body of several atoms, of which its area is counted
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
 
@@ -41,7 +46,7 @@ class Drawing(NamedTuple):
     order : (W,) int array
         Bodies by falling force.
     sums : (3, W) array
-        Of bodies: their force, N, and room.
+        Of bodies: their force, N; and of the model: what it is wrong by.
     by : (2, 6, 6) array
         Room.
     """
@@ -78,8 +83,6 @@ class RowGrid(NamedTuple):
     positions, normals : (K, 3) arrays
     surface : PressureTable
     thickness : float, m
-    patch : int
-        For the rows.
     """
 
     mesh: GridMesh
@@ -87,7 +90,6 @@ class RowGrid(NamedTuple):
     normals: Floats
     surface: PressureTable
     thickness: float
-    patch: int
 
 
 @inner(_nrt=False)
@@ -135,12 +137,12 @@ def draw_atom(
         by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
         by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
     covariance = drawing.covariance[place]
-    error = ODD if long or ring else ROUND
+    error, hidden = ODD if long or ring else ROUND, drawing.sums[1, 0]
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
         if i < 4:
-            covariance[i, i] += error[i // 2] ** 2
+            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -249,7 +251,7 @@ def is_inside(drawing: Drawing, count: int, body: int, x: float, y: float) -> bo
     return False
 
 
-@inner(_nrt=False)
+@inner
 def describe_body(
     grid: RowGrid, drawing: Drawing, count: int, body: int, pressure: Floats, row: Any
 ) -> None:
@@ -291,7 +293,13 @@ def describe_body(
                 at_x, at_y = low_x + u * (high_x - low_x), low_y + v * (high_y - low_y)
                 inside += is_inside(drawing, count, body, at_x, at_y)
         area = (high_x - low_x) * (high_y - low_y) * inside / FINE**2
-    row.patch, row.area, row.normal_force = grid.patch, area, total
+    row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
+    if members == 1:
+        atom = drawing.atoms[body]
+        row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
+        if atom[4] > LINE * atom[3]:
+            row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
+    row.area, row.normal_force = area, total
     row.force_std, row.place_std = np.sqrt(force), np.sqrt(0.5 * (place_x + place_y))
     row.x, row.y = x, y
     spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
@@ -364,6 +372,7 @@ def write_rows(
     memory: FitMemory,
     post: PosteriorMemory,
     at_mean: bool,
+    error: float,
     drawing: Drawing,
     pressure: Floats,
     rows: Any,
@@ -371,7 +380,9 @@ def write_rows(
     """Write the pressure (K,), Pa, and the contacts of NOW, by falling force; how many there are.
 
     Rows beyond their number keep what they had; where there are more contacts, the strongest count.
+    `error` is what the model is wrong by, part of what taxels read.
     """
+    drawing.sums[1, 0] = error
     count = draw(memory, post, grid.thickness, at_mean, drawing)
     render(drawing.atoms[:count], drawing.family[:count], grid.surface, grid.mesh, pressure)
     found, forces, order = 0, drawing.sums[0], drawing.order
@@ -390,4 +401,4 @@ def write_rows(
         found += 1
     for place in range(min(found, len(rows))):
         describe_body(grid, drawing, count, order[place], pressure, rows[place])
-    return found
+    return min(found, len(rows))
