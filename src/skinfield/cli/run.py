@@ -14,17 +14,16 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live as Screen
 
-import skinfield as sf
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
 from skinfield.cli.profiles import SkinProfile
 from skinfield.cli.settings import (
-    LiveModelSettings,
-    LiveSolverName,
     LoopSettings,
+    ModelSettings,
     RecordSettings,
     Settings,
     SkinSettings,
+    SolverName,
     SourceSettings,
     changed,
     toml_from_settings,
@@ -60,7 +59,7 @@ def run(
     force: options.Force = False,
     skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
     source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
-    model: Annotated[LiveModelSettings, options.part("Model")] = LiveModelSettings(),
+    model: Annotated[ModelSettings, options.part("Model")] = ModelSettings(),
     loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
     page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
     bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
@@ -177,7 +176,7 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         layer=options.layer_of(wanted.skin, profile),
         mechanics=options.mechanics_of(model.mechanics or profile.mechanics),
         quantity=options.quantity_of(model.quantity or "capacitance"),
-        solver=live_solver(model.solver or "nonnegative"),
+        solver=options.solver_of(model.solver or "auto"),
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
         gain=options.filled(wanted.skin, profile).gain,
@@ -189,15 +188,6 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         tare_seconds=loop.tare_s,
         real_time=RealTime(priority=loop.priority, cpu=loop.cpu),
     )
-
-
-def live_solver(name: str) -> Any:
-    """As elsewhere, but for the gap to which a search goes."""
-    from skinfield.loop.settings import LIVE_TOLERANCE
-
-    if name == "nonnegative":
-        return sf.NonNegative(tolerance=LIVE_TOLERANCE)
-    return options.solver_of(name)
 
 
 def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) -> Any:
@@ -277,9 +267,9 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         recordings=Recordings(
             name, recorders, RecordingSource, Path(), lambda text: controller.say("error", text)
         ),
-        solvers=get_args(LiveSolverName),
-        solver=wanted.model.solver or "nonnegative",
-        choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
+        solvers=get_args(SolverName),
+        solver=wanted.model.solver or "auto",
+        choose=lambda solver: supervisor.reconfigure(solver=options.solver_of(solver)),
         tare_seconds=wanted.loop.tare_s,
     )
     try:
