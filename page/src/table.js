@@ -109,7 +109,7 @@ function swatch(slot) {
 
 /** A contact that may be two says so. */
 function orTwo({ maybe }) {
-  return maybe ? element("small", { class: "or-two", text: " or two" }) : null;
+  return maybe ? element("small", { class: "or-two", text: " · two?" }) : null;
 }
 
 function place({ x, y }) {

@@ -90,7 +90,7 @@ export class Marks {
     }
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
-      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? " · 1 or 2" : ""}`,
+      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? " · two?" : ""}`,
       detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
       accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,

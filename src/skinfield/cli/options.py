@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     KnownQuantity = sf.BaseStress | sf.Capacitance | sf.Gap
 
 SOLVERS = {
+    "auto": "Auto",
     "gaussian": "GaussianField",
     "contact": "ContactFit",
     "nonnegative": "NonNegative",

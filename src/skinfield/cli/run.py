@@ -14,17 +14,16 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live as Screen
 
-import skinfield as sf
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
 from skinfield.cli.profiles import SkinProfile
 from skinfield.cli.settings import (
-    LiveModelSettings,
-    LiveSolverName,
     LoopSettings,
+    ModelSettings,
     RecordSettings,
     Settings,
     SkinSettings,
+    SolverName,
     SourceSettings,
     changed,
     toml_from_settings,
@@ -60,7 +59,7 @@ def run(
     force: options.Force = False,
     skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
     source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
-    model: Annotated[LiveModelSettings, options.part("Model")] = LiveModelSettings(),
+    model: Annotated[ModelSettings, options.part("Model")] = ModelSettings(),
     loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
     page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
     bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
@@ -268,7 +267,7 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         recordings=Recordings(
             name, recorders, RecordingSource, Path(), lambda text: controller.say("error", text)
         ),
-        solvers=get_args(LiveSolverName),
+        solvers=get_args(SolverName),
         solver=wanted.model.solver or "auto",
         choose=lambda solver: supervisor.reconfigure(solver=options.solver_of(solver)),
         tare_seconds=wanted.loop.tare_s,

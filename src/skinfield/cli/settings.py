@@ -19,8 +19,9 @@ from skinfield.settings import (
     value_from_toml,
 )
 
-LiveSolverName = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
-SolverName = Literal[LiveSolverName, "contact"]
+SolverName = Literal[
+    "auto", "gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse", "contact"
+]
 MechanicsName = Literal["layer", "covered-layer", "half-space"]
 QuantityName = Literal["capacitance", "gap", "stress"]
 FASTEST = 1e5  # cycles per second
@@ -136,19 +137,6 @@ class ModelSettings(Section):
 
 
 @dataclass(frozen=True, kw_only=True)
-class LiveModelSettings(ModelSettings):
-    """The same of a live skin; see `ModelSettings`.
-
-    Parameters
-    ----------
-    solver : str, optional
-        How readings become pressure. Default nonnegative.
-    """
-
-    solver: LiveSolverName | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
 class LoopSettings(Section):
     """When cycles are, what they publish, and what is asked of the system.
 
@@ -221,7 +209,7 @@ class Settings(Section):
 
     skin: SkinSettings = field(default_factory=SkinSettings)
     source: SourceSettings = field(default_factory=SourceSettings)
-    model: LiveModelSettings = field(default_factory=LiveModelSettings)
+    model: ModelSettings = field(default_factory=ModelSettings)
     loop: LoopSettings = field(default_factory=LoopSettings)
     page: PageSettings = field(default_factory=PageSettings)
     bridges: BridgeSettings = field(default_factory=BridgeSettings)
