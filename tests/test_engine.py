@@ -44,7 +44,8 @@ def test_linear_answers_are_those_of_reconstructors(linear: Engine) -> None:
     assert not estimates.report.overrun
     assert estimates.report.spent > 0
     for patch in SKIN:
-        rec = sf.Reconstructor(patch, LAYER, sf.Grid.square(patch, RUNGS[-1]), noise_std=NOISE)
+        grid, solver = sf.Grid.square(patch, RUNGS[-1]), sf.GaussianField()
+        rec = sf.Reconstructor(patch, LAYER, grid, solver=solver, noise_std=NOISE)
         ours, alone = estimates[patch.name], rec(readings[patch.name])
         assert ours.grid.patch is patch
         assert ours.stamp_ns == 7
@@ -172,7 +173,7 @@ def test_other_linear_solvers(solver: Any, power: float) -> None:
 
 
 def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
-    readings, solver = readings_of(SKIN, ("icub_triangle",)), sf.ContactFit()
+    readings, solver = readings_of(SKIN, ("icub_triangle",)), sf.Auto()
     engine, rec = (
         engine_of(solver, TRIANGLE),
         sf.Reconstructor(
@@ -189,7 +190,7 @@ def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
 
 def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> None:
     reading = readings_of(SKIN, ("icub_triangle",))[TRIANGLE.name]
-    engine = engine_of(sf.ContactFit(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
+    engine = engine_of(sf.Auto(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
     first, further = engine([reading, reading]).values()
     assert np.array_equal(first.pressure, further.pressure)
     assert FOUND_IN_FIELD in further.notes
@@ -198,7 +199,7 @@ def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> N
 
 def test_arguments_that_do_not_fit() -> None:
     with pytest.raises(InputError, match=r"ContactOperator has no test of idle patches"):
-        engine_of(sf.ContactFit(extended=None), TRIANGLE)
+        engine_of(sf.ContactFit(), TRIANGLE)
     with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
         engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))
     with pytest.raises(InputError, match="budget is -1, expected a finite number above 0"):

@@ -84,7 +84,7 @@ def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("results") / "run.skinfield"
-    save_results(path, sf.Reconstructor(PATCH, grid=GRID), READINGS, STAMPS)
+    save_results(path, sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[0]), READINGS, STAMPS)
     return path
 
 
@@ -124,7 +124,7 @@ def test_the_same_readings_by_another_solver_on_another_grid(good: Path) -> None
 
 
 def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
-    made = sf.Reconstructor(PATCH, grid=GRID)
+    made = sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[0])
     path = tmp_path / "run.skinfield"
     save_results(path, made, READINGS)
     np.testing.assert_array_equal(open_results(path).stamp, np.arange(COUNT))

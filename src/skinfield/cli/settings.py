@@ -121,7 +121,7 @@ class ModelSettings(Section):
     Parameters
     ----------
     solver : str, optional
-        How readings become pressure; contact fits the fewest contacts instead. Default gaussian.
+        What readings are explained by. Default auto: few contacts or a field, by evidence.
     mechanics : str, optional
         Model of the elastomer; the paper's is the half-space. Default the profile's.
     quantity : str, optional

@@ -279,7 +279,7 @@ class Results:
         return self._bulk[key]
 
     def estimate(self, reading: int) -> Estimate:
-        """Everything of one reading, by the reconstructor itself and from nothing before.
+        """Everything of one reading, from those before it in its run.
 
         Raises
         ------
@@ -288,16 +288,17 @@ class Results:
         """
         check_count("reading", reading, -len(self), len(self) - 1, "one of the recording")
         at = reading % len(self)
-        self.reconstructor.reset()
-        stamp = self.stamps(at, at + 1)[0]
-        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=stamp)
+        if not self.bulk(("pressure",)).is_linear:
+            return self.estimates(at, at + 1)[0]
+        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=self.stamps(at, at + 1)[0])
 
     def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
         """Readings first to last as one estimate, whose contacts are found when looked at."""
         bulk = self.bulk(names)
         start = first if bulk.is_linear else first - first % RUN
-        values, stamps = self.values(start, last), self.stamps(first, last)
-        return bulk.estimate(values, stamps, first - start)
+        values, stamps = self.values(start, last), self.stamps(start, last)
+        with _LOCK:
+            return bulk.estimate(values, stamps, first - start)
 
     def fields(
         self, first: int, last: int, names: tuple[str, ...], precision: type[np.floating[Any]]
@@ -323,9 +324,10 @@ class Results:
             for unit, text in [TEXTS[name]]
         }
         force = lazy["pressure"].sum(axis=(1, 2), dtype=np.float64) * grid.cell_area
-        variables["normal_force"] = (
-            "reading", force, {"units": "N", "long_name": "sum of the pressure over the grid"},
-        )  # fmt: skip
+        if not self.bulk(("pressure",)).is_linear:
+            force = self._blocks(array, self._forces, (RUN, 1), np.float64)[:, 0]
+        known = {"units": "N", "long_name": "sum of the contacts, or of the field that answers"}
+        variables["normal_force"] = ("reading", force, known)
         size = self._chunk(4 * len(grid))
         values = self._blocks(array, self.values, (size, len(patch)), np.float64)
         quantity = self.config.quantity
@@ -364,6 +366,10 @@ class Results:
                 lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
                 at += width
         return lazy
+
+    def _forces(self, first: int, last: int) -> Floats:
+        """Normal forces of readings first to last, (last - first, 1) N."""
+        return np.asarray(self.estimates(first, last).normal_force[:, None])
 
     def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
         width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)

@@ -33,7 +33,7 @@ from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
 from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
 from skinfield.skin import Grid, Patch
-from skinfield.solve import GaussianField, Solver
+from skinfield.solve import Auto, Solver
 
 SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
 
@@ -102,7 +102,7 @@ class Reconstructor:
     quantity : Quantity, optional
         What a reading is: `Capacitance()` (default), `BaseStress()` or `Gap()`.
     solver : Solver, optional
-        How readings become pressure. Default `GaussianField()`.
+        What readings are explained by. Default `Auto()`: few contacts or a field, by evidence.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Standard deviation of one reading. Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
@@ -136,7 +136,7 @@ class Reconstructor:
         self.layer = Layer() if layer is None else layer
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
-        self.solver = GaussianField() if solver is None else solver
+        self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_skin(patch, self.layer, self.mechanics, self.quantity)
         check_parts(self.solver, self.finder, grid, intervals)
@@ -163,7 +163,7 @@ class Reconstructor:
         if linear is None:
             raise InputError(
                 f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
-                "reconstructor with readings, or use a linear solver such as GaussianField()"
+                "reconstructor with readings, or make it with solver=GaussianField()"
             )
         return linear
 
@@ -222,9 +222,14 @@ class Reconstructor:
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            return self._answer(table[0], mask[0], stamps, start, deadline)
+            return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
+        if self.plans.linear is None:
+            rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
+            each = [self._answer(*row, None, deadline) for row in rows]
+            spent = (time.perf_counter_ns() - start) * 1e-9
+            return Estimate.joined(each, stamp_ns=stamps, latency=spent)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
-        self.plans.answer_all(table, mask, out, deadline)
+        self.plans.multiply(table, mask, out)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
         return Estimate(
@@ -238,21 +243,23 @@ class Reconstructor:
             valid=mask,
             stamp_ns=stamps,
             latency=(time.perf_counter_ns() - start) * 1e-9,
-            notes=tuple(out.notes),
-            gap=out.gap,
-            iterations=out.iterations,
-            deadline_met=out.in_time,
+            gap=0.0,
+            solver=type(self.solver).__name__,
         )
 
     def _answer(
         self,
         reading: Floats,
         valid: NDArray[np.bool_],
-        stamps: NDArray[np.int64],
-        start: int,
+        stamp_ns: np.int64,
+        start: int | None,
         deadline: float | None,
     ) -> Estimate:
-        """Answer one reading with its pressure, the rest to be computed when asked for."""
+        """Answer one reading with its pressure, the rest to be computed when asked for.
+
+        `start`, ns, is when the deadline began; by default now.
+        """
+        start = time.perf_counter_ns() if start is None else start
         answer, learnt = self.plans.answer(reading, valid, start, deadline), self.intervals
         solution, rest = answer.solution, answer.rest
         if learnt is not None:
@@ -263,10 +270,12 @@ class Reconstructor:
             grid=self.grid,
             pressure=answer.pressure.copy(),  # what is computed later is of what was found
             valid=valid,
-            stamp_ns=stamps.ravel()[0],
+            stamp_ns=stamp_ns,
             gap=solution.gap,
             iterations=solution.steps,
             notes=solution.notes,
+            solver=solution.solver,
+            is_field=solution.fit is None,
         )
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         vars(estimate)["deadline_met"] = answer.met(start, deadline)
@@ -345,7 +354,7 @@ class Reconstructor:
 
 def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
     """Raise InputError, with what to hand in, for a part that is something else."""
-    why = "a solver such as GaussianField() or ContactFit()"
+    why = "a solver such as Auto() or GaussianField()"
     check_offers("solver", solver, ("prepare",), why)
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:

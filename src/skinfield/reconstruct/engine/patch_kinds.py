@@ -261,6 +261,6 @@ def _search(operator: Operator) -> Any:
     if getattr(operator, "problem", None) is None:
         raise InputError(
             f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
-            "such as that of NonNegative() or of ContactFit(), or a linear solver"
+            "such as that of NonNegative() or of Auto(), or a linear solver"
         )
     return operator
