@@ -257,29 +257,6 @@ def test_flat_readings_are_answered_as_those_by_name(
         assert engine.results.invalid[index] == row.invalid == (patch.name == "other")
 
 
-@pytest.mark.parametrize("kind", ["linear", "searching"])
-def test_a_rehearsal_changes_nothing(kind: str, request: pytest.FixtureRequest) -> None:
-    """Not what was answered, nor what follows."""
-    engine: Engine = request.getfixturevalue(kind)
-    rows = [flat_of(readings_of(SKIN, ("hexagon72",), seed=seed)) for seed in range(6)]
-
-    def lived(rehearse: bool) -> list[bytes]:
-        engine.reset()
-        found = []
-        for row in rows:
-            engine.run(row, budget=10.0)
-            number = engine.cycle
-            if rehearse:
-                engine.rehearse()
-                engine.rehearse(1e-4)
-            assert engine.cycle == number
-            fields = [engine.results.pressure_of(patch).tobytes() for patch in range(len(SKIN))]
-            found.append(b"".join([*fields, engine.results.answer.tobytes()]))
-        return found
-
-    assert lived(rehearse=True) == lived(rehearse=False)
-
-
 def subset_answer(patch: sf.Patch, readings: Floats, valid: Any) -> Floats:
     """Posterior mean from the valid taxels, its prior about that of all: written out."""
     grid = sf.Grid.square(patch, RUNGS[-1])

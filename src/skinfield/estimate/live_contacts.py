@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape
-from skinfield.estimate.contact import Contact
 from skinfield.estimate.finder import EXACT, ContactFinder
 from skinfield.estimate.uncertainty import (
     ModelError,
@@ -80,44 +79,6 @@ class Habits:
     def __post_init__(self) -> None:
         for name in ("reach", "speed", "hold", "smoothing"):
             check_positive(name, getattr(self, name), "how contacts go on between readings")
-
-
-POINTS = 32  # of an outline
-
-
-def contact_of(row: Any, grid: Grid) -> Contact:
-    """Contact of a row of `CONTACT`, m and N, on a grid of its patch.
-
-    Its region is the ellipse of equal second moments; the moment is 0, as of what is symmetric, and
-    the deviation of the area NaN: not known. Both tangents share the deviation of the place.
-    """
-    xx, yy, xy = row["moments"].tolist()
-    spread, vectors = np.linalg.eigh([[xx, xy], [xy, yy]])
-    axes, place = 2.0 * np.sqrt(np.maximum(spread, 0.0)), np.array([row["x"], row["y"]])
-    angle = np.linspace(0.0, 2.0 * np.pi, POINTS + 1)
-    border = place + (np.column_stack([np.cos(angle), np.sin(angle)]) * axes) @ vectors.T
-    off = (grid.plane - place) @ vectors / np.maximum(axes, 0.5 * grid.pitch)
-    frame = grid.patch.surface.frame_from_plane(place[None])[0]
-    longer = frame[:, :2] @ vectors[:, 1]
-    turned = np.arctan2(longer @ frame[:, 1], longer @ frame[:, 0])
-    normal, place_std = row["normal"].copy(), float(row["place_std"])
-    return Contact(
-        position=row["position"].copy(),
-        force=-float(row["normal_force"]) * normal,
-        moment=np.zeros(3),
-        normal=normal,
-        area=float(row["area"]),
-        peak_pressure=float(row["peak_pressure"]),
-        covariance=np.diag([place_std**2, place_std**2, float(row["force_std"]) ** 2]),
-        area_std=float("nan"),
-        radius=float(row["radius"]),
-        shape=SHAPES[int(row["shape"])],
-        outline=np.asarray(grid.patch.surface.position_from_plane(border)),
-        axes=axes[::-1].copy(),
-        angle=float(turned - np.pi * np.floor(turned / np.pi + 0.5)),
-        cells=np.flatnonzero(np.square(off).sum(axis=1) <= 1.0),
-        track_id=int(row["track"]) or None,
-    )
 
 
 class GridLevel(NamedTuple):

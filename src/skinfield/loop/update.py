@@ -68,6 +68,7 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
 CONTACT_WORDS, IDLE = CONTACT.itemsize // 8, int(Answer.IDLE)
 
 
+DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 
@@ -139,9 +140,11 @@ class Updater:
         limits = self._clamps, self._lowest_of(table[alive])
         how = self._how, self._scale
         self._calibrated: tuple[Any, ...] = baseline, per_gain, alive, *limits, *how
+        noise, least = self._noise_std, table.copy()
+        least[:, 2] /= DOUBT
         counted = self._binding.unit == "count"
-        noise = self._noise_std
-        self._means.calibrate(noise, rounding_of(table, noise) if counted else 0.0 * noise)
+        rounding = rounding_of(least, noise / DOUBT) if counted else np.zeros_like(noise)
+        self._means.calibrate(noise, rounding)
         self._smoothed_ns[:] = 0
 
     def _lowest_of(self, known: Floats) -> float:

@@ -269,15 +269,6 @@ def relax(steps: Floats, base: Floats) -> None:
         steps[step] = min(steps[step], max(FORGET * steps[step], base[step]))
 
 
-@njit
-def touch(octets: NDArray[np.uint8]) -> int:
-    """Read one of each 64 octets, so that the processor has them at hand."""
-    total = 0
-    for place in range(0, len(octets), 64):
-        total += octets[place]
-    return total
-
-
 UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew
 
 

@@ -1,7 +1,6 @@
 """Readings of all patches into one array: checked, linearised and in units of their noise."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -175,13 +174,6 @@ class EngineReadings:
                     f"valid[{name!r}] has shape {mask.shape}, expected {part.shape}: one per taxel"
                 )
             part[:] = mask
-
-    def twin(self) -> "EngineReadings":
-        """Arrays of its own for the same patches."""
-        twin = copy(self)
-        for name in ("linear", "given", "white", "valid", "present", "wanted", "deviation"):
-            setattr(twin, name, getattr(self, name).copy())
-        return twin
 
     def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
         """Rows (count, L) of patches of one size in an array (N,)."""

@@ -1,7 +1,6 @@
 """Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -236,18 +235,6 @@ class PatchGroup:
 
     def _prepared_without(self, rung: int, key: bytes) -> Operator:
         return self.operators[rung].without(np.frombuffer(key, np.bool_))  # type: ignore[no-any-return]
-
-    def twin(self) -> "PatchGroup":
-        """Arrays of its own, with the same matrices.
-
-        Of the searches only that of the first patch has a memory of its own.
-        """
-        twin = copy(self)
-        twin.fields, twin.level = [np.zeros_like(each) for each in self.fields], self.level.copy()
-        pairs = zip(self.operators, self.data, strict=True)
-        twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
-        twin.last = [None] * self.count
-        return twin
 
     def reset(self) -> None:
         """Forget the readings before."""

@@ -24,8 +24,6 @@ class Clockwork:
     groups : sequence of PatchGroup
     intake : EngineReadings
     clock : function that returns ns
-    like : Clockwork, optional
-        Of the same patches, with which it shares what is prepared; costs begin as the other's.
 
     Attributes
     ----------
@@ -63,7 +61,6 @@ class Clockwork:
         groups: Sequence[PatchGroup],
         intake: EngineReadings,
         clock: Callable[[], int],
-        like: "Clockwork | None" = None,
     ) -> None:
         from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
 
@@ -74,15 +71,10 @@ class Clockwork:
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
         self.finds_contacts = groups[0].finds_contacts
-        if like is None:
-            self.tests = idle_tests(groups)
-            self.atlases = linear_answers(groups) if self.linear else []
-        else:
-            self.tests, self.atlases = like.tests, like.atlases
+        self.tests = idle_tests(groups)
+        self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
         self.times = Times(len(groups), self.rungs, bool(self.atlases))
-        if like is not None:
-            self.times.start_as(like.times)
         self.costs, self.planned = self.times.costs, self.times.costs.copy()
         self.unresolved = np.array([group.rungs.unresolved for group in groups])
         self.places = [(group, place) for group in groups for place in range(group.count)]
