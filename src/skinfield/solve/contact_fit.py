@@ -31,6 +31,8 @@ class ContactData(Data):
     fit : FitData
     """
 
+    rows: NDArray[np.void]
+
     def __init__(self, operator: "ContactOperator") -> None:
         margin = DeadlineMargin(300_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
