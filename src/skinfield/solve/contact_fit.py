@@ -37,8 +37,7 @@ class ContactData(Data):
     """
 
     def __init__(self, operator: "ContactOperator") -> None:
-        margin = DeadlineMargin(300_000, most=2_000_000)
-        super().__init__(operator, len(operator.model.grid), margin)
+        super().__init__(operator, len(operator.model.grid), DeadlineMargin())
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
         self.fit, self._operator = operator.fitter.data(), operator
         self.field: Any = None if operator.field is None else operator.field.data()
@@ -136,7 +135,8 @@ class ContactOperator:
     ) -> Solution:
         """See `Operator.solve`."""
         readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
-        self.fitter.fit(readings, fit, self.valid, deadline_ns)
+        out = solution.pressure, data.rows
+        data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
         late = deadline_ns is not None and time.perf_counter_ns() >= deadline_ns
         notes = self.fitter.notes(fit)
         if not (fit.explained or late or self.field is None):
@@ -152,7 +152,6 @@ class ContactOperator:
         solution.gap = solution.objective = float("nan")
         solution.evidence, solution.steps = float(fit.search.known[0]), 0
         np.copyto(solution.readings, readings)
-        data.count = self.fitter.write(fit, self.renderer, solution.pressure, data.rows)
         solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
 
