@@ -410,8 +410,8 @@ def sum_up_contacts(
 
 
 def sureness(force: float, std: float | None) -> tuple[float, float]:
-    """Rank of a force: less its standard deviation; those without one come last."""
-    return (-np.inf if std is None else force - std), force
+    """Rank of a force: what it surely is, less its standard deviation; else how large it is."""
+    return (0.0 if std is None else max(force - std, 0.0)), force
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
