@@ -31,6 +31,8 @@ class ContactData(Data):
     fit : FitData
     """
 
+    rows: NDArray[np.void]
+
     def __init__(self, operator: "ContactOperator") -> None:
         super().__init__(operator, len(operator.model.grid), DeadlineMargin())
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
