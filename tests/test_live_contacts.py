@@ -12,6 +12,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.estimate import Contact, Habits, LiveContacts, PressureNoise, level_of
 from skinfield.estimate.live_contacts import CONTACT, KNOWN
+from skinfield.estimate.row_contacts import covariance_of
 from skinfield.reconstruct.engine import SkinContacts
 from skinfield.skin import Grid
 
@@ -44,6 +45,10 @@ def check_row(row: np.void, contact: Contact, grid: Grid) -> None:
     bracket = 1e-5 if exact else 0.35
     assert row["place_std"] == pytest.approx(place, rel=bracket, abs=1e-9 * grid.pitch)
     assert row["force_std"] == pytest.approx(np.sqrt(contact.covariance[2, 2]), rel=bracket)
+    if exact and flat:
+        scale = np.sqrt(np.diag(contact.covariance)) + np.array([1e-9, 1e-9, 1.0]) * grid.pitch
+        off = (covariance_of(row) - contact.covariance) / np.outer(scale, scale)
+        assert np.abs(off).max() < 1e-4
 
 
 @pytest.mark.parametrize("kind", list(grids()))
