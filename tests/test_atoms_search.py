@@ -47,7 +47,7 @@ def fitter_of(name: str, **settings: Any) -> Prepared:
     quantity: Quantity = BaseStress() if name == "stress" else Capacitance()
     grid = sf.Grid.square(PATCH, nodes=12)
     model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), quantity, NOISE[name])
-    return Prepared(sf.ContactFit(extended=None, **settings).prepare(model))
+    return Prepared(sf.ContactFit(**settings).prepare(model))
 
 
 @pytest.fixture(scope="module", name="fitters")

@@ -95,7 +95,7 @@ def test_time_enough_settles_every_contact_on_the_finest_rung() -> None:
     estimates = engine(readings_of(engine, {0, 3}))
     for name in ("p0", "p3"):
         each = estimates.report[name]
-        assert (each.answer, each.rung, each.gap, each.skipped) == ("non-negative", 16, 1e-4, "")
+        assert (each.answer, each.rung, each.gap, each.skipped) == ("field", 16, 1e-4, "")
         assert estimates[name].gap == 1e-4
         assert estimates[name].iterations == 3
     assert estimates.report["p1"].answer == "idle"
@@ -107,7 +107,7 @@ def test_a_small_budget_is_spread_over_contacts_and_the_rest_is_told() -> None:
     engine = engine_of(5, 200e-6)
     report = engine(readings_of(engine, {0, 1, 2, 3, 4})).report
     answers = [each.answer for each in report]
-    assert answers.count("non-negative") == 5  # 100 µs of coarse searches; no finer one for all
+    assert answers.count("field") == 5  # 100 µs of coarse searches; no finer one for all
     assert {each.rung for each in report} <= {4, 8}
     assert report.skipped
     assert all("predicted" in each and "left" in each for each in report.skipped)
@@ -119,7 +119,7 @@ def test_more_budget_is_never_coarser() -> None:
     for budget in (60e-6, 120e-6, 250e-6, 500e-6, 1e-3, 2e-3):
         engine = engine_of(4, budget)
         report = engine(readings_of(engine, {0, 1, 2})).report
-        resolved.append(sum(each.rung for each in report if each.answer == "non-negative"))
+        resolved.append(sum(each.rung for each in report if each.answer == "field"))
     assert resolved == sorted(resolved)
     assert resolved[0] < resolved[-1] == 48
 
@@ -142,7 +142,7 @@ def test_every_contact_is_served_in_turn() -> None:
     waited, served = [], set()
     for _ in range(12):
         report = engine(readings_of(engine, set(range(6)))).report
-        served |= {each.name for each in report if each.answer == "non-negative"}
+        served |= {each.name for each in report if each.answer == "field"}
         waited.append(max(each.waited for each in report))
         assert not report.overrun
     assert served == set(engine.names)
@@ -181,7 +181,7 @@ def test_a_contact_is_served_in_the_end_though_there_is_no_time_for_it(budget: f
     served, overruns = [], 0
     for _ in range(80):
         report = engine(readings_of(engine, {0, 2})).report
-        its = [each for each in report if each.answer == "non-negative"]
+        its = [each for each in report if each.answer == "field"]
         assert all(each.rung == 4 and each.gap == 1e-4 for each in its)
         assert report.overrun == (report.spent > budget)
         assert report.overrun or not its

@@ -129,8 +129,9 @@ def test_sure_and_unsure_contacts_have_intervals_of_their_own() -> None:
 @lru_cache(maxsize=1)
 def calibrated() -> tuple[sf.Reconstructor, sf.Reconstructor]:
     reconstruct = sf.Reconstructor(
-        PATCH, LAYER, Grid.square(PATCH, nodes=24), quantity=sf.BaseStress(), noise_std=400.0
-    )
+        PATCH, LAYER, Grid.square(PATCH, nodes=24), solver=sf.GaussianField(),
+        quantity=sf.BaseStress(), noise_std=400.0,
+    )  # fmt: skip
     return reconstruct, reconstruct.calibrated(presses=300, seed=4, bodies=KNOWN)
 
 
@@ -195,8 +196,9 @@ def test_too_few_presses_are_named() -> None:
 def test_intervals_of_another_reconstructor_are_refused() -> None:
     plain, learnt = calibrated()[0], intervals()
     same = sf.Reconstructor(
-        PATCH, LAYER, plain.grid, quantity=sf.BaseStress(), noise_std=420.0, intervals=learnt
-    )
+        PATCH, LAYER, plain.grid, solver=sf.GaussianField(), quantity=sf.BaseStress(),
+        noise_std=420.0, intervals=learnt,
+    )  # fmt: skip
     reading = pressed()
     assert same(reading).contacts[0].spread is not None
     for other, what in (
@@ -204,7 +206,8 @@ def test_intervals_of_another_reconstructor_are_refused() -> None:
         ({"quantity": sf.Capacitance()}, "quantity 'stress', expected 'ΔC/C₀'"),
         ({"noise_std": 900.0}, "noise_std 400, expected about 900"),
     ):
-        setting: dict[str, Any] = {"quantity": sf.BaseStress(), "noise_std": 400.0, **other}
+        setting: dict[str, Any] = {"solver": sf.GaussianField(), "quantity": sf.BaseStress()}
+        setting |= {"noise_std": 400.0, **other}
         with pytest.raises(InputError, match=what):
             sf.Reconstructor(PATCH, LAYER, plain.grid, intervals=learnt, **setting)
 

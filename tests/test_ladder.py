@@ -32,7 +32,8 @@ def searching() -> sf.Ladder:
 
 
 def test_the_finest_rung_is_a_reconstructor(linear: sf.Ladder) -> None:
-    rec = sf.Reconstructor(PATCH, LAYER, sf.Grid.square(PATCH, 24), noise_std=NOISE)
+    grid, solver = sf.Grid.square(PATCH, 24), sf.GaussianField()
+    rec = sf.Reconstructor(PATCH, LAYER, grid, solver=solver, noise_std=NOISE)
     linear.rung = 24
     ours, alone = linear(READINGS, stamp_ns=5), rec(READINGS)
     for name in ("pressure", "displacement", "pressure_std", "residual", "traction"):

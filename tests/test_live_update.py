@@ -75,7 +75,7 @@ def test_a_press_is_found_where_it_is(made) -> None:
     row = slot.used_contacts()[0]
     assert_allclose(row["position"][:2], (0.0, 7.5e-3), atol=2e-3)
     assert 0.5 < row["normal_force"] < 2.0
-    assert slot.patches["answer"][0] == int(Answer.FEASIBLE)
+    assert slot.patches["answer"][0] == int(Answer.CONTACTS)
     assert slot.head[CycleHead.CONTACTS] == slot.patches["contacts"][0]
     nodes = int(slot.patches["rung"][0]) ** 2
     cell = sf.Grid.square(sf.layouts.hexagon72(), int(nodes**0.5)).pitch ** 2
@@ -106,7 +106,7 @@ def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> N
     assert not made.answer(channels, NOW + 10**6, slot)
     assert slot.head[CycleHead.FRESH] == 0
     assert slot.patches["stamp_ns"][0] == NOW
-    assert_array_equal(slot.used_contacts(), found)
+    assert slot.used_contacts().tobytes() == found.tobytes()  # also where something is not known
     assert not made.answer(channels, NOW + 2 * 10**8, slot)
     assert slot.patches["answer"][0] == int(Answer.MISSING)
     assert len(slot.used_contacts()) == 0

@@ -205,7 +205,7 @@ class LiveContacts:
         habits: Habits | None = None,
         ids: Ints | None = None,
     ) -> None:
-        from skinfield.estimate.live_contacts_kernel import tell
+        from skinfield.estimate.live_contacts_kernel import take_rows, tell
         from skinfield.estimate.regions_kernel import find, room_for
 
         if rows < 1 or not levels:
@@ -217,6 +217,7 @@ class LiveContacts:
         self._habits = np.array([habits.reach, habits.speed, habits.hold, habits.smoothing])
         self._find: Any = find
         self._tell: Any = tell
+        self._take_rows: Any = take_rows
         self._rooms = []
         for level in self.levels:
             room = room_for(len(level.std), level.heights[0])
@@ -275,6 +276,45 @@ class LiveContacts:
                 self.patch,
                 stamp_ns,
                 out,
+            )
+        )
+
+    def take(
+        self,
+        rows: NDArray[np.void],
+        count: int,
+        shift: Floats,
+        stamp_ns: int,
+        out: NDArray[np.void],
+    ) -> int:
+        """Write contacts that a solver has found by itself into `out`; how many there are.
+
+        Parameters
+        ----------
+        rows : (N,) structured array of `CONTACT`, contiguous
+            By falling force, on a patch of equal geometry; `count` of them.
+        shift : (2,) array, m
+            From that patch's plane to this one's.
+        stamp_ns, out
+            As in a call.
+        """
+        known = self.levels[-1]
+        return int(
+            self._take_rows(
+                rows,
+                rows.view(np.int64),
+                count,
+                shift,
+                known.positions,
+                known.normals,
+                known.numbers,
+                self._habits,
+                self.memory,
+                self.ids,
+                self.patch,
+                stamp_ns,
+                out,
+                out.view(np.int64),
             )
         )
 

@@ -59,11 +59,56 @@ def tell(
         mine = cells[starts[region] : starts[region + 1]]
         total = describe(pressure, mine, numbers, row)
         row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
+        row.shape, row.maybe, row.radius = 0, 0, np.sqrt(row.area / np.pi)
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
     associate(many, habits, memory, ids, now, out)
     return count
+
+
+@njit
+def take_rows(
+    rows: Any,
+    words: NDArray[np.int64],
+    many: int,
+    shift: Floats,
+    positions: Floats,
+    normals: Floats,
+    numbers: Floats,
+    habits: Floats,
+    memory: Any,
+    ids: Ints,
+    patch: int,
+    now: int,
+    out: Any,
+    out_words: NDArray[np.int64],
+) -> int:
+    """Write contacts that a solver has found, and which of those before each is; how many.
+
+    Parameters
+    ----------
+    rows : (N,) array of CONTACT
+        By falling force, `many` of them, on a patch of equal geometry; `words` is their memory.
+    shift : (2,) array, m
+        From the plane of that patch to this one's.
+    positions, normals, numbers
+        Of this patch's finest level.
+    out : array of CONTACT
+        With its memory, `out_words`.
+    """
+    told = min(many, len(out))
+    for word in range(told * (len(words) // len(rows))):
+        out_words[word] = words[word]
+    for place in range(told):
+        row = out[place]
+        row.patch = patch
+        if shift[0] != 0.0 or shift[1] != 0.0:
+            row.x, row.y = row.x + shift[0], row.y + shift[1]
+            u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
+            put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
+    associate(told, habits, memory, ids, now, out)
+    return many
 
 
 @inner
@@ -163,8 +208,23 @@ def stand(
 ) -> None:
     """Set place and normal on the skin, between four nodes, and the force along that normal."""
     columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
+    put_on(row, x, y, positions, normals, columns)
+    outward, force = row.normal, 0.0
+    for axis in range(3):
+        along = 0.0
+        for cell in cells:
+            along += pressure[cell] * normals[cell, axis]
+        force += along * outward[axis]
+    row.normal_force = force * pitch * pitch
+    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
+
+
+@inner
+def put_on(row: Any, x: float, y: float, positions: Floats, normals: Floats, columns: int) -> None:
+    """Set place and normal on the skin of `x` and `y`, counted in cells: between four nodes."""
     rows = len(positions) // columns
-    left, low = min(int(x), max(columns - 2, 0)), min(int(y), max(rows - 2, 0))
+    left = min(max(int(x), 0), max(columns - 2, 0))
+    low = min(max(int(y), 0), max(rows - 2, 0))
     right, high = min(left + 1, columns - 1), min(low + 1, rows - 1)
     u, v, square = x - left, y - low, 0.0
     position, outward = row.position, row.normal
@@ -177,15 +237,9 @@ def stand(
             normal += weight * normals[node, axis]
         position[axis], outward[axis] = place, normal
         square += normal * normal
-    size, force = np.sqrt(square), 0.0
+    size = np.sqrt(square)
     for axis in range(3):
         outward[axis] /= size
-        along = 0.0
-        for cell in cells:
-            along += pressure[cell] * normals[cell, axis]
-        force += along * outward[axis]
-    row.normal_force = force * pitch * pitch
-    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
 
 
 @inner

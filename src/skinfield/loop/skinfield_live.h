@@ -65,7 +65,7 @@ typedef struct {
     double speed;          /* m/s */
     int32_t shape;         /* of what presses: 0 other, 1 sphere, 2 flat, 3 line */
     int32_t maybe;         /* 1: two contacts explain the readings nearly as well */
-    double radius;         /* m: of what presses; NaN: not known */
+    double radius;         /* m: of the contact, or of the circle of equal area */
 } skinfield_contact;
 
 typedef struct {

@@ -31,11 +31,13 @@ def write_notes(room: Octets, notes: Mapping[str, Any]) -> None:
 
 
 def start_in_words(notes: Mapping[str, Any]) -> str:
-    """What an engine does before it answers, from its notes; empty once it runs."""
+    """What an engine does before it answers as it will, from its notes; empty once it does."""
     phase, progress = notes.get("phase", ""), notes.get("progress") or {}
+    if phase == "running" and progress:
+        return f"linear answers until contacts are ready: {start_in_words({**notes, 'phase': ''})}"
     if phase == "taring":
         return "taking its baseline: leave the skin untouched"
-    if phase not in ("loading", "preparing"):
+    if phase == "running":
         return ""
     if not progress:
         return "loading its code"

@@ -176,7 +176,7 @@ def presses_within(rows: Rows, count: int, x0: float, y0: float, x1: float, y1: 
     return found
 
 
-MISSING, IDLE = 0, 1  # as `Answer`
+MISSING, IDLE, LINEAR = 0, 1, 2  # as `Answer`
 
 
 @njit
@@ -189,6 +189,8 @@ def take_over(
     iterations: Ints,
     invalid: Ints,
     sides: Ints,
+    readings: Ints,
+    patient: bool,
     now_ns: int,
     oldest_ns: int,
     patches: Rows,
@@ -204,6 +206,10 @@ def take_over(
         Of the engine's results.
     sides : (R,) array
         Nodes a side of each rung.
+    readings : (P,) array
+        That were averaged.
+    patient : bool
+        Whether a patch whose turn has not come keeps a searched answer, rather than a linear one.
     now_ns, oldest_ns : int, ns
         Of this cycle; stamp before which an answer is dropped.
     patches : (P,) array of PATCH
@@ -219,8 +225,10 @@ def take_over(
     count = 0
     for patch in range(len(patches)):
         row = patches[patch]
-        row.fresh = arrived[patch]
-        if arrived[patch] > 0:
+        waits = patient and answer[patch] == LINEAR and row.answer > LINEAR
+        row.fresh = 0 if waits and row.stamp_ns >= oldest_ns else arrived[patch]
+        if row.fresh > 0:
+            row.readings = readings[patch]
             row.answer, row.iterations = answer[patch], iterations[patch]
             row.invalid, row.gap = invalid[patch], gap[patch]
             row.rung = sides[rung[patch]] if rung[patch] >= 0 else 0

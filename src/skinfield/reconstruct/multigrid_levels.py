@@ -211,7 +211,9 @@ def prepare_rungs(
         if top.linear is None:
             operator = top
             if grid is not grids[-1]:
-                operator = solver.prepare(ObservationModel.of(patch, layer, grid, *physics))
+                model = ObservationModel.of(patch, layer, grid, *physics)
+                on = getattr(top, "on", None)  # what finds contacts needs no grid to find them
+                operator = solver.prepare(model) if on is None else on(model)
         steps.append(Rung(nodes, grid, Deformation(grid, layer, mechanics), mean, operator))
     return Rungs(tuple(steps))
 

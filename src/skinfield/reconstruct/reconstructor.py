@@ -30,10 +30,11 @@ from skinfield.errors import (
     check_type,
 )
 from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate.live_contacts import CONTACT
 from skinfield.reconstruct.intervals import Intervals
 from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
-from skinfield.skin import Grid, Patch
-from skinfield.solve import GaussianField, Solver
+from skinfield.skin import Grid, Patch, Skin
+from skinfield.solve import Auto, Solver
 
 SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
 
@@ -87,7 +88,10 @@ def _check_sight(grid: Grid, layer: Layer) -> None:
 
 
 class Reconstructor:
-    """Prepared reconstruction of one patch; call it with readings.
+    """Prepared reconstruction of one patch, or of a whole skin; call it with readings.
+
+    Of a `Skin`, of grids from coarse to fine such as (10, 20, 40), or with a `budget`, it is an
+    `Engine`, whose parameters hold then: it answers all patches within one budget of time.
 
     Parameters
     ----------
@@ -102,7 +106,7 @@ class Reconstructor:
     quantity : Quantity, optional
         What a reading is: `Capacitance()` (default), `BaseStress()` or `Gap()`.
     solver : Solver, optional
-        How readings become pressure. Default `GaussianField()`.
+        What readings are explained by. Default `Auto()`: few contacts or a field, by evidence.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Standard deviation of one reading. Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
@@ -117,6 +121,18 @@ class Reconstructor:
     InputError
         For an argument that is something else, or that no skin can have.
     """
+
+    def __new__(
+        cls, patch: Any, layer: Any = None, grid: Any = None, **settings: Any
+    ) -> "Reconstructor":
+        """Make an engine where one is meant, see above."""
+        if not isinstance(patch, Skin) and "budget" not in settings and not _are_rungs(grid):
+            return super().__new__(cls)
+        from skinfield.reconstruct.engine import Engine
+
+        if grid is not None:
+            settings["rungs"] = grid
+        return Engine(patch, layer, **settings)  # type: ignore[return-value]
 
     def __init__(
         self,
@@ -136,7 +152,7 @@ class Reconstructor:
         self.layer = Layer() if layer is None else layer
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
-        self.solver = GaussianField() if solver is None else solver
+        self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_skin(patch, self.layer, self.mechanics, self.quantity)
         check_parts(self.solver, self.finder, grid, intervals)
@@ -163,7 +179,7 @@ class Reconstructor:
         if linear is None:
             raise InputError(
                 f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
-                "reconstructor with readings, or use a linear solver such as GaussianField()"
+                "reconstructor with readings, or make it with solver=GaussianField()"
             )
         return linear
 
@@ -222,9 +238,14 @@ class Reconstructor:
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            return self._answer(table[0], mask[0], stamps, start, deadline)
+            return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
+        if self.plans.linear is None:
+            rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
+            each = [self._answer(*row, None, deadline) for row in rows]
+            spent = (time.perf_counter_ns() - start) * 1e-9
+            return Estimate.joined(each, stamp_ns=stamps, latency=spent)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
-        self.plans.answer_all(table, mask, out, deadline)
+        self.plans.multiply(table, mask, out)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
         return Estimate(
@@ -238,21 +259,56 @@ class Reconstructor:
             valid=mask,
             stamp_ns=stamps,
             latency=(time.perf_counter_ns() - start) * 1e-9,
-            notes=tuple(out.notes),
-            gap=out.gap,
-            iterations=out.iterations,
-            deadline_met=out.in_time,
+            gap=0.0,
+            solver=type(self.solver).__name__,
         )
+
+    def rows(self, most: int = 8) -> NDArray[np.void]:
+        """Room for so many contacts, for `into`: an array of `estimate.live_contacts.CONTACT`."""
+        return np.zeros(most, CONTACT)
+
+    def into(
+        self,
+        readings: Floats,
+        out: NDArray[np.void],
+        *,
+        stamp_ns: int = 0,
+        deadline: float | None = None,
+    ) -> int:
+        """Write the contacts of one reading into rows; allocates nothing.
+
+        For loops: nothing is checked, and contacts go on from those of the call before.
+
+        Parameters
+        ----------
+        readings : (L,) float64 array, in the quantity's unit
+            All taxels valid.
+        out : structured array of `CONTACT`, such as `rows()`
+            Receives the contacts by falling force; those after the last keep what they had.
+        stamp_ns : int, ns
+            By which contacts are known again.
+        deadline : float, s, optional
+
+        Returns
+        -------
+        int
+            How many contacts there are, which may be more than rows.
+        """
+        return self.plans.write(readings, out, stamp_ns, deadline)
 
     def _answer(
         self,
         reading: Floats,
         valid: NDArray[np.bool_],
-        stamps: NDArray[np.int64],
-        start: int,
+        stamp_ns: np.int64,
+        start: int | None,
         deadline: float | None,
     ) -> Estimate:
-        """Answer one reading with its pressure, the rest to be computed when asked for."""
+        """Answer one reading with its pressure, the rest to be computed when asked for.
+
+        `start`, ns, is when the deadline began; by default now.
+        """
+        start = time.perf_counter_ns() if start is None else start
         answer, learnt = self.plans.answer(reading, valid, start, deadline), self.intervals
         solution, rest = answer.solution, answer.rest
         if learnt is not None:
@@ -263,10 +319,12 @@ class Reconstructor:
             grid=self.grid,
             pressure=answer.pressure.copy(),  # what is computed later is of what was found
             valid=valid,
-            stamp_ns=stamps.ravel()[0],
+            stamp_ns=stamp_ns,
             gap=solution.gap,
             iterations=solution.steps,
             notes=solution.notes,
+            solver=solution.solver,
+            is_field=solution.fit is None,
         )
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         vars(estimate)["deadline_met"] = answer.met(start, deadline)
@@ -343,9 +401,14 @@ class Reconstructor:
         self.plans.run_in()
 
 
+def _are_rungs(grid: object) -> bool:
+    """Whether these are numbers of nodes, of grids from coarse to fine."""
+    return isinstance(grid, Sequence) and not isinstance(grid, str)
+
+
 def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
     """Raise InputError, with what to hand in, for a part that is something else."""
-    why = "a solver such as GaussianField() or ContactFit()"
+    why = "a solver such as Auto() or GaussianField()"
     check_offers("solver", solver, ("prepare",), why)
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:

@@ -36,6 +36,7 @@ def _kinds() -> Mapping[str, type]:
     from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, HalfSpace
     from skinfield.signal import Calibration, CySkinCount, ICubByte, PlainCount
     from skinfield.solve import (
+        Auto,
         ContactFit,
         GaussianField,
         Inverse,
@@ -46,7 +47,7 @@ def _kinds() -> Mapping[str, type]:
 
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
-        *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit),
+        *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit, Auto),
         *(Calibration, ICubByte, CySkinCount, PlainCount, Intervals, Group, Ratio),
     )
     return {kind.__name__: kind for kind in known}

@@ -230,7 +230,7 @@ class Auto:
     Parameters
     ----------
     contacts : ContactFit
-        Its own `extended` is not asked.
+        Of a hand, a tool, an edge.
     field : NonNegative
         Answers a palm, a sole, or whatever few contacts are not.
     linear : GaussianField
@@ -259,11 +259,10 @@ class Auto:
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
         """Prepare the contacts, the field, and the evidence of both."""
-        contacts = replace(self.contacts, extended=None).prepare(model)
         operator = AutoOperator(
             solver=self,
             model=model,
-            contact_fit=contacts,
+            contact_fit=self.contacts.prepare(model),
             field=self.field.prepare(model),
             linear_field=self.linear.prepare(model),
             priors=FieldPriors.of(model, self.contacts.common_mode),

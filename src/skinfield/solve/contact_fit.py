@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,10 @@ from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.solve.atoms.atom_fit import AtomFit
-from skinfield.solve.atoms.fit_kernel import NOW
 from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
-from skinfield.solve.dual.problem import DualProblem
-from skinfield.solve.non_negative import NonNegativeOperator
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
-
-LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 
 
 class ContactData(Data):
@@ -32,15 +27,16 @@ class ContactData(Data):
         Contacts of the last reading, by falling force; `patch`, `track`, `age` and `speed` are
         left to others.
     count : int
-        How many of the rows hold; -1 where a field answered.
+        How many of the rows hold.
     fit : FitData
     """
+
+    rows: NDArray[np.void]
 
     def __init__(self, operator: "ContactOperator") -> None:
         super().__init__(operator, len(operator.model.grid), DeadlineMargin())
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
         self.fit, self._operator = operator.fitter.data(), operator
-        self.field: Any = None if operator.field is None else operator.field.data()
 
     @property
     def noise(self) -> Floats:
@@ -53,15 +49,11 @@ class ContactData(Data):
     def reset(self) -> None:
         """Forget the reading before."""
         self.fit.reset()
-        if self.field is not None:
-            self.field.reset()
 
     def start_from(self, other: Data) -> None:
         """Go on with the memory of another grid's fit, from now on with the same one."""
         if isinstance(other, ContactData):
             self.fit = other.fit
-            if self.field is not None:
-                self.field.start_from(other.field)
 
     def keep(self) -> AtomFit:
         """What was found in the last reading, which nothing overwrites."""
@@ -80,8 +72,6 @@ class ContactOperator:
         Shared by all grids of a patch.
     renderer : AtomRenderer
         For the grid.
-    field : NonNegativeOperator, optional
-        What answers the readings that no few contacts explain.
     valid : (L,) bool array, optional
         Taxels that are used. Default all.
     """
@@ -90,45 +80,26 @@ class ContactOperator:
     model: ObservationModel
     fitter: ContactFitter
     renderer: AtomRenderer
-    field: NonNegativeOperator | None
     valid: NDArray[np.bool_] | None = None
     linear = None  # no matrix
-
-    @property
-    def problem(self) -> DualProblem | None:
-        """Of the field that stands in: an engine's test of idle patches."""
-        return None if self.field is None else self.field.problem
+    posterior: ClassVar[PressureError | None] = None  # its contacts state their own
+    model_error: ClassVar[ModelError] = EXACT
 
     @property
     def noise(self) -> PressureError:
-        """Of the field that stands in."""
-        if self.field is None:
-            return PressureNoise(np.zeros(self.model.matrix.T.shape))
-        return self.field.noise
-
-    @property
-    def posterior(self) -> PressureError | None:
-        """Of the field that stands in."""
-        return None if self.field is None else self.field.posterior
-
-    @property
-    def model_error(self) -> ModelError:
-        """Of the field that stands in."""
-        return EXACT if self.field is None else self.field.model_error
+        """None: no contact is found in its pressure."""
+        return PressureNoise(np.zeros(self.model.matrix.T.shape))
 
     def data(self) -> ContactData:
         """Make its scratch memory."""
         return ContactData(self)
 
     def on(self, model: ObservationModel) -> "ContactOperator":
-        """The same fit for another grid of the patch; all but the field is shared."""
-        physics, valid = model.physics, self.valid
+        """The same fit for another grid of the patch; all else is shared."""
+        physics = model.physics
         assert physics is not None  # as it is that of the grid before
         renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
-        field = None if self.solver.extended is None else self.solver.extended.prepare(model)
-        if field is not None and valid is not None:
-            field = field.without(valid)
-        return replace(self, model=model, renderer=renderer, field=field)
+        return replace(self, model=model, renderer=renderer)
 
     def solve(
         self, readings: Floats, data: ContactData, deadline_ns: int | None = None
@@ -137,17 +108,7 @@ class ContactOperator:
         readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
         out = solution.pressure, data.rows
         data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
-        late = deadline_ns is not None and time.perf_counter_ns() >= deadline_ns
-        notes = self.fitter.notes(fit)
-        if not (fit.explained or late or self.field is None):
-            field = self.field.solve(readings - fit.offset, data.field, deadline_ns)
-            left = fit.squares(readings - fit.memory.predicted[NOW] - fit.offset)
-            if fit.squares(field.residual) < LESS * left:
-                solution.take(field)
-                solution.notes = ("more than few contacts: a non-negative field answers", *notes)
-                solution.offset, data.count = fit.offset, -1
-                return solution
-        solution.operator, solution.fit, solution.notes = self, data, notes
+        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
         solution.solver, solution.offset = type(self.solver).__name__, fit.offset
         solution.gap = solution.objective = float("nan")
         solution.evidence, solution.steps = float(fit.search.known[0]), 0
@@ -157,8 +118,7 @@ class ContactOperator:
 
     def without(self, valid: NDArray[np.bool_]) -> "ContactOperator":
         """See `Operator.without`; nothing is prepared anew."""
-        field = None if self.field is None else self.field.without(valid)
-        return replace(self, field=field, valid=np.array(valid, np.bool_))
+        return replace(self, valid=np.array(valid, np.bool_))
 
     def predicted(self, solution: Solution) -> Floats:
         """See `Operator.predicted`."""
@@ -167,14 +127,14 @@ class ContactOperator:
         return np.asarray(self.model.matrix @ solution.pressure)
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
-        """See `Operator.contacts`: None where the field answered."""
-        return None if solution.fit is None else solution.fit.keep().contacts
+        """See `Operator.contacts`."""
+        return () if solution.fit is None else solution.fit.keep().contacts
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""
         if solution.fit is not None:
             return solution.fit.keep().pressure_std
-        return self.noise.std if self.field is None else self.field.pressure_std()
+        return self.noise.std
 
     def displacement(self, solution: Solution) -> Floats | None:
         """See `Operator.displacement`."""
@@ -210,9 +170,10 @@ class ContactFit(FitSettings):
     common_mode : float
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
         noise; it is integrated out. 0 for none.
-    extended : NonNegative or None
-        Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
-        `notes` say so. None leaves them to the best set of contacts.
+
+    See Also
+    --------
+    Auto : a field where one is more probable, such as of a whole palm.
     """
 
     def prepare(self, model: ObservationModel) -> ContactOperator:
@@ -220,8 +181,7 @@ class ContactFit(FitSettings):
         fitter, physics = ContactFitter(self, model), model.physics
         assert physics is not None  # the fitter checks it
         renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
-        field = None if self.extended is None else self.extended.prepare(model)
-        operator = ContactOperator(self, model, fitter, renderer, field)
+        operator = ContactOperator(self, model, fitter, renderer)
         data = operator.data()
         for reading in fitter.touches():
             operator.solve(reading, data)  # a first reading is as fast as the next

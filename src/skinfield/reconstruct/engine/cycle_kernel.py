@@ -156,6 +156,22 @@ def list_touched(
 
 
 @njit
+def list_turns(hot: Ints, age: Ints, weights: Floats, order: Ints) -> None:
+    """Write the patches in `hot` (H,) into `order`: what weighs most, then what waited longest."""
+    for count in range(len(hot)):
+        patch, place = hot[count], count
+        while place > 0:
+            before = order[place - 1]
+            if weights[before] > weights[patch]:
+                break
+            if weights[before] == weights[patch] and age[before] >= age[patch]:
+                break
+            order[place] = before
+            place -= 1
+        order[place] = patch
+
+
+@njit
 def all_settled(hot: Ints, settled: Flags, integers: Ints, tops: Ints) -> bool:
     """Whether all contacts are solved on the finest rung (P,) that each may have."""
     settled_all = True
@@ -235,7 +251,7 @@ def close_cycle(
     was_hot[:] = False
     for patch in hot:
         was_hot[patch] = True
-        age[patch] = 0 if integers[ANSWER, patch] == FEASIBLE else age[patch] + 1
+        age[patch] = 0 if integers[ANSWER, patch] >= FEASIBLE else age[patch] + 1
     longest = 0
     for patch in range(len(age)):
         if not was_hot[patch]:
@@ -251,15 +267,6 @@ def relax(steps: Floats, base: Floats) -> None:
     """Let predictions that are above their start come down a little."""
     for step in range(len(steps)):
         steps[step] = min(steps[step], max(FORGET * steps[step], base[step]))
-
-
-@njit
-def touch(octets: NDArray[np.uint8]) -> int:
-    """Read one of each 64 octets, so that the processor has them at hand."""
-    total = 0
-    for place in range(0, len(octets), 64):
-        total += octets[place]
-    return total
 
 
 UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew

@@ -1,7 +1,6 @@
 """Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -155,6 +154,8 @@ class PatchGroup:
         As `offset`, where nothing touches; of searches.
     last : list of P Data
         Of the search that each patch used last, or None.
+    finds_contacts : bool
+        Whether searches find contacts by themselves, as rows of their data.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
@@ -177,6 +178,7 @@ class PatchGroup:
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
+        self.finds_contacts = bool(self.data) and self.data[0][0].rows is not None
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)
@@ -234,18 +236,6 @@ class PatchGroup:
     def _prepared_without(self, rung: int, key: bytes) -> Operator:
         return self.operators[rung].without(np.frombuffer(key, np.bool_))  # type: ignore[no-any-return]
 
-    def twin(self) -> "PatchGroup":
-        """Arrays of its own, with the same matrices.
-
-        Of the searches only that of the first patch has a memory of its own.
-        """
-        twin = copy(self)
-        twin.fields, twin.level = [np.zeros_like(each) for each in self.fields], self.level.copy()
-        pairs = zip(self.operators, self.data, strict=True)
-        twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
-        twin.last = [None] * self.count
-        return twin
-
     def reset(self) -> None:
         """Forget the readings before."""
         for data in self.data:
@@ -258,6 +248,6 @@ def _search(operator: Operator) -> Any:
     if getattr(operator, "problem", None) is None:
         raise InputError(
             f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
-            "such as that of NonNegative() or of ContactFit(), or a linear solver"
+            "such as that of NonNegative() or of Auto(), or a linear solver"
         )
     return operator

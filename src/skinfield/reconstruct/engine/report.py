@@ -15,7 +15,8 @@ WORDS = {
     Answer.MISSING: "missing",
     Answer.IDLE: "idle",
     Answer.LINEAR: "linear",
-    Answer.FEASIBLE: "non-negative",
+    Answer.FEASIBLE: "field",
+    Answer.CONTACTS: "contacts",
 }
 
 
@@ -29,7 +30,7 @@ class PatchReport:
     answer : str
         ``"idle"``: nothing stands out of the noise at the solver's false-alarm rate, so that 0 is
         the exact minimum with the whole threshold as the penalty, see `NonNegative`; ``"linear"``:
-        of a linear solver, or the clipped start of an iterative one; ``"non-negative"``: searched,
+        of a linear solver, or the clipped start of an iterative one; ``"field"``: searched,
         with its gap; ``"missing"``: no reading.
     rung : int
         Nodes a side of the grid of the answer; 0 where there is none.
@@ -177,7 +178,7 @@ class CycleReport:
         elif self._linear:
             step, following, what = Step.ROW, rung + 1, "rung"
         else:
-            done = answer == Answer.FEASIBLE and self._state.settled[place]
+            done = answer >= Answer.FEASIBLE and self._state.settled[place]
             following = rung + 1 if done else max(rung, 0)
             what = "search on rung" if answer == Answer.LINEAR else "rung"
             what = what if done or answer == Answer.LINEAR else "more iterations on rung"

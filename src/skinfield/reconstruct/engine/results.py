@@ -29,7 +29,7 @@ class PatchResults:
     Attributes
     ----------
     answer : int64 array
-        Of `Answer`: 0 missing, 1 idle, 2 linear, 3 non-negative.
+        Of `Answer`: 0 missing, 1 idle, 2 linear, 3 field, 4 contacts.
     rung : int64 array
         Of the answer, counted from the coarsest; -1 where there is none.
     gap : array
@@ -76,8 +76,21 @@ class PatchResults:
         row = self._rows[patch]
         linear, feasible, nothing = self._fields[patch]
         answer, rung = self._work.state.answer[row], int(self._work.state.rung[row])
-        fields = linear if answer == LINEAR else feasible if answer == FEASIBLE else nothing
+        fields = linear if answer == LINEAR else feasible if answer >= FEASIBLE else nothing
         return fields[rung]
+
+    def contacts_of(self, patch: int) -> tuple[NDArray[Any], int]:
+        """Contacts of a patch that a solver found by itself: rows, of equal geometry's first."""
+        work, row = self._work, self._rows[patch]
+        group, place = work.places[row]
+        data = group.data[int(work.state.rung[row])][place]
+        return data.rows, data.count
+
+    def shift_of(self, patch: int) -> Floats:
+        """From the plane of the first patch of its kind to that of a patch, (2,) m."""
+        group, place = self._work.places[self._rows[patch]]
+        first, its = group.kind.patches[0], group.kind.patches[place]
+        return np.array(its.plane[0] - first.plane[0])
 
     def whitened_of(self, patch: int) -> NDArray[Any]:
         """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
@@ -137,7 +150,7 @@ def estimate_of(
     operator: Operator = step.start if answer == LINEAR else step.operator
     name = type(operator.solver).__name__
     solution = Solution(pressure, intake.linear[rows].copy(), name, operator)
-    if answer == FEASIBLE:
+    if answer >= FEASIBLE:
         solution = group.data[rung][place].solution.keep()
         if place and solution.fit is not None:  # its contacts are drawn on the first patch
             solution.operator, solution.fit = operator, None
@@ -145,7 +158,7 @@ def estimate_of(
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
     return estimate_of_solution(
         *(solution, valid, grid, step.deformation.on(grid), finder),
-        predicted=None if answer == FEASIBLE else explained,
+        predicted=None if answer >= FEASIBLE else explained,
         latency=report.spent,
         stamp_ns=stamp_ns,
         deadline_met=not report.overrun,
@@ -156,7 +169,7 @@ def estimate_of(
 def _pressure(group: PatchGroup, answer: int, rung: int, place: int) -> Floats:
     if answer == LINEAR:
         return np.asarray(group.fields[rung][place], dtype=np.float64)
-    if answer == FEASIBLE:
+    if answer >= FEASIBLE:
         return np.array(group.data[rung][place].solution.pressure)
     return np.zeros(len(group.rungs.steps[rung].grid))
 
@@ -167,7 +180,7 @@ def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str,
         notes.append("no time to search: the clipped linear answer, without a certificate")
     if not valid.all():
         missing = int(len(valid) - valid.sum())
-        which = "" if answer == FEASIBLE else "; pressure_std is that of all taxels"
+        which = "" if answer >= FEASIBLE else "; pressure_std is that of all taxels"
         notes.append(f"{missing} taxels left out{which}")
     return tuple(notes)
 

@@ -9,7 +9,7 @@ from skinfield.errors import Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT, GridLevel, Habits, LiveContacts, level_of
 from skinfield.reconstruct.engine.engine import Engine
 from skinfield.reconstruct.engine.results import grid_on
-from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
+from skinfield.reconstruct.engine.state import CONTACTS, FEASIBLE, LINEAR
 
 
 class SkinContacts:
@@ -58,6 +58,7 @@ class SkinContacts:
             each.memory = memory
         self._doubles = [np.zeros(side * side) for side in engine.rungs]
         self._shape = (len(self.patches), rows)
+        self._shifts = [engine.results.shift_of(patch) for patch in range(len(self.patches))]
         self._run_in(rows)
 
     def __call__(self, stamp_ns: int, out: NDArray[np.void], counts: Ints) -> None:
@@ -83,6 +84,9 @@ class SkinContacts:
     def find(self, patch: int, stamp_ns: int, out: NDArray[np.void]) -> int:
         """Write the contacts of one patch that was touched in the last cycle; how many."""
         results = self._engine.results
+        if results.answer[patch] == CONTACTS:
+            found, shift = results.contacts_of(patch), self._shifts[patch]
+            return self.patches[patch].take(*found, shift, stamp_ns, out)
         rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
         if results.answer[patch] == FEASIBLE:
             white = results.whitened_of(patch)
@@ -101,6 +105,7 @@ class SkinContacts:
         for each in self.patches:
             for level, known in enumerate(each.levels):
                 each(level, np.zeros(len(known.std)), 0, out)
+            each.take(out, 0, np.zeros(2), 0, out)
 
 
 def _levels(engine: Engine, name: str) -> list[GridLevel]:

@@ -4,7 +4,17 @@ import numpy as np
 
 from skinfield.errors import Ints
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import LINEAR, MASKED, PRODUCT, ROW, TEST
+from skinfield.reconstruct.engine.state import (
+    COLD,
+    CONTACTS,
+    FEASIBLE,
+    LINEAR,
+    MASKED,
+    PRODUCT,
+    ROW,
+    TEST,
+    WARM,
+)
 from skinfield.reconstruct.engine.timing_model import NS
 from skinfield.reconstruct.engine.workspace import ROUNDS, Clockwork
 
@@ -173,6 +183,59 @@ def finest_within(work: Clockwork, seconds: float, least: int) -> int:
     return least
 
 
+LEAST, TURN = 60e-6, 150e-6  # s in which a search for contacts comes to something, and to an end
+
+
+def find_contacts(work: Clockwork, hot: Ints) -> Ints:
+    """Search the contacts of touched patches; returns them.
+
+    Finer rungs are tested as soon as there is time: coarse cells overlook small touches.
+    """
+    while search_in_turn(work, hot):
+        finer = finest_within(work, work.left, work.tested)
+        if finer == work.tested:
+            break
+        hot = test_all(work, finer)
+    start_linearly(work)
+    return hot
+
+
+def search_in_turn(work: Clockwork, hot: Ints) -> bool:
+    """Search patches for contacts, each within its share of the time; whether that sufficed.
+
+    What was searched longest ago comes first. A search goes on where the patch's last one ended, so
+    that a short time, cycle after cycle, comes to the same as a long one.
+    """
+    state, waiting = work.state, len(hot)
+    for patch in work.in_turn(hot).tolist():
+        if state.answer[patch] == LINEAR:
+            start = work.clock()
+            left = (work.end - start) * NS
+            if left < LEAST and state.age[patch] < PATIENCE:
+                return False
+            allowance = max(min(left, TURN), left / waiting, LEAST)
+            find_contacts_of(work, patch, start, start + int(allowance / NS))
+        waiting -= 1
+    return True
+
+
+def find_contacts_of(work: Clockwork, patch: int, start: int, deadline: int) -> None:
+    """Search the contacts of one patch, by a deadline, on the finest rung it may have."""
+    state, rung = work.state, int(work.tops[patch])
+    group, place = work.places[patch]
+    masked = not work.intake.all_valid and bool(state.invalid[patch])
+    operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
+    data.noise[:] = work.deviation_rows[patch]
+    solution = operator.solve(work.raw_rows[patch], data, deadline)
+    state.answer[patch] = FEASIBLE if data.count < 0 else CONTACTS
+    state.rung[patch] = state.at[patch] = rung
+    state.gap[patch], state.iterations[patch] = solution.gap, solution.steps
+    state.settled[patch] = solution.in_time
+    kind = WARM if state.was_hot[patch] else COLD
+    state.predicted[patch] += work.predict(kind, group.index, rung)
+    state.spent[patch] += work.log_step(kind, group.index, patch, rung, start)
+
+
 def spend(work: Clockwork, hot: Ints) -> Ints:
     """Spend the time that is left where it gains most; returns the patches with a contact.
 
@@ -180,6 +243,8 @@ def spend(work: Clockwork, hot: Ints) -> Ints:
     finer rungs as well, where what was too fine for the coarse one shows. A contact that was not
     searched gets a linear answer in the end.
     """
+    if work.finds_contacts:
+        return find_contacts(work, hot)
     serve_longest_waiting(work, hot)
     for _ in range(ROUNDS):
         served, settled = serve(work, hot) if len(hot) else (0, True)

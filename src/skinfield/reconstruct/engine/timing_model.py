@@ -124,8 +124,3 @@ class Times:
         """Learn from a step."""
         self.model.observe(which, seconds)
         self.typical.observe(which, seconds)
-
-    def start_as(self, other: "Times") -> None:
-        """Begin with the predictions of another."""
-        for mine, its in zip(self.relaxing, other.relaxing, strict=True):
-            mine[:] = its

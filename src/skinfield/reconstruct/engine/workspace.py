@@ -24,14 +24,14 @@ class Clockwork:
     groups : sequence of PatchGroup
     intake : EngineReadings
     clock : function that returns ns
-    like : Clockwork, optional
-        Of the same patches, with which it shares what is prepared; costs begin as the other's.
 
     Attributes
     ----------
+    finds_contacts : bool
+        Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
-    raw_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -61,7 +61,6 @@ class Clockwork:
         groups: Sequence[PatchGroup],
         intake: EngineReadings,
         clock: Callable[[], int],
-        like: "Clockwork | None" = None,
     ) -> None:
         from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
 
@@ -71,15 +70,11 @@ class Clockwork:
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
-        if like is None:
-            self.tests = idle_tests(groups)
-            self.atlases = linear_answers(groups) if self.linear else []
-        else:
-            self.tests, self.atlases = like.tests, like.atlases
+        self.finds_contacts = groups[0].finds_contacts
+        self.tests = idle_tests(groups)
+        self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
         self.times = Times(len(groups), self.rungs, bool(self.atlases))
-        if like is not None:
-            self.times.start_as(like.times)
         self.costs, self.planned = self.times.costs, self.times.costs.copy()
         self.unresolved = np.array([group.rungs.unresolved for group in groups])
         self.places = [(group, place) for group in groups for place in range(group.count)]
@@ -88,7 +83,8 @@ class Clockwork:
         parts = ((group.first, group.count) for group in groups)
         self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
+        raw = [intake.raw_of(patch) for patch in range(len(self.places))]
+        self.raw_rows, self.deviation_rows = zip(*raw, strict=True)
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
@@ -228,6 +224,11 @@ class Clockwork:
         if kinds is not None:
             self.log.append((kinds, found.copy()))
         return bool(settled)
+
+    def in_turn(self, hot: Ints) -> Ints:
+        """Patches with a contact in the order of their turns: a view, until this is asked again."""
+        self.kernel.list_turns(hot, self.state.age, self.weights, self._order)
+        return self._order[: len(hot)]
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.

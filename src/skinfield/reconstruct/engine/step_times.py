@@ -1,19 +1,14 @@
-"""Cache warm-up: a double of an engine between readings, and the times of its steps.
+"""Times of an engine's steps, measured on rehearsed touches before the first reading."""
 
-What a processor has not used for some milliseconds it fetches anew, which takes longer than a cycle
-itself. The double runs the same code over the same prepared arrays, and answers into others.
-"""
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM
-from skinfield.reconstruct.engine.timing_model import NS, CostModel
+from skinfield.reconstruct.engine.timing_model import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 
 LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
@@ -93,60 +88,3 @@ def rehearsed(group: PatchGroup, rung: int, rng: "np.random.Generator") -> Float
     readings = model.matrix @ (distance <= reach).astype(np.float64)
     highest = float(np.abs(readings / model.noise_std).max())
     return np.asarray(readings * (STRONG / max(highest, 1e-300)))
-
-
-CHANGES = (1.0, 0.9, 1.05, 0.95)  # of the rehearsed touch, so that each has something to search
-
-
-class Shadow:
-    """The double of an engine's work, which answers rehearsed touches.
-
-    Parameters
-    ----------
-    work : Clockwork
-    names : sequence of str
-        Of patches, in the order of the skin.
-    around : CostModel
-        Of what is learnt beside the steps.
-    engine : object
-        Whose attributes are touched too.
-
-    Attributes
-    ----------
-    work : Clockwork
-    around : CostModel
-        The double's own.
-    """
-
-    def __init__(
-        self, work: Clockwork, names: Sequence[str], around: CostModel, engine: object
-    ) -> None:
-        twins = [group.twin() for group in work.groups]
-        self.work = Clockwork(twins, work.intake.twin(), work.clock, like=work)
-        self.around = CostModel(around.steps.copy())
-        touch = rehearsed_cycle(self.work)
-        flat: Floats = np.concatenate([touch[name] for name in names])
-        self._readings = [change * flat for change in CHANGES]
-        self._valid = np.ones(len(flat), np.bool_)
-        self._next, self._own, self._engine = 0, work, engine
-        state, intake = work.state, work.intake
-        small = (
-            *(state.integers, state.numbers, state.age, intake.given, intake.linear, intake.white),
-            *(work.times.both, work.planned),
-        )
-        self._octets = [each.reshape(-1).view(np.uint8) for each in small]
-
-    def next_touch(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """Readings of the next rehearsed cycle, and which of them are valid."""
-        self._next = (self._next + 1) % len(self._readings)
-        return self._readings[self._next], self._valid
-
-    def touch(self) -> None:
-        """Touch what the engine itself will need."""
-        work = self._own
-        for octets in self._octets:
-            work.kernel.touch(octets)
-        used = [last for group in work.groups for last in group.last if last is not None]
-        for each in (self._engine, work, work.state, work.intake, work.times, *used):
-            if hasattr(each, "__dict__"):
-                list(vars(each).values())  # counting references touches objects
