@@ -21,6 +21,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     DONE,
     DUE,
     ENOUGH,
+    FIRST_OPEN,
     FOUND,
     GREW,
     GROW,
@@ -250,21 +251,23 @@ def begin(
         if not next_shape(memory, search, rules):
             state[STAGE] = DONE
     elif stage == BELIEVE:
-        if index >= count:
+        if state[TRIED] >= count:
             state[STAGE] = DONE
             return NOTHING
-        if post.known[index] == KNOWN and holds(memory, post, index):
-            state[INDEX] += 1
-            return NOTHING
+        state[INDEX] = index = (state[FIRST_OPEN] + state[TRIED]) % count
+        state[TRIED] += 1
         few = was_there(memory, post, index)
+        if (post.known[index] == KNOWN and holds(memory, post, index)) or (few and state[GREW]):
+            return NOTHING  # of atoms that were there, one is explored
         state[PLACES_LEFT] = FEW if few else PLACES
         laplace(model, memory, index, post.local)
         certain = widest_deviation(post, 1.0) < CERTAIN
         if certain or not few:
             curve(model, memory, post, index, KNOWN if certain else ROUGH)
         if certain:
-            state[INDEX] += 1
             return NOTHING
+        if few:
+            state[GREW], state[FIRST_OPEN] = 1, index + 1
         mark_one(memory, search, index)
         copy_others(memory, search, NOW, TRIAL)
         if memory.counts[TRIAL]:
@@ -286,7 +289,7 @@ def begin(
         for i in range(6):
             post.atoms[index, i] = search.seeds[0, i]
         post.family[index], post.known[index] = memory.family[NOW, index], KNOWN
-        state[INDEX], state[STAGE] = index + 1, BELIEVE
+        state[STAGE] = BELIEVE
     return NOTHING
 
 
@@ -430,6 +433,7 @@ def search_atoms(
     post: PosteriorMemory,
     rules: SearchRules,
     noise: Floats,
+    shapes: bool,
     resume: bool,
     deadline: int,
 ) -> bool:
@@ -450,6 +454,8 @@ def search_atoms(
     rules : SearchRules
     noise : (L,) array
         By which the dictionary was whitened.
+    shapes : bool
+        Compare all shapes, also those of as many atoms as before.
     resume : bool
         Go on where the last search was interrupted.
     deadline : int, ns
@@ -468,7 +474,7 @@ def search_atoms(
     else:
         state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
         state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
-        state[DUE], state[REFINED] = 1, NOTHING
+        state[DUE], state[REFINED], state[TRIED] = shapes, NOTHING, 0
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
             break
