@@ -335,7 +335,9 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     settle(fit, numbers[SPREAD], common, deadline)
     if memory.marks[LATE]:
         return
-    before, scale = numbers[COMPARED], noise_scale(fit)
+    before, scale = numbers[COMPARED], 1.0
+    if marks[STAGE] == RESTING:  # else there may be touches among what is left over
+        scale = noise_scale(fit)
     if not before / FALL < energy < before * RISE:
         numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
         begin_comparison(fit, numbers[MISFIT], False)
@@ -346,7 +348,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         memory.counts[NOW] = 0
         begin_comparison(fit, numbers[MISFIT], False)
         return
-    if is_short(memory, INFERRING, deadline):
+    if marks[STAGE] == SEEKING or is_short(memory, INFERRING, deadline):
         return
     infer(fit, common)
     learn(fit)

@@ -210,7 +210,7 @@ def begin(
         state[COUNT], state[SEED], state[OF], state[RIVAL] = found, 0, BALL, 0
         state[FOUND], state[TRIED], state[KIND], state[STAGE] = 0, 0, NO_SHAPE, SEEDS
     elif stage == SEEDS:
-        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL]:
+        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL] and not count:
             steps = 2 * BURST * (state[COUNT] - state[SEED])
             if now_ns(memory.marks) + int(steps * memory.sums[PACE]) > state[UNTIL]:
                 state[COUNT], state[STAGE] = state[SEED], JOIN  # there is no time for all
