@@ -119,6 +119,7 @@ BURST = 12  # steps of refinement of what is only tried
 CLEAR = 4.0  # times the threshold that an atom far from others brings: it need not be tried without
 TRIED_MOST = 2  # of the places for a new atom: these are refined together with the others
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
+CLEARLY = 1.0  # ln odds by which another shape is chosen where that takes several readings
 LONG = 60  # of what is taken
 SETTLED_GAIN = 1e-3  # gain in cost of the last step
 
@@ -387,7 +388,8 @@ def conclude(
             state[KIND], state[STAGE] = state[KIND] + 1, RIVALS
         else:
             state[MOVE], state[STAGE] = state[MOVE] + 1, SHAPES
-            if value > evidence(model, memory, NOW) + BETTER:
+            margin = CLEARLY if state[UNTIL] else BETTER  # readings may be others each time
+            if value > evidence(model, memory, NOW) + margin:
                 copy_set(memory, TRIAL, NOW)
                 state[MOVE] = 0  # all anew: the order of the atoms is another one, too
                 state[COMPARED] = memory.counts[NOW]
