@@ -284,7 +284,7 @@ class AutoData(Data):
     """
 
     def __init__(self, operator: "AutoOperator") -> None:
-        margin = DeadlineMargin(300_000, most=2_000_000)
+        margin = DeadlineMargin(20_000, most=2_000_000)
         super().__init__(operator, len(operator.model.grid), margin)
         self.contacts, self.field = operator.contact_fit.data(), operator.field.data()
         self.linear, self.contest = operator.linear_field.data(), Contest()
