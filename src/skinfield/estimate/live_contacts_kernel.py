@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
+from skinfield.estimate.track_memory import TrackMemory
+from skinfield.estimate.tracking_kernel import number_rows
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
-NS = 1e-9
 COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
-REACH, SPEED, HOLD, SMOOTH = range(4)  # of `habits`: m, m/s, s, s
 
 
 @njit
@@ -34,8 +34,8 @@ def tell(
     tables: Ints,
     taxels: Floats,
     residual: Floats,
-    habits: Floats,
-    memory: Any,
+    rules: Any,
+    memory: TrackMemory,
     ids: Ints,
     patch: int,
     now: int,
@@ -63,7 +63,7 @@ def tell(
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
-    associate(many, habits, memory, ids, now, out)
+    number_rows(memory, rules, ids, many, now, out)
     return count
 
 
@@ -76,8 +76,8 @@ def take_rows(
     positions: Floats,
     normals: Floats,
     numbers: Floats,
-    habits: Floats,
-    memory: Any,
+    rules: Any,
+    memory: TrackMemory,
     ids: Ints,
     patch: int,
     now: int,
@@ -98,7 +98,7 @@ def take_rows(
         With its memory, `out_words`.
     """
     told = min(many, len(out))
-    for word in range(told * (len(words) // len(rows))):
+    for word in range(told * (len(out_words) // len(out))):
         out_words[word] = words[word]
     for place in range(told):
         row = out[place]
@@ -107,7 +107,7 @@ def take_rows(
             row.x, row.y = row.x + shift[0], row.y + shift[1]
             u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
             put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
-    associate(told, habits, memory, ids, now, out)
+    number_rows(memory, rules, ids, told, now, out)
     return many
 
 
@@ -295,71 +295,3 @@ def deviations(
     row.force_std = np.sqrt(max(ones, 0.0) * newtons + force * force)
     both = max(0.5 * (alongs + acrosses), 0.0)
     row.place_std = np.sqrt(both * metres + numbers[PLACE] * numbers[PLACE])
-
-
-@inner
-def associate(many: int, habits: Floats, memory: Any, ids: Ints, now: int, out: Any) -> None:
-    """Give each row the number of the nearest contact of before, or a new one.
-
-    The nearest pair first; of equally near ones, that of the first row, then of the oldest number.
-    """
-    for row in range(many):
-        out[row].track = 0
-    for place in range(len(memory)):
-        memory[place].taken = 0
-        if abs(NS * (now - memory[place].last_ns)) > habits[HOLD]:
-            memory[place].track = 0
-    for _ in range(many):
-        best, row, place = np.inf, -1, -1
-        for r in range(many):
-            if out[r].track == 0:
-                for m in range(len(memory)):
-                    if memory[m].track != 0 and memory[m].taken == 0:
-                        dx, dy = out[r].x - memory[m].x, out[r].y - memory[m].y
-                        apart = np.sqrt(dx * dx + dy * dy)
-                        since = max(NS * (now - memory[m].last_ns), 0.0)
-                        same = r == row and apart <= (1.0 + TIE) * best
-                        older = same and memory[m].track < memory[place].track
-                        reach = habits[REACH] + habits[SPEED] * since
-                        if apart <= reach and (apart < (1.0 - TIE) * best or older):
-                            best, row, place = apart, r, m
-        if row < 0:
-            break
-        out[row].track, memory[place].taken = memory[place].track, 1
-        follow(memory[place], habits, now, out[row])
-    for row in range(many):
-        if out[row].track == 0:
-            begin(memory, ids, now, out[row])
-
-
-@inner
-def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
-    """Move a contact of before to where it is now, and tell its age and speed."""
-    passed = max(NS * (now - known.last_ns), 0.0)
-    if passed > 0.0:
-        part = 1.0 / (passed + habits[SMOOTH])
-        known.vx += part * (row.x - known.x - known.vx * passed)
-        known.vy += part * (row.y - known.y - known.vy * passed)
-    known.x, known.y, known.last_ns = row.x, row.y, now
-    row.age = NS * (now - known.first_ns)
-    row.speed = np.sqrt(known.vx * known.vx + known.vy * known.vy)
-
-
-@inner
-def begin(memory: Any, ids: Ints, now: int, row: Any) -> None:
-    """Remember a new contact, in place of none, else of the one not seen for longest."""
-    place = 0
-    for m in range(len(memory)):
-        if memory[m].track == 0:
-            place = m
-            break
-        if memory[m].taken == 0 and (
-            memory[place].taken == 1 or memory[m].last_ns < memory[place].last_ns
-        ):
-            place = m
-    ids[0] += 1
-    known = memory[place]
-    known.track, known.taken, known.x, known.y = ids[0], 1, row.x, row.y
-    known.first_ns = known.last_ns = now
-    known.vx = known.vy = 0.0
-    row.track, row.age, row.speed = ids[0], 0.0, 0.0
