@@ -70,6 +70,8 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     ).groups()  # type: ignore[union-attr]
     assert float(modulus) == pytest.approx(150.0, rel=0.2)
     assert float(highest) == pytest.approx(2.0, rel=0.2)
+    lines = Path("contacts.csv").read_text().splitlines()
+    assert {line.split(",")[4] for line in lines} == {"solver", "ContactFit"}
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def reconstruct(
     A recording may be longer than memory. -o run.skinfield stores its readings, its contacts and
     what reconstructs them, far less than the fields, which are computed when they are looked at: in
     Python with skinfield.open_results, here with --slice. Solvers that start from the reading
-    before (auto, contact, nonnegative) do so within runs of 64 readings and begin anew at each.
+    before (auto, contact, nonnegative) do so within runs of 256, each from the 32 before it.
 
     Several recordings, or one by several processes, go into a folder: -o DIR gets results of each,
     made window by window by Dask's workers, here or on a cluster. What is complete stands in

@@ -49,7 +49,7 @@ RECORDING = (
     Column("highest N", "highest_force_N", decimals=2),
     Column("at reading", "highest_force_reading", decimals=0),
 )  # fmt: skip
-STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
+STEPS = {"linear": CHUNK, "iterative": RUN}  # readings that are answered together
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -187,7 +187,8 @@ class Estimate:
             raise InputError(
                 "an estimate of one reading cannot be indexed: it is the reading's own"
             )
-        if (each := vars(self).get("_each")) is not None:
+        each: tuple[Estimate, ...] | None = vars(self).get("_each")
+        if each is not None:
             return each[index]
         share = self.pressure[index].size / self.pressure.size
         return replace(

@@ -29,7 +29,7 @@ from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, 
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.tables import open_contacts
 from skinfield.reconstruct import Reconstructor, Solver
-from skinfield.reconstruct.bulk import OUTPUTS, RUN, BulkFields
+from skinfield.reconstruct.bulk import OUTPUTS, RUN, WARM, BulkFields
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.reconstruct.serialisation import (
     ARRAYS,
@@ -45,14 +45,14 @@ if TYPE_CHECKING:
     import xarray
 
 BLOCK = 4096  # readings of a chunk as it is written
-FEWEST, MOST = RUN, 8 * RUN  # readings of a chunk that is computed as a whole
+FEWEST, MOST = 64, 512  # readings of a chunk that is computed as a whole, of a linear solver
 CHUNK_BYTES = 16 << 20  # of its pressure and displacement, about
 TEXTS = {
     "pressure": ("Pa", "pressure, compression positive"),
     "indentation": ("m", "displacement into the skin along its normal"),
     "displacement": ("m", "displacement of the surface, in the patch's frame"),
 }
-_LOCK = threading.Lock()  # a reconstructor answers one at a time
+_LOCK = threading.RLock()  # a reconstructor answers one at a time
 
 
 class ResultsWriter:
@@ -294,11 +294,12 @@ class Results:
 
     def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
         """Readings first to last as one estimate, whose contacts are found when looked at."""
-        bulk = self.bulk(names)
-        start = first if bulk.is_linear else first - first % RUN
-        values, stamps = self.values(start, last), self.stamps(start, last)
         with _LOCK:
-            return bulk.estimate(values, stamps, first - start)
+            bulk = self.bulk(names)
+            begun = first if bulk.is_linear else first - first % RUN
+            start = begun if bulk.is_linear else max(begun - WARM, 0)
+            values, stamps = self.values(start, last), self.stamps(start, last)
+            return bulk.estimate(values, stamps, first - start, begun - start)
 
     def fields(
         self, first: int, last: int, names: tuple[str, ...], precision: type[np.floating[Any]]
@@ -306,10 +307,12 @@ class Results:
         """Some fields of readings first to last, one after the other, (last - first, R)."""
         with _LOCK:
             bulk = self.bulk(names, precision)
-            start = first if bulk.is_linear else first - first % RUN
-            found = bulk(self.values(start, last))
-        tables = [found[name].reshape(last - start, -1)[first - start :] for name in names]
-        return np.concatenate(tables, axis=1)
+            if bulk.is_linear:
+                found = bulk(self.values(first, last))
+            else:
+                estimate = self.estimates(first, last, names)
+                found = {name: getattr(estimate, name).astype(precision) for name in names}
+        return np.concatenate([found[name].reshape(last - first, -1) for name in names], axis=1)
 
     def dataset(self, precision: type[np.floating[Any]] = np.float32) -> "xarray.Dataset":
         """See `open_results`."""

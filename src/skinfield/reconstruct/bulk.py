@@ -20,7 +20,8 @@ from skinfield.reconstruct.reconstructor import Reconstructor
 CHUNK = 512  # readings per product at most
 FEWEST = 64  # and at least
 CACHE_BYTES = 4 << 20  # of a chunk's outputs: more leave the cache before anybody looks at them
-RUN = 64  # readings that an iterative solver answers one from the other; the first starts anew
+RUN = 256  # readings that an iterative solver answers one from the other
+WARM = 32  # readings before a run, from which its first one starts
 MOST_SETS = 16  # of valid taxels that stay prepared
 OUTPUTS = {  # numbers per node; in the patch's frame, signs as in `Estimate`
     "pressure": 1,
@@ -44,8 +45,9 @@ class BulkFields:
 
     Notes
     -----
-    Runs of an iterative solver begin at multiples of `RUN`, each anew, so that what a reading gives
-    does not depend on which others are wanted. Each output of a linear one is a product of its own,
+    Runs of an iterative solver begin at multiples of `RUN`, from the `WARM` readings before, and
+    these from nothing, so that what a reading gives does not depend on which others are wanted.
+    Each output of a linear one is a product of its own,
     so that it does not depend on what else is wanted, to the last bit.
     """
 
@@ -108,17 +110,26 @@ class BulkFields:
             found[name] = table.reshape(len(table), *shape)
         return found
 
-    def estimates(self, readings: Floats, stamp_ns: Ints | None = None) -> list[Estimate]:
-        """Everything of each of some readings (T, L), stamped (T,), in runs that begin anew."""
+    def estimates(
+        self, readings: Floats, stamp_ns: Ints | None = None, before: int = 0
+    ) -> list[Estimate]:
+        """Everything of each of some readings (T, L), stamped (T,), run by run.
+
+        The first run begins after so many readings `before`, whose answers are left out.
+        """
         stamps = np.zeros(len(readings), np.int64) if stamp_ns is None else stamp_ns
         each: list[Estimate] = []
-        for first in range(0, len(readings), RUN):
+        for first in range(before, len(readings), RUN):
             self.reconstructor.reset()
-            run = slice(first, first + RUN)
-            each += self.reconstructor(readings[run], stamp_ns=stamps[run])
+            start = max(first - WARM, 0)
+            run = slice(start, first + RUN)
+            found = self.reconstructor(readings[run], stamp_ns=stamps[run])
+            each += (found[place] for place in range(first - start, len(found)))
         return each
 
-    def estimate(self, readings: Floats, stamp_ns: Ints, skip: int = 0) -> Estimate:
+    def estimate(
+        self, readings: Floats, stamp_ns: Ints, skip: int = 0, before: int = 0
+    ) -> Estimate:
         """One estimate of some readings; its contacts are found when they are looked at.
 
         Parameters
@@ -126,13 +137,15 @@ class BulkFields:
         readings : (T, L) array, in the quantity's unit
         stamp_ns : (T,) array, ns
         skip : int
-            Readings at the start that an iterative solver only starts from.
+            Readings at the start that are not wanted,
+        before : int
+            of which so many come before an iterative solver's first run.
         """
         if self._linear is not None:
-            readings, stamp_ns, skip = readings[skip:], stamp_ns[skip:], 0
+            readings, stamp_ns, skip, before = readings[skip:], stamp_ns[skip:], 0, 0
         same = self._same_valid(readings)
         if self._linear is None or same is None:
-            each = self.estimates(readings, stamp_ns)[skip:]
+            each = self.estimates(readings, stamp_ns, before)[skip - before :]
             return Estimate.joined(each, stamp_ns=stamp_ns[skip:])
         fields, grid = self(readings), self.reconstructor.grid
         pressure = fields["pressure"]
@@ -161,8 +174,8 @@ class BulkFields:
         plans, intervals = self.reconstructor.plans, self.reconstructor.intervals
         operator = plans.linear_of(same)
         linear, contacts = operator.filled(self._linearised(readings, same)), []
-        for first in range(0, len(linear), RUN):
-            for pressure in np.dot(linear[first : first + RUN], operator.matrix.T.astype(float)):
+        for first in range(0, len(linear), FEWEST):
+            for pressure in np.dot(linear[first : first + FEWEST], operator.matrix.T.astype(float)):
                 each = plans.find(operator, pressure)
                 contacts.append(each if intervals is None else intervals(each))
         return contacts

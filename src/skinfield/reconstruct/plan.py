@@ -4,14 +4,14 @@ import time
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import Deformation
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import (
     Contact,
     ContactFinder,
@@ -19,10 +19,12 @@ from skinfield.estimate import (
     PressureError,
     PressureNoise,
 )
+from skinfield.estimate.live_contacts import LiveContacts, level_of
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin
 
+NO_SHIFT: Floats = np.zeros(2)
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 SETS = 16  # at once: their deviations stay in cache
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
@@ -314,6 +316,38 @@ class Plan:
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
         parts = valid, self.grid, self.deformation, self.find, self._nodes
         return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
+
+    def write(
+        self, reading: Floats, out: NDArray[np.void], stamp_ns: int, deadline: float | None
+    ) -> int:
+        """Write the contacts of one reading (L,) into rows of `CONTACT`; how many there are."""
+        data, live, whitened, read = self._live
+        end = None if deadline is None else until(deadline, time.perf_counter_ns())
+        by = end if data.margin is None else data.margin.before(end)
+        solution = self.whole.solve(reading, data, by)
+        if data.rows is not None and data.count >= 0:
+            return int(live.take(data.rows, data.count, NO_SHIFT, stamp_ns, out))
+        np.multiply(solution.readings, whitened, out=read)
+        return int(live(0, solution.pressure, stamp_ns, out, read))
+
+    @cached_property
+    def _live(self) -> tuple[Data, LiveContacts, Floats, Floats]:
+        """Memory of `write`, how contacts become rows, one over the noise, and room."""
+        if self._nodes is not None:
+            raise InputError(
+                f"the grid has {len(self.grid)} nodes, a window of the patch, expected one over "
+                "all of it, such as Grid.square(patch): contacts are found where taxels are"
+            )
+        known, noise = self.whole, self.whole.model.noise_std
+        problem, signatures = getattr(known, "problem", None), None
+        if problem is not None:
+            signatures = (known.model.matrix / noise[:, None]).T
+        threshold = 0.0 if problem is None else problem.threshold
+        errors = known.noise, known.posterior, known.model_error
+        level = level_of(
+            self.grid, *errors, self.finder, signatures=signatures, threshold=threshold
+        )
+        return known.data(), LiveContacts([level]), 1.0 / noise, np.zeros_like(noise)
 
     def multiply(self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays) -> None:
         """Write a linear solver's answers to readings (T, L), where `valid` (T, L), into `out`.

@@ -30,9 +30,10 @@ from skinfield.errors import (
     check_type,
 )
 from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate.live_contacts import CONTACT
 from skinfield.reconstruct.intervals import Intervals
 from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
-from skinfield.skin import Grid, Patch
+from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
 SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
@@ -87,7 +88,10 @@ def _check_sight(grid: Grid, layer: Layer) -> None:
 
 
 class Reconstructor:
-    """Prepared reconstruction of one patch; call it with readings.
+    """Prepared reconstruction of one patch, or of a whole skin; call it with readings.
+
+    Of a `Skin`, of grids from coarse to fine such as (10, 20, 40), or with a `budget`, it is an
+    `Engine`, whose parameters hold then: it answers all patches within one budget of time.
 
     Parameters
     ----------
@@ -117,6 +121,18 @@ class Reconstructor:
     InputError
         For an argument that is something else, or that no skin can have.
     """
+
+    def __new__(
+        cls, patch: Any, layer: Any = None, grid: Any = None, **settings: Any
+    ) -> "Reconstructor":
+        """Make an engine where one is meant, see above."""
+        if not isinstance(patch, Skin) and "budget" not in settings and not _are_rungs(grid):
+            return super().__new__(cls)
+        from skinfield.reconstruct.engine import Engine
+
+        if grid is not None:
+            settings["rungs"] = grid
+        return Engine(patch, layer, **settings)  # type: ignore[return-value]
 
     def __init__(
         self,
@@ -247,6 +263,39 @@ class Reconstructor:
             solver=type(self.solver).__name__,
         )
 
+    def rows(self, most: int = 8) -> NDArray[np.void]:
+        """Room for so many contacts, for `into`: an array of `estimate.live_contacts.CONTACT`."""
+        return np.zeros(most, CONTACT)
+
+    def into(
+        self,
+        readings: Floats,
+        out: NDArray[np.void],
+        *,
+        stamp_ns: int = 0,
+        deadline: float | None = None,
+    ) -> int:
+        """Write the contacts of one reading into rows; allocates nothing.
+
+        For loops: nothing is checked, and contacts go on from those of the call before.
+
+        Parameters
+        ----------
+        readings : (L,) float64 array, in the quantity's unit
+            All taxels valid.
+        out : structured array of `CONTACT`, such as `rows()`
+            Receives the contacts by falling force; those after the last keep what they had.
+        stamp_ns : int, ns
+            By which contacts are known again.
+        deadline : float, s, optional
+
+        Returns
+        -------
+        int
+            How many contacts there are, which may be more than rows.
+        """
+        return self.plans.write(readings, out, stamp_ns, deadline)
+
     def _answer(
         self,
         reading: Floats,
@@ -350,6 +399,11 @@ class Reconstructor:
         self(np.zeros(len(self.patch)))
         self.reset()
         self.plans.run_in()
+
+
+def _are_rungs(grid: object) -> bool:
+    """Whether these are numbers of nodes, of grids from coarse to fine."""
+    return isinstance(grid, Sequence) and not isinstance(grid, str)
 
 
 def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:

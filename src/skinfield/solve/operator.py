@@ -201,7 +201,14 @@ class Data:
     ----------
     solution : Solution
         Of the last reading.
+    rows : structured array of `CONTACT`, or None
+        Of a solver that finds contacts by itself: those of the last reading, by falling force.
+    count : int
+        How many of the rows hold; -1 where a `ContactFinder` finds contacts in the pressure.
     """
+
+    rows: NDArray[np.void] | None = None
+    count = -1
 
     def __init__(
         self, operator: "Operator", nodes: int, margin: DeadlineMargin | None = None

@@ -178,7 +178,7 @@ class PatchGroup:
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
-        self.finds_contacts = bool(self.data) and getattr(self.data[0][0], "rows", None) is not None
+        self.finds_contacts = bool(self.data) and self.data[0][0].rows is not None
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)

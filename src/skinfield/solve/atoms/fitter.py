@@ -393,8 +393,8 @@ class ContactFitter:
             self._weigh(readings, data, min(error, COARSE))
             self._run(data, SEEK, shapes or turn > 0, deadline)
             step = self._noise_scale(data)
-            if step == 1.0 or memory.marks[LATE]:
-                break
+            if step == 1.0 or memory.marks[LATE] or turn == ROUNDS - 1:
+                break  # what is taken away is sought anew
             if not (step < 1.0 and data.scale <= 1.0):
                 memory.counts[NOW] = 0
             data.scale *= step
