@@ -144,7 +144,7 @@ def test_a_live_robot_gets_what_the_tracker_promises() -> None:
                     known.kind,
                     *known.ids,
                 )
-                assert_array_equal((event["x"], event["y"]), known.position[:2])
+                assert_array_equal(event["place"], known.position[:2])
             kinds |= {e.kind for e in tracker.events}
     assert kinds == set(KINDS)
 
@@ -167,15 +167,15 @@ def test_what_lasts_can_be_put_back() -> None:
     for step in range(40):
         cells = [400 + step, 900 + 2 * step][: 1 + step % 3]
         if step == 20:
-            other.memory.take(one.memory)
-            other.ids[:] = one.ids
+            for mine, its in zip(other.memory, one.memory, strict=True):
+                mine[:] = its
         count = one(0, picture(cells), step * 10**6, out)
         if step >= 20:
             assert other(0, picture(cells), step * 10**6, again) == count
             assert out[:count].tobytes() == again[:count].tobytes()
     one.reset()
     assert one(0, picture([400]), 41 * 10**6, out) == 1
-    assert out[0]["track"] == one.ids[0]
+    assert out[0]["track"] == one.memory.ids[0]
 
 
 def test_age_and_speed_of_a_steady_contact() -> None:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_shape
 from skinfield.estimate.finder import EXACT, ContactFinder
-from skinfield.estimate.track_memory import TrackMemory
+from skinfield.estimate.track_memory import CONFIRMED, TrackMemory
 from skinfield.estimate.tracker import Tracker
 from skinfield.estimate.uncertainty import (
     ModelError,
@@ -157,7 +157,7 @@ class LiveContacts:
     Attributes
     ----------
     memory : TrackMemory
-        Contacts of before and events, which with `ids` is all that lasts.
+        Contacts of before, events and `ids`: all that lasts.
     """
 
     def __init__(
@@ -171,18 +171,17 @@ class LiveContacts:
     ) -> None:
         from skinfield.estimate.live_contacts_kernel import take_rows, tell
         from skinfield.estimate.regions_kernel import find, room_for
-        from skinfield.estimate.tracking_kernel import begin_from
+        from skinfield.estimate.tracking_kernel import number_rows
 
         if rows < 1 or not levels:
             raise InputError(f"rows is {rows} on {len(levels)} levels, expected 1 or more of each")
         self.levels, self.patch, self.most = tuple(levels), int(patch), int(rows)
-        self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
-        self.memory = TrackMemory.of(ROOM * rows)
-        self._rules = (Tracker() if tracker is None else tracker).rules
+        rules = (Tracker() if tracker is None else tracker).rules
+        self.memory = TrackMemory.of(ROOM * rows, rules, np.zeros(1, int) if ids is None else ids)
         self._find: Any = find
         self._tell: Any = tell
         self._take_rows: Any = take_rows
-        self._begin_from: Any = begin_from
+        self._number: Any = number_rows
         self._rooms = []
         for level in self.levels:
             room = room_for(len(level.std), level.heights[0])
@@ -227,7 +226,7 @@ class LiveContacts:
             residual[:] = whitened
         std, heights, *arrays = known
         count = self._find(pressure, std, *heights, *room)
-        return int(
+        count = int(
             self._tell(
                 pressure,
                 count,
@@ -235,14 +234,12 @@ class LiveContacts:
                 *room[1:],
                 moved,
                 residual,
-                self._rules,
-                self.memory,
-                self.ids,
                 self.patch,
-                stamp_ns,
                 out,
             )
         )
+        self._number(self.memory, min(count, len(out)), stamp_ns, out)
+        return count
 
     def take(
         self,
@@ -264,7 +261,7 @@ class LiveContacts:
             As in a call.
         """
         known = self.levels[-1]
-        return int(
+        count = int(
             self._take_rows(
                 rows,
                 rows.view(np.int64),
@@ -273,21 +270,31 @@ class LiveContacts:
                 known.positions,
                 known.normals,
                 known.numbers,
-                self._rules,
-                self.memory,
-                self.ids,
                 self.patch,
-                stamp_ns,
                 out,
                 out.view(np.int64),
             )
         )
+        self._number(self.memory, min(count, len(out)), stamp_ns, out)
+        return count
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
         self.memory.reset()
 
     def begin_from(self, rows: NDArray[np.void], stamp_ns: int) -> None:
-        """Know of the contacts (N,) that rows state at `stamp_ns`, and of nothing else."""
-        self.memory.reset()
-        self._begin_from(self.memory, self._rules, len(rows), stamp_ns, rows)
+        """Know of the contacts (N,) that rows state at `stamp_ns`, and of nothing else.
+
+        Of their speed nothing is taken over; those of their first reading are confirmed if strong.
+        """
+        self.reset()
+        if len(rows):
+            ids = int(self.memory.ids[0])
+            self.take(rows, len(rows), np.zeros(2), stamp_ns, rows.copy())
+            self.memory.ids[0] = ids
+            tracks = self.memory.tracks[: len(rows)]
+            its = rows[tracks["column"]]
+            ages = np.rint(its["age"] * 1e9).astype(np.int64)
+            tracks["number"], tracks["made"] = its["track"], stamp_ns - ages
+            tracks["slipped"] = tracks["made"]
+            tracks["state"][ages > 0] = CONFIRMED

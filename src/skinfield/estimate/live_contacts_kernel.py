@@ -1,4 +1,4 @@
-"""Contacts of a live loop, compiled: what regions amount to, and which are those of before.
+"""Contacts of a live loop, compiled: what regions amount to.
 
 Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.live_contacts`
 for the rows.
@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
-from skinfield.estimate.track_memory import TrackMemory
-from skinfield.estimate.tracking_kernel import number_rows
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
@@ -34,11 +32,7 @@ def tell(
     tables: Ints,
     taxels: Floats,
     residual: Floats,
-    rules: Any,
-    memory: TrackMemory,
-    ids: Ints,
     patch: int,
-    now: int,
     out: Any,
 ) -> int:
     """Write the strongest of `count` regions into `out`, by falling force; how many count.
@@ -63,7 +57,6 @@ def tell(
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
-    number_rows(memory, rules, ids, many, now, out)
     return count
 
 
@@ -76,15 +69,11 @@ def take_rows(
     positions: Floats,
     normals: Floats,
     numbers: Floats,
-    rules: Any,
-    memory: TrackMemory,
-    ids: Ints,
     patch: int,
-    now: int,
     out: Any,
     out_words: NDArray[np.int64],
 ) -> int:
-    """Write contacts that a solver has found, and which of those before each is; how many.
+    """Write contacts that a solver has found; how many.
 
     Parameters
     ----------
@@ -107,7 +96,6 @@ def take_rows(
             row.x, row.y = row.x + shift[0], row.y + shift[1]
             u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
             put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
-    number_rows(memory, rules, ids, told, now, out)
     return many
 
 

@@ -6,38 +6,38 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 
-IDENTITY: list[Any] = [("number", np.int64), ("made", np.int64), ("slipped", np.int64)]
-IDENTITY += [("slips", np.int64)]  # what goes with a contact when tracks are exchanged; times in ns
 TRACK = np.dtype(
     [
-        *IDENTITY,
-        ("alive", np.int64),
-        ("confirmed", np.int64),
-        ("last", np.int64),  # ns, when it was seen
-        ("readings", np.int64),
-        ("parent", np.int64),  # place of the track that it split from, until it is confirmed
-        ("column", np.int64),  # contact of this reading; -1: none
+        ("number", np.int64),
+        ("made", np.int64),  # ns, as all times here
+        ("slipped", np.int64),  # when it moved last
+        ("slips", np.int64),
+        ("state", np.int64),
+        ("last", np.int64),  # when it was seen, or absorbed
+        ("readings", np.int64),  # that have seen it
+        ("parent", np.int64),  # place of what it split from, until confirmed, or merged into
+        ("pair", np.int64),  # contact of this reading that is to be its, and that is; -1: none
+        ("column", np.int64),
+        ("whole", np.float64),  # N: of an absorbed one, with that of the one that stayed
         ("mean", np.float64, (6,)),  # x, y m in the developed plane, force N, and their rates per s
-        ("covariance", np.float64, (6, 6)),
+        ("covariance", np.float64, (6, 6)),  # both of an absorbed one: of the difference
     ]
 )
-ABSORBED = np.dtype(
+FREE, TENTATIVE, CONFIRMED, ABSORBED = range(4)  # of `state`
+MEASURED = np.dtype(
     [
-        *IDENTITY,
-        ("owner", np.int64),  # place of the track that it merged into; -1: free
-        ("time", np.int64),  # ns
-        ("apart", np.float64, (6,)),  # state of the absorbed one less that of the one that stayed
-        ("forces", np.float64, (2,)),  # N: of the absorbed one, and of the one that stayed
-        ("variances", np.float64, (2,)),  # m² and m²/s²: of the distance and its rate, on each axis
+        ("mean", np.float64, (3,)),  # x, y m in the developed plane, force N
+        ("covariance", np.float64, (3, 3)),
+        ("origin", np.int64),  # the caller's place of a sorted contact
+        ("free", np.int64),
     ]
 )
 EVENT = np.dtype(
     [
         ("kind", np.int64),
-        ("time", np.int64),  # ns
+        ("time", np.int64),
         ("ids", np.int64, (2,)),  # the second is -1 where there is one
-        ("x", np.float64),
-        ("y", np.float64),
+        ("place", np.float64, (2,)),
     ]
 )
 RULES = np.dtype(
@@ -51,7 +51,6 @@ RULES = np.dtype(
     ]
 )
 NOW, STARTED, TOP, EVENTS = range(4)  # of `words`: ns; whether; places in use end here; how many
-PAIR, ORIGIN, FREE, LISTED, MATCH, WAY, USED = range(7)  # of `lists`
 FLOORS = np.diag([1e-5, 1e-5, 1e-3]) ** 2  # m, m, N: no solver is surer than this
 
 
@@ -61,56 +60,43 @@ class TrackMemory(NamedTuple):
     Attributes
     ----------
     tracks : (N,) array of TRACK
-    absorbed : (N,) array of ABSORBED
     events : (4 N,) array of EVENT
         A ring: the newest are in place `words[EVENTS] - 1` and before, modulo its length.
     words : (4,) int array
-    value : (N, 3) array
-        Contacts of a reading, written by the caller: x and y m in the developed plane, force N.
-    noise : (N, 3, 3) array
-        Their covariances.
-    gains, work : (N, N) and (12, N + 1) arrays
+    ids : (1,) int array
+        The last number of a contact, which may be shared between patches.
+    rules : (1,) array of RULES
+    contacts : (N + 1,) array of MEASURED
+        Of a reading: `mean` and `covariance` are the caller's. The last one is room.
+    gains, work, lists : (N, N), (6, N + 1) and (4, N + 1) arrays
         Room.
-    lists : (7, N + 1) int array
-        Room; `lists[ORIGIN]` has the caller's places of the sorted contacts.
     """
 
     tracks: Any
-    absorbed: Any
     events: Any
     words: Ints
-    value: Floats
-    noise: Floats
+    ids: Ints
+    rules: Any
+    contacts: Any
     gains: Floats
     work: Floats
     lists: Ints
 
     @classmethod
-    def of(cls, most: int) -> "TrackMemory":
+    def of(cls, most: int, rules: Any, ids: Ints) -> "TrackMemory":
         """Room for so many contacts, those that coast included."""
-        memory = cls(
+        return cls(
             np.zeros(most, TRACK),
-            np.zeros(most, ABSORBED),
             np.zeros(4 * most, EVENT),
             np.zeros(4, np.int64),
-            np.zeros((most, 3)),
-            np.zeros((most, 3, 3)),
+            ids,
+            rules,
+            np.zeros(most + 1, MEASURED),
             np.zeros((most, most)),
-            np.zeros((12, max(most + 1, 6))),
-            np.zeros((7, most + 1), np.int64),
+            np.zeros((6, max(most + 1, 6))),
+            np.zeros((4, most + 1), np.int64),
         )
-        memory.reset()
-        return memory
 
     def reset(self) -> None:
         """Know of no contact."""
-        self.tracks["alive"] = 0
-        self.absorbed["owner"] = -1
-        self.words[:] = 0
-
-    def take(self, other: "TrackMemory") -> None:
-        """Know what another one does, which has no more room."""
-        self.reset()
-        for mine, its in zip(self[:3], other[:3], strict=True):
-            mine[: len(its)] = its
-        self.words[:] = other.words
+        self.tracks["state"], self.words[:] = FREE, 0

@@ -11,11 +11,11 @@ from skinfield.estimate.contact import Contact
 from skinfield.estimate.developed_plane import Chart, contacts_of, measurements_of
 from skinfield.estimate.estimate import Estimate
 from skinfield.estimate.ranking import falling_order
-from skinfield.estimate.track_memory import EVENTS, NOW, RULES, STARTED, TOP, TrackMemory
+from skinfield.estimate.track_memory import CONFIRMED, EVENTS, NOW, RULES, STARTED, TOP, TrackMemory
 from skinfield.estimate.tracked import KINDS, ContactEvent, Gate, Motion, TrackedContact
 
 HOLD = 0.1  # s: for which an acceleration, or a change of the force's rate, lasts
-FIRST_ROOM = 16  # contacts; more are made room for
+MOST = 256  # contacts that are followed, half of them in one reading: of more, the strongest
 
 
 @dataclass(eq=False, kw_only=True)
@@ -84,8 +84,7 @@ class Tracker:
 
         self._track: Any = track
         self._chart: Chart | None = None
-        self._memory, self._ids = TrackMemory.of(FIRST_ROOM), np.full(1, -1)
-        self._rules = self.rules
+        self._memory = TrackMemory.of(MOST, self.rules, np.full(1, -1))
         self.events: tuple[ContactEvent, ...] = ()
         self.reset()
 
@@ -140,26 +139,25 @@ class Tracker:
     ) -> tuple[tuple[TrackedContact, ...], tuple[ContactEvent, ...]]:
         chart, stamp = self._chart_of(estimate), int(estimate.stamp_ns)
         value, noise = measurements_of(estimate.contacts, chart)
-        now, count = self._now(stamp), len(value)
-        memory = self._room_for(count)
-        memory.value[:count], memory.noise[:count] = value, noise
-        words, before = memory.words, int(memory.words[EVENTS])
-        self._track(memory, self._rules, self._ids, count, now)
+        now, count, memory = self._now(stamp), min(len(value), MOST // 2), self._memory
+        strongest = np.argsort(-value[:, 2], kind="stable")[:count]
+        contacts, before = memory.contacts[:count], int(memory.words[EVENTS])
+        contacts["mean"], contacts["covariance"] = value[strongest], noise[strongest]
+        self._track(memory, count, now)
         self._stamp = stamp
-        tracks = memory.tracks[: words[TOP]]
-        for place in np.flatnonzero(tracks["alive"] & (tracks["column"] >= 0)).tolist():
-            self._measured[place] = estimate.contacts[tracks["column"][place]]
-        places = np.flatnonzero(tracks["alive"] & tracks["confirmed"])
+        tracks = memory.tracks[: memory.words[TOP]]
+        for place in np.flatnonzero(tracks["column"] >= 0).tolist():
+            self._measured[place] = estimate.contacts[strongest[tracks["column"][place]]]
+        places = np.flatnonzero(tracks["state"] == CONFIRMED)
         tracks, measured = tracks[places], [self._measured[place] for place in places.tolist()]
-        contacts = contacts_of(tracks, measured, chart, now)
+        found = contacts_of(tracks, measured, chart, now)
         order = falling_order(tracks["mean"][:, 2].tolist(), tracks["number"].tolist())
-        return tuple(contacts[index] for index in order), self._events_since(before, chart)
+        return tuple(found[index] for index in order), self._events_since(before, chart)
 
     def _events_since(self, before: int, chart: Chart) -> tuple[ContactEvent, ...]:
         events = self._memory.events
         events = events[np.arange(before, self._memory.words[EVENTS]) % len(events)]
-        places = np.column_stack([events["x"], events["y"]])
-        positions = chart.surface.position_from_plane(places) if len(events) else places
+        positions = chart.surface.position_from_plane(events["place"]) if len(events) else events
         return tuple(
             ContactEvent(
                 kind=KINDS[event["kind"]],
@@ -170,15 +168,6 @@ class Tracker:
             )
             for event, position in zip(events, positions, strict=True)
         )
-
-    def _room_for(self, count: int) -> TrackMemory:
-        """Memory in which no contact makes way for one of `count` others."""
-        needed = int(self._memory.words[TOP]) + count
-        if needed > len(self._memory.tracks):
-            larger = TrackMemory.of(2 * needed)
-            larger.take(self._memory)
-            self._memory = larger
-        return self._memory
 
     def _now(self, stamp: int) -> int:
         """Time of a reading since the first one, ns."""

@@ -10,18 +10,15 @@ import numpy as np
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.track_memory import (
+    ABSORBED,
+    CONFIRMED,
     EVENTS,
     FLOORS,
     FREE,
-    LISTED,
-    MATCH,
     NOW,
-    ORIGIN,
-    PAIR,
     STARTED,
+    TENTATIVE,
     TOP,
-    USED,
-    WAY,
     TrackMemory,
 )
 
@@ -30,155 +27,109 @@ MADE, MOVED, MERGED, SPLIT, LOST = range(5)  # as `tracked.KINDS`
 GONE = -2  # parent that is no more
 TIE, TIE_PLACE = 1e-9, 1e-9  # forces that differ by this part are equal, and so are places, m
 TIE_DISTANCE = 1e-4  # m
-TENTATIVE = 3.0  # added to the cost of a track that is not confirmed yet
+HANDICAP = 3.0  # added to the cost of a track that is not confirmed yet
 FORCE_COST = 9.0  # most that a force which does not fit adds to the cost
 FORCE_FLOOR = 0.15  # part of a force: what solvers do not state of it
 LIMIT = 21.1  # squared distance of three numbers that is exceeded with a chance of 1e-4
 NARROW = 3e-3  # m: bodies whose ways come nearer than this cannot pass each other
-NEWTON = 1e-9  # N: least force that has a share
+LEAST = 1e-9  # N that has a share
 
 
 @njit
-def track(memory: TrackMemory, rules: Any, ids: Ints, count: int, now: int) -> None:
-    """Go on to a reading with `count` contacts, which are in `memory.value` and `memory.noise`.
+def track(memory: TrackMemory, count: int, now: int) -> None:
+    """Go on to a reading with `count` contacts, which are in `memory.contacts`, at `now` ns.
 
     Afterwards `column` of each track is the place of its contact there, -1 where it coasts. The
-    order of contacts does not matter: they are sorted here.
-
-    Parameters
-    ----------
-    memory : TrackMemory
-        With room for `count` contacts.
-    rules : (1,) array of RULES
-    ids : (1,) int array
-        The last number of a contact, which may be shared between patches.
-    now : int, ns
-        Stamp of the reading. Where it is before that of the last one, the clock was set back, and
-        no time has passed.
+    order of contacts does not matter: they are sorted here. Where a clock was set back by less than
+    the memory, no time passes until it has caught up.
     """
-    rule, words, lists, tracks = rules[0], memory.words, memory.lists, memory.tracks
+    rule, words, tracks, contacts = memory.rules[0], memory.words, memory.tracks, memory.contacts
     passed = now - words[NOW] if words[STARTED] else 0
-    words[NOW], words[STARTED] = now, 1
-    if passed < 0:
-        shift_times(memory, passed)
-    elif passed > max(rule.memory_ns, rule.period_ns):  # nobody knows what happened between
+    forgets = abs(passed) > max(rule.memory_ns, rule.period_ns)
+    words[NOW] = now if forgets or not words[STARTED] else max(now, words[NOW])
+    words[STARTED] = 1
+    if forgets:  # nobody knows what happened between
         for place in range(words[TOP]):
             lose(memory, place)
-    sort_contacts(memory.value, memory.noise, lists[ORIGIN], count)
-    step = NS * max(passed, 0)
+    sort_contacts(contacts, count)
     for place in range(words[TOP]):
-        lists[PAIR, place] = -1
-        if tracks[place].alive:
-            predict(tracks[place], rule, step)
-    for place in range(len(memory.absorbed)):
-        if now - memory.absorbed[place].time > rule.memory_ns:
-            memory.absorbed[place].owner = -1
+        known = tracks[place]
+        known.pair = known.column = -1
+        if known.state == ABSORBED:
+            if words[NOW] - known.last > rule.memory_ns:
+                known.state = FREE
+        elif known.state != FREE:
+            predict(known, rule, NS * max(passed, 0))
+    if count > 0:
+        assign(memory, count)
+    merge_tracks(memory, count)
+    split_tracks(memory, count)
+    for place in range(words[TOP]):
+        if tracks[place].pair >= 0:
+            update(memory, place, tracks[place].pair)
     for column in range(count):
-        lists[FREE, column] = 1
-    if count > 0 and words[TOP] > 0:
-        assign(memory, rule, count)
-    merge_tracks(memory, rule, count)
-    split_tracks(memory, rule, ids, count)
+        if contacts[column].free:
+            add_track(memory, column)
     for place in range(words[TOP]):
-        if tracks[place].alive and lists[PAIR, place] >= 0:
-            update(memory, rule, place, lists[PAIR, place])
-    for column in range(count):
-        if lists[FREE, column]:
-            add_track(memory, rule, ids, column)
-    drop_unseen(memory, rule)
+        known = tracks[place]
+        lasts = known.state == CONFIRMED and words[NOW] - known.last <= rule.coast_ns
+        if known.state != ABSORBED and known.column < 0 and not lasts:
+            lose(memory, place)
     for place in range(words[TOP]):
-        if tracks[place].alive and not tracks[place].confirmed:
-            confirm(memory, rule, place)
+        if tracks[place].state == TENTATIVE:
+            confirm(memory, place)
     top = 0
     for place in range(words[TOP]):
-        if tracks[place].alive:
+        known = tracks[place]
+        if known.state != FREE:
             top = place + 1
-            if tracks[place].column >= 0:
-                if tracks[place].confirmed:
-                    watch_slip(memory, rule, place)
-                tracks[place].column = lists[ORIGIN, tracks[place].column]
+        if known.column >= 0:
+            if known.state == CONFIRMED:
+                watch_slip(memory, place)
+            known.column = contacts[known.column].origin
     words[TOP] = top
 
 
 @njit
-def begin_from(memory: TrackMemory, rules: Any, many: int, now: int, rows: Any) -> None:
-    """Know of the contacts that the first `many` rows state at `now` ns, and of nothing else.
-
-    Of their speed nothing is taken over; those of their first reading are confirmed if strong.
-    """
-    measure_rows(memory, rules[0], many, rows)
-    words = memory.words
-    words[NOW], words[STARTED], words[TOP] = now, 1, many
-    for row in range(many):
-        passed = int(np.rint(rows[row].age / NS))
-        begin_track(memory, rules[0], row, row, rows[row].track, now - passed)
-        memory.tracks[row].confirmed = passed > 0 or is_strong(memory, rules[0], row)
-
-
-@inner
-def number_rows(memory: TrackMemory, rules: Any, ids: Ints, many: int, now: int, rows: Any) -> None:
+def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
     """Go on to a reading whose contacts are the first `many` rows, and write what is known of them.
 
-    Rows are of `CONTACT`.
+    Rows are of `CONTACT`. A standard deviation that is not known is taken from the gate's floor and
+    `FORCE_FLOOR`.
     """
-    measure_rows(memory, rules[0], many, rows)
-    track(memory, rules, ids, many, now)
+    for place in range(many):
+        row, mean, covariance = (
+            rows[place],
+            memory.contacts[place].mean,
+            memory.contacts[place].covariance,
+        )
+        force = row.normal_force
+        place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
+        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * force
+        mean[0], mean[1], mean[2] = row.x, row.y, force
+        for i in range(3):
+            for j in range(3):
+                covariance[i, j] = FLOORS[i, j]
+            covariance[i, i] += place_std**2 if i < 2 else force_std**2
+    track(memory, many, now)
     for place in range(memory.words[TOP]):
         known = memory.tracks[place]
-        if known.alive and known.column >= 0:
+        if known.column >= 0:
             row, mean = rows[known.column], known.mean
-            row.track, row.age = known.number, NS * (now - known.made)
+            row.track, row.age = known.number, NS * (memory.words[NOW] - known.made)
             row.speed = np.hypot(mean[3], mean[4])
 
 
 @inner
-def measure_rows(memory: TrackMemory, rule: Any, many: int, rows: Any) -> None:
-    """Write rows as contacts of a reading.
-
-    A standard deviation that is not known is taken from the gate's floor and `FORCE_FLOOR`.
-    """
-    for row in range(many):
-        force, place_std, force_std = (
-            rows[row].normal_force,
-            rows[row].place_std,
-            rows[row].force_std,
-        )
-        place_std = place_std if np.isfinite(place_std) else rule.floor
-        force_std = force_std if np.isfinite(force_std) else FORCE_FLOOR * force
-        memory.value[row, 0], memory.value[row, 1] = rows[row].x, rows[row].y
-        memory.value[row, 2] = force
-        for i in range(3):
-            for j in range(3):
-                memory.noise[row, i, j] = FLOORS[i, j]
-            memory.noise[row, i, i] += place_std**2 if i < 2 else force_std**2
-
-
-@inner
-def shift_times(memory: TrackMemory, by: int) -> None:
-    """Set the times of all tracks back, ns."""
-    for place in range(memory.words[TOP]):
-        known = memory.tracks[place]
-        known.made, known.slipped = known.made + by, known.slipped + by
-        known.last += by
-    for place in range(len(memory.absorbed)):
-        one = memory.absorbed[place]
-        one.made, one.slipped, one.time = one.made + by, one.slipped + by, one.time + by
-
-
-@inner
-def sort_contacts(value: Floats, noise: Floats, origin: Ints, count: int) -> None:
-    """Sort by falling force; of equal ones by rising x, then y."""
+def sort_contacts(contacts: Any, count: int) -> None:
+    """Sort by falling force; of equal ones by rising x, then y. All are free."""
     for column in range(count):
-        origin[column] = column
-        place = column
-        while place > 0 and comes_before(value[place], value[place - 1]):
-            origin[place], origin[place - 1] = origin[place - 1], origin[place]
-            for i in range(3):
-                value[place, i], value[place - 1, i] = value[place - 1, i], value[place, i]
-                for j in range(3):
-                    one, other = noise[place, i, j], noise[place - 1, i, j]
-                    noise[place, i, j], noise[place - 1, i, j] = other, one
+        contacts[column].origin, contacts[column].free = column, 1
+        contacts[count], place = contacts[column], column
+        while place > 0 and comes_before(contacts[count].mean, contacts[place - 1].mean):
+            contacts[place] = contacts[place - 1]
             place -= 1
+        contacts[place] = contacts[count]
 
 
 @inner
@@ -198,7 +149,6 @@ def predict(known: Any, rule: Any, step: float) -> None:
     The rates are driven by white noise: Bar-Shalom, Li and Kirubarajan 2001, section 6.2.2.
     """
     mean, covariance = known.mean, known.covariance
-    known.column = -1
     for i in range(3):
         mean[i] += step * mean[i + 3]
         for j in range(3):
@@ -227,20 +177,25 @@ def push(
 
 
 @inner
-def update(memory: TrackMemory, rule: Any, place: int, column: int) -> None:
+def update(memory: TrackMemory, place: int, column: int) -> None:
     """Take up a contact.
 
     Where that is a surprise, the rates may have changed at once when the track was seen last.
     """
-    known, value, noise = memory.tracks[place], memory.value[column], memory.noise[column]
-    mean, covariance, gain = known.mean, known.covariance, memory.work
+    known, contact, rule, gain = (
+        memory.tracks[place],
+        memory.contacts[column],
+        memory.rules[0],
+        memory.work,
+    )
+    mean, covariance, value = known.mean, known.covariance, contact.mean
     off = (value[0] - mean[0], value[1] - mean[1], value[2] - mean[2])
-    parts = decomposed(covariance, noise, 0.0, 0.0)
+    parts = decomposed(known, contact, 0.0, 0.0)
     if square(parts, off) > rule.surprise:
         since = NS * (memory.words[NOW] - known.last)
         variances = rule.speed_variance, rule.force_rate_variance
         push(covariance, *variances, since**2, since, 1.0)
-        parts = decomposed(covariance, noise, 0.0, 0.0)
+        parts = decomposed(known, contact, 0.0, 0.0)
     for i in range(6):
         row = solved(parts, (covariance[i, 0], covariance[i, 1], covariance[i, 2]))
         for k in range(3):
@@ -259,86 +214,72 @@ def update(memory: TrackMemory, rule: Any, place: int, column: int) -> None:
     if speed > rule.top_speed:
         mean[3] *= rule.top_speed / speed
         mean[4] *= rule.top_speed / speed
-    saw(memory, place, column)
+    take_contact(memory, place, column)
 
 
 @inner
-def saw(memory: TrackMemory, place: int, column: int) -> None:
+def take_contact(memory: TrackMemory, place: int, column: int) -> None:
     """A contact of this reading belongs to a track."""
     known = memory.tracks[place]
-    known.last, known.column, known.readings = memory.words[NOW], column, known.readings + 1
-    memory.lists[PAIR, place], memory.lists[FREE, column] = -1, 0
+    known.last, known.readings = memory.words[NOW], known.readings + 1
+    known.column, known.pair, memory.contacts[column].free = column, -1, 0
 
 
 @inner
 def restart(
-    memory: TrackMemory, rule: Any, place: int, column: int, rates: tuple[float, float, float]
+    memory: TrackMemory, place: int, column: int, rates: tuple[float, float, float]
 ) -> None:
     """Begin anew at a contact, with rates of which little is known."""
-    known = memory.tracks[place]
-    mean, covariance = known.mean, known.covariance
-    for i in range(6):
-        for j in range(6):
-            covariance[i, j] = 0.0
+    known, contact, rule = memory.tracks[place], memory.contacts[column], memory.rules[0]
+    mean, covariance, value, noise = known.mean, known.covariance, contact.mean, contact.covariance
     for i in range(3):
-        mean[i], mean[i + 3] = memory.value[column, i], rates[i]
+        mean[i], mean[i + 3] = value[i], rates[i]
         for j in range(3):
-            covariance[i, j] = memory.noise[column, i, j]
-        variance = rule.speed_variance if i < 2 else rule.force_rate_variance
-        covariance[i + 3, i + 3] = variance
-    saw(memory, place, column)
+            covariance[i, j] = noise[i, j]
+            covariance[i, j + 3] = covariance[i + 3, j] = covariance[i + 3, j + 3] = 0.0
+        covariance[i + 3, i + 3] = rule.speed_variance if i < 2 else rule.force_rate_variance
+    take_contact(memory, place, column)
 
 
 @inner
-def add_track(memory: TrackMemory, rule: Any, ids: Ints, column: int) -> int:
-    """Begin a track; in place of none, else of the one not seen for longest. Its place."""
-    tracks, words, place = memory.tracks, memory.words, -1
+def add_track(memory: TrackMemory, column: int) -> int:
+    """Begin a track, if need be in place of the one not seen for longest; where it is."""
+    tracks, words, place, last = memory.tracks, memory.words, -1, 0
     for each in range(len(tracks)):
-        if each >= words[TOP] or not tracks[each].alive:
+        known = tracks[each]
+        if known.state == FREE:
             place = each
             break
-    if place < 0:
-        for each in range(len(tracks)):
-            unseen = tracks[each].column < 0 and memory.lists[PAIR, each] < 0
-            if unseen and (place < 0 or tracks[each].last < tracks[place].last):
-                place = each
-        lose(memory, place)
+        if known.column < 0 and known.pair < 0 and (place < 0 or known.last < last):
+            place, last = each, known.last
+    lose(memory, place)
     words[TOP] = max(words[TOP], place + 1)
-    ids[0] += 1
-    begin_track(memory, rule, place, column, ids[0], words[NOW])
+    memory.ids[0] += 1
+    known, now = tracks[place], words[NOW]
+    known.number, known.made, known.slipped, known.slips = memory.ids[0], now, now, 0
+    known.state, known.parent, known.readings = TENTATIVE, -1, 0
+    restart(memory, place, column, (0.0, 0.0, 0.0))
     return place
 
 
 @inner
-def begin_track(
-    memory: TrackMemory, rule: Any, place: int, column: int, number: int, made: int
-) -> None:
-    """Begin a track at a contact, which was made at `made` ns."""
-    known = memory.tracks[place]
-    known.number, known.made, known.slipped, known.slips = number, made, made, 0
-    known.alive, known.confirmed, known.parent, known.readings = 1, 0, -1, 0
-    restart(memory, rule, place, column, (0.0, 0.0, 0.0))
-
-
-@inner
-def end_track(memory: TrackMemory, place: int, heir: int) -> None:
-    """End a track; what it had absorbed goes to an heir, -1: to none."""
-    memory.tracks[place].alive, memory.lists[PAIR, place] = 0, -1
-    for other in range(memory.words[TOP]):
-        if memory.tracks[other].parent == place:
-            memory.tracks[other].parent = GONE
-    for one in range(len(memory.absorbed)):
-        if memory.absorbed[one].owner == place:
-            memory.absorbed[one].owner = heir
-
-
-@inner
 def lose(memory: TrackMemory, place: int) -> None:
-    """End a track of which nothing is seen."""
-    if memory.tracks[place].alive:
-        if memory.tracks[place].confirmed:
-            report(memory, LOST, place, -1)
-        end_track(memory, place, -1)
+    """End a track of which nothing is seen, if there is one."""
+    if memory.tracks[place].state == CONFIRMED:
+        report(memory, LOST, place, -1)
+        bequeath(memory, place, -1)
+    memory.tracks[place].state = FREE
+
+
+@inner
+def bequeath(memory: TrackMemory, place: int, heir: int) -> None:
+    """What a track absorbed goes to an heir, -1: is forgotten; what split from it is alone."""
+    for other in range(memory.words[TOP]):
+        known = memory.tracks[other]
+        if known.parent == place and known.state == ABSORBED:
+            known.parent, known.state = heir, ABSORBED if heir >= 0 else FREE
+        elif known.parent == place:
+            known.parent = GONE
 
 
 @inner
@@ -346,25 +287,25 @@ def report(memory: TrackMemory, kind: int, place: int, other: int) -> None:
     """Write an event of a track, and of another number."""
     words, known = memory.words, memory.tracks[place]
     event = memory.events[words[EVENTS] % len(memory.events)]
-    ids, mean = event.ids, known.mean
-    event.kind, event.time, event.x, event.y = kind, words[NOW], mean[0], mean[1]
-    ids[0], ids[1] = known.number, other
+    ids, where, mean = event.ids, event.place, known.mean
+    event.kind, event.time, ids[0], ids[1] = kind, words[NOW], known.number, other
+    where[0], where[1] = mean[0], mean[1]
     words[EVENTS] += 1
 
 
 @inner
 def decomposed(
-    one: Floats, other: Floats, floor: float, force: float
+    one: Any, other: Any, floor: float, force: float
 ) -> tuple[float, float, float, float, float, float]:
     """Factors L D L' of the sum of two covariances, and of two variances: D, and L's 10, 20, 21."""
-    first = one[0, 0] + other[0, 0] + floor
-    xy, xf = one[0, 1] + other[0, 1], one[0, 2] + other[0, 2]
+    own, its = one.covariance, other.covariance
+    first = own[0, 0] + its[0, 0] + floor
+    xy, xf = own[0, 1] + its[0, 1], own[0, 2] + its[0, 2]
     a, b = xy / first, xf / first
-    second = one[1, 1] + other[1, 1] + floor - a * xy
-    yf = one[1, 2] + other[1, 2] - a * xf
+    second = own[1, 1] + its[1, 1] + floor - a * xy
+    yf = own[1, 2] + its[1, 2] - a * xf
     c = yf / second
-    third = one[2, 2] + other[2, 2] + force - b * xf - c * yf
-    return first, second, third, a, b, c
+    return first, second, own[2, 2] + its[2, 2] + force - b * xf - c * yf, a, b, c
 
 
 @inner
@@ -389,16 +330,16 @@ def solved(
 
 
 @inner
-def assign(memory: TrackMemory, rule: Any, count: int) -> None:
-    """Write which contact goes on with which track, so that the sum of the gains is the highest.
+def assign(memory: TrackMemory, count: int) -> None:
+    """Write which contact is to go on with which track: the sum of the gains is the highest.
 
     A pair costs the squared Mahalanobis distance of the place and, up to a limit, that of the
     force, and the logarithm of the place's variance: of two as near, the surer one goes on.
     """
-    listed, gains, work, lists = memory.lists[LISTED], memory.gains, memory.work, memory.lists
-    many = 0
+    tracks, contacts, gains, many = memory.tracks, memory.contacts, memory.gains, 0
+    listed, match = memory.lists[0], memory.lists[1]
     for place in range(memory.words[TOP]):
-        if memory.tracks[place].alive:
+        if tracks[place].state == TENTATIVE or tracks[place].state == CONFIRMED:
             listed[many] = place
             many += 1
     turned = many > count
@@ -406,15 +347,13 @@ def assign(memory: TrackMemory, rule: Any, count: int) -> None:
     for row in range(rows):
         for column in range(columns):
             index, contact = (column, row) if turned else (row, column)
-            known = memory.tracks[listed[index]]
-            gains[row, column] = gain_of(known, memory.value[contact], memory.noise[contact], rule)
-    match = lists[MATCH]
-    pair_best(gains, rows, columns, work, match, lists[WAY], lists[USED])
-    for column in range(1, columns + 1):
-        row = match[column]
-        if row > 0 and gains[row - 1, column - 1] > 0.0:
+            gains[row, column] = gain_of(tracks[listed[index]], contacts[contact], memory.rules[0])
+    pair_best(gains, rows, columns, memory.work, match, memory.lists[2], memory.lists[3])
+    for column in range(columns):
+        row = match[column + 1] - 1
+        if row >= 0 and gains[row, column] > 0.0:
             index, contact = (column, row) if turned else (row, column)
-            lists[PAIR, listed[index - 1]], lists[FREE, contact - 1] = contact - 1, 0
+            tracks[listed[index]].pair, contacts[contact].free = contact, 0
 
 
 @inner
@@ -456,9 +395,9 @@ def pair_best(
 
 
 @inner
-def gain_of(known: Any, value: Floats, noise: Floats, rule: Any) -> float:
+def gain_of(known: Any, contact: Any, rule: Any) -> float:
     """What a pair of a track and a contact is worth; 0 beyond the gate."""
-    mean, covariance = known.mean, known.covariance
+    mean, covariance, value, noise = known.mean, known.covariance, contact.mean, contact.covariance
     x, y, force = value[0] - mean[0], value[1] - mean[1], value[2] - mean[2]
     if np.hypot(x, y) > rule.reach:
         return 0.0
@@ -469,138 +408,185 @@ def gain_of(known: Any, value: Floats, noise: Floats, rule: Any) -> float:
     distance = (c * x * x - 2 * b * x * y + a * y * y) / area
     if distance > rule.gate:
         return 0.0
-    gain = rule.gate + FORCE_COST + TENTATIVE - distance - np.log(area / floor**2)
+    gain = rule.gate + FORCE_COST + HANDICAP - distance - np.log(area / floor**2)
     gain -= min(force * force / (covariance[2, 2] + noise[2, 2]), FORCE_COST)
-    return float(max(gain if known.confirmed else gain - TENTATIVE, 0.0))
+    return float(max(gain if known.state == CONFIRMED else gain - HANDICAP, 0.0))
 
 
 @inner
-def misfit(
-    one: Floats, covariance: Floats, other: Floats, noise: Floats, floor: float
-) -> tuple[float, float]:
+def misfit(one: Any, other: Any, floor: float) -> tuple[float, float]:
     """Squared distance of two loads, and twice the negative logarithm of its density.
 
     `floor` m is added to the standard deviation of the place, and a share of the force to its own.
     """
-    force = FORCE_FLOOR * max(one[2], other[2])
-    parts = decomposed(covariance, noise, floor**2, force**2)
-    distance = square(parts, (one[0] - other[0], one[1] - other[1], one[2] - other[2]))
+    own, its = one.mean, other.mean
+    force = FORCE_FLOOR * max(own[2], its[2])
+    parts = decomposed(one, other, floor**2, force**2)
+    distance = square(parts, (own[0] - its[0], own[1] - its[1], own[2] - its[2]))
     return distance, distance + np.log(parts[0] * parts[1] * parts[2])
 
 
 @inner
-def add_loads(
-    one: Floats, covariance: Floats, other: Floats, noise: Floats, work: Floats
-) -> tuple[Floats, Floats]:
-    """Sum (3,) of two loads at their centre, with its covariance to first order, in `work`."""
+def add_loads(one: Any, other: Any, both: Any) -> None:
+    """Write the sum of two loads, at their centre; its covariance to first order."""
+    own, its, value, spread = one.mean, other.mean, both.mean, both.covariance
     # a force below its own uncertainty says nothing of where the centre is
-    mine, its = max(one[2], np.sqrt(covariance[2, 2])), max(other[2], np.sqrt(noise[2, 2]))
-    share, rest = mine / (mine + its), its / (mine + its)
-    value, spread = work[3], work[4:7]
-    x, y = (one[0] - other[0]) / (mine + its), (one[1] - other[1]) / (mine + its)
-    value[0], value[1] = share * one[0] + rest * other[0], share * one[1] + rest * other[1]
-    value[2] = one[2] + other[2]
+    force = max(own[2], np.sqrt(one.covariance[2, 2]))
+    total = force + max(its[2], np.sqrt(other.covariance[2, 2]))
+    share = force / total
+    x, y = (own[0] - its[0]) / total, (own[1] - its[1]) / total
     for i in range(3):
+        value[i] = share * own[i] + (1.0 - share) * its[i] if i < 2 else own[i] + its[i]
         for j in range(3):
             spread[i, j] = 0.0
     for part in range(2):
-        its_own = covariance if part == 0 else noise
-        s, u, v = (share, x * rest, y * rest) if part == 0 else (rest, -x * share, -y * share)
-        xf, yf, ff = its_own[0, 2], its_own[1, 2], its_own[2, 2]
-        spread[0, 0] += s * s * its_own[0, 0] + 2 * s * u * xf + u * u * ff
-        spread[1, 1] += s * s * its_own[1, 1] + 2 * s * v * yf + v * v * ff
-        spread[0, 1] += s * s * its_own[0, 1] + s * v * xf + s * u * yf + u * v * ff
+        noise = one.covariance if part == 0 else other.covariance
+        s = share if part == 0 else 1.0 - share
+        u, v = ((1.0 - s) * x, (1.0 - s) * y) if part == 0 else ((s - 1.0) * x, (s - 1.0) * y)
+        xf, yf, ff = noise[0, 2], noise[1, 2], noise[2, 2]
+        spread[0, 0] += s * s * noise[0, 0] + 2 * s * u * xf + u * u * ff
+        spread[1, 1] += s * s * noise[1, 1] + 2 * s * v * yf + v * v * ff
+        spread[0, 1] += s * s * noise[0, 1] + s * v * xf + s * u * yf + u * v * ff
         spread[0, 2] += s * xf + u * ff
         spread[1, 2] += s * yf + v * ff
         spread[2, 2] += ff
-    return value, spread
 
 
 @inner
-def distance_of(one: Floats, other: Floats) -> float:
+def sum_score(memory: TrackMemory, whole: Any, one: Any, other: Any) -> tuple[float, bool]:
+    """How badly a load fits the sum of two, and whether it is that, rather than one of them."""
+    both, floor = memory.contacts[len(memory.contacts) - 1], memory.rules[0].floor
+    add_loads(one, other, both)
+    distance, score = misfit(both, whole, floor)
+    alone = min(misfit(one, whole, floor)[1], misfit(other, whole, floor)[1])
+    return score, distance < LIMIT and score < alone
+
+
+@inner
+def distance_of(one: Any, other: Any) -> float:
     """Of two loads, m."""
-    return float(np.hypot(one[0] - other[0], one[1] - other[1]))
+    own, its = one.mean, other.mean
+    return float(np.hypot(own[0] - its[0], own[1] - its[1]))
 
 
 @inner
 def is_open(known: Any) -> bool:
     """Whether a track is confirmed, and did not begin anew in this step."""
-    return bool(known.alive and known.confirmed and known.column < 0)
+    return bool(known.state == CONFIRMED and known.column < 0)
 
 
 @inner
-def merge_tracks(memory: TrackMemory, rule: Any, count: int) -> None:
+def merge_tracks(memory: TrackMemory, count: int) -> None:
     """Merge tracks that are not seen, but whose force is in another's contact."""
-    tracks, lists = memory.tracks, memory.lists
+    tracks, contacts, near = memory.tracks, memory.contacts, memory.rules[0].near
     for goes in range(memory.words[TOP]):
-        if not is_open(tracks[goes]) or lists[PAIR, goes] >= 0:
+        ends, best, stays, contact = tracks[goes], np.inf, -1, -1
+        if not is_open(ends) or ends.pair >= 0:
             continue
-        best, other, contact = np.inf, -1, -1
-        for stays in range(memory.words[TOP]):
-            if stays == goes or not is_open(tracks[stays]):
+        for place in range(memory.words[TOP]):
+            known = tracks[place]
+            if place == goes or not is_open(known) or distance_of(known, ends) > near:
                 continue
             for column in range(count):
-                pair = lists[PAIR, stays]
-                if column == pair or (pair < 0 and lists[FREE, column]):
-                    score = merged_score(memory, rule, tracks[stays], tracks[goes], column)
-                    if score < best:
-                        best, other, contact = score, stays, column
-        if other >= 0:
-            absorb(memory, rule, goes, other, contact)
+                if column == known.pair or (known.pair < 0 and contacts[column].free):
+                    score, fits = sum_score(memory, contacts[column], known, ends)
+                    if fits and score < best:
+                        best, stays, contact = score, place, column
+        if stays >= 0:
+            absorb(memory, goes, stays, contact)
 
 
 @inner
-def merged_score(memory: TrackMemory, rule: Any, stays: Any, goes: Any, column: int) -> float:
-    """How badly a contact fits both tracks as one contact; infinite if it is not that.
-
-    Either one of them may go on alone: then the contact fits it better than both.
-    """
-    one, covariance, other, its = stays.mean, stays.covariance, goes.mean, goes.covariance
-    value, noise, floor = memory.value[column], memory.noise[column], rule.floor
-    if distance_of(one, other) > rule.near:
-        return float(np.inf)
-    both, spread = add_loads(one, covariance, other, its, memory.work)
-    distance, score = misfit(both, spread, value, noise, floor)
-    alone = misfit(one, covariance, value, noise, floor)[1]
-    alone = min(alone, misfit(other, its, value, noise, floor)[1])
-    return score if distance < LIMIT and score < alone else float(np.inf)
-
-
-@inner
-def absorb(memory: TrackMemory, rule: Any, one: int, other: int, column: int) -> None:
+def absorb(memory: TrackMemory, one: int, other: int, column: int) -> None:
     """Merge two tracks: the stronger has the number, and begins anew where both are seen."""
-    tracks, absorbed = memory.tracks, memory.absorbed
-    is_one = tracks[one].mean[2] > tracks[other].mean[2]
+    is_one = memory.tracks[one].mean[2] > memory.tracks[other].mean[2]
     place, ends = (one, other) if is_one else (other, one)
-    stays, goes = tracks[place], tracks[ends]
-    end_track(memory, ends, place)
-    free = 0
-    for each in range(len(absorbed)):
-        if absorbed[each].owner < 0:
-            free = each
-            break
-        if absorbed[each].time < absorbed[free].time:
-            free = each
-    past, apart, forces, variances = (
-        absorbed[free],
-        absorbed[free].apart,
-        absorbed[free].forces,
-        absorbed[free].variances,
-    )
-    past.owner, past.time = place, memory.words[NOW]
-    exchange(past, goes)
-    mean, its, covariance, its_covariance = stays.mean, goes.mean, stays.covariance, goes.covariance
-    for i in range(6):
-        apart[i] = its[i] - mean[i]
-    forces[0], forces[1] = its[2], mean[2]
-    for i in range(2):
-        variances[i] = 0.0
-        for k in range(3 * i, 3 * i + 2):
-            variances[i] += 0.5 * (covariance[k, k] + its_covariance[k, k])
-    mine, others = max(mean[2], NEWTON), max(its[2], NEWTON)
+    stays, goes = memory.tracks[place], memory.tracks[ends]
+    mean, its, covariance, sums = stays.mean, goes.mean, stays.covariance, goes.covariance
+    mine, others = max(mean[2], LEAST), max(its[2], LEAST)
     x, y = mine * mean[3] + others * its[3], mine * mean[4] + others * its[4]
-    restart(memory, rule, place, column, (x / (mine + others), y / (mine + others), 0.0))
-    report(memory, MERGED, place, past.number)
+    goes.whole = mean[2] + its[2]
+    for i in range(6):
+        its[i] -= mean[i]
+        for j in range(6):
+            sums[i, j] += covariance[i, j]
+    bequeath(memory, ends, place)
+    goes.state, goes.parent, goes.last, goes.pair = ABSORBED, place, memory.words[NOW], -1
+    restart(memory, place, column, (x / (mine + others), y / (mine + others), 0.0))
+    report(memory, MERGED, place, goes.number)
+
+
+@inner
+def split_tracks(memory: TrackMemory, count: int) -> None:
+    """Split tracks whose force is in a contact without a track.
+
+    Of a track that absorbed another shortly before, two contacts nearby are taken for both.
+    """
+    tracks, contacts, near = memory.tracks, memory.contacts, memory.rules[0].near
+    for column in range(count):
+        best, whole, other = np.inf, -1, -1
+        for place in range(memory.words[TOP]):
+            known = tracks[place]
+            far = distance_of(known, contacts[column]) > near
+            if not contacts[column].free or not is_open(known) or far:
+                continue
+            for half in range(count):
+                can = known.pair < 0 and contacts[half].free and half != column
+                if (can or half == known.pair) and distance_of(known, contacts[half]) <= near:
+                    parts = contacts[half], contacts[column]
+                    score, fits = sum_score(memory, known, *parts)
+                    fits = fits and distance_of(*parts) <= near
+                    if (fits or newest_absorbed(memory, place) >= 0) and score < best:
+                        best, whole, other = score, place, half
+        if whole >= 0:
+            divide(memory, whole, other, column)
+
+
+@inner
+def newest_absorbed(memory: TrackMemory, place: int) -> int:
+    """Place of what a track absorbed last; -1: nothing."""
+    newest, tracks = -1, memory.tracks
+    for each in range(memory.words[TOP]):
+        its = tracks[each].state == ABSORBED and tracks[each].parent == place
+        if its and (newest < 0 or tracks[each].last > tracks[newest].last):
+            newest = each
+    return newest
+
+
+@inner
+def divide(memory: TrackMemory, whole: int, half: int, other: int) -> None:
+    """Split a track: the contact that it had goes on, else the nearer; if as near, the stronger."""
+    known, contacts, swap = memory.tracks[whole], memory.contacts, False
+    mean = known.mean
+    if known.pair != half:
+        away = distance_of(known, contacts[half]) - distance_of(known, contacts[other])
+        swap = away > TIE_DISTANCE or (abs(away) <= TIE_DISTANCE and other < half)
+    near, far = (other, half) if swap else (half, other)
+    restart(memory, whole, near, (mean[3], mean[4], mean[5]))
+    child = add_track(memory, far)
+    memory.tracks[child].parent = whole
+
+
+@inner
+def confirm(memory: TrackMemory, place: int) -> None:
+    """Confirm a strong contact; a weak one, and a part of another, after some readings."""
+    known, rule, parent = memory.tracks[place], memory.rules[0], memory.tracks[place].parent
+    contact = memory.contacts[known.column]
+    strong = contact.mean[2] >= rule.strong * np.sqrt(contact.covariance[2, 2])
+    if known.readings < rule.weak_readings and (parent != -1 or not strong):
+        return
+    known.state, known.parent = CONFIRMED, -1
+    if parent < 0 or memory.tracks[parent].state != CONFIRMED:
+        report(memory, MADE, place, -1)
+        return
+    newest, stays = newest_absorbed(memory, parent), memory.tracks[parent]
+    if newest >= 0:
+        past = memory.tracks[newest]
+        past.state = FREE
+        exchange(past, known)
+        if is_exchanged(memory, past, stays, known):
+            exchange(stays, known)
+    report(memory, SPLIT, parent, known.number)
 
 
 @inner
@@ -613,141 +599,35 @@ def exchange(one: Any, other: Any) -> None:
 
 
 @inner
-def split_tracks(memory: TrackMemory, rule: Any, ids: Ints, count: int) -> None:
-    """Split tracks whose force is in a contact without a track."""
-    lists, tracks = memory.lists, memory.tracks
-    for column in range(count):
-        if not lists[FREE, column]:
-            continue
-        best, whole, other = np.inf, -1, -1
-        for place in range(memory.words[TOP]):
-            if not is_open(tracks[place]):
-                continue
-            for half in range(count):
-                pair = lists[PAIR, place]
-                if half == pair or (pair < 0 and lists[FREE, half] and half != column):
-                    score = split_score(memory, rule, place, half, column)
-                    if score < best:
-                        best, whole, other = score, place, half
-        if whole >= 0:
-            divide(memory, rule, ids, whole, other, column)
-
-
-@inner
-def newest_absorbed(memory: TrackMemory, place: int) -> int:
-    """Place of what a track absorbed last; -1: nothing."""
-    newest, absorbed = -1, memory.absorbed
-    for one in range(len(absorbed)):
-        if absorbed[one].owner == place and (
-            newest < 0 or absorbed[one].time > absorbed[newest].time
-        ):
-            newest = one
-    return newest
-
-
-@inner
-def split_score(memory: TrackMemory, rule: Any, whole: int, half: int, other: int) -> float:
-    """How badly two contacts fit one track; infinite if one of them is a contact by itself.
-
-    Of a track that absorbed another shortly before, two contacts nearby are taken for both.
-    """
-    mean, covariance = memory.tracks[whole].mean, memory.tracks[whole].covariance
-    one, its, noise, its_noise = (
-        memory.value[half],
-        memory.value[other],
-        memory.noise[half],
-        memory.noise[other],
-    )
-    if max(distance_of(mean, one), distance_of(mean, its)) > rule.near:
-        return float(np.inf)
-    both, spread = add_loads(one, noise, its, its_noise, memory.work)
-    distance, score = misfit(mean, covariance, both, spread, rule.floor)
-    if newest_absorbed(memory, whole) >= 0:
-        return score
-    if distance_of(one, its) > rule.near:
-        return float(np.inf)
-    alone = misfit(mean, covariance, one, noise, rule.floor)[1]
-    alone = min(alone, misfit(mean, covariance, its, its_noise, rule.floor)[1])
-    return score if distance < LIMIT and score < alone else float(np.inf)
-
-
-@inner
-def divide(memory: TrackMemory, rule: Any, ids: Ints, whole: int, half: int, other: int) -> None:
-    """Split a track: the contact that it had goes on, else the nearer; if as near, the stronger."""
-    mean, swap = memory.tracks[whole].mean, False
-    if memory.lists[PAIR, whole] != half:
-        away = distance_of(mean, memory.value[half]) - distance_of(mean, memory.value[other])
-        swap = away > TIE_DISTANCE or (abs(away) <= TIE_DISTANCE and other < half)
-    near, far = (other, half) if swap else (half, other)
-    restart(memory, rule, whole, near, (mean[3], mean[4], mean[5]))
-    child = add_track(memory, rule, ids, far)
-    memory.tracks[child].parent = whole
-
-
-@inner
-def drop_unseen(memory: TrackMemory, rule: Any) -> None:
-    """Lose tracks that coasted for too long, and unconfirmed ones at once."""
-    for place in range(memory.words[TOP]):
-        known = memory.tracks[place]
-        unseen = memory.words[NOW] - known.last
-        if known.alive and known.column < 0 and (not known.confirmed or unseen > rule.coast_ns):
-            lose(memory, place)
-
-
-@inner
-def confirm(memory: TrackMemory, rule: Any, place: int) -> None:
-    """Confirm a strong contact; a weak one, and a part of another, after some readings."""
-    known = memory.tracks[place]
-    strong = known.parent == -1 and is_strong(memory, rule, place)
-    if not strong and known.readings < rule.weak_readings:
-        return
-    parent, known.parent, known.confirmed = known.parent, -1, 1
-    if parent < 0 or not memory.tracks[parent].confirmed:
-        report(memory, MADE, place, -1)
-        return
-    newest = newest_absorbed(memory, parent)
-    if newest >= 0:
-        past = memory.absorbed[newest]
-        past.owner = -1
-        exchange(past, known)
-        if is_exchanged(memory, rule, past, parent, place):
-            exchange(memory.tracks[parent], known)
-    report(memory, SPLIT, parent, known.number)
-
-
-@inner
-def is_strong(memory: TrackMemory, rule: Any, place: int) -> bool:
-    """Whether the force of a track's contact is beyond doubt."""
-    column = memory.tracks[place].column
-    return bool(memory.value[column, 2] >= rule.strong * np.sqrt(memory.noise[column, 2, 2]))
-
-
-@inner
-def is_exchanged(memory: TrackMemory, rule: Any, past: Any, parent: int, place: int) -> bool:
+def is_exchanged(memory: TrackMemory, past: Any, stays: Any, child: Any) -> bool:
     """Whether after a split the new track is what had stayed, and the other one came back.
 
     The distance of both is carried on from when they merged. Solid bodies do not pass through each
     other: those whose ways would have met turned back, and kept their sides.
     """
-    mean, its = memory.tracks[parent].mean, memory.tracks[place].mean
-    apart, forces, variances = past.apart, past.forces, past.variances
-    span = NS * (memory.words[NOW] - past.time)
+    mean, its, apart, spread, rule = (
+        stays.mean,
+        child.mean,
+        past.mean,
+        past.covariance,
+        memory.rules[0],
+    )
+    span = NS * (memory.words[NOW] - past.last)
     across = apart[0] * apart[4] - apart[1] * apart[3]
-    clear = abs(across) > NARROW * np.hypot(apart[3], apart[4])
-    carried = span if clear else 0.0
+    carried = span if abs(across) > NARROW * np.hypot(apart[3], apart[4]) else 0.0
     x, y = apart[0] + carried * apart[3], apart[1] + carried * apart[4]
-    variance = variances[0] + span**2 * variances[1] + 2 * rule.place_push * span**3 / 3
-    favour = 2.0 * ((its[0] - mean[0]) * x + (its[1] - mean[1]) * y) / (variance + rule.floor**2)
-    unsure = (FORCE_FLOOR * (forces[0] + forces[1])) ** 2 + rule.force_push * span**3 / 3
-    unsure += memory.tracks[place].covariance[2, 2] + memory.tracks[parent].covariance[2, 2]
-    favour += (its[2] - mean[2]) * (forces[0] - forces[1]) / unsure
-    return bool(favour < 0.0)
+    variance = 0.5 * (spread[0, 0] + spread[1, 1] + span**2 * (spread[3, 3] + spread[4, 4]))
+    variance += 2 * rule.place_push * span**3 / 3 + rule.floor**2
+    favour = 2.0 * ((its[0] - mean[0]) * x + (its[1] - mean[1]) * y) / variance
+    unsure = (FORCE_FLOOR * past.whole) ** 2 + rule.force_push * span**3 / 3
+    unsure += child.covariance[2, 2] + stays.covariance[2, 2]
+    return bool(favour + (its[2] - mean[2]) * apart[2] / unsure < 0.0)
 
 
 @inner
-def watch_slip(memory: TrackMemory, rule: Any, place: int) -> None:
+def watch_slip(memory: TrackMemory, place: int) -> None:
     """Say whether a place moves: by its speed, beyond doubt, or as it has hardly slowed."""
-    known = memory.tracks[place]
+    known, rule = memory.tracks[place], memory.rules[0]
     x, y, covariance = known.mean[3], known.mean[4], known.covariance
     speed, slipped = np.hypot(x, y), known.slips
     known.slips = 0

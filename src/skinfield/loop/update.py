@@ -167,9 +167,8 @@ class Updater:
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
-        self.tracks = self._contacts.ids = tracks
-        for each in self._contacts.patches:
-            each.ids = tracks
+        self.tracks = tracks
+        self._contacts.count_in(tracks)
 
     def take_over(self, before: "Updater", calibration: Floats) -> None:
         """Go on from what another updater of this skin published last."""

@@ -56,8 +56,8 @@ class SkinContacts:
                 LiveContacts(levels, patch=index, rows=rows, tracker=tracker, ids=self.ids)
             )
         words = np.stack([each.memory.words for each in self.patches])
-        for each, row in zip(self.patches, words, strict=True):
-            each.memory = each.memory._replace(words=row)
+        for each, its in zip(self.patches, words, strict=True):
+            each.memory = each.memory._replace(words=its)
         self.followed: Ints = words[:, TOP]
         self._doubles = [np.zeros(side * side) for side in engine.rungs]
         self._shape = (len(self.patches), rows)
@@ -100,6 +100,12 @@ class SkinContacts:
         double = self._doubles[rung]
         np.copyto(double, pressure)
         return self.patches[patch](rung, double, stamp_ns, out)
+
+    def count_in(self, ids: Ints) -> None:
+        """Number contacts in this array (1,) from now on."""
+        self.ids = ids
+        for each in self.patches:
+            each.memory = each.memory._replace(ids=ids)
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
