@@ -19,7 +19,7 @@ from skinfield.solve.atoms.fitter import (
     FLAT_RADIUS,
     FLAT_STD,
 )
-from skinfield.solve.atoms.search_kernel import search_atoms
+from skinfield.solve.atoms.reading_kernel import answer_reading
 from skinfield.solve.atoms.table import BALL, FLAT, curvature_force
 from skinfield.solve.contact_fit import ContactOperator
 
@@ -231,4 +231,4 @@ def test_all_that_is_searched_is_compiled_once(fitters: dict[str, Prepared]) -> 
         fitter.fit(noisy(name, 1))
         fitter.fit(noisy(name, 1, (2e-3, -5e-3)) + noisy(name, 3))
         fitter.data.reset()
-    assert len(search_atoms.signatures) == 1
+    assert len(answer_reading.signatures) == 1

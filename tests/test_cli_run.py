@@ -86,7 +86,7 @@ def lives(pid: int) -> bool:
         (("--cpu", "-1"), "-1"),
         (("--gain", "0"), "--gain is 0.0, expected counts"),
         (("--virtual-rate-hz", "0"), "--virtual-rate-hz is 0.0, expected"),
-        (("--solver", "contact"), 'Invalid value "contact" for --solver'),
+        (("--solver", "contacts"), 'Invalid value "contacts" for --solver'),
         (("--zenoh-listen", "tcp/:7447"), "expected zenoh or ros2 with them"),
         (("--ros-rate", "wrench=5"), "--ros-rate was given, expected ros2 with it"),
     ],

@@ -53,8 +53,13 @@ def test_runs_are_their_readings_one_after_the_other(rec, readings):
     assert together.normal_force.tolist() == [
         sum(contact.normal_force for contact in found) for found in together.contacts
     ]
-    for one, other in zip(together, each, strict=True):
+    rec.reset()
+    out = rec.rows()
+    for one, other, reading in zip(together, each, readings, strict=True):
+        assert rec.into(reading, out) == len(one.contacts) == 1
         np.testing.assert_array_equal(one.contacts[0].covariance, other.contacts[0].covariance)
+        assert out["normal_force"][0] == one.contacts[0].normal_force
+        np.testing.assert_allclose(out["position"][0], one.contacts[0].position, atol=1e-15)
 
 
 def test_commands_give_what_a_reconstructor_gives(rec, readings, tmp_path, monkeypatch):

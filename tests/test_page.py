@@ -67,8 +67,6 @@ def hand(look: Look) -> Hand:
 @pytest.fixture(scope="module")
 def fitted(opened: Look) -> None:
     """An engine that answers by a fit of contacts."""
-    if "auto" not in opened.value("skinfield.state.controls.solver.options"):
-        pytest.skip("the engine answers by a field alone")
     hand = Hand(opened)
     hand.click(0.0, 0.0)
     fitted = "skinfield.state.contacts.some((each) => each.answer === 'contacts')"

@@ -171,7 +171,7 @@ def test_in_blocks_or_as_a_whole_it_is_the_same(
     table = counts(3600)
     table = table if unit == "count" else (240 - table) / 171 + 1e-4
     path = saved(tmp_path / "r.npz", table, unit)
-    noise = ("--noise", 0.009, "--reading", 0)
+    noise = ("--noise", 0.009, "--reading", 0, "--solver", "gaussian")
     words = ("reconstruct", path, *LAYOUT, "--smoothing-ms", smooth, *noise)
     run(*words, "-o", tmp_path / "whole.skinfield")
     for name, value in (("PIECE", 1), ("FEWEST", 900), ("MOST", 900)):

@@ -380,8 +380,9 @@ def sum_up_contacts(
 ) -> None:
     """Take the contacts of one cycle, `seconds` after watching began, into those that are known.
 
-    Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; its
-    largest force `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in
+    Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; the
+    force `force_n` with `force_std_n` when it was surely the largest, one standard deviation less;
+    and where and how it pressed then: `position_mm` in
     the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
     `maybe`: whether two contacts explain the readings nearly as well.
     """
@@ -390,11 +391,12 @@ def sum_up_contacts(
     now = round(seconds, DIGITS)
     for row in rows:
         track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
-        new = {"track": track, "patch": patches[int(row["patch"])], "force_n": 0.0, "first_s": now}
-        contact = known.setdefault(track, new)
+        new = {"track": track, "patch": patches[int(row["patch"])], "first_s": now}
+        contact = known.setdefault(track, new | {"force_n": 0.0, "force_std_n": None})
         contact["last_s"] = now
-        if force >= contact["force_n"]:
-            std, radius = float(row["force_std"]), float(row["radius"])
+        std, radius = float(row["force_std"]), float(row["radius"])
+        before = contact["force_n"], contact["force_std_n"]
+        if sureness(force, std if np.isfinite(std) else None) >= sureness(*before):
             contact |= {
                 "force_n": force,
                 "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
@@ -405,6 +407,11 @@ def sum_up_contacts(
                 "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
                 "maybe": bool(row["maybe"]),
             }
+
+
+def sureness(force: float, std: float | None) -> tuple[float, float]:
+    """Rank of a force: what it surely is, less its standard deviation; else how large it is."""
+    return (0.0 if std is None else max(force - std, 0.0)), force
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:

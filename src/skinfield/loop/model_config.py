@@ -358,6 +358,7 @@ class Models:
             gap=gap,
             iterations=steps,
             deadline_met=not late,
+            is_field=answer != int(Answer.CONTACTS),
         )
 
     def _group(self, patch: int) -> Any:

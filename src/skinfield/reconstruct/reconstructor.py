@@ -1,6 +1,5 @@
 """Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
 
-import copy
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -379,8 +378,8 @@ class Reconstructor:
         """Share what is prepared; with None, contacts state not even the solver's model error."""
         if intervals is not None:
             intervals.check(*self.kind)
-        other = copy.copy(self)
-        other.intervals = intervals
+        other = object.__new__(type(self))
+        vars(other).update(vars(self), intervals=intervals)
         other.plans = self.plans.without_model_errors()
         return other
 

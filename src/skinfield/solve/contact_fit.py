@@ -31,9 +31,10 @@ class ContactData(Data):
     fit : FitData
     """
 
+    rows: NDArray[np.void]
+
     def __init__(self, operator: "ContactOperator") -> None:
-        margin = DeadlineMargin(300_000, most=2_000_000)
-        super().__init__(operator, len(operator.model.grid), margin)
+        super().__init__(operator, len(operator.model.grid), DeadlineMargin())
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
         self.fit, self._operator = operator.fitter.data(), operator
 
@@ -105,13 +106,13 @@ class ContactOperator:
     ) -> Solution:
         """See `Operator.solve`."""
         readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
-        self.fitter.fit(readings, fit, self.valid, deadline_ns)
+        out = solution.pressure, data.rows
+        data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
         solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
         solution.solver, solution.offset = type(self.solver).__name__, fit.offset
         solution.gap = solution.objective = float("nan")
         solution.evidence, solution.steps = float(fit.search.known[0]), 0
         np.copyto(solution.readings, readings)
-        data.count = self.fitter.write(fit, self.renderer, solution.pressure, data.rows)
         solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
 

@@ -227,10 +227,11 @@ def find_contacts_of(work: Clockwork, patch: int, start: int, deadline: int) -> 
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
     data.noise[:] = work.deviation_rows[patch]
     solution = operator.solve(work.raw_rows[patch], data, deadline)
-    state.answer[patch] = FEASIBLE if data.count < 0 else CONTACTS
-    state.rung[patch] = state.at[patch] = rung
-    state.gap[patch], state.iterations[patch] = solution.gap, solution.steps
-    state.settled[patch] = solution.in_time
+    if data.count or solution.in_time:  # else nothing is found yet: the linear answer stays
+        state.answer[patch] = FEASIBLE if data.count < 0 else CONTACTS
+        state.rung[patch] = state.at[patch] = rung
+        state.gap[patch], state.iterations[patch] = solution.gap, solution.steps
+        state.settled[patch] = solution.in_time
     kind = WARM if state.was_hot[patch] else COLD
     state.predicted[patch] += work.predict(kind, group.index, rung)
     state.spent[patch] += work.log_step(kind, group.index, patch, rung, start)

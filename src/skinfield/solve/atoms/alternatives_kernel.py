@@ -60,8 +60,8 @@ MANY = 12  # seeds of a shape at most
 # Places of `SearchMemory.state`: next alternative, atoms at the last comparison, and of this search
 # the stage, an atom and a shape of it, the seed, how many and of which family, places that were
 # tried, whether atoms were added, whether a rival of theirs is sought, whether BEST is a better set
-# than NOW, whether all shapes are due, whether atoms that are far from others may be tried without,
-# places of a walk, and when the time is up.
+# than NOW, whether all shapes are due, places of a walk, when the time is up, and the set that was
+# being refined then, or -1.
 (
     MOVE,
     COMPARED,
@@ -76,9 +76,9 @@ MANY = 12  # seeds of a shape at most
     RIVAL,
     FOUND,
     DUE,
-    THOROUGH,
     PLACES_LEFT,
     UNTIL,
+    REFINED,
 ) = range(16)
 
 
@@ -94,7 +94,7 @@ class SearchRules(NamedTuple):
     starts : int
         Places from which each new one is sought.
     purpose : int
-        SEEK atoms, SETTLE those of NOW, or EXPLORE what is open about them, too.
+        SEEK atoms, or EXPLORE what is open about those of NOW.
     """
 
     threshold: float
@@ -103,7 +103,7 @@ class SearchRules(NamedTuple):
     purpose: int
 
 
-SEEK, SETTLE, EXPLORE = 0, 1, 2
+SEEK, EXPLORE = 0, 1
 
 
 class SearchMemory(NamedTuple):
@@ -401,15 +401,13 @@ def after_growth(search: SearchMemory) -> None:
     state = search.state
     state[STAGE] = SHAPES
     if state[GREW]:
-        state[GREW], state[THOROUGH], state[DUE] = ENOUGH, 1, 1
+        state[GREW], state[DUE] = ENOUGH, 1
         state[INDEX], state[STAGE] = 0, PRUNE
 
 
 @inner(_nrt=False)
 def may_be_without(memory: FitMemory, search: SearchMemory, index: int) -> bool:
     """Whether others may take the place of an atom of NOW: then it is tried without."""
-    if not search.state[THOROUGH]:
-        return False
     for other in range(memory.counts[NOW]):
         if other != index and apart(memory, NOW, index, other) < GAP:
             return True

@@ -106,6 +106,20 @@ def _take(bank: Templates, block: int, residual: Floats, local: NDArray[np.float
 
 
 @inner(_nrt=False)
+def best_score(bank: Templates, memory: StartMemory, residual: Floats) -> float:
+    """Highest agreement of a whitened residual (L,) with the first templates of all blocks."""
+    local, highest, best = memory.local, memory.highest, 0.0
+    for block in range(len(bank.few)):
+        _take(bank, block, residual, local)
+        highest[block] = 0.0
+        first = bank.firsts[block]
+        for t in range(first, first + bank.few[block]):
+            highest[block] = max(highest[block], _product(bank.templates[t], local))
+        best = max(best, highest[block])
+    return best
+
+
+@inner(_nrt=False)
 def find_starts(
     bank: Templates, memory: StartMemory, residual: Floats, most: int, least: float
 ) -> int:
@@ -121,14 +135,7 @@ def find_starts(
         Standard deviations; where no template agrees with the residual by more, there is no start.
     """
     scores, listed, local, highest = memory.scores, memory.listed, memory.local, memory.highest
-    count, best = 0, 0.0
-    for block in range(len(bank.few)):
-        _take(bank, block, residual, local)
-        highest[block] = 0.0
-        first = bank.firsts[block]
-        for t in range(first, first + bank.few[block]):
-            highest[block] = max(highest[block], _product(bank.templates[t], local))
-        best = max(best, highest[block])
+    count, best = 0, best_score(bank, memory, residual)
     if not best > NEARLY * least:
         return 0
     gate = max(NEARLY * least, WORSE * best)

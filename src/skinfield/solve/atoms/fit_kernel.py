@@ -52,7 +52,7 @@ class FitModel(NamedTuple):
 
 
 # Rows of `FitMemory.taxels`.
-READINGS, WHITE, LEFT, SCORED = 0, 1, 2, 3
+READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WHITE, ROWS = 0, 1, 2, 3, 4, 5, 6
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
@@ -66,8 +66,9 @@ class FitMemory(NamedTuple):
 
     Attributes
     ----------
-    taxels : (4, L) array
-        Readings, one over their deviations, what is left of readings, and what is scored.
+    taxels : (6, L) array
+        Readings, one over their deviations, what is left of readings, what is scored; and, while
+        the model error is inferred, deviations without it, and one over those that are tried.
     atoms : (sets, M, 6) array
     family : (sets, M) int array
     counts : (sets,) int array
@@ -113,7 +114,7 @@ class FitMemory(NamedTuple):
         sums = np.zeros(8)
         sums[PACE] = FIRST_PACE
         return cls(
-            taxels=np.zeros((4, taxels)),
+            taxels=np.zeros((ROWS, taxels)),
             atoms=np.zeros((SETS, most, PARAMETERS)),
             family=np.zeros((SETS, most), np.int64),
             counts=np.zeros(SETS, np.int64),
@@ -185,7 +186,7 @@ def roamed(model: FitModel, memory: FitMemory, which: int) -> bool:
 
 
 @inner(_nrt=False)
-def _prior(
+def add_prior(
     n: int, atom: Floats, family: int, model: FitModel, gradient: Floats, hessian: Floats, size: int
 ) -> float:
     """Cost of the n-th atom's prior; adds to the gradient (size,) and the Hessian (size size,)."""
@@ -280,7 +281,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
             hessian[i * size + j] = value
             hessian[j * size + i] = value
     for n in range(count):
-        cost += _prior(n, atoms[n], family[n], model, gradient, hessian, size)
+        cost += add_prior(n, atoms[n], family[n], model, gradient, hessian, size)
     return float(cost)
 
 
@@ -422,6 +423,18 @@ def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
         memory.marks[LATE] = 1
         return True
     return False
+
+
+@inner(_nrt=False)
+def is_short(memory: FitMemory, steps: float, deadline: int) -> bool:
+    """Whether the time is too short for what takes as long as some steps of the answer."""
+    if deadline == 0 or memory.marks[LATE]:
+        return bool(memory.marks[LATE])
+    count = max(memory.counts[NOW], 1)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
+    if memory.marks[BEGAN] + int(memory.sums[PACE] * count * steps) > deadline:
+        memory.marks[LATE] = 1
+    return bool(memory.marks[LATE])
 
 
 @inner(_nrt=False)

@@ -38,7 +38,7 @@ FEW = 9  # for a contact that the reading before had, too
 STEP_STD, WIDE_STEP_STD = 1.1, 1.6  # standard deviations between places, for many and for few
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
-UNKNOWN, ROUGH, KNOWN = 0, 1, 2  # what is known of an atom
+UNKNOWN, ROUGH, KNOWN, STALE = 0, 1, 2, 3  # what is known of an atom; STALE: for another noise
 NEAR = 1.0  # thicknesses: an atom of the same family that is nearer was there before
 # Places of `PosteriorMemory.walk`: length of the queue, the next of it, atoms that were walked in
 # all and before this family, the family, both families?, most places, the place that is refined.
@@ -52,10 +52,12 @@ class PosteriorMemory(NamedTuple):
     Attributes
     ----------
     known : (M,) int array
-        UNKNOWN, ROUGH or KNOWN; and the family of the atom then, in `family` (M,).
+        UNKNOWN, ROUGH, KNOWN or STALE; and the family of the atom then, in `family` (M,).
     atoms, offsets : (M, 6) arrays
         Where it was then, and from there to the posterior's mean.
     covariance : (M, 6, 6) array
+    local : (6, 6) array
+        By the curvature of the cost alone, of the atom that is looked at.
     walked : (W, 6) array
         Atoms at the places of a walk; `families` (W,) and `weights` (W,), at first their logarithm.
     inner : (W, 6, 6) array
@@ -74,6 +76,7 @@ class PosteriorMemory(NamedTuple):
     atoms: Floats
     offsets: Floats
     covariance: Floats
+    local: Floats
     walked: Floats
     families: Ints
     weights: Floats
@@ -93,6 +96,7 @@ class PosteriorMemory(NamedTuple):
             np.zeros((most, 6)),
             np.zeros((most, 6)),
             np.zeros((most, 6, 6)),
+            np.zeros((6, 6)),
             np.zeros((places, 6)),
             np.zeros(places, np.int64),
             np.zeros(places),
@@ -105,8 +109,8 @@ class PosteriorMemory(NamedTuple):
 
 
 @inner(_nrt=False)
-def laplace(model: FitModel, memory: FitMemory, post: PosteriorMemory, index: int) -> None:
-    """Write the covariance of one atom by the curvature of the cost, all others moving along.
+def laplace(model: FitModel, memory: FitMemory, index: int, covariance: Floats) -> None:
+    """Write the covariance (6, 6) of an atom by the curvature of the cost, others moving along.
 
     Places that no reading tells are even over the patch: their variance is its width squared / 12.
     """
@@ -125,7 +129,7 @@ def laplace(model: FitModel, memory: FitMemory, post: PosteriorMemory, index: in
             system[i * size + i] = 1.0
         else:
             system[i * size + i] = system[i * size + i] * (1.0 + ROUND_OFF[0]) + ROUND_OFF[1]
-    covariance, right = post.covariance[index], memory.steps[1]
+    right = memory.steps[1]
     if not factor(system, size):  # something moves no reading and has no prior
         for i in range(6):
             for j in range(6):
@@ -189,9 +193,9 @@ def _visit(post: PosteriorMemory, i: int, j: int, source: int) -> None:
 
 
 @inner(_nrt=False)
-def widest_deviation(post: PosteriorMemory, index: int, step: float) -> float:
-    """Largest deviation of an atom's place, in thicknesses; writes the axes of a lattice of it."""
-    covariance, axes = post.covariance[index], post.small
+def widest_deviation(post: PosteriorMemory, step: float) -> float:
+    """Largest deviation by `local` of a place, in thicknesses; writes the axes of a lattice."""
+    covariance, axes = post.local, post.small
     a, b, c = covariance[0, 0], covariance[0, 1], covariance[1, 1]
     middle, spread = 0.5 * (a + c), np.hypot(0.5 * (a - c), b)
     wide, narrow = np.sqrt(max(middle + spread, 0.0)), np.sqrt(max(middle - spread, 0.0))
@@ -270,7 +274,7 @@ def keep_place(memory: FitMemory, post: PosteriorMemory) -> None:
 
 @inner(_nrt=False)
 def combine(post: PosteriorMemory, index: int, family: int, atom: Floats) -> None:
-    """Write mean and covariance of a walk, if anything of it counts."""
+    """Write mean and covariance of a walk from an atom (6,) on, if anything of it counts."""
     highest, count = -np.inf, post.walk[WALKED]
     for at in range(count):
         highest = max(highest, post.weights[at])
@@ -313,7 +317,7 @@ def combine(post: PosteriorMemory, index: int, family: int, atom: Floats) -> Non
 @inner(_nrt=False)
 def holds(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
     """Whether an atom is still about where it was when its covariance was found."""
-    if post.known[index] == UNKNOWN or post.family[index] != memory.family[NOW, index]:
+    if post.known[index] not in (ROUGH, KNOWN) or post.family[index] != memory.family[NOW, index]:
         return False
     for axis in range(2):
         off = memory.atoms[NOW, index, axis] - post.atoms[index, axis]
@@ -325,7 +329,7 @@ def holds(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
 @inner(_nrt=False)
 def was_there(memory: FitMemory, post: PosteriorMemory, index: int) -> bool:
     """Whether an atom of the same family was known about there."""
-    if post.known[index] == UNKNOWN or post.family[index] != memory.family[NOW, index]:
+    if post.known[index] < KNOWN or post.family[index] != memory.family[NOW, index]:
         return False
     x = memory.atoms[NOW, index, 0] - post.atoms[index, 0]
     y = memory.atoms[NOW, index, 1] - post.atoms[index, 1]

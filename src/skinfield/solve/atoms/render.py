@@ -35,8 +35,9 @@ from skinfield.solve.atoms.render_tables import (
     displacement_table,
     pressure_table,
 )
-from skinfield.solve.atoms.rows_kernel import RowGrid
+from skinfield.solve.atoms.rows_kernel import GRID, RowGrid
 from skinfield.solve.atoms.table import BALL, FLAT
+from skinfield.solve.packed import Packed
 
 NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
 COUNT = OUTER * 4 + INNER  # coefficients of a displacement
@@ -202,11 +203,11 @@ class AtomRenderer:
         self._mesh = mesh_of(grid)
 
     @cached_property
-    def rows(self) -> RowGrid:
+    def rows(self) -> Packed:
         """What rows of contacts are written by."""
         grid = self.grid
-        places = np.array(grid.positions), np.array(grid.normals)
-        return RowGrid(self._mesh, *places, self._surface, self._layer.thickness)
+        places = np.array(grid.positions, order="C"), np.array(grid.normals, order="C")
+        return Packed(RowGrid(self._mesh, *places, self._surface, self._layer.thickness), GRID)
 
     @cached_property
     def _moves(self) -> DisplacementTable:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.live_contacts import SHAPES
 from skinfield.solve.atoms.contacts import LINE
@@ -17,6 +17,7 @@ from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import GridMesh, pressure_at, render
 from skinfield.solve.atoms.render_tables import PressureTable
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
+from skinfield.solve.packed import PackedType, unpacking
 
 PEARLS = 64  # small balls that all rings together become
 FEWEST, MOST = 8, 32  # of one ring
@@ -90,6 +91,16 @@ class RowGrid(NamedTuple):
     normals: Floats
     surface: PressureTable
     thickness: float
+
+
+def smallest_grid() -> RowGrid:
+    """Of no size: what kinds of arrays it has."""
+    surface, places = PressureTable(np.zeros((2, 1, 1)), 0.0, 0.0), np.zeros((1, 3))
+    return RowGrid(GridMesh(0.0, 0.0, 0.0, 1, 1), places, places, surface, 0.0)
+
+
+GRID = PackedType(smallest_grid())
+unpack_grid = unpacking(GRID)
 
 
 @inner(_nrt=False)
@@ -366,7 +377,7 @@ def stand(grid: RowGrid, row: Any) -> None:
         normal[axis] /= size
 
 
-@njit
+@inner
 def write_rows(
     grid: RowGrid,
     memory: FitMemory,

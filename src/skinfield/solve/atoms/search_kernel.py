@@ -9,7 +9,7 @@ shapes that were not compared yet.
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import (
     A_RING,
@@ -21,7 +21,6 @@ from skinfield.solve.atoms.alternatives_kernel import (
     DONE,
     DUE,
     ENOUGH,
-    EXPLORE,
     FOUND,
     GREW,
     GROW,
@@ -35,16 +34,15 @@ from skinfield.solve.atoms.alternatives_kernel import (
     PLACES_LEFT,
     PRUNE,
     REFINE,
+    REFINED,
     RIVAL,
     RIVALS,
     SEED,
     SEEDS,
     SEEK,
-    SETTLE,
     SHAPE,
     SHAPES,
     STAGE,
-    THOROUGH,
     TRIED,
     UNTIL,
     WALK,
@@ -80,7 +78,6 @@ from skinfield.solve.atoms.fit_kernel import (
     SCORED,
     SHARED,
     STEPPED,
-    STEPS,
     TRIAL,
     FitMemory,
     FitModel,
@@ -141,7 +138,7 @@ def begin_walk(
         search.seeds[0, i] = own[i]
     few = state[PLACES_LEFT] == FEW
     both, count = family != RING and not few, 1
-    wide = widest_deviation(post, index, WIDE_STEP_STD if few else STEP_STD)
+    wide = widest_deviation(post, WIDE_STEP_STD if few else STEP_STD)
     if both and wide > SURE and not is_long(own):
         score_left(memory, noise, 0.0)
         more = find_starts(bank, search.starts, memory.taxels[SCORED], rules.starts, 0.0)
@@ -176,7 +173,7 @@ def begin(
         if count:
             return NOW
         clear_set(memory, NOW)
-        state[STAGE] = GROW if rules.purpose == SEEK else DONE
+        state[STAGE] = GROW
     elif stage == PRUNE:
         if index >= count:
             state[STAGE] = SHAPES if state[GREW] == ENOUGH else GROW
@@ -259,13 +256,15 @@ def begin(
         if post.known[index] == KNOWN and holds(memory, post, index):
             state[INDEX] += 1
             return NOTHING
-        few = post.known[index] == KNOWN and was_there(memory, post, index)
+        few = was_there(memory, post, index)
         state[PLACES_LEFT] = FEW if few else PLACES
-        curve(model, memory, post, index, KNOWN)
-        if widest_deviation(post, index, 1.0) < CERTAIN:
+        laplace(model, memory, index, post.local)
+        certain = widest_deviation(post, 1.0) < CERTAIN
+        if certain or not few:
+            curve(model, memory, post, index, KNOWN if certain else ROUGH)
+        if certain:
             state[INDEX] += 1
             return NOTHING
-        post.known[index] = ROUGH
         mark_one(memory, search, index)
         copy_others(memory, search, NOW, TRIAL)
         if memory.counts[TRIAL]:
@@ -283,8 +282,10 @@ def begin(
             start_walk(post, search.seeds, state[COUNT], FLAT)
             return NOTHING
         memory.sums[SHARED] = search.known[1]
-        combine(post, index, memory.family[NOW, index], memory.atoms[NOW, index])
-        post.known[index] = KNOWN
+        combine(post, index, memory.family[NOW, index], search.seeds[0])
+        for i in range(6):
+            post.atoms[index, i] = search.seeds[0, i]
+        post.family[index], post.known[index] = memory.family[NOW, index], KNOWN
         state[INDEX], state[STAGE] = index + 1, BELIEVE
     return NOTHING
 
@@ -294,11 +295,24 @@ def curve(
     model: FitModel, memory: FitMemory, post: PosteriorMemory, index: int, known: int
 ) -> None:
     """Describe an atom by the curvature of the cost alone."""
+    laplace(model, memory, index, post.local)
     for i in range(6):
         post.atoms[index, i] = memory.atoms[NOW, index, i]
         post.offsets[index, i] = 0.0
+        for j in range(6):
+            post.covariance[index, i, j] = post.local[i, j]
     post.family[index], post.known[index] = memory.family[NOW, index], known
-    laplace(model, memory, post, index)
+
+
+@inner(_nrt=False)
+def lay_open(model: FitModel, memory: FitMemory, post: PosteriorMemory) -> None:
+    """Describe what is new about the atoms of NOW by the curvature of the cost alone."""
+    count = memory.counts[NOW]
+    for index in range(len(post.known)):
+        if index >= count:
+            post.known[index] = UNKNOWN
+        elif not (holds(memory, post, index) or was_there(memory, post, index)):
+            curve(model, memory, post, index, ROUGH)
 
 
 @inner(_nrt=False)
@@ -325,9 +339,7 @@ def conclude(
     state = search.state
     stage = state[STAGE]
     if stage == REFINE:
-        state[STAGE], state[INDEX] = DONE, 0
-        if rules.purpose != SETTLE:
-            state[STAGE] = PRUNE if rules.purpose == SEEK else BELIEVE
+        state[STAGE], state[INDEX] = PRUNE, 0
     elif stage == PRUNE:
         if worth(memory) > CLEAR * rules.threshold:
             state[INDEX] += 1
@@ -383,7 +395,33 @@ def conclude(
         keep_place(memory, post)
 
 
-@njit(_nrt=False)
+@inner(_nrt=False)
+def go_on(
+    model: FitModel,
+    memory: FitMemory,
+    search: SearchMemory,
+    post: PosteriorMemory,
+) -> None:
+    """Bring what was interrupted to new readings, which NOW was moved to."""
+    state = search.state
+    stage = state[STAGE]
+    if state[FOUND]:
+        descend(model, memory, BEST, READINGS, 0, 0, SETTLED_GAIN, 0)
+        if state[RIVAL]:
+            search.known[0] = evidence(model, memory, BEST)
+    if stage == SEEDS:
+        if state[KIND] == NO_SHAPE:
+            take_left(memory, NOW, 0.0)
+        else:
+            copy_others(memory, search, NOW, TRIAL)
+            if memory.counts[TRIAL]:
+                descend(model, memory, TRIAL, READINGS, 0, 0, SETTLED_GAIN, 0)
+            take_left(memory, TRIAL, 0.0)
+    elif stage == WALK:  # what it began with, stays
+        search.known[1], memory.sums[SHARED] = memory.sums[SHARED], 0.0
+
+
+@inner(_nrt=False)
 def search_atoms(
     model: FitModel,
     bank: Templates,
@@ -392,10 +430,13 @@ def search_atoms(
     post: PosteriorMemory,
     rules: SearchRules,
     noise: Floats,
-    shapes: bool,
+    resume: bool,
     deadline: int,
 ) -> bool:
-    """Find the atoms of the row READINGS, from those of NOW on; whether all was tried.
+    """Find the atoms of the row READINGS, from those of NOW on.
+
+    Where the time was up before all was tried, it may go on with other readings, to which NOW was
+    moved; but not where what was found so far has become NOW.
 
     Parameters
     ----------
@@ -409,22 +450,34 @@ def search_atoms(
     rules : SearchRules
     noise : (L,) array
         By which the dictionary was whitened.
-    shapes : bool
-        Whether to compare all shapes anew.
+    resume : bool
+        Go on where the last search was interrupted.
     deadline : int, ns
         Of the clock; 0 for none.
+
+    Returns
+    -------
+    bool
+        Whether it may go on; False where it is done, too.
     """
     state = search.state
-    memory.marks[LATE] = memory.marks[STEPS] = 0
-    state[STAGE], state[INDEX], state[GREW], state[FOUND] = REFINE, 0, 0, 0
-    state[RIVAL], state[DUE], state[THOROUGH], state[UNTIL] = 0, shapes, shapes, deadline
+    state[UNTIL] = deadline
     memory.marks[STEPPED] = 0
+    if resume:
+        go_on(model, memory, search, post)
+    else:
+        state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
+        state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
+        state[DUE], state[REFINED] = 1, NOTHING
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
             break
-        which = begin(model, bank, memory, search, post, rules, noise)
+        which = state[REFINED]
+        if which == NOTHING:
+            which = begin(model, bank, memory, search, post, rules, noise)
         if which == NOTHING:
             continue
+        state[REFINED] = which
         stage = state[STAGE]
         row = LEFT if stage in (SEEDS, WALK) else READINGS
         held, steps, gain = 0, LONG, SETTLED_GAIN
@@ -437,17 +490,13 @@ def search_atoms(
         descend(model, memory, which, row, held, steps, gain, deadline)
         if memory.marks[LATE]:
             break
+        state[REFINED] = NOTHING
         conclude(model, bank, memory, search, post, rules, noise)
-    if memory.marks[LATE]:
-        if state[STAGE] == WALK:
-            memory.sums[SHARED] = search.known[1]
-        if state[FOUND] and memory.costs[NOW] - memory.costs[BEST] >= rules.threshold:
-            copy_set(memory, BEST, NOW)
-    if rules.purpose == EXPLORE:
-        for index in range(memory.counts[NOW]):
-            if post.known[index] == UNKNOWN or not holds(memory, post, index):
-                curve(model, memory, post, index, ROUGH)
-        for index in range(memory.counts[NOW], len(post.known)):
-            post.known[index] = UNKNOWN
-    search.known[0] = evidence(model, memory, NOW)
-    return bool(memory.marks[LATE] == 0)
+    if not memory.marks[LATE]:
+        return False
+    if state[STAGE] == WALK:
+        memory.sums[SHARED] = search.known[1]
+    if state[FOUND] and memory.costs[NOW] - memory.costs[BEST] >= rules.threshold:
+        copy_set(memory, BEST, NOW)
+        return False
+    return True

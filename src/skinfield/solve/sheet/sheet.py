@@ -430,6 +430,7 @@ class Sheet:
             latency=latency,
             iterations=self.iterations,
             deadline_met=self.deadline_met,
+            solver=type(self).__name__,
         )
 
     def predict(self, pressure: NDArray[Any]) -> Floats:
