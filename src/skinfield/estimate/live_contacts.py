@@ -294,7 +294,6 @@ class LiveContacts:
             self.memory.ids[0] = ids
             tracks = self.memory.tracks[: len(rows)]
             its = rows[tracks["column"]]
-            ages = np.rint(its["age"] * 1e9).astype(np.int64)
-            tracks["number"], tracks["made"] = its["track"], stamp_ns - ages
-            tracks["slipped"] = tracks["made"]
-            tracks["state"][ages > 0] = CONFIRMED
+            tracks["number"], made = its["track"], stamp_ns - np.rint(its["age"] * 1e9).astype(int)
+            tracks["made"] = tracks["slipped"] = made
+            tracks["state"][made < stamp_ns] = CONFIRMED

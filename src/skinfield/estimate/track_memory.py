@@ -85,17 +85,10 @@ class TrackMemory(NamedTuple):
     @classmethod
     def of(cls, most: int, rules: Any, ids: Ints) -> "TrackMemory":
         """Room for so many contacts, those that coast included."""
-        return cls(
-            np.zeros(most, TRACK),
-            np.zeros(4 * most, EVENT),
-            np.zeros(4, np.int64),
-            ids,
-            rules,
-            np.zeros(most + 1, MEASURED),
-            np.zeros((most, most)),
-            np.zeros((6, max(most + 1, 6))),
-            np.zeros((4, most + 1), np.int64),
-        )
+        known = np.zeros(most, TRACK), np.zeros(4 * most, EVENT), np.zeros(4, np.int64)
+        room = np.zeros((most, most)), np.zeros((6, max(most + 1, 6)))
+        contacts, lists = np.zeros(most + 1, MEASURED), np.zeros((4, most + 1), np.int64)
+        return cls(*known, ids, rules, contacts, *room, lists)
 
     def reset(self) -> None:
         """Know of no contact."""

@@ -33,6 +33,8 @@ FORCE_FLOOR = 0.15  # part of a force: what solvers do not state of it
 LIMIT = 21.1  # squared distance of three numbers that is exceeded with a chance of 1e-4
 NARROW = 3e-3  # m: bodies whose ways come nearer than this cannot pass each other
 LEAST = 1e-9  # N that has a share
+Three = tuple[float, float, float]
+Parts = tuple[float, float, float, float, float, float]
 
 
 @njit
@@ -50,7 +52,7 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
     words[STARTED] = 1
     if forgets:  # nobody knows what happened between
         for place in range(words[TOP]):
-            lose(memory, place)
+            end_track(memory, place, -1)
     sort_contacts(contacts, count)
     for place in range(words[TOP]):
         known = tracks[place]
@@ -64,17 +66,19 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
         assign(memory, count)
     merge_tracks(memory, count)
     split_tracks(memory, count)
-    for place in range(words[TOP]):
-        if tracks[place].pair >= 0:
-            update(memory, place, tracks[place].pair)
     for column in range(count):
         if contacts[column].free:
             add_track(memory, column)
     for place in range(words[TOP]):
         known = tracks[place]
-        lasts = known.state == CONFIRMED and words[NOW] - known.last <= rule.coast_ns
-        if known.state != ABSORBED and known.column < 0 and not lasts:
-            lose(memory, place)
+        if known.pair >= 0:
+            update(memory, known, contacts[known.pair])
+            known.column = known.pair
+        waits = known.state != TENTATIVE and words[NOW] - known.last <= rule.coast_ns
+        if known.column >= 0:
+            known.last, known.readings = words[NOW], known.readings + 1
+        elif known.state != ABSORBED and not waits:
+            end_track(memory, place, -1)
     for place in range(words[TOP]):
         if tracks[place].state == TENTATIVE:
             confirm(memory, place)
@@ -98,11 +102,8 @@ def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
     `FORCE_FLOOR`.
     """
     for place in range(many):
-        row, mean, covariance = (
-            rows[place],
-            memory.contacts[place].mean,
-            memory.contacts[place].covariance,
-        )
+        row, contact = rows[place], memory.contacts[place]
+        mean, covariance = contact.mean, contact.covariance
         force = row.normal_force
         place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
         force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * force
@@ -126,20 +127,18 @@ def sort_contacts(contacts: Any, count: int) -> None:
     for column in range(count):
         contacts[column].origin, contacts[column].free = column, 1
         contacts[count], place = contacts[column], column
-        while place > 0 and comes_before(contacts[count].mean, contacts[place - 1].mean):
+        one = contacts[count].mean
+        while place > 0:
+            other = contacts[place - 1].mean
+            first, tie = one[2] > other[2], abs(one[2] - other[2]) <= TIE * abs(other[2])
+            if tie:
+                same = abs(one[0] - other[0]) <= TIE_PLACE
+                first = one[1] < other[1] - TIE_PLACE if same else one[0] < other[0]
+            if not first:
+                break
             contacts[place] = contacts[place - 1]
             place -= 1
         contacts[place] = contacts[count]
-
-
-@inner
-def comes_before(one: Floats, other: Floats) -> bool:
-    """Whether a contact (3,) comes before another one."""
-    if abs(one[2] - other[2]) > TIE * abs(other[2]):
-        return bool(one[2] > other[2])
-    if abs(one[0] - other[0]) > TIE_PLACE:
-        return bool(one[0] < other[0])
-    return bool(one[1] < other[1] - TIE_PLACE)
 
 
 @inner
@@ -158,87 +157,64 @@ def predict(known: Any, rule: Any, step: float) -> None:
         for j in range(3):
             covariance[i, j + 3] += step * covariance[i + 3, j + 3]
             covariance[j + 3, i] = covariance[i, j + 3]
-    push(covariance, rule.place_push, rule.force_push, step**3 / 3, step**2 / 2, step)
+    pushes = rule.place_push, rule.place_push, rule.force_push
+    push(covariance, pushes, step**3 / 3, step**2 / 2, step)
     if mean[2] < 0.0:
         mean[2] = mean[5] = 0.0
 
 
 @inner
-def push(
-    covariance: Floats, by_place: float, by_force: float, place: float, both: float, rate: float
-) -> None:
-    """Add multiples of two variances to those of place and force, and of their rates."""
+def push(covariance: Floats, variances: Three, place: float, both: float, rate: float) -> None:
+    """Add multiples of variances to those of place and force, and of their rates."""
     for i in range(3):
-        variance = by_place if i < 2 else by_force
-        covariance[i, i] += place * variance
-        covariance[i, i + 3] += both * variance
-        covariance[i + 3, i] += both * variance
-        covariance[i + 3, i + 3] += rate * variance
+        covariance[i, i] += place * variances[i]
+        covariance[i, i + 3] += both * variances[i]
+        covariance[i + 3, i] += both * variances[i]
+        covariance[i + 3, i + 3] += rate * variances[i]
 
 
 @inner
-def update(memory: TrackMemory, place: int, column: int) -> None:
-    """Take up a contact.
+def update(memory: TrackMemory, known: Any, contact: Any) -> None:
+    """Take up a contact, in a track's mean and covariance.
 
     Where that is a surprise, the rates may have changed at once when the track was seen last.
     """
-    known, contact, rule, gain = (
-        memory.tracks[place],
-        memory.contacts[column],
-        memory.rules[0],
-        memory.work,
-    )
-    mean, covariance, value = known.mean, known.covariance, contact.mean
+    mean, covariance, value, rule = known.mean, known.covariance, contact.mean, memory.rules[0]
     off = (value[0] - mean[0], value[1] - mean[1], value[2] - mean[2])
-    parts = decomposed(known, contact, 0.0, 0.0)
+    white, parts = memory.work, factors(known, contact, 0.0, 0.0)
     if square(parts, off) > rule.surprise:
         since = NS * (memory.words[NOW] - known.last)
-        variances = rule.speed_variance, rule.force_rate_variance
-        push(covariance, *variances, since**2, since, 1.0)
-        parts = decomposed(known, contact, 0.0, 0.0)
+        variances = rule.speed_variance, rule.speed_variance, rule.force_rate_variance
+        push(covariance, variances, since**2, since, 1.0)
+        parts = factors(known, contact, 0.0, 0.0)
+    first, second, third = whitened(parts, off)
     for i in range(6):
-        row = solved(parts, (covariance[i, 0], covariance[i, 1], covariance[i, 2]))
-        for k in range(3):
-            gain[k, i] = row[k]
-            gain[3 + k, i] = covariance[k, i]
+        row = whitened(parts, (covariance[i, 0], covariance[i, 1], covariance[i, 2]))
+        white[0, i], white[1, i], white[2, i] = row
+        mean[i] += row[0] * first + row[1] * second + row[2] * third
     for i in range(6):
-        mean[i] += gain[0, i] * off[0] + gain[1, i] * off[1] + gain[2, i] * off[2]
         for j in range(i + 1):
-            one, other = 0.0, 0.0
             for k in range(3):
-                one += gain[k, i] * gain[3 + k, j]
-                other += gain[k, j] * gain[3 + k, i]
-            left = 0.5 * (covariance[i, j] + covariance[j, i] - one - other)
-            covariance[i, j] = covariance[j, i] = left
+                covariance[i, j] -= white[k, i] * white[k, j]
+            covariance[j, i] = covariance[i, j]
     speed = np.hypot(mean[3], mean[4])
     if speed > rule.top_speed:
         mean[3] *= rule.top_speed / speed
         mean[4] *= rule.top_speed / speed
-    take_contact(memory, place, column)
 
 
 @inner
-def take_contact(memory: TrackMemory, place: int, column: int) -> None:
-    """A contact of this reading belongs to a track."""
-    known = memory.tracks[place]
-    known.last, known.readings = memory.words[NOW], known.readings + 1
-    known.column, known.pair, memory.contacts[column].free = column, -1, 0
-
-
-@inner
-def restart(
-    memory: TrackMemory, place: int, column: int, rates: tuple[float, float, float]
-) -> None:
+def restart(memory: TrackMemory, place: int, column: int) -> None:
     """Begin anew at a contact, with rates of which little is known."""
     known, contact, rule = memory.tracks[place], memory.contacts[column], memory.rules[0]
     mean, covariance, value, noise = known.mean, known.covariance, contact.mean, contact.covariance
     for i in range(3):
-        mean[i], mean[i + 3] = value[i], rates[i]
+        mean[i] = value[i]
         for j in range(3):
             covariance[i, j] = noise[i, j]
             covariance[i, j + 3] = covariance[i + 3, j] = covariance[i + 3, j + 3] = 0.0
         covariance[i + 3, i + 3] = rule.speed_variance if i < 2 else rule.force_rate_variance
-    take_contact(memory, place, column)
+    known.column, known.pair, contact.free = column, -1, 0
 
 
 @inner
@@ -252,34 +228,30 @@ def add_track(memory: TrackMemory, column: int) -> int:
             break
         if known.column < 0 and known.pair < 0 and (place < 0 or known.last < last):
             place, last = each, known.last
-    lose(memory, place)
+    end_track(memory, place, -1)
     words[TOP] = max(words[TOP], place + 1)
     memory.ids[0] += 1
-    known, now = tracks[place], words[NOW]
-    known.number, known.made, known.slipped, known.slips = memory.ids[0], now, now, 0
-    known.state, known.parent, known.readings = TENTATIVE, -1, 0
-    restart(memory, place, column, (0.0, 0.0, 0.0))
+    known, mean = tracks[place], tracks[place].mean
+    known.number, known.made, known.slipped = memory.ids[0], words[NOW], words[NOW]
+    known.state, known.parent, known.readings, known.slips = TENTATIVE, -1, 0, 0
+    mean[3] = mean[4] = mean[5] = 0.0
+    restart(memory, place, column)
     return place
 
 
 @inner
-def lose(memory: TrackMemory, place: int) -> None:
-    """End a track of which nothing is seen, if there is one."""
+def end_track(memory: TrackMemory, place: int, heir: int) -> None:
+    """End a track, if there is one. What it absorbed goes to an heir; -1: it is lost."""
     if memory.tracks[place].state == CONFIRMED:
-        report(memory, LOST, place, -1)
-        bequeath(memory, place, -1)
+        if heir < 0:
+            report(memory, LOST, place, -1)
+        for other in range(memory.words[TOP]):
+            known = memory.tracks[other]
+            if known.parent == place and known.state == ABSORBED:
+                known.parent, known.state = heir, ABSORBED if heir >= 0 else FREE
+            elif known.parent == place:
+                known.parent = GONE
     memory.tracks[place].state = FREE
-
-
-@inner
-def bequeath(memory: TrackMemory, place: int, heir: int) -> None:
-    """What a track absorbed goes to an heir, -1: is forgotten; what split from it is alone."""
-    for other in range(memory.words[TOP]):
-        known = memory.tracks[other]
-        if known.parent == place and known.state == ABSORBED:
-            known.parent, known.state = heir, ABSORBED if heir >= 0 else FREE
-        elif known.parent == place:
-            known.parent = GONE
 
 
 @inner
@@ -294,10 +266,8 @@ def report(memory: TrackMemory, kind: int, place: int, other: int) -> None:
 
 
 @inner
-def decomposed(
-    one: Any, other: Any, floor: float, force: float
-) -> tuple[float, float, float, float, float, float]:
-    """Factors L D L' of the sum of two covariances, and of two variances: D, and L's 10, 20, 21."""
+def factors(one: Any, other: Any, floor: float, force: float) -> Parts:
+    """Sum of two covariances, and of two variances, as L D L': roots of D, and L's 10, 20, 21."""
     own, its = one.covariance, other.covariance
     first = own[0, 0] + its[0, 0] + floor
     xy, xf = own[0, 1] + its[0, 1], own[0, 2] + its[0, 2]
@@ -305,28 +275,23 @@ def decomposed(
     second = own[1, 1] + its[1, 1] + floor - a * xy
     yf = own[1, 2] + its[1, 2] - a * xf
     c = yf / second
-    return first, second, own[2, 2] + its[2, 2] + force - b * xf - c * yf, a, b, c
+    third = own[2, 2] + its[2, 2] + force - b * xf - c * yf
+    return np.sqrt(first), np.sqrt(second), np.sqrt(third), a, b, c
 
 
 @inner
-def square(
-    parts: tuple[float, float, float, float, float, float], off: tuple[float, float, float]
-) -> float:
-    """Squared Mahalanobis distance."""
+def whitened(parts: Parts, off: Three) -> Three:
+    """Three numbers in units of their deviations, see `factors`."""
     second = off[1] - parts[3] * off[0]
     third = off[2] - parts[4] * off[0] - parts[5] * second
-    return off[0] ** 2 / parts[0] + second**2 / parts[1] + third**2 / parts[2]
+    return off[0] / parts[0], second / parts[1], third / parts[2]
 
 
 @inner
-def solved(
-    parts: tuple[float, float, float, float, float, float], row: tuple[float, float, float]
-) -> tuple[float, float, float]:
-    """Inverse of what was decomposed, times a row."""
-    second = row[1] - parts[3] * row[0]
-    third = (row[2] - parts[4] * row[0] - parts[5] * second) / parts[2]
-    second = second / parts[1] - parts[5] * third
-    return row[0] / parts[0] - parts[3] * second - parts[4] * third, second, third
+def square(parts: Parts, off: Three) -> float:
+    """Squared Mahalanobis distance."""
+    first, second, third = whitened(parts, off)
+    return first * first + second * second + third * third
 
 
 @inner
@@ -342,18 +307,16 @@ def assign(memory: TrackMemory, count: int) -> None:
         if tracks[place].state == TENTATIVE or tracks[place].state == CONFIRMED:
             listed[many] = place
             many += 1
-    turned = many > count
-    rows, columns = (count, many) if turned else (many, count)
-    for row in range(rows):
+    columns = max(many, count)
+    for row in range(many):
         for column in range(columns):
-            index, contact = (column, row) if turned else (row, column)
-            gains[row, column] = gain_of(tracks[listed[index]], contacts[contact], memory.rules[0])
-    pair_best(gains, rows, columns, memory.work, match, memory.lists[2], memory.lists[3])
-    for column in range(columns):
+            pair = tracks[listed[row]], contacts[column]
+            gains[row, column] = gain_of(*pair, memory.rules[0]) if column < count else 0.0
+    pair_best(gains, many, columns, memory.work, match, memory.lists[2], memory.lists[3])
+    for column in range(count):
         row = match[column + 1] - 1
         if row >= 0 and gains[row, column] > 0.0:
-            index, contact = (column, row) if turned else (row, column)
-            tracks[listed[index]].pair, contacts[contact].free = contact, 0
+            tracks[listed[row]].pair, contacts[column].free = column, 0
 
 
 @inner
@@ -420,10 +383,9 @@ def misfit(one: Any, other: Any, floor: float) -> tuple[float, float]:
     `floor` m is added to the standard deviation of the place, and a share of the force to its own.
     """
     own, its = one.mean, other.mean
-    force = FORCE_FLOOR * max(own[2], its[2])
-    parts = decomposed(one, other, floor**2, force**2)
+    parts = factors(one, other, floor**2, (FORCE_FLOOR * max(own[2], its[2])) ** 2)
     distance = square(parts, (own[0] - its[0], own[1] - its[1], own[2] - its[2]))
-    return distance, distance + np.log(parts[0] * parts[1] * parts[2])
+    return distance, distance + 2.0 * np.log(parts[0] * parts[1] * parts[2])
 
 
 @inner
@@ -504,15 +466,17 @@ def absorb(memory: TrackMemory, one: int, other: int, column: int) -> None:
     stays, goes = memory.tracks[place], memory.tracks[ends]
     mean, its, covariance, sums = stays.mean, goes.mean, stays.covariance, goes.covariance
     mine, others = max(mean[2], LEAST), max(its[2], LEAST)
-    x, y = mine * mean[3] + others * its[3], mine * mean[4] + others * its[4]
     goes.whole = mean[2] + its[2]
     for i in range(6):
         its[i] -= mean[i]
         for j in range(6):
             sums[i, j] += covariance[i, j]
-    bequeath(memory, ends, place)
+    end_track(memory, ends, place)
     goes.state, goes.parent, goes.last, goes.pair = ABSORBED, place, memory.words[NOW], -1
-    restart(memory, place, column, (x / (mine + others), y / (mine + others), 0.0))
+    for i in range(3, 5):  # the centre's
+        mean[i] += others / (mine + others) * its[i]
+    mean[5] = 0.0
+    restart(memory, place, column)
     report(memory, MERGED, place, goes.number)
 
 
@@ -557,14 +521,12 @@ def newest_absorbed(memory: TrackMemory, place: int) -> int:
 def divide(memory: TrackMemory, whole: int, half: int, other: int) -> None:
     """Split a track: the contact that it had goes on, else the nearer; if as near, the stronger."""
     known, contacts, swap = memory.tracks[whole], memory.contacts, False
-    mean = known.mean
     if known.pair != half:
         away = distance_of(known, contacts[half]) - distance_of(known, contacts[other])
         swap = away > TIE_DISTANCE or (abs(away) <= TIE_DISTANCE and other < half)
     near, far = (other, half) if swap else (half, other)
-    restart(memory, whole, near, (mean[3], mean[4], mean[5]))
-    child = add_track(memory, far)
-    memory.tracks[child].parent = whole
+    restart(memory, whole, near)
+    memory.tracks[add_track(memory, far)].parent = whole
 
 
 @inner
@@ -605,13 +567,8 @@ def is_exchanged(memory: TrackMemory, past: Any, stays: Any, child: Any) -> bool
     The distance of both is carried on from when they merged. Solid bodies do not pass through each
     other: those whose ways would have met turned back, and kept their sides.
     """
-    mean, its, apart, spread, rule = (
-        stays.mean,
-        child.mean,
-        past.mean,
-        past.covariance,
-        memory.rules[0],
-    )
+    mean, its, rule = stays.mean, child.mean, memory.rules[0]
+    apart, spread = past.mean, past.covariance
     span = NS * (memory.words[NOW] - past.last)
     across = apart[0] * apart[4] - apart[1] * apart[3]
     carried = span if abs(across) > NARROW * np.hypot(apart[3], apart[4]) else 0.0
