@@ -321,14 +321,12 @@ def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
     readings = readings_of(engine, hot)
     for first in (None, 3):
         prefer(engine, None, first)
-        rungs = np.array(
-            [[engine(readings).report[n].rung for n in engine.names] for _ in range(9)]
-        )
-        always = {p for p in hot if (rungs[:, p] == 16).all()}
+        gaps = np.array([[each.gap for each in engine(readings).report] for _ in range(9)])
+        always = {p for p in hot if (gaps[:, p] == 1e-4).all()}
         assert (3 in always) == (first == 3)
-        assert (rungs[:, sorted(hot)] > 4).any(axis=0).all()  # nobody starves
+        assert (gaps[:, sorted(hot)] == 1e-4).any(axis=0).all()  # nobody starves
     prefer(engine, 0, 3)
-    rungs = [engine(readings).report[name].rung for name in engine.names]
+    rungs = [each.rung for each in engine(readings).report]
     assert rungs[3] == 16
     assert {rungs[p] for p in hot - {3}} == {4}
     with pytest.raises(InputError, match="finest is 3"):

@@ -79,6 +79,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     [
         ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 4), ("batch", 2),
         ("icub", 4), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
+        ("uncertainty", 1),
     ],
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:

@@ -129,7 +129,6 @@ def test_bad_readings_are_named(readings: Any, how: dict[str, Any], message: str
         ({"solver": "contact"}, r"solver is 'contact', which has no prepare, .* Auto\(\)"),
         ({"solver": sf.ContactFit}, r"the class ContactFit, .*: give ContactFit\(\)"),
         ({"finder": 1e-3}, r"finder is 0.001, .* one such as ContactFinder\(\)"),
-        ({"intervals": True}, "intervals is True, expected an Intervals"),
     ],
 )
 def test_parts_of_a_wrong_kind_are_named_with_the_right_one(

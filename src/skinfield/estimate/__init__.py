@@ -14,4 +14,3 @@ from skinfield.estimate.uncertainty import ModelError as ModelError
 from skinfield.estimate.uncertainty import PressureError as PressureError
 from skinfield.estimate.uncertainty import PressureNoise as PressureNoise
 from skinfield.estimate.uncertainty import PressurePosterior as PressurePosterior
-from skinfield.estimate.uncertainty import Spread as Spread

@@ -117,7 +117,6 @@ def contacts_of(
                 normal=frames[index, :, 2],
                 covariance=covariances[index, :3, :3],
                 track_id=int(track["number"]),
-                spread=None,  # the intervals are the filter's
                 velocity=velocities[index],
                 velocity_covariance=covariances[index, 3:5, 3:5],
                 force_rate=float(means[index, 5]),

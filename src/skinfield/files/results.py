@@ -509,7 +509,6 @@ def read_results(
             config,
             solver=config.solver if solver is None else solver,
             grid=config.grid if grid is None else grid.on(config.patch),
-            intervals=None,
         )
         stored = {}
     return Results(config, str(path), stamps, readings, notes, source, stored)

@@ -277,7 +277,7 @@ class Updater:
             *answers,
             self._sides,
             self._means.readings,
-            self.engine.finds_contacts,
+            self.engine.searches,
             *when,
             kept.patches,
             self._contacts.followed,

@@ -171,13 +171,12 @@ class BulkFields:
         same = self._same_valid(readings)
         if self._linear is None or same is None:
             return [one.contacts for one in self.estimates(readings)]
-        plans, intervals = self.reconstructor.plans, self.reconstructor.intervals
+        plans = self.reconstructor.plans
         operator = plans.linear_of(same)
         linear, contacts = operator.filled(self._linearised(readings, same)), []
         for first in range(0, len(linear), FEWEST):
             for pressure in np.dot(linear[first : first + FEWEST], operator.matrix.T.astype(float)):
-                each = plans.find(operator, pressure)
-                contacts.append(each if intervals is None else intervals(each))
+                contacts.append(plans.find(operator, pressure))
         return contacts
 
     def _into(self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]) -> None:

@@ -164,18 +164,6 @@ class Rungs:
         """Whether the linear answer is the solver's own."""
         return self.steps[-1].operator is self.start
 
-    @cached_property
-    def unresolved(self) -> tuple[float, ...]:
-        """Part of the finest linear answer's squared norm that each rung averages away."""
-        noise, finest = self.start.model.noise_std, self.steps[-1].grid
-        kept = [_power(step.start.matrix * noise, step.grid) for step in self.steps]
-        whole = _power(self.start.matrix * noise, finest)
-        return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
-
-
-def _power(matrix: Floats, grid: Grid) -> float:
-    return float(np.square(matrix).sum()) * grid.cell_area
-
 
 def prepare_rungs(
     patch: Patch,

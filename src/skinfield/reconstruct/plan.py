@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -257,8 +256,6 @@ class Plan:
     finder : ContactFinder
     precision : numpy.float64 or numpy.float32
         Of products.
-    model_errors : bool
-        Whether contacts state the solver's own model error; not where intervals are learnt.
     """
 
     def __init__(
@@ -269,10 +266,9 @@ class Plan:
         grid: Grid,
         finder: ContactFinder,
         precision: type[np.floating[Any]] = np.float64,
-        model_errors: bool = True,
     ) -> None:
         self.deformation, self.grid, self.finder = deformation, grid, finder
-        self.model_errors, self._parts = model_errors, (deformation, nodes, precision)
+        self._parts = deformation, nodes, precision
         whole = len(nodes) == len(operator.model.grid)
         self._nodes = None if whole or operator.linear is not None else nodes
         self.linear: LinearFields | None = None
@@ -403,20 +399,13 @@ class Plan:
         errors = operator.noise, operator.posterior
         if self._nodes is not None:
             errors = self._errors(operator)  # type: ignore[arg-type]
-        stated = operator.model_error if self.model_errors else EXACT
-        return self.finder(self.grid, pressure, *errors, stated)
+        return self.finder(self.grid, pressure, *errors, operator.model_error)
 
     def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
         """Noise and posterior of an operator, on the grid's nodes."""
         noise: Any = operator.noise
         posterior: Any = operator.posterior
         return noise.on(self._nodes), None if posterior is None else posterior.on(self._nodes)
-
-    def without_model_errors(self) -> "Plan":
-        """The same, whose contacts do not state the solver's own model error."""
-        other = copy(self)
-        other.model_errors, other._spare = False, []
-        return other
 
     def reset(self) -> None:
         """Forget the readings before."""

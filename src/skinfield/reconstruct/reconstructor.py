@@ -24,13 +24,11 @@ from skinfield.errors import (
     as_floats,
     check_offers,
     check_positive,
-    check_range,
     check_shape,
     check_type,
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.reconstruct.intervals import Intervals
 from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
@@ -112,8 +110,6 @@ class Reconstructor:
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
         Of the prepared matrix; float32 halves the time per reading.
-    intervals : Intervals, optional
-        Of `calibrated`, learnt before for such a reconstructor.
 
     Raises
     ------
@@ -145,7 +141,6 @@ class Reconstructor:
         noise_std: ArrayLike | None = None,
         finder: ContactFinder | None = None,
         precision: type[np.floating[Any]] = np.float64,
-        intervals: Intervals | None = None,
     ) -> None:
         self.patch = patch
         self.layer = Layer() if layer is None else layer
@@ -154,7 +149,7 @@ class Reconstructor:
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_skin(patch, self.layer, self.mechanics, self.quantity)
-        check_parts(self.solver, self.finder, grid, intervals)
+        check_parts(self.solver, self.finder, grid)
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
         noise = self.quantity.typical_noise if noise_std is None else noise_std
@@ -163,10 +158,7 @@ class Reconstructor:
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        self.intervals = intervals
-        if intervals is not None:
-            intervals.check(*self.kind)
-        parts = self.deformation, nodes, self.grid, self.finder, precision, intervals is None
+        parts = self.deformation, nodes, self.grid, self.finder, precision
         self.plans = Plan(self.solver.prepare(self.model), *parts)
         self._linear = np.empty(len(patch), precision)
         self._run_in()
@@ -245,7 +237,7 @@ class Reconstructor:
             return Estimate.joined(each, stamp_ns=stamps, latency=spent)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
         self.plans.multiply(table, mask, out)
-        nodes, learnt = len(self.grid), self.intervals
+        nodes = len(self.grid)
         pressure = out.fields[:, :nodes]
         return Estimate(
             grid=self.grid,
@@ -253,7 +245,7 @@ class Reconstructor:
             traction=-pressure[:, :, None] * self.grid.normals,
             displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
             pressure_std=out.pressure_std,
-            contacts=tuple(found if learnt is None else learnt(found) for found in out.contacts),
+            contacts=tuple(out.contacts),
             residual=out.residual,
             valid=mask,
             stamp_ns=stamps,
@@ -308,13 +300,10 @@ class Reconstructor:
         `start`, ns, is when the deadline began; by default now.
         """
         start = time.perf_counter_ns() if start is None else start
-        answer, learnt = self.plans.answer(reading, valid, start, deadline), self.intervals
-        solution, rest = answer.solution, answer.rest
-        if learnt is not None:
-            found = rest["contacts"]
-            rest["contacts"] = lambda: learnt(found())
+        answer = self.plans.answer(reading, valid, start, deadline)
+        solution = answer.solution
         estimate = Estimate.later(
-            rest,
+            answer.rest,
             grid=self.grid,
             pressure=answer.pressure.copy(),  # what is computed later is of what was found
             valid=valid,
@@ -328,66 +317,6 @@ class Reconstructor:
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         vars(estimate)["deadline_met"] = answer.met(start, deadline)
         return estimate
-
-    def calibrated(
-        self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
-    ) -> "Reconstructor":
-        """Learn from simulated presses how often contacts are how far off; some seconds.
-
-        Parameters
-        ----------
-        presses : int
-            Each at a place, with a load and with noise of its own; see
-            `reconstruct.interval_training`.
-        seed : int
-        bodies : sequence of Indenter, optional
-            Default balls, flats, a cone and a bar.
-
-        Returns
-        -------
-        Reconstructor
-            One that shares what is prepared. By the covariance of its contacts, 1.645 deviations
-            each way hold 90 % of the forces, and the ellipse of squared radius 4.605 as many
-            places; any level by `force_interval`, `place_radius` and `area_interval`. Its
-            `intervals` can be saved, and handed to a reconstructor that is made anew.
-
-        Raises
-        ------
-        InputError
-            For too few presses, or a quantity that the simulator does not know.
-        """
-        from skinfield.reconstruct.interval_training import BODIES, learn, rehearse
-
-        check_range("presses", presses, 1, 1_000_000, "simulated, with a truth to compare with")
-        bodies = BODIES if bodies is None else bodies
-        physics = self.layer, self.mechanics, self.quantity
-        rehearsal = rehearse(self.patch, *physics, presses, seed, bodies)
-        raw = self.with_intervals(None)
-
-        def solve(reading: Floats) -> Estimate:
-            raw.reset()
-            return raw(reading)
-
-        solver, quantity, _, _ = self.kind
-        noise = self.model.noise_std
-        intervals = learn(solve, self.patch, rehearsal, noise, solver, quantity, seed)
-        raw.reset()
-        return self.with_intervals(intervals)
-
-    def with_intervals(self, intervals: Intervals | None) -> "Reconstructor":
-        """Share what is prepared; with None, contacts state not even the solver's model error."""
-        if intervals is not None:
-            intervals.check(*self.kind)
-        other = object.__new__(type(self))
-        vars(other).update(vars(self), intervals=intervals)
-        other.plans = self.plans.without_model_errors()
-        return other
-
-    @property
-    def kind(self) -> tuple[str, str, int, float]:
-        """What intervals are learnt for: solver, what is read, number of taxels, mean noise."""
-        name, noise = type(self.solver).__name__, float(self.model.noise_std.mean())
-        return name, self.quantity.symbol, len(self.patch), noise
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
@@ -405,15 +334,13 @@ def _are_rungs(grid: object) -> bool:
     return isinstance(grid, Sequence) and not isinstance(grid, str)
 
 
-def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
+def check_parts(solver: object, finder: object, grid: object) -> None:
     """Raise InputError, with what to hand in, for a part that is something else."""
     why = "a solver such as Auto() or GaussianField()"
     check_offers("solver", solver, ("prepare",), why)
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:
         check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
-    if intervals is not None:
-        check_type("intervals", intervals, Intervals, "those of a calibrated reconstructor")
 
 
 def checked_readings(

@@ -40,9 +40,9 @@ class Engine:
     """All patches of a skin, reading after reading, within one budget of time.
 
     Each cycle every patch first gets an idle test, and a coarse linear answer if it is touched.
-    What is left of the budget goes to the contacts, as iterations and as resolution, wherever they
-    gain most for their time. Times are predicted, and no step is begun that would not fit, but for
-    a contact that waited too long.
+    What is left of the budget goes to searches of the touched patches, by turns, what was searched
+    longest ago first. Times are predicted, and no step is begun that would not fit, but for a
+    contact that waited too long.
 
     Parameters
     ----------
@@ -258,12 +258,12 @@ class Engine:
         if work.linear:
             answer_linearly(work, rung := finest_for_all(work))
             first = work.clock()
-            hot = refine_linearly(work, rung)
+            refine_linearly(work, rung)
         else:
             hot, first = test_all(work, first_tested(work)), work.clock()
-            hot = spend(work, hot)
+            spend(work, hot)
         before, left = work.clock(), work.left
-        work.close(hot, around)
+        work.close(around)
         self.cycle += 1
         self.results.update()
         end = work.clock()
@@ -271,6 +271,11 @@ class Engine:
         around.observe(BEYOND, max(-left, 0.0))
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return left
+
+    @property
+    def searches(self) -> bool:
+        """Whether touched patches are searched by turns, rather than answered by a matrix."""
+        return not self._work.linear
 
     @property
     def finds_contacts(self) -> bool:

@@ -1,4 +1,4 @@
-"""Times of an engine's steps, measured on rehearsed touches before the first reading."""
+"""Times of an engine's steps, measured before the first reading; and a rehearsed touch."""
 
 from collections.abc import Callable
 from functools import partial
@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM
+from skinfield.reconstruct.engine.state import MASKED, PRODUCT, ROW, TEST
 from skinfield.reconstruct.engine.timing_model import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 
@@ -17,8 +17,7 @@ STRONG = 20.0  # standard deviations of the noise that it reads
 
 
 def measure(work: Clockwork) -> None:
-    """Start the cost model from laps of every step."""
-    rng = np.random.default_rng(0)
+    """Start the cost model from laps of every step that must fit."""
     work.intake.white[:] = 0.0
     for rung in range(work.rungs):
         if work.tests:
@@ -32,7 +31,6 @@ def measure(work: Clockwork) -> None:
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
             if group.operators:
                 _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
-                _searches(work, group, rung, rng)
 
 
 def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
@@ -56,26 +54,7 @@ def _lap(
         start = work.clock()
         action()
         laps.append((work.clock() - start) * NS)
-    work.times.start(work.times.which(step, group.index, rung), np.array(laps[1:]))
-
-
-def _searches(work: Clockwork, group: PatchGroup, rung: int, rng: "np.random.Generator") -> None:
-    """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
-    operator, data = group.operators[rung], group.data[rung][0]
-    cold: list[float] = []
-    warm: list[float] = []
-    for _ in range(LAPS + 1):
-        touch = rehearsed(group, rung, rng)
-        data.reset()
-        for laps in (cold, warm):
-            noise = rng.normal(size=touch.shape) * group.kind.noise_std
-            start = work.clock()
-            operator.solve(touch + noise, data)
-            laps.append((work.clock() - start) * NS)
-    data.reset()
-    data.solution.pressure[:] = 0.0
-    work.times.start(work.times.which(COLD, group.index, rung), np.array(cold[1:]))
-    work.times.start(work.times.which(WARM, group.index, rung), np.array(warm[1:]))
+    work.times.model.start(work.times.which(step, group.index, rung), np.array(laps[1:]))
 
 
 def rehearsed(group: PatchGroup, rung: int, rng: "np.random.Generator") -> Floats:

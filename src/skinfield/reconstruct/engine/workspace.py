@@ -9,11 +9,8 @@ from skinfield.errors import Ints
 from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
 from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import EngineState, Logged
+from skinfield.reconstruct.engine.state import EngineState
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
-
-ROUNDS = 6  # of planning in a cycle, at most
-FOREMOST = 1e6  # weight of a patch that is served before all others
 
 
 class Clockwork:
@@ -41,19 +38,18 @@ class Clockwork:
         Rung of the last idle test.
     costs : (G, kinds of steps, R) array, s
         Of a step for all patches in the first row, the others 0.
-    unresolved : (G, R) array
-        Part of the energy that each rung leaves unresolved.
     end : int, ns
         When the cycle must be over.
-    planned : as `costs`
-        Of searches as the last plan took them to be.
     top, finest : int
         Finest rung of answers, but for a patch that is preferred; and with it.
-    tops, weights : (P,) arrays
-        Finest rung of each patch, and the weight of what it gains.
+    tops : (P,) array
+        Finest rung of each patch.
+    foremost : int
+        Patch that is preferred; -1: none.
+    reserve : float, s
+        What linear answers take of all patches that were last put in the order of their turns.
     log : list of tuples
-        Of the steps of this cycle, see `LoggedStep`; of searches their kinds, and what they came
-        to. Kept while `logging`.
+        Of the steps of this cycle, see `LoggedStep`. Kept while `logging`.
     """
 
     def __init__(
@@ -75,8 +71,7 @@ class Clockwork:
         self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
         self.times = Times(len(groups), self.rungs, bool(self.atlases))
-        self.costs, self.planned = self.times.costs, self.times.costs.copy()
-        self.unresolved = np.array([group.rungs.unresolved for group in groups])
+        self.costs, self.reserve = self.times.costs, 0.0
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
         self._level = np.zeros_like(intake.white)
@@ -92,22 +87,20 @@ class Clockwork:
             *(float(intake.quantity.lowest), intake.how),
             *(intake.per_noise, intake.valid, self.starts, first.start.gaussian is not None),
             *(intake.linear, intake.white, intake.present),
-            *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
+            *(state.invalid, state.integers, state.numbers, state.settled),
         )
-        patches, self.end, self.log = len(self.places), 0, list[Logged]()
+        patches, self.end, self.log = len(self.places), 0, list[tuple[int, ...]]()
         self.tested, self.waited, self.logging = 0, 0, True
         self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
-        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
-        self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
-        self._found = np.zeros((patches + 1, 10))
-        self.weights, self.tops = np.ones(patches), np.zeros(patches, np.int64)
+        self._order, self.tops = np.zeros((2, patches), dtype=np.int64)
+        self._idle = np.zeros(patches, np.bool_)
         self.prefer(self.rungs - 1, -1)
 
     def prefer(self, top: int, first: int) -> None:
         """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
-        self.top, self.tops[:], self.weights[:] = top, top, 1.0
+        self.top, self.tops[:], self.foremost = top, top, first
         if first >= 0:
-            self.tops[first], self.weights[first] = self.rungs - 1, FOREMOST
+            self.tops[first] = self.rungs - 1
         self.finest = int(self.tops.max())
 
     def open(self) -> None:
@@ -118,17 +111,12 @@ class Clockwork:
             intake.linearise()
         intake.all_valid = self.kernel.open_cycle(*self._opened)
 
-    def close(self, hot: Ints, around: CostModel) -> None:
-        """Remember which patches had a contact, and let predictions come down a little."""
-        state = self.state
+    def close(self, around: CostModel) -> None:
+        """Remember which patches wait for a search, and let predictions come down a little."""
+        state, model = self.state, self.times.model
         self.waited = self.kernel.close_cycle(
-            hot,
-            state.integers,
-            state.age,
-            state.was_hot,
-            *self.times.relaxing,
-            around.steps,
-            around.base,
+            *(not self.linear, state.integers, state.age),
+            *(model.steps, model.base, around.steps, around.base),
         )
         state.unforced += 1
 
@@ -166,11 +154,7 @@ class Clockwork:
 
     def touched(self) -> Ints:
         """Patches with a contact: a view, until this is asked again."""
-        state = self.state
-        count = self.kernel.list_touched(
-            self.intake.white, self.starts, state.integers, state.numbers, self.hot
-        )
-        return self.hot[:count]
+        return self.hot[: self.kernel.list_touched(self.state.integers, self.hot)]
 
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
@@ -194,64 +178,13 @@ class Clockwork:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.times.which(step, group, rung)
         if self.logging:
-            predicted = self.times.model.predict(which)
-            self.log.append((step, group, patch, rung, start, end, predicted))
+            self.log.append((step, group, patch, rung, start, end))
         seconds = (end - start) * NS
-        self.times.observe(which, seconds)
+        self.times.model.observe(which, seconds)
         return seconds
-
-    def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
-        """As `done`, of searches, and keep their answers; see `cycle_kernel` for the columns.
-
-        Whether all of the patches in `hot` are then solved on the finest rung.
-        """
-        state, found = self.state, self._found[: len(each)]
-        for row, one in enumerate(each):
-            found[row] = one
-        kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
-        settled = self.kernel.take_in(
-            found,
-            state.group,
-            state.integers,
-            state.numbers,
-            state.settled,
-            self.unresolved,
-            self.times.both,
-            self.times.moves,
-            hot,
-            self.tops,
-        )
-        if kinds is not None:
-            self.log.append((kinds, found.copy()))
-        return bool(settled)
 
     def in_turn(self, hot: Ints) -> Ints:
         """Patches with a contact in the order of their turns: a view, until this is asked again."""
-        self.kernel.list_turns(hot, self.state.age, self.weights, self._order)
+        state, where = self.state, (self.costs, self._order)
+        self.reserve = self.kernel.list_turns(hot, state.age, self.foremost, state.group, *where)
         return self._order[: len(hot)]
-
-    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
-        """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.
-
-        Times are those of `planned`.
-        """
-        state = self.state
-        count = self.kernel.plan(
-            hot,
-            state.group,
-            state.integers,
-            state.numbers,
-            state.age,
-            self.tops,
-            self.weights,
-            self.times.both,
-            0.0 if self.linear else self.times.after.predict(0),
-            self.unresolved,
-            left,
-            self.planned,
-            self._target,
-            self._order,
-            self._rungs,
-            self._ratios,
-        )
-        return self._order[:count], self._target
