@@ -350,6 +350,19 @@ def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater:
     assert counted[0] == 101
 
 
+@pytest.mark.parametrize(("gone", "same"), [(0.05, True), (0.3, False)])
+def test_a_touch_comes_back_under_its_number_while_the_tracker_waits(
+    updater: Updater, gone: float, same: bool
+) -> None:
+    pressed, rest = pressed_counts(2.0, PRESS_AT), np.full(72, REST)
+    idle = round(gone * 1e9 / STEP)
+    slots = answered(updater, np.stack([pressed] * 3 + [rest] * idle + [pressed] * 2))
+    tracks = [slot.used_contacts()["track"].tolist() for slot in slots]
+    assert tracks[3 : 3 + idle] == [[]] * idle
+    assert tracks[2] == tracks[0] != []
+    assert (tracks[-1] == tracks[0]) == same
+
+
 SECOND = 10**9
 
 

@@ -1,4 +1,4 @@
-"""Contacts of a live loop, compiled: what regions amount to, and which are those of before.
+"""Contacts of a live loop, compiled: what regions amount to.
 
 Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.live_contacts`
 for the rows.
@@ -15,10 +15,8 @@ from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
-NS = 1e-9
 COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
 XX, XY, YY, X_FORCE, Y_FORCE, FORCE_FORCE = range(6)  # of a row's covariance
-REACH, SPEED, HOLD, SMOOTH = range(4)  # of `habits`: m, m/s, s, s
 
 
 @njit
@@ -35,11 +33,7 @@ def tell(
     tables: Ints,
     taxels: Floats,
     residual: Floats,
-    habits: Floats,
-    memory: Any,
-    ids: Ints,
     patch: int,
-    now: int,
     out: Any,
 ) -> int:
     """Write the strongest of `count` regions into `out`, by falling force; how many count.
@@ -67,7 +61,6 @@ def tell(
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
-    associate(many, habits, memory, ids, now, out)
     return count
 
 
@@ -80,15 +73,11 @@ def take_rows(
     positions: Floats,
     normals: Floats,
     numbers: Floats,
-    habits: Floats,
-    memory: Any,
-    ids: Ints,
     patch: int,
-    now: int,
     out: Any,
     out_words: NDArray[np.int64],
 ) -> int:
-    """Write contacts that a solver has found, and which of those before each is; how many.
+    """Write contacts that a solver has found; how many.
 
     Parameters
     ----------
@@ -102,13 +91,12 @@ def take_rows(
         With its memory, `out_words`.
     """
     told = min(many, len(out))
-    for word in range(told * (len(words) // len(rows))):
+    for word in range(told * (len(out_words) // len(out))):
         out_words[word] = words[word]
     for place in range(told):
         out[place].patch = patch
     if shift[0] != 0.0 or shift[1] != 0.0:
         move_rows(out[:told], shift, positions, normals, numbers)
-    associate(told, habits, memory, ids, now, out)
     return many
 
 
@@ -330,71 +318,3 @@ def state_deviations(row: Any) -> None:
     covariance = row.covariance
     row.force_std = np.sqrt(covariance[FORCE_FORCE])
     row.place_std = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))
-
-
-@inner
-def associate(many: int, habits: Floats, memory: Any, ids: Ints, now: int, out: Any) -> None:
-    """Give each row the number of the nearest contact of before, or a new one.
-
-    The nearest pair first; of equally near ones, that of the first row, then of the oldest number.
-    """
-    for row in range(many):
-        out[row].track = 0
-    for place in range(len(memory)):
-        memory[place].taken = 0
-        if abs(NS * (now - memory[place].last_ns)) > habits[HOLD]:
-            memory[place].track = 0
-    for _ in range(many):
-        best, row, place = np.inf, -1, -1
-        for r in range(many):
-            if out[r].track == 0:
-                for m in range(len(memory)):
-                    if memory[m].track != 0 and memory[m].taken == 0:
-                        dx, dy = out[r].x - memory[m].x, out[r].y - memory[m].y
-                        apart = np.sqrt(dx * dx + dy * dy)
-                        since = max(NS * (now - memory[m].last_ns), 0.0)
-                        same = r == row and apart <= (1.0 + TIE) * best
-                        older = same and memory[m].track < memory[place].track
-                        reach = habits[REACH] + habits[SPEED] * since
-                        if apart <= reach and (apart < (1.0 - TIE) * best or older):
-                            best, row, place = apart, r, m
-        if row < 0:
-            break
-        out[row].track, memory[place].taken = memory[place].track, 1
-        follow(memory[place], habits, now, out[row])
-    for row in range(many):
-        if out[row].track == 0:
-            begin(memory, ids, now, out[row])
-
-
-@inner
-def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
-    """Move a contact of before to where it is now, and tell its age and speed."""
-    passed = max(NS * (now - known.last_ns), 0.0)
-    if passed > 0.0:
-        part = 1.0 / (passed + habits[SMOOTH])
-        known.vx += part * (row.x - known.x - known.vx * passed)
-        known.vy += part * (row.y - known.y - known.vy * passed)
-    known.x, known.y, known.last_ns = row.x, row.y, now
-    row.age = NS * (now - known.first_ns)
-    row.speed = np.sqrt(known.vx * known.vx + known.vy * known.vy)
-
-
-@inner
-def begin(memory: Any, ids: Ints, now: int, row: Any) -> None:
-    """Remember a new contact, in place of none, else of the one not seen for longest."""
-    place = 0
-    for m in range(len(memory)):
-        if memory[m].track == 0:
-            place = m
-            break
-        if memory[m].taken == 0 and (
-            memory[place].taken == 1 or memory[m].last_ns < memory[place].last_ns
-        ):
-            place = m
-    ids[0] += 1
-    known = memory[place]
-    known.track, known.taken, known.x, known.y = ids[0], 1, row.x, row.y
-    known.first_ns = known.last_ns = now
-    known.vx = known.vy = 0.0
-    row.track, row.age, row.speed = ids[0], 0.0, 0.0

@@ -55,14 +55,8 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
 
     A replay that begins in the middle has no more than that.
     """
-    contacts.reset()
-    for row, its, memory in zip(slot.patches, slot.contacts, contacts.memory, strict=True):
-        count = int(row["contacts"])
-        for name in ("track", "x", "y"):
-            memory[name][:count] = its[name][:count]
-        memory["last_ns"][:count] = row["stamp_ns"]
-        ages = np.rint(its["age"][:count] * 1e9).astype(np.int64)
-        memory["first_ns"][:count] = row["stamp_ns"] - ages
+    for row, its, each in zip(slot.patches, slot.contacts, contacts.patches, strict=True):
+        each.begin_from(its[: row["contacts"]], int(row["stamp_ns"]))
 
 
 CONTACT_WORDS, IDLE = CONTACT.itemsize // 8, int(Answer.IDLE)
@@ -173,9 +167,8 @@ class Updater:
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
-        self.tracks = self._contacts.ids = tracks
-        for each in self._contacts.patches:
-            each.ids = tracks
+        self.tracks = tracks
+        self._contacts.count_in(tracks)
 
     def take_over(self, before: "Updater", calibration: Floats) -> None:
         """Go on from what another updater of this skin published last."""
@@ -287,11 +280,14 @@ class Updater:
             self.engine.searches,
             *when,
             kept.patches,
+            self._contacts.followed,
             self._touched,
         )
         for patch in self._touched[:count].tolist():
-            pressure, rows = results.pressure_of(patch), kept.contacts[patch]
-            kept.pressure[patch, : len(pressure)] = pressure
+            rows = kept.contacts[patch]
+            if results.answer[patch] > IDLE:
+                pressure = results.pressure_of(patch)
+                kept.pressure[patch, : len(pressure)] = pressure
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self._threshold:

@@ -194,6 +194,7 @@ def take_over(
     now_ns: int,
     oldest_ns: int,
     patches: Rows,
+    followed: Ints,
     touched: Ints,
 ) -> int:
     """Take over the answers of patches with a new reading; drop those that are too old.
@@ -214,8 +215,10 @@ def take_over(
         Of this cycle; stamp before which an answer is dropped.
     patches : (P,) array of PATCH
         What is kept.
+    followed : (P,) array
+        Not 0 where a patch has contacts that may come back.
     touched : (P,) array
-        Receives the patches with a new answer that something touches.
+        Receives the patches with a new answer that something touches, or whose contacts may.
 
     Returns
     -------
@@ -233,11 +236,11 @@ def take_over(
             row.invalid, row.gap = invalid[patch], gap[patch]
             row.rung = sides[rung[patch]] if rung[patch] >= 0 else 0
             row.stamp_ns, row.answered_ns = newest[patch], now_ns
-            if row.answer > IDLE:
+            if row.answer <= IDLE:
+                clear(row)
+            if row.answer > IDLE or (row.answer == IDLE and followed[patch]):
                 touched[count] = patch
                 count += 1
-            else:
-                clear(row)
         elif row.answer > MISSING and row.stamp_ns < oldest_ns:
             row.answer, row.rung, row.gap = MISSING, 0, np.nan
             clear(row)

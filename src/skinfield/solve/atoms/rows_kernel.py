@@ -18,6 +18,7 @@ from skinfield.estimate.live_contacts_kernel import (
     XY,
     Y_FORCE,
     YY,
+    put_on,
     state_deviations,
 )
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
@@ -428,23 +429,7 @@ def stand(grid: RowGrid, row: Any) -> None:
     """Write the place and the outward normal on the skin, between four nodes."""
     mesh = grid.mesh
     x, y = (row.x - mesh.x) / mesh.pitch, (row.y - mesh.y) / mesh.pitch
-    left = min(max(int(np.floor(x)), 0), max(mesh.columns - 2, 0))
-    low = min(max(int(np.floor(y)), 0), max(mesh.rows - 2, 0))
-    right, high, square = min(left + 1, mesh.columns - 1), min(low + 1, mesh.rows - 1), 0.0
-    u, v = x - left, y - low
-    position, normal = row.position, row.normal
-    for axis in range(3):
-        place, outward = 0.0, 0.0
-        for corner in range(4):
-            node = (high if corner > 1 else low) * mesh.columns + (right if corner % 2 else left)
-            weight = (v if corner > 1 else 1.0 - v) * (u if corner % 2 else 1.0 - u)
-            place += weight * grid.positions[node, axis]
-            outward += weight * grid.normals[node, axis]
-        position[axis], normal[axis] = place, outward
-        square += outward * outward
-    size = np.sqrt(square)
-    for axis in range(3):
-        normal[axis] /= size
+    put_on(row, x, y, grid.positions, grid.normals, mesh.columns)
 
 
 @inner
