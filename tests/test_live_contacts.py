@@ -189,6 +189,17 @@ def test_age_and_speed_of_a_steady_contact() -> None:
     assert out[0]["speed"] == pytest.approx(0.06, rel=0.02)
 
 
+def test_a_row_that_is_no_number_disturbs_no_other() -> None:
+    live, out, numbers = LiveContacts([STILL]), np.zeros(8, CONTACT), set()
+    for step in range(6):
+        rows = np.zeros(3, CONTACT)
+        rows["x"], rows["normal_force"], rows["force_std"] = (0.0, np.nan, 0.02), 1.0, 0.03
+        rows["place_std"] = (1e-4, np.nan, np.nan)  # not known: as by the gate
+        assert live.take(rows, 3, np.zeros(2), 10**9 + step * 10**7, out) == 3
+        numbers.add((int(out[0]["track"]), int(out[2]["track"])))
+    assert len(numbers) == 1
+
+
 def test_nothing_is_allocated() -> None:
     rng = np.random.default_rng(3)
     noise, error = PressureNoise(np.zeros((len(GRID), 4))), None

@@ -359,7 +359,7 @@ def pair_best(
 
 @inner
 def gain_of(known: Any, contact: Any, rule: Any) -> float:
-    """What a pair of a track and a contact is worth; 0 beyond the gate."""
+    """What a pair of a track and a contact is worth; 0 beyond the gate, or of what is no number."""
     mean, covariance, value, noise = known.mean, known.covariance, contact.mean, contact.covariance
     x, y, force = value[0] - mean[0], value[1] - mean[1], value[2] - mean[2]
     if np.hypot(x, y) > rule.reach:
@@ -373,7 +373,8 @@ def gain_of(known: Any, contact: Any, rule: Any) -> float:
         return 0.0
     gain = rule.gate + FORCE_COST + HANDICAP - distance - np.log(area / floor**2)
     gain -= min(force * force / (covariance[2, 2] + noise[2, 2]), FORCE_COST)
-    return float(max(gain if known.state == CONFIRMED else gain - HANDICAP, 0.0))
+    gain -= 0.0 if known.state == CONFIRMED else HANDICAP
+    return float(gain) if gain > 0.0 else 0.0
 
 
 @inner
