@@ -138,7 +138,7 @@ def contact(x: float = 0.0, y: float = 0.0, force: float = 1.0, **more: Any) -> 
     """A row of CONTACT."""
     row = np.zeros(1, CONTACT)
     row["x"], row["y"], row["normal_force"], row["normal"] = x, y, force, (0.0, 0.0, 1.0)
-    row["position"] = x, y, 0.0
+    row["position"], row["covariance"] = (x, y, 0.0), np.nan
     for name, value in more.items():
         row[name] = value
     return row

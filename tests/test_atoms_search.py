@@ -1,6 +1,7 @@
 """The search for atoms: its minima, evidence and posterior against other ways to get them."""
 
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -37,10 +38,18 @@ class Prepared:
         self.operator, self.fitter, self.data = operator, operator.fitter, operator.data()
         self.memory = self.data.fit.memory
 
-    def fit(self, readings: Floats) -> Any:
-        solution = self.operator.solve(readings, self.data)
-        assert solution.fit is not None
-        return solution.fit.keep()
+    def fit(self, readings: Floats) -> SimpleNamespace:
+        """Atoms at the minimum, from there to the posterior's mean, and their covariance."""
+        solution, fit = self.operator.solve(readings, self.data).keep(), self.data.fit
+        atoms, count = self.memory.atoms[NOW], fit.count
+        return SimpleNamespace(
+            atoms=atoms[:count].copy(),
+            offsets=fit.posterior.offsets[:count].copy(),
+            covariance=fit.posterior.covariance[:count].copy(),
+            family=self.memory.family[NOW, :count].copy(),
+            evidence=solution.evidence,
+            solution=solution,
+        )
 
 
 def fitter_of(name: str, **settings: Any) -> Prepared:
@@ -217,12 +226,12 @@ def test_the_stated_rate_sets_the_threshold(fitters: dict[str, Prepared]) -> Non
 def test_fields_are_drawn_when_they_are_used(fitters: dict[str, Prepared]) -> None:
     fitter = fitter_of("capacitance")
     fit = cold(fitter, noisy("capacitance", 4))
-    assert len(fit.contacts) == 1
+    assert len(fitter.operator.contacts(fit.solution)) == 1
     assert "_moves" not in vars(fitter.operator.renderer)  # displacements are not tabulated
-    assert fit.displacement.any()
-    idle = fitter.fit(np.zeros(len(PATCH)))
-    assert idle.explained
-    assert not idle.contacts
+    assert fitter.operator.displacement(fit.solution).any()
+    idle = fitter.fit(np.zeros(len(PATCH))).solution
+    assert fitter.data.fit.explained
+    assert not fitter.operator.contacts(idle)
     assert not idle.pressure.any()
 
 

@@ -24,7 +24,6 @@ import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.reconstruct.engine import Engine, MissingPatch
-from skinfield.reconstruct.engine.results import FOUND_IN_FIELD
 
 
 @pytest.fixture(scope="module")
@@ -188,13 +187,20 @@ def test_contacts_of_a_fit_are_those_of_a_reconstructor() -> None:
         )
 
 
-def test_a_further_patch_says_that_its_contacts_are_those_of_the_pressure() -> None:
+def test_equal_patches_state_the_same() -> None:
     reading = readings_of(SKIN, ("icub_triangle",))[TRIANGLE.name]
-    engine = engine_of(sf.Auto(), sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"))))
-    first, further = engine([reading, reading]).values()
-    assert np.array_equal(first.pressure, further.pressure)
-    assert FOUND_IN_FIELD in further.notes
-    assert FOUND_IN_FIELD not in first.notes
+    skin = sf.Skin((TRIANGLE, replace(TRIANGLE, name="further"), MOVED))
+    engine = engine_of(sf.Auto(), skin)
+    first, further, shifted = engine([reading] * 3).values()
+    (one,), (same,), (other,) = first.contacts, further.contacts, shifted.contacts
+    for name in ("position", "force", "covariance", "area_std", "outline", "cells"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(same, name))
+    np.testing.assert_allclose(
+        other.position - one.position, MOVED.positions[0] - TRIANGLE.positions[0], atol=1e-15
+    )
+    np.testing.assert_array_equal(other.covariance, one.covariance)
+    for name in ("displacement", "pressure_std", "residual"):
+        np.testing.assert_allclose(getattr(first, name), getattr(shifted, name), atol=1e-12)
 
 
 def test_arguments_that_do_not_fit() -> None:

@@ -14,7 +14,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.estimate import Contact, LiveContacts, PressureNoise, level_of
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.estimate.row_contacts import contacts_of_rows
+from skinfield.estimate.row_contacts import contacts_of_rows, covariance_of
 from skinfield.estimate.track_memory import EVENTS
 from skinfield.estimate.tracked import KINDS
 from skinfield.estimate.tracking_kernel import pair_best
@@ -50,6 +50,10 @@ def check_row(row: np.void, contact: Contact, grid: Grid) -> None:
     bracket = 1e-5 if exact else 0.35
     assert row["place_std"] == pytest.approx(place, rel=bracket, abs=1e-9 * grid.pitch)
     assert row["force_std"] == pytest.approx(np.sqrt(contact.covariance[2, 2]), rel=bracket)
+    if exact and flat:
+        scale = np.sqrt(np.diag(contact.covariance)) + np.array([1e-9, 1e-9, 1.0]) * grid.pitch
+        off = (covariance_of(row) - contact.covariance) / np.outer(scale, scale)
+        assert np.abs(off).max() < 1e-4
 
 
 @pytest.mark.parametrize("kind", list(grids()))

@@ -7,7 +7,13 @@ from numpy.testing import assert_allclose
 from recorder_ring import contact
 
 import skinfield as sf
-from skinfield.estimate.row_contacts import contacts_of_rows, ellipse_of, outline_of, shape_name
+from skinfield.estimate.row_contacts import (
+    contacts_of_rows,
+    ellipse_of,
+    outline_of,
+    pressure_std_of_rows,
+    shape_name,
+)
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Models
 from skinfield.loop.slots import CycleSlot
@@ -72,3 +78,34 @@ def test_a_snapshot_answered_by_contacts_has_those_of_its_rows() -> None:
     assert (found.normal_force, found.force_std) == (1.5, pytest.approx(0.1))
     assert found.position.tobytes() == row["position"].tobytes()
     assert_allclose(found.covariance, np.diag([4e-8, 4e-8, 1e-2]))
+    assert not snapshot[PATCH.name].pressure_std.any()  # of no pressure
+    assert not snapshot.prepared
+
+
+def test_a_line_has_the_border_of_what_is_near_to_a_segment() -> None:
+    radius, half = 1.2e-3, 3e-3
+    area, along = np.pi * radius**2 + 4 * radius * half, radius**2 / 5
+    row = contact(area=area, shape=3, moments=(along, along + half**2 / 3, 0.0))[0]
+    x, y, _ = outline_of(PATCH.surface, row).T
+    assert_allclose([np.ptp(x), np.ptp(y)], [2 * radius, 2 * (radius + half)], rtol=1e-3)
+    assert 0.5 * abs(x[:-1] @ y[1:] - x[1:] @ y[:-1]) == pytest.approx(area, rel=0.03)
+
+
+def test_the_std_of_the_pressure_follows_place_force_and_area() -> None:
+    middle = GRID.plane - (2e-3, -1e-3)
+    pressure = 1e4 * np.maximum(1.0 - np.square(middle / 8e-3).sum(axis=1), 0.0)
+    row = contact(2e-3, -1e-3, 1.5, area=AREA, peak_pressure=1e4, area_std=0.0)
+    top = int(np.argmax(pressure))
+    slope = np.gradient(pressure.reshape(GRID.shape), GRID.pitch)[1].ravel()
+    for covariance, area, expected in (
+        ((0, 0, 0, 0, 0, 0.09), 0.0, 0.2 * pressure),
+        ((1e-8, 0, 0, 0, 0, 0), 0.0, 1e-4 * np.abs(slope)),
+        ((0, 0, 0, 0, 0, 0), 0.3, 0.3 * pressure),
+        ((1.0, 0, 1.0, 0, 0, 0), 0.0, np.full(len(GRID), 1e4) * (pressure > 0)),
+    ):
+        row["covariance"], row["area_std"] = covariance, area * AREA
+        std = pressure_std_of_rows(row, GRID, pressure)
+        where = np.hypot(*middle.T) < 6e-3
+        where[top] = False  # where nothing moves
+        assert_allclose(std[where], expected[where], rtol=1e-9)
+    assert not pressure_std_of_rows(row[:0], GRID, pressure).any()

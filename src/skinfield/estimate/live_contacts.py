@@ -38,6 +38,8 @@ CONTACT = np.dtype(
         ("shape", np.int32),
         ("maybe", np.int32),
         ("radius", np.float64),
+        ("covariance", np.float64, (6,)),
+        ("area_std", np.float64),
     ]
 )
 SHAPES = ("other", "sphere", "flat", "line")  # what `shape` is an index into

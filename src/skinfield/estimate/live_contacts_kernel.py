@@ -16,6 +16,7 @@ from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
 COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
+XX, XY, YY, X_FORCE, Y_FORCE, FORCE_FORCE = range(6)  # of a row's covariance
 
 
 @njit
@@ -54,6 +55,9 @@ def tell(
         total = describe(pressure, mine, numbers, row)
         row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
         row.shape, row.maybe, row.radius = 0, 0, np.sqrt(row.area / np.pi)
+        row.area_std, covariance = np.nan, row.covariance
+        for number in range(6):
+            covariance[number] = np.nan
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
@@ -90,13 +94,22 @@ def take_rows(
     for word in range(told * (len(out_words) // len(out))):
         out_words[word] = words[word]
     for place in range(told):
-        row = out[place]
-        row.patch = patch
-        if shift[0] != 0.0 or shift[1] != 0.0:
-            row.x, row.y = row.x + shift[0], row.y + shift[1]
-            u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
-            put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
+        out[place].patch = patch
+    if shift[0] != 0.0 or shift[1] != 0.0:
+        move_rows(out[:told], shift, positions, normals, numbers)
     return many
+
+
+@njit
+def move_rows(
+    rows: Any, shift: Floats, positions: Floats, normals: Floats, numbers: Floats
+) -> None:
+    """Move contacts in the plane by a shift (2,), m, onto another patch; see `take_rows`."""
+    for place in range(len(rows)):
+        row = rows[place]
+        row.x, row.y = row.x + shift[0], row.y + shift[1]
+        u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
+        put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
 
 
 @inner
@@ -241,7 +254,7 @@ def deviations(
     moved: Floats,
     row: Any,
 ) -> None:
-    """Set one standard deviation of force and place, as the covariance of a `Contact` has them."""
+    """Set the covariance of place and force, as a `Contact` has it, and deviations of both."""
     columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
     stride = (len(cells) - 1) // CELLS + 1
     used = (len(cells) - 1) // stride + 1
@@ -255,13 +268,14 @@ def deviations(
             moved[0, taxel] += value
             moved[1, taxel] += dx * value
             moved[2, taxel] += dy * value
-    ones, alongs, acrosses = 0.0, 0.0, 0.0
+    covariance = row.covariance
+    for number in range(6):
+        covariance[number] = 0.0
+    sign = 1.0 if numbers[SIGN] > 0.0 else -1.0
     for taxel in range(factor.shape[1]):
-        ones += moved[0, taxel] * moved[0, taxel]
-        alongs += moved[1, taxel] * moved[1, taxel]
-        acrosses += moved[2, taxel] * moved[2, taxel]
+        one, along, across = moved[0, taxel], moved[1, taxel], moved[2, taxel]
+        add_products(covariance, sign * one, sign * along, sign * across, one, along, across)
     if numbers[SIGN] < 0.0:
-        before, before_x, before_y = 0.0, 0.0, 0.0
         for index in range(used):
             x, y = picked[0, index], picked[1, index]
             one = 0.5 * prior[0, 0]
@@ -272,14 +286,35 @@ def deviations(
                 one += value
                 along += value * dx
                 across += value * dy
-            before += 2.0 * one
-            before_x += 2.0 * along * x
-            before_y += 2.0 * across * y
-        ones, alongs, acrosses = before - ones, before_x - alongs, before_y - acrosses
+            add_products(covariance, 2.0 * one, 2.0 * along, 2.0 * across, 1.0, x, y)
     share = len(cells) / used
-    newtons = share * share * pitch**4
-    metres = share * share * pitch * pitch / (total * total)
+    newtons, metres = share * pitch * pitch, share * pitch / total
+    for number in range(6):
+        covariance[number] *= newtons if number >= X_FORCE else metres
+        covariance[number] *= newtons if number == FORCE_FORCE else metres
     force = total * pitch * pitch * numbers[FORCE_PART]
-    row.force_std = np.sqrt(max(ones, 0.0) * newtons + force * force)
-    both = max(0.5 * (alongs + acrosses), 0.0)
-    row.place_std = np.sqrt(both * metres + numbers[PLACE] * numbers[PLACE])
+    covariance[XX] = max(covariance[XX], 0.0) + numbers[PLACE] * numbers[PLACE]
+    covariance[YY] = max(covariance[YY], 0.0) + numbers[PLACE] * numbers[PLACE]
+    covariance[FORCE_FORCE] = max(covariance[FORCE_FORCE], 0.0) + force * force
+    state_deviations(row)
+
+
+@inner
+def add_products(
+    covariance: Any, one: float, x: float, y: float, other: float, its_x: float, its_y: float
+) -> None:
+    """Add the products of (x, y, one) and of another such triple, half of the mixed ones each."""
+    covariance[XX] += x * its_x
+    covariance[XY] += 0.5 * (x * its_y + y * its_x)
+    covariance[YY] += y * its_y
+    covariance[X_FORCE] += 0.5 * (x * other + one * its_x)
+    covariance[Y_FORCE] += 0.5 * (y * other + one * its_y)
+    covariance[FORCE_FORCE] += one * other
+
+
+@inner
+def state_deviations(row: Any) -> None:
+    """Set one standard deviation of the force, and of the place along either tangent."""
+    covariance = row.covariance
+    row.force_std = np.sqrt(covariance[FORCE_FORCE])
+    row.place_std = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))

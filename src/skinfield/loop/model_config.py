@@ -12,7 +12,7 @@ import numpy as np
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
-from skinfield.estimate.row_contacts import contacts_of_rows
+from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import CycleSlot
@@ -347,6 +347,7 @@ class Models:
         if answer == int(Answer.CONTACTS):
             rows = slot.contacts[patch, : int(row["contacts"])].copy()
             later["contacts"] = partial(contacts_of_rows, rows, grid, pressure)
+            later["pressure_std"] = partial(pressure_std_of_rows, rows, grid, pressure)
         later["traction"] = lambda: -pressure[:, None] * grid.normals
         return Estimate.later(
             later,

@@ -66,6 +66,8 @@ typedef struct {
     int32_t shape;         /* of what presses: 0 other, 1 sphere, 2 flat, 3 line */
     int32_t maybe;         /* 1: two contacts explain the readings nearly as well */
     double radius;         /* m: of the contact, or of the circle of equal area */
+    double covariance[6];  /* of x, y and the force: xx, xy, yy m2, xF, yF m N, FF N2; or NaN */
+    double area_std;       /* m2; NaN: not known */
 } skinfield_contact;
 
 typedef struct {
@@ -84,11 +86,11 @@ typedef struct {
     int64_t readings;      /* that were averaged, as nothing moved */
 } skinfield_patch;
 
-typedef char skinfield_contact_is_176_bytes_[sizeof(skinfield_contact) == 176 ? 1 : -1];
+typedef char skinfield_contact_is_232_bytes_[sizeof(skinfield_contact) == 232 ? 1 : -1];
 typedef char skinfield_contact_place_[offsetof(skinfield_contact, position) == 16 &&
                                       offsetof(skinfield_contact, normal_force) == 80 &&
                                       offsetof(skinfield_contact, speed) == 152 &&
-                                      offsetof(skinfield_contact, radius) == 168 ? 1 : -1];
+                                      offsetof(skinfield_contact, area_std) == 224 ? 1 : -1];
 typedef char skinfield_patch_is_80_bytes_[sizeof(skinfield_patch) == 80 ? 1 : -1];
 typedef char skinfield_patch_place_[offsetof(skinfield_patch, gap) == 24 &&
                                     offsetof(skinfield_patch, tracks) == 64 ? 1 : -1];

@@ -346,7 +346,7 @@ class AutoOperator:
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
         """See `Operator.contacts`: None where a field answered."""
-        return None if solution.fit is None else solution.fit.keep().contacts
+        return None if solution.fit is None else self.contact_fit.contacts(solution)
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""

@@ -11,6 +11,7 @@ from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.estimate.live_contacts import CONTACT
+from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
@@ -57,7 +58,8 @@ class ContactData(Data):
 
     def keep(self) -> AtomFit:
         """What was found in the last reading, which nothing overwrites."""
-        return self._operator.fitter.answer_of(self.fit, self._operator.renderer)
+        operator, rows = self._operator, self.rows[: self.count]
+        return operator.fitter.answer_of(self.fit, operator.renderer, rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,13 +130,17 @@ class ContactOperator:
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
         """See `Operator.contacts`."""
-        return () if solution.fit is None else solution.fit.keep().contacts
+        if solution.fit is None:
+            return ()
+        fit = solution.fit.keep()
+        return contacts_of_rows(fit.rows, fit.grid, solution.pressure)
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""
-        if solution.fit is not None:
-            return solution.fit.keep().pressure_std
-        return self.noise.std
+        if solution.fit is None:
+            return self.noise.std
+        fit = solution.fit.keep()
+        return pressure_std_of_rows(fit.rows, fit.grid, solution.pressure)
 
     def displacement(self, solution: Solution) -> Floats | None:
         """See `Operator.displacement`."""

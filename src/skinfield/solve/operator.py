@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
+from skinfield.skin import Grid
 from skinfield.solve.gaussian_model import GaussianModel, TaxelSets
 
 EXACT = ModelError()
@@ -58,13 +59,13 @@ class Fit(Protocol):
     """What a solver that finds contacts by itself makes of one reading."""
 
     @property
-    def pressure(self) -> Floats:
-        """(K,), Pa."""
+    def grid(self) -> Grid:
+        """On which they stand."""
         ...
 
     @property
-    def pressure_std(self) -> Floats:
-        """(K,), Pa."""
+    def rows(self) -> NDArray[np.void]:
+        """Contacts, (N,) of CONTACT, by falling normal force."""
         ...
 
     @property
@@ -73,42 +74,16 @@ class Fit(Protocol):
         ...
 
     @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """By falling normal force."""
-        ...
-
-    @property
     def predicted(self) -> Floats:
         """What the taxels would read of them, (L,), in the quantity's unit."""
         ...
 
-    @property
-    def offset(self) -> float:
-        """That all taxels are taken to share, in the quantity's unit; part of what is predicted."""
-        ...
-
-    @property
-    def evidence(self) -> float:
-        """Logarithm of the marginal likelihood, up to a constant that all readings share."""
-        ...
-
-    @property
-    def parameters(self) -> int:
-        """Numbers that were fitted."""
-        ...
-
-    @property
-    def explained(self) -> bool:
-        """Whether noise accounts for what the contacts leave over."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """On the answer, in sentences."""
-        ...
-
     def keep(self) -> "Fit":
         """Itself."""
+        ...
+
+    def on(self, grid: Grid, shift: Floats, /) -> "Fit":
+        """The same on a patch of equal geometry, whose plane is shifted by (2,) m."""
         ...
 
 

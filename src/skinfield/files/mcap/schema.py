@@ -109,7 +109,13 @@ class Cycle:
 
 
 ADDED: Mapping[str, Sequence[tuple[str, str, float]]] = {  # what older rows lack, and is then taken
-    "contact": (("shape", "<i4", 0), ("maybe", "<i4", 0), ("radius", "<f8", np.nan)),
+    "contact": (
+        ("shape", "<i4", 0),
+        ("maybe", "<i4", 0),
+        ("radius", "<f8", np.nan),
+        ("covariance", "(6,)<f8", np.nan),
+        ("area_std", "<f8", np.nan),
+    ),
     "patch": (("readings", "<i8", 1),),
 }
 

@@ -88,9 +88,7 @@ class PatchResults:
 
     def shift_of(self, patch: int) -> Floats:
         """From the plane of the first patch of its kind to that of a patch, (2,) m."""
-        group, place = self._work.places[self._rows[patch]]
-        first, its = group.kind.patches[0], group.kind.patches[place]
-        return np.array(its.plane[0] - first.plane[0])
+        return patch_shift(*self._work.places[self._rows[patch]])
 
     def whitened_of(self, patch: int) -> NDArray[Any]:
         """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
@@ -113,17 +111,15 @@ class PatchResults:
         return linear, [each[place].solution.pressure for each in group.data], zeros
 
 
+def patch_shift(group: PatchGroup, place: int) -> Floats:
+    """From the plane of the first patch of a group to that of another one, (2,) m."""
+    return np.array(group.kind.patches[place].plane[0] - group.kind.patches[0].plane[0])
+
+
 def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
     """Nodes of a rung on one of the patches, which lie where those of the first do."""
-    first, patch = group.kind.patches[0], group.kind.patches[place]
-    grid = group.rungs.steps[rung].grid
-    return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
-
-
-FOUND_IN_FIELD = (
-    "contacts were found in the fitted pressure, which states less: the solver's own hold for the "
-    "first of equal patches; for them, reconstruct this patch alone"
-)
+    grid, shift = group.rungs.steps[rung].grid, patch_shift(group, place)
+    return Grid(group.kind.patches[place], grid.shape, grid.pitch, grid.origin + shift)
 
 
 def estimate_of(
@@ -152,9 +148,9 @@ def estimate_of(
     solution = Solution(pressure, intake.linear[rows].copy(), name, operator)
     if answer >= FEASIBLE:
         solution = group.data[rung][place].solution.keep()
-        if place and solution.fit is not None:  # its contacts are drawn on the first patch
-            solution.operator, solution.fit = operator, None
-            solution.notes = (*solution.notes, FOUND_IN_FIELD)
+        if place and solution.fit is not None:  # its contacts stand on the first patch
+            shift = patch_shift(group, place)
+            solution.fit = solution.fit.keep().on(grid, shift)
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
     return estimate_of_solution(
         *(solution, valid, grid, step.deformation.on(grid), finder),

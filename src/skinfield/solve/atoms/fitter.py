@@ -8,10 +8,10 @@ from skinfield.errors import Floats, InputError
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
-from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, WHITE, FitMemory, FitModel, Priors
+from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel, Priors
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
-from skinfield.solve.atoms.reading_kernel import QUIETER, answer_reading
+from skinfield.solve.atoms.reading_kernel import answer_reading
 from skinfield.solve.atoms.reading_memory import (
     EXPLAINED,
     FIT,
@@ -21,7 +21,6 @@ from skinfield.solve.atoms.reading_memory import (
     PRESSES,
     RESTING,
     SCALE,
-    SPREAD,
     STAGE,
     TOTAL,
     Fit,
@@ -68,6 +67,8 @@ class FitData:
     ----------
     noise : (L,) array, in the quantity's unit
         Deviation of what is solved next.
+    drawing : Drawing
+        The last answer, drawn.
     packed : Packed
         All of it.
     """
@@ -89,6 +90,7 @@ class FitData:
             self.own,
             Drawing.of(most),
         )
+        self.drawing = parts.drawing
         self.packed, self._error = Packed(parts, FIT), settings.model_error
         self.noise = self.own.noise
 
@@ -149,7 +151,7 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
-        self._thickness = thickness = physics.layer.thickness
+        thickness = physics.layer.thickness
         tables = atom_tables(physics)
         taxels = np.ascontiguousarray(model.taxels / thickness)
         priors = Priors(
@@ -207,23 +209,17 @@ class ContactFitter:
         fit, grid = data.packed.address, renderer.rows.address
         return answer_reading(fit, grid, *out, readings, heard, end)
 
-    def answer_of(self, data: FitData, renderer: AtomRenderer) -> AtomFit:
-        """The last answer, drawn by a renderer when it is used."""
-        memory, numbers, count = data.memory, data.own.numbers, data.count
+    def answer_of(self, data: FitData, renderer: AtomRenderer, rows: NDArray[np.void]) -> AtomFit:
+        """The last answer with its rows, drawn by a renderer."""
+        drawing = data.drawing
+        drawn = int(drawing.drawn[0])
         return AtomFit(
             renderer=renderer,
-            thickness=self._thickness,
-            atoms=memory.atoms[NOW, :count].copy(),
-            offsets=data.posterior.offsets[:count].copy(),
-            covariance=data.posterior.covariance[:count].copy(),
-            family=memory.family[NOW, :count].copy(),
-            model_error=float(numbers[SPREAD]),
-            at_mean=not memory.taxels[WHITE].max() * data.own.heard.min() > QUIETER,
-            predicted=memory.predicted[NOW] + data.offset,
-            offset=data.offset,
-            evidence=float(data.search.known[0]),
-            explained=data.explained,
-            notes=self.notes(data),
+            grid=renderer.grid,
+            rows=rows.copy(),
+            atoms=drawing.atoms[:drawn].copy(),
+            family=drawing.family[:drawn].copy(),
+            predicted=data.memory.predicted[NOW] + data.offset,
         )
 
     def notes(self, data: FitData) -> tuple[str, ...]:

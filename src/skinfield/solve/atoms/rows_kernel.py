@@ -11,12 +11,26 @@ import numpy as np
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.live_contacts import SHAPES
-from skinfield.estimate.live_contacts_kernel import put_on
-from skinfield.solve.atoms.contacts import LINE
+from skinfield.estimate.live_contacts_kernel import (
+    FORCE_FORCE,
+    X_FORCE,
+    XX,
+    XY,
+    Y_FORCE,
+    YY,
+    put_on,
+    state_deviations,
+)
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
-from skinfield.solve.atoms.render_kernels import GridMesh, pressure_at, render
-from skinfield.solve.atoms.render_tables import PressureTable
+from skinfield.solve.atoms.render_kernels import (
+    GridMesh,
+    held,
+    pressure_at,
+    pressure_terms,
+    render,
+)
+from skinfield.solve.atoms.render_tables import TERMS, PressureTable
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -28,7 +42,10 @@ SHARE = 0.5  # thicknesses between them
 ROUND, ODD = np.array([0.05, 0.07]), np.array([0.25, 0.1])
 HIDDEN = np.array([3.0, 1.5])
 OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
+LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
+AROUND = 16  # places around an atom, of which its border's share in that of its body is counted
 FINE = 48  # places along the sides of a body of several atoms, of which its area is counted
+OUTSIDE = 1.0 + 1e-6  # radii: just outside an atom
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
 
 
@@ -42,15 +59,18 @@ class Drawing(NamedTuple):
     family : (W,) int array
         Balls and flat ends.
     covariance : (W, 6, 6) array
-        Of each alone.
+        Of each alone; of a ring, at its first small ball.
     owner : (W,) int array
         Number of the body of each.
     order : (W,) int array
         Bodies by falling force.
     sums : (3, W) array
-        Of bodies: their force, N; and of the model: what it is wrong by.
+        Of bodies: their force, N, and their radius as a ring, m, else 0; and of the model: what it
+        is wrong by.
     by : (2, 6, 6) array
         Room.
+    drawn : (1,) int array
+        N.
     """
 
     atoms: Floats
@@ -60,6 +80,7 @@ class Drawing(NamedTuple):
     order: Ints
     sums: Floats
     by: Floats
+    drawn: Ints
 
     @classmethod
     def of(cls, most: int) -> "Drawing":
@@ -73,6 +94,7 @@ class Drawing(NamedTuple):
             np.zeros(room, np.int64),
             np.zeros((3, room)),
             np.zeros((2, 6, 6)),
+            np.zeros(1, np.int64),
         )
 
 
@@ -172,19 +194,25 @@ def draw(
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] != RING:
             draw_atom(memory, post, index, thickness, at_mean, drawing, count)
-            drawing.owner[count] = count
-            for other in range(count):
-                one, its = drawing.atoms[count], drawing.atoms[other]
-                if square_apart(one, its) < (one[3] + its[3]) ** 2:
-                    old, new = drawing.owner[count], drawing.owner[other]
-                    for k in range(count + 1):
-                        if drawing.owner[k] == old:
-                            drawing.owner[k] = new
+            join(drawing, count)
             count += 1
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
             count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
     return count
+
+
+@inner(_nrt=False)
+def join(drawing: Drawing, place: int) -> None:
+    """Number the body of an atom, after those before: the lowest of those that it overlaps."""
+    drawing.owner[place], drawing.sums[2, place] = place, 0.0
+    for other in range(place):
+        one, its = drawing.atoms[place], drawing.atoms[other]
+        if square_apart(one, its) < (one[3] + its[3]) ** 2:
+            first, second = drawing.owner[place], drawing.owner[other]
+            for k in range(place + 1):
+                if drawing.owner[k] == first or drawing.owner[k] == second:
+                    drawing.owner[k] = min(first, second)
 
 
 @inner(_nrt=False)
@@ -199,19 +227,12 @@ def draw_ring(
 ) -> int:
     """Draw a ring as small balls from a place on; the place after the last."""
     draw_atom(memory, post, index, thickness, at_mean, drawing, first)
-    by, room = drawing.by[0], drawing.by[1]
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
-    radius = drawing.atoms[first, 3]
+    radius = drawing.sums[2, first] = drawing.atoms[first, 3]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
     number = min(number, len(drawing.atoms) - first)
-    for pearl in range(number - 1, -1, -1):  # the first last: the ring is read from there
+    for pearl in range(number):
         place, turn = first + pearl, 2 * np.pi * pearl / number
-        for i in range(6):
-            for j in range(6):
-                by[i, j] = 0.0
-        by[0, 0], by[1, 1], by[2, 2] = 1.0, 1.0, 1.0 / number
-        by[0, 3], by[1, 3] = np.cos(turn), np.sin(turn)
-        transform(drawing.covariance[first], by, room, drawing.covariance[place])
         atom = drawing.atoms[place]
         atom[0], atom[1] = x + radius * np.cos(turn), y + radius * np.sin(turn)
         atom[2], atom[3], atom[4], atom[5] = force / number, RIM * thickness, 0.0, 0.0
@@ -263,6 +284,68 @@ def is_inside(drawing: Drawing, count: int, body: int, x: float, y: float) -> bo
     return False
 
 
+@inner(_nrt=False)
+def profile_spread(family: int, radius: float, surface: PressureTable, terms: Floats) -> float:
+    r"""Second moment along x of a round atom's pressure over its force, m².
+
+    With t² = 1 - r²/a² it is :math:`a^2 \sum_j c_j (1/(e_j+2) - 1/(e_j+4))`, e the powers of t.
+    """
+    pressure_terms(radius, family, surface, terms)
+    total = 0.0
+    for j in range(len(terms)):
+        power = 2.0 * j + (1.0 if family == BALL else -1.0)
+        total += terms[j] * (1.0 / (power + 2.0) - 1.0 / (power + 4.0))
+    return radius * radius * total
+
+
+@inner(_nrt=False)
+def free_border(drawing: Drawing, count: int, body: int, n: int) -> float:
+    """Share of an atom's border that lies in no other atom of its body."""
+    atom, free = drawing.atoms[n], 0
+    for k in range(AROUND):
+        turn = 2.0 * np.pi * (k + 0.5) / AROUND
+        along, across = atom[3] * OUTSIDE * np.cos(turn), atom[3] * OUTSIDE * np.sin(turn)
+        along += atom[4] if along > 0.0 else -atom[4]
+        east, north = np.cos(atom[5]), np.sin(atom[5])
+        x, y = atom[0] + east * along - north * across, atom[1] + north * along + east * across
+        free += not is_inside(drawing, count, body, x, y)
+    return free / AROUND
+
+
+@inner(_nrt=False)
+def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
+    """Write the covariance of a body's place and force, and the deviation of its area.
+
+    Atoms are independent; the small balls of a ring move as one.
+    """
+    total, ring, variance, out = row.normal_force, drawing.sums[2, body], 0.0, row.covariance
+    for number in range(6):
+        out[number] = 0.0
+    for n in range(body, body + 1 if ring > 0.0 else count):
+        if drawing.owner[n] != body:
+            continue
+        atom, known = drawing.atoms[n], drawing.covariance[n]
+        share, off_x, off_y = atom[2] / total, (atom[0] - row.x) / total, (atom[1] - row.y) / total
+        wider, longer = 2.0 * np.pi * atom[3] + 4.0 * atom[4], 4.0 * atom[3]  # m² per m
+        if ring > 0.0:
+            share, off_x, off_y, wider, longer = 1.0, 0.0, 0.0, row.area / ring, 0.0
+        elif row.shape == OTHER:
+            free = free_border(drawing, count, body, n)
+            wider, longer = free * wider, free * longer
+        force, x_force, y_force = known[2, 2], share * known[0, 2], share * known[1, 2]
+        out[XX] += share * share * known[0, 0] + off_x * (off_x * force + 2.0 * x_force)
+        out[YY] += share * share * known[1, 1] + off_y * (off_y * force + 2.0 * y_force)
+        out[XY] += share * share * known[0, 1] + off_x * off_y * force
+        out[XY] += off_x * y_force + off_y * x_force
+        out[X_FORCE] += x_force + off_x * force
+        out[Y_FORCE] += y_force + off_y * force
+        out[FORCE_FORCE] += force
+        variance += wider * wider * known[3, 3] + longer * longer * known[4, 4]
+        variance += 2.0 * wider * longer * known[3, 4]
+    row.area_std = np.sqrt(max(variance, 0.0))
+    state_deviations(row)
+
+
 @inner
 def describe_body(
     grid: RowGrid, drawing: Drawing, count: int, body: int, pressure: Floats, row: Any
@@ -285,18 +368,6 @@ def describe_body(
             drawing.atoms[:count], drawing.family[:count], grid.surface, atom[0], atom[1]
         )
         area, peak = np.pi * atom[3] ** 2 + 4.0 * atom[3] * atom[4], max(peak, here)
-    force, place_x, place_y = 0.0, 0.0, 0.0
-    for n in range(count):
-        if drawing.owner[n] != body:
-            continue
-        atom, covariance = drawing.atoms[n], drawing.covariance[n]
-        share = atom[2] / total
-        off_x, off_y = (atom[0] - x) / total, (atom[1] - y) / total
-        force += covariance[2, 2]
-        place_x += share * share * covariance[0, 0] + off_x * off_x * covariance[2, 2]
-        place_x += 2.0 * share * off_x * covariance[0, 2]
-        place_y += share * share * covariance[1, 1] + off_y * off_y * covariance[2, 2]
-        place_y += 2.0 * share * off_y * covariance[1, 2]
     if members > 1:
         inside = 0
         for i in range(FINE):
@@ -311,14 +382,13 @@ def describe_body(
         row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
         if atom[4] > LINE * atom[3]:
             row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
-    row.area, row.normal_force = area, total
-    row.force_std, row.place_std = np.sqrt(force), np.sqrt(0.5 * (place_x + place_y))
-    row.x, row.y = x, y
+    row.area, row.normal_force, row.x, row.y = area, total, x, y
+    write_covariance(drawing, count, body, row)
     spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
     stand(grid, row)
 
 
-@inner(_nrt=False)
+@inner
 def spread(
     grid: RowGrid,
     drawing: Drawing,
@@ -329,9 +399,8 @@ def spread(
     peak: float,
     row: Any,
 ) -> None:
-    """Write the cells of a body, their peak, and the second moments of their pressure."""
-    mesh, cells, total, xx, yy, xy = grid.mesh, 0, 0.0, 0.0, 0.0, 0.0
-    own, mean_x, mean_y = mesh.pitch * mesh.pitch / 12.0, 0.0, 0.0
+    """Write the cells of a body, their peak, and the second moments of its pressure."""
+    mesh, cells, moments, terms = grid.mesh, 0, row.moments, np.empty(TERMS)
     low = max(int(np.ceil((heights[0] - mesh.y) / mesh.pitch)), 0)
     high = min(int(np.floor((heights[1] - mesh.y) / mesh.pitch)), mesh.rows - 1)
     for i in range(low, high + 1):
@@ -339,18 +408,19 @@ def spread(
             x, y = mesh.x + j * mesh.pitch, mesh.y + i * mesh.pitch
             if not is_inside(drawing, count, body, x, y):
                 continue
-            value = pressure[i * mesh.columns + j]
-            x, y = x - row.x, y - row.y
-            cells, total, peak = cells + 1, total + value, max(peak, value)
-            mean_x, mean_y = mean_x + value * x, mean_y + value * y
-            xx, yy, xy = xx + value * x * x, yy + value * y * y, xy + value * x * y
-    moments = row.moments
-    moments[0], moments[1], moments[2] = own, own, 0.0
-    if total > 0.0:
-        mean_x, mean_y = mean_x / total, mean_y / total
-        moments[0] += xx / total - mean_x * mean_x
-        moments[1] += yy / total - mean_y * mean_y
-        moments[2] += xy / total - mean_x * mean_y
+            cells, peak = cells + 1, max(peak, pressure[i * mesh.columns + j])
+    moments[0], moments[1], moments[2] = 0.0, 0.0, 0.0
+    for n in range(count):
+        if drawing.owner[n] != body:
+            continue
+        atom, share = drawing.atoms[n], drawing.atoms[n, 2] / row.normal_force
+        x, y = atom[0] - row.x, atom[1] - row.y
+        own = profile_spread(drawing.family[n], held(atom[3], grid.surface), grid.surface, terms)
+        square = atom[4] * atom[4] / 3.0  # of even points on a segment
+        east, north = np.cos(atom[5]), np.sin(atom[5])
+        moments[0] += share * (own + square * east * east + x * x)
+        moments[1] += share * (own + square * north * north + y * y)
+        moments[2] += share * (square * east * north + x * y)
     row.cells, row.peak_pressure = max(cells, 1), peak
 
 
@@ -379,7 +449,13 @@ def write_rows(
     `error` is what the model is wrong by, part of what taxels read.
     """
     drawing.sums[1, 0] = error
-    count = draw(memory, post, grid.thickness, at_mean, drawing)
+    count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
+    return write_bodies(grid, drawing, count, pressure, rows)
+
+
+@inner
+def write_bodies(grid: RowGrid, drawing: Drawing, count: int, pressure: Floats, rows: Any) -> int:
+    """Write the pressure and the contacts of drawn atoms; see `write_rows`."""
     render(drawing.atoms[:count], drawing.family[:count], grid.surface, grid.mesh, pressure)
     found, forces, order = 0, drawing.sums[0], drawing.order
     for n in range(count):
