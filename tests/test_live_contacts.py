@@ -113,6 +113,7 @@ def wander(rng: np.random.Generator, steps: int) -> Iterator[tuple[int, np.ndarr
             row["x"], row["y"] = row["position"][:2] = place
             row["normal"][2], row["area"] = 1.0, 1e-5
             row["place_std"], row["force_std"] = 4e-4, 0.05
+            row["covariance"] = (1.6e-7, 4e-8, 2e-7, 3e-6, -2e-6, 2.5e-3)
         yield now, rows[np.argsort(-rows["normal_force"])]
 
 
@@ -186,11 +187,23 @@ def test_age_and_speed_of_a_steady_contact() -> None:
     live, out = LiveContacts([STILL], rows=2), np.zeros(2, CONTACT)
     row = np.zeros(1, CONTACT)
     row["normal_force"], row["force_std"], row["place_std"] = 1.0, 0.03, 1e-4
+    row["covariance"] = np.nan
     for step in range(400):
         row["x"] = 6e-5 * step
         assert live.take(row, 1, np.zeros(2), step * 10**6, out) == 1
         assert out[0]["age"] == pytest.approx(1e-3 * step)
     assert out[0]["speed"] == pytest.approx(0.06, rel=0.02)
+
+
+def test_a_row_that_is_no_number_disturbs_no_other() -> None:
+    live, out, numbers = LiveContacts([STILL]), np.zeros(8, CONTACT), set()
+    for step in range(6):
+        rows = np.zeros(3, CONTACT)
+        rows["x"], rows["normal_force"], rows["force_std"] = (0.0, np.nan, 0.02), 1.0, 0.03
+        rows["place_std"], rows["covariance"] = (1e-4, np.nan, np.nan), np.nan  # not known
+        assert live.take(rows, 3, np.zeros(2), 10**9 + step * 10**7, out) == 3
+        numbers.add((int(out[0]["track"]), int(out[2]["track"])))
+    assert len(numbers) == 1
 
 
 def test_nothing_is_allocated() -> None:

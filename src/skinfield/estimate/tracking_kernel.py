@@ -25,8 +25,7 @@ from skinfield.estimate.track_memory import (
 NS = 1e-9
 MADE, MOVED, MERGED, SPLIT, LOST = range(5)  # as `tracked.KINDS`
 GONE = -2  # parent that is no more
-TIE, TIE_PLACE = 1e-9, 1e-9  # forces that differ by this part are equal, and so are places, m
-TIE_DISTANCE = 1e-4  # m
+TIE, TIE_PLACE, TIE_DISTANCE = 1e-9, 1e-9, 1e-4  # equal forces: part of them; places, ways: m
 HANDICAP = 3.0  # added to the cost of a track that is not confirmed yet
 FORCE_COST = 9.0  # most that a force which does not fit adds to the cost
 FORCE_FLOOR = 0.15  # part of a force: what solvers do not state of it
@@ -98,20 +97,22 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
 def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
     """Go on to a reading whose contacts are the first `many` rows, and write what is known of them.
 
-    Rows are of `CONTACT`. A standard deviation that is not known is taken from the gate's floor and
-    `FORCE_FLOOR`.
+    Rows are of `CONTACT`; a covariance that is not known is that of the deviations, and those are
+    the gate's floor and `FORCE_FLOOR` where nothing is known.
     """
     for place in range(many):
-        row, contact = rows[place], memory.contacts[place]
-        mean, covariance = contact.mean, contact.covariance
-        force = row.normal_force
+        row, contact, total = rows[place], memory.contacts[place], 0.0
+        mean, covariance, stated = contact.mean, contact.covariance, row.covariance
+        mean[0], mean[1], mean[2] = row.x, row.y, row.normal_force
         place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
-        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * force
-        mean[0], mean[1], mean[2] = row.x, row.y, force
+        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * mean[2]
+        for number in range(6):
+            total += stated[number]
         for i in range(3):
             for j in range(3):
-                covariance[i, j] = FLOORS[i, j]
-            covariance[i, i] += place_std**2 if i < 2 else force_std**2
+                number = max(i, j) * (max(i, j) + 1) // 2 + min(i, j)
+                own = (place_std**2 if i < 2 else force_std**2) if i == j else 0.0
+                covariance[i, j] = FLOORS[i, j] + (stated[number] if np.isfinite(total) else own)
     track(memory, many, now)
     for place in range(memory.words[TOP]):
         known = memory.tracks[place]
@@ -199,8 +200,7 @@ def update(memory: TrackMemory, known: Any, contact: Any) -> None:
             covariance[j, i] = covariance[i, j]
     speed = np.hypot(mean[3], mean[4])
     if speed > rule.top_speed:
-        mean[3] *= rule.top_speed / speed
-        mean[4] *= rule.top_speed / speed
+        mean[3], mean[4] = mean[3] * rule.top_speed / speed, mean[4] * rule.top_speed / speed
 
 
 @inner
@@ -359,7 +359,7 @@ def pair_best(
 
 @inner
 def gain_of(known: Any, contact: Any, rule: Any) -> float:
-    """What a pair of a track and a contact is worth; 0 beyond the gate."""
+    """What a pair of a track and a contact is worth; 0 beyond the gate, or of what is no number."""
     mean, covariance, value, noise = known.mean, known.covariance, contact.mean, contact.covariance
     x, y, force = value[0] - mean[0], value[1] - mean[1], value[2] - mean[2]
     if np.hypot(x, y) > rule.reach:
@@ -373,7 +373,8 @@ def gain_of(known: Any, contact: Any, rule: Any) -> float:
         return 0.0
     gain = rule.gate + FORCE_COST + HANDICAP - distance - np.log(area / floor**2)
     gain -= min(force * force / (covariance[2, 2] + noise[2, 2]), FORCE_COST)
-    return float(max(gain if known.state == CONFIRMED else gain - HANDICAP, 0.0))
+    gain -= 0.0 if known.state == CONFIRMED else HANDICAP
+    return float(gain) if gain > 0.0 else 0.0
 
 
 @inner
