@@ -143,13 +143,13 @@ def take_heard(grams: Floats, heard: Ints, out: Floats) -> None:
 def reflect(vectors: Floats, scales: Floats, values: Floats) -> None:
     """Turn values (N,) by reflections: v of the i-th stands in row i from column i + 1 on."""
     for i in range(len(values) - 1):
-        vector, total = vectors[i], values[i + 1]
-        for j in range(i + 2, len(values)):
-            total += vector[j] * values[j]
+        vector, rest, total = vectors[i, i + 2 :], values[i + 2 :], values[i + 1]
+        for j in range(len(rest)):
+            total += vector[j] * rest[j]
         total *= scales[i]
         values[i + 1] -= total
-        for j in range(i + 2, len(values)):
-            values[j] -= total * vector[j]
+        for j in range(len(rest)):
+            rest[j] -= total * vector[j]
 
 
 FACTORS = 16  # whose product is in range: each is from 1 to 1e5 times the number of taxels

@@ -254,6 +254,7 @@ class NonNegativeOperator(FieldOperator):
         clear = data.solution.readings
         clear *= 4.0 * problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
         clear /= problem.whitening
+        problem.without(np.ones(len(clear), np.bool_))
         paces = []
         for lap in range(LAPS):
             data.memory.measures[:] = 0.0

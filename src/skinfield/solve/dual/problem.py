@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.compiled import njit
 from skinfield.errors import Floats, Ints
 
 NORM, DROPPED, SHARED = range(3)  # rows of `Problem.nodes`
@@ -33,11 +34,16 @@ def whitened(
     rows, root, norms, shared : (K, W), (W,), (K,) and (K,) arrays
         B - (B s) s', s, the norms of these rows, and B s.
     """
-    square = float(offset @ offset)
-    root = offset * np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / max(square, 1e-300))
+    root = root_of(offset)
     shared = rows @ root
     rows = rows - np.outer(shared, root)
     return rows, root, np.linalg.norm(rows, axis=1), shared
+
+
+def root_of(offset: Floats) -> Floats:
+    """Vector s (W,) of an offset o; see `whitened`."""
+    square = float(offset @ offset)
+    return offset * np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / max(square, 1e-300))
 
 
 class DualProblem(NamedTuple):
@@ -101,15 +107,43 @@ class DualProblem(NamedTuple):
 
     def without(self, valid: NDArray[np.bool_]) -> "DualProblem":
         """The same without the taxels that are not `valid` (L,), by some passes over one matrix."""
-        heard = np.zeros(self.rows.shape[1], self.rows.dtype)
+        offset = self.offset.copy()
+        offset[: len(valid)] *= valid
+        root, whitening = root_of(offset), self.whitening * valid
+        heard = np.zeros(len(offset))
         heard[: len(valid)] = valid
-        nodes = self.nodes.copy()
-        rows, root, nodes[NORM], nodes[SHARED] = whitened(
-            self.unshared * heard, self.offset * heard
-        )
-        whitening = self.whitening * valid
-        rows = rows.astype(self.rows.dtype)
+        rows, nodes = np.empty_like(self.rows), self.nodes.copy()
+        leave_out(self.rows, self.nodes[SHARED], self.root, heard, root, rows, nodes)
         return self._replace(rows=rows, nodes=nodes, whitening=whitening, root=root)
+
+
+@njit(fastmath={"reassoc", "contract", "nsz"})
+def leave_out(
+    rows: NDArray[Any],
+    shared: NDArray[Any],
+    root: Floats,
+    heard: Floats,
+    less: Floats,
+    out: NDArray[Any],
+    nodes: NDArray[Any],
+) -> None:
+    """Write into `out` rows (K, W) where taxels are `heard` (W,), 1, and 0 where not.
+
+    `shared` and `root` are those of the rows, `less` is s of what is heard. Into `nodes` go the
+    norms of the new rows, and B s; see `whitened`.
+    """
+    width = len(root)
+    part = np.empty(width)
+    for node in range(len(rows)):
+        row, new, level, along, square = rows[node], out[node], float(shared[node]), 0.0, 0.0
+        for taxel in range(width):
+            part[taxel] = (row[taxel] + level * root[taxel]) * heard[taxel]
+            along += part[taxel] * less[taxel]
+        for taxel in range(width):
+            value = part[taxel] - along * less[taxel]
+            new[taxel] = value
+            square += value * value
+        nodes[NORM, node], nodes[SHARED, node] = np.sqrt(square), along
 
 
 class Memory(NamedTuple):
