@@ -59,7 +59,6 @@ class TestContactFit(SolverContract):
     solver = ContactFit()
     force_ratio = (0.97, 1.03)
     place_error = 0.2e-3
-    allocates = True
 
 
 class TestAuto(TestContactFit):

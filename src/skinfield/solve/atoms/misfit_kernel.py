@@ -317,8 +317,9 @@ def noise_scale(fit: Fit) -> float:
 def infer(fit: Fit, common: float) -> None:
     """Infer the model error from what the atoms leave and presses before; their evidence."""
     memory, own, errors = fit.memory, fit.own, fit.own.errors
-    square_readings(fit)
-    if not memory.counts[NOW]:
+    if memory.counts[NOW]:
+        square_readings(fit)
+    else:
         for taxel in range(own.squares.shape[1]):
             own.squares[0, taxel], own.squares[1, taxel] = 0.0, 0.0
     room, learnt, here = errors[ROOM], errors[LEARNT], errors[HERE]

@@ -57,6 +57,7 @@ from skinfield.solve.atoms.reading_memory import (
     LEAST_WORTH,
     MISFIT,
     OFFSET,
+    ONLY,
     OPEN_HALFWAY,
     OTHER_SCALE,
     OTHER_TOTAL,
@@ -90,11 +91,11 @@ FINER = 0.25  # part of the inferred one, at which more of them are sought
 STRONG = 20.0  # deviations of a reading, from which the model may be what is wrong
 LARGEST = 0.2  # model error, from which on contacts explain nothing
 ROUNDS = 5  # of searches, until the noise is as what is left over
-RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
+RISE, FALL = 1.5, 3.0  # of the readings' squares over the noise: then shapes are compared again
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
-FAINTER = 0.7  # times what it was when it was looked at last
+FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
 INFERRING, SCORING = 5.0, 3.0  # steps: the model error, and what is left over, take as long
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, SLOWER = 0.98, 1.3  # how far one answer may move what is known of that
@@ -146,6 +147,7 @@ def search_by(fit: Fit, purpose: int, resume: bool, deadline: int) -> bool:
         fit.post,
         rules,
         fit.own.heard,
+        fit.own.marks[ONLY] < 0,
         resume,
         deadline,
     )
@@ -186,6 +188,9 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
             if search_round(fit, own.numbers[SEARCHED_BY], common, resume, deadline):
                 marks[STAGE] = REFINING if marks[IS_STRONG] else DROPPING
                 marks[INDEX] = 0
+                if marks[ONLY] == memory.counts[NOW]:
+                    marks[STAGE] = RESTING
+                marks[ONLY] = -1
             elif not memory.counts[NOW] and marks[OTHERS]:
                 exchange(fit)
                 marks[HALFWAY] = 0
@@ -264,8 +269,9 @@ def score_of_left(fit: Fit) -> float:
 
 
 @inner(_nrt=False)
-def begin_comparison(fit: Fit, error: float) -> None:
-    """Have all be compared anew, from the atoms of NOW on."""
+def begin_comparison(fit: Fit, error: float, only: bool) -> None:
+    """Have all be compared anew, from the atoms of NOW on; `only` more or fewer of them."""
+    fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0
 
@@ -296,14 +302,14 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
         numbers[SCALE], numbers[COMPARED], numbers[IN_VAIN] = 1.0, energy, 0.0
         for index in range(len(fit.post.known)):
             fit.post.known[index] = UNKNOWN
-        begin_comparison(fit, COARSE if marks[IS_STRONG] else FINER * COARSE)
-        settle(fit, numbers[SEARCHED_BY], common, 0)
-        is_late(memory, NOW, deadline)
+        begin_comparison(fit, COARSE if marks[IS_STRONG] else FINER * COARSE, False)
+        if is_late(memory, NOW, deadline):
+            settle(fit, numbers[SPREAD], common, 0)
     ended = now_ns(memory.marks)
     if marks[STAGE] != RESTING and not memory.marks[LATE]:
         compare(fit, common, deadline)
         ended = now_ns(memory.marks)
-        if marks[STAGE] == RESTING:
+        if marks[STAGE] == RESTING and memory.counts[NOW]:
             infer(fit, common)
             learn(fit)
             numbers[IN_VAIN] = -1.0
@@ -329,18 +335,20 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     settle(fit, numbers[SPREAD], common, deadline)
     if memory.marks[LATE]:
         return
-    before, scale = numbers[COMPARED], noise_scale(fit)
-    if not before / RISE < energy < before * RISE:
+    before, scale = numbers[COMPARED], 1.0
+    if marks[STAGE] == RESTING:  # else there may be touches among what is left over
+        scale = noise_scale(fit)
+    if not before / FALL < energy < before * RISE:
         numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-        begin_comparison(fit, numbers[MISFIT])
+        begin_comparison(fit, numbers[MISFIT], False)
     if scale < 1.0 and numbers[SCALE] <= 1.0:
         numbers[SCALE] *= scale
     elif scale != 1.0:
         numbers[SCALE] *= scale
         memory.counts[NOW] = 0
-        begin_comparison(fit, numbers[MISFIT])
+        begin_comparison(fit, numbers[MISFIT], False)
         return
-    if is_short(memory, INFERRING, deadline):
+    if marks[STAGE] == SEEKING or is_short(memory, INFERRING, deadline):
         return
     infer(fit, common)
     learn(fit)
@@ -356,9 +364,10 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     if numbers[IN_VAIN] < 0.0:  # as sets of atoms were just compared
         numbers[IN_VAIN], numbers[LEAST_WORTH] = score, worth
     least = np.sqrt(2.0 * fit.rules.threshold / OFF_LATTICE)
-    faint = worth < min(FAINT * fit.rules.threshold, FAINTER * numbers[LEAST_WORTH])
+    known = max(FAINTER * numbers[LEAST_WORTH], FAINTEST * fit.rules.threshold)
+    faint = worth < min(FAINT * fit.rules.threshold, known)
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
-        begin_comparison(fit, numbers[MISFIT])
+        begin_comparison(fit, numbers[MISFIT], True)
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)

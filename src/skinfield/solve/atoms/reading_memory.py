@@ -47,8 +47,9 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer
-# explains the readings; how many atoms the other set has; whether readings are strong.
-PRESSES, STAGE, TURN, INDEX, HALFWAY, OPEN_HALFWAY, EXPLAINED, OTHERS, IS_STRONG = range(9)
+# explains the readings; how many atoms the other set has; whether readings are strong; and how many
+# atoms there were where only more of them are sought, or -1.
+PRESSES, STAGE, TURN, INDEX, HALFWAY, OPEN_HALFWAY, EXPLAINED, OTHERS, IS_STRONG, ONLY = range(10)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
 HERE, LAST, LEARNT, ROOM = range(4)
 

@@ -21,6 +21,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     DONE,
     DUE,
     ENOUGH,
+    FIRST_OPEN,
     FOUND,
     GREW,
     GROW,
@@ -118,6 +119,7 @@ BURST = 12  # steps of refinement of what is only tried
 CLEAR = 4.0  # times the threshold that an atom far from others brings: it need not be tried without
 TRIED_MOST = 2  # of the places for a new atom: these are refined together with the others
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
+CLEARLY = 1.0  # ln odds by which another shape is chosen where that takes several readings
 LONG = 60  # of what is taken
 SETTLED_GAIN = 1e-3  # gain in cost of the last step
 
@@ -209,7 +211,7 @@ def begin(
         state[COUNT], state[SEED], state[OF], state[RIVAL] = found, 0, BALL, 0
         state[FOUND], state[TRIED], state[KIND], state[STAGE] = 0, 0, NO_SHAPE, SEEDS
     elif stage == SEEDS:
-        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL]:
+        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL] and not count:
             steps = 2 * BURST * (state[COUNT] - state[SEED])
             if now_ns(memory.marks) + int(steps * memory.sums[PACE]) > state[UNTIL]:
                 state[COUNT], state[STAGE] = state[SEED], JOIN  # there is no time for all
@@ -250,21 +252,23 @@ def begin(
         if not next_shape(memory, search, rules):
             state[STAGE] = DONE
     elif stage == BELIEVE:
-        if index >= count:
+        if state[TRIED] >= count:
             state[STAGE] = DONE
             return NOTHING
-        if post.known[index] == KNOWN and holds(memory, post, index):
-            state[INDEX] += 1
-            return NOTHING
+        state[INDEX] = index = (state[FIRST_OPEN] + state[TRIED]) % count
+        state[TRIED] += 1
         few = was_there(memory, post, index)
+        if (post.known[index] == KNOWN and holds(memory, post, index)) or (few and state[GREW]):
+            return NOTHING  # of atoms that were there, one is explored
         state[PLACES_LEFT] = FEW if few else PLACES
         laplace(model, memory, index, post.local)
         certain = widest_deviation(post, 1.0) < CERTAIN
         if certain or not few:
             curve(model, memory, post, index, KNOWN if certain else ROUGH)
         if certain:
-            state[INDEX] += 1
             return NOTHING
+        if few:
+            state[GREW], state[FIRST_OPEN] = 1, index + 1
         mark_one(memory, search, index)
         copy_others(memory, search, NOW, TRIAL)
         if memory.counts[TRIAL]:
@@ -286,7 +290,7 @@ def begin(
         for i in range(6):
             post.atoms[index, i] = search.seeds[0, i]
         post.family[index], post.known[index] = memory.family[NOW, index], KNOWN
-        state[INDEX], state[STAGE] = index + 1, BELIEVE
+        state[STAGE] = BELIEVE
     return NOTHING
 
 
@@ -384,7 +388,8 @@ def conclude(
             state[KIND], state[STAGE] = state[KIND] + 1, RIVALS
         else:
             state[MOVE], state[STAGE] = state[MOVE] + 1, SHAPES
-            if value > evidence(model, memory, NOW) + BETTER:
+            margin = CLEARLY if state[UNTIL] else BETTER  # readings may be others each time
+            if value > evidence(model, memory, NOW) + margin:
                 copy_set(memory, TRIAL, NOW)
                 state[MOVE] = 0  # all anew: the order of the atoms is another one, too
                 state[COMPARED] = memory.counts[NOW]
@@ -430,6 +435,7 @@ def search_atoms(
     post: PosteriorMemory,
     rules: SearchRules,
     noise: Floats,
+    shapes: bool,
     resume: bool,
     deadline: int,
 ) -> bool:
@@ -450,6 +456,8 @@ def search_atoms(
     rules : SearchRules
     noise : (L,) array
         By which the dictionary was whitened.
+    shapes : bool
+        Compare all shapes, also those of as many atoms as before.
     resume : bool
         Go on where the last search was interrupted.
     deadline : int, ns
@@ -468,7 +476,7 @@ def search_atoms(
     else:
         state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
         state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
-        state[DUE], state[REFINED] = 1, NOTHING
+        state[DUE], state[REFINED], state[TRIED] = shapes, NOTHING, 0
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
             break
