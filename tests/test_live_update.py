@@ -98,6 +98,17 @@ def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
     assert slot.patches["fresh"][0] == 36
 
 
+def test_a_patch_whose_turn_has_not_come_keeps_its_searched_answer() -> None:
+    made = cycle_of(settings(solver=NonNegative()))
+    channels, slot, found = Channels(72), CycleSlot.empty(made.sizes), []
+    for cycle, budget in enumerate((1.0, 1e-6)):
+        channels.apply(fed(pressed_counts(1.0 + cycle), NOW + cycle * 10**7))
+        made.answer(channels, NOW + cycle * 10**7, slot, reset=not cycle, budget=budget)
+        found.append((slot.patches["answer"][0], slot.patches["stamp_ns"][0]))
+    assert found == [(Answer.FEASIBLE, NOW)] * 2
+    assert made.engine.results.answer[0] == Answer.LINEAR
+
+
 def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> None:
     channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(pressed_counts(1.0), NOW))
