@@ -41,7 +41,7 @@ class FieldPriors(NamedTuple):
     reflections : (H, N, N) array
         Row i holds v of the i-th reflection from column i + 1 on.
     scales : (H, N) array
-    beside : (H, N) array
+    off_diagonal : (H, N) array
         T beside its diagonal.
     precision : (H, N, C) array
         One over D.
@@ -58,7 +58,7 @@ class FieldPriors(NamedTuple):
     white: Floats
     reflections: Floats
     scales: Floats
-    beside: Floats
+    off_diagonal: Floats
     precision: Floats
     shared: Floats
     gain: Floats
@@ -110,7 +110,7 @@ class FieldCovariance:
             white=self.white[heard],
             reflections=np.empty((lengths, count, count)),
             scales=np.zeros((lengths, count)),
-            beside=np.zeros((lengths, count)),
+            off_diagonal=np.zeros((lengths, count)),
             precision=np.empty((lengths, count, each)),
             shared=np.empty((lengths, count, each)),
             gain=np.empty((lengths, each)),
@@ -121,10 +121,10 @@ class FieldCovariance:
         size = max(int(lapack.dsytrd_lwork(count, lower=1)[0]), 1) if count else 1
         for h in range(lengths if count else 0):
             matrix = made.reflections[h].T  # in LAPACK's order; overwritten
-            _, diagonal[h], beside, scales, _ = lapack.dsytrd(
+            _, diagonal[h], off_diagonal, scales, _ = lapack.dsytrd(
                 matrix, lower=1, lwork=size, overwrite_a=1
             )
-            made.beside[h, : count - 1], made.scales[h, : count - 1] = beside, scales
+            made.off_diagonal[h, : count - 1], made.scales[h, : count - 1] = off_diagonal, scales
         split(made, diagonal, self.offset[heard], SQUARES, NOISES)
         return made
 
@@ -175,12 +175,12 @@ def split(
             solved[c], product[c], gain[c], constant[c] = 0.0, 1.0, 1.0, known
         for i in range(taxels):
             middle, value = diagonal[h, i], turned[i]
-            beside = priors.beside[h, i - 1] if i else 0.0
+            off_diagonal = priors.off_diagonal[h, i - 1] if i else 0.0
             precision, shared = priors.precision[h, i], priors.shared[h, i]
             before = priors.precision[h, i - 1 if i else 0]
             for c in range(each):
-                step = squares[c] * beside * before[c] if i else 0.0
-                pivots[c] = squares[c] * middle + noises[c] - step * squares[c] * beside
+                step = squares[c] * off_diagonal * before[c] if i else 0.0
+                pivots[c] = squares[c] * middle + noises[c] - step * squares[c] * off_diagonal
                 solved[c] = value - step * solved[c]
                 precision[c] = 1.0 / pivots[c]
                 shared[c] = solved[c] * precision[c]
@@ -212,11 +212,11 @@ def field_evidence(
         for c in range(each):
             solved[c], left[c], product[c] = 0.0, 0.0, 0.0
         for i in range(taxels):
-            value, beside = turned[i], priors.beside[h, i - 1] if i else 0.0
+            value, off_diagonal = turned[i], priors.off_diagonal[h, i - 1] if i else 0.0
             precision, shared = priors.precision[h, i], priors.shared[h, i]
             before = priors.precision[h, i - 1 if i else 0]
             for c in range(each):
-                solved[c] = value - squares[c] * beside * before[c] * solved[c]
+                solved[c] = value - squares[c] * off_diagonal * before[c] * solved[c]
                 left[c] += solved[c] * solved[c] * precision[c]
                 product[c] += solved[c] * shared[c]
         for c in range(each):
