@@ -95,12 +95,13 @@ class Updater:
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
-        self._given = np.zeros(taxels, np.bool_)
+        self._given, self._lacking = np.zeros(taxels, np.bool_), np.zeros(taxels)
+        self._plane = np.concatenate([patch.plane for patch in model_config.skin])
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
         self._conditioned: tuple[Any, ...] = (
             *(self._binding.starts, self._values, self._valid, self._given),
-            *(self._newest, self._arrived),
+            *(self._lacking, self._newest, self._arrived),
         )
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
         self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
@@ -241,6 +242,14 @@ class Updater:
         means = self._means
         np.greater(self._kept.patches["answer"], IDLE, out=self._hot)
         means.take(self._values, self._given, self._arrived, self._newest, self._hot)
+        self._kernel.doubt_neighbours(
+            self._lacking,
+            self._arrived,
+            self._plane,
+            self._binding.starts,
+            self.model_config.layer.thickness,
+            means.noise_std,
+        )
         self.engine.run(means.values, self._given, means.noise_std, budget=budget)
 
     def _take(self, channels: Channels, now_ns: int) -> int:
