@@ -391,7 +391,8 @@ def without(kind: np.dtype[Any], *names: str) -> np.dtype[Any]:
 
 
 OLDER = CycleLayout(
-    without(ROWS.contact, "shape", "maybe", "radius"), without(ROWS.patch, "readings")
+    without(ROWS.contact, "shape", "maybe", "radius", "covariance", "area_std"),
+    without(ROWS.patch, "readings"),
 )
 
 
