@@ -153,7 +153,7 @@ class AutoData(Data):
         self.contacts, self.field = operator.contact_fit.data(), operator.whole_field.data()
         self.linear, self.contest = operator.whole_linear.data(), Contest()
         self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
-        self.along, self.sums = np.zeros(len(operator.model.noise_std)), np.zeros((3, len(SQUARES)))
+        self.along, self.sums = operator.covariance.room
         self.rows, self.count = self.contacts.rows, 0
 
     @property
