@@ -7,6 +7,7 @@ same priors: those of all taxels, less the rows and columns of the others.
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import exp, log
 from typing import NamedTuple
 
 import numpy as np
@@ -341,6 +342,6 @@ def misfit_gain(squares: float, freedom: int) -> float:
     freedom : int
         Taxels less the numbers that were fitted to them.
     """
-    misfit = np.array(MISFITS)
-    gains = 0.5 * squares * (1.0 - misfit**-2.0) - max(freedom, 1) * np.log(misfit)
-    return float(np.logaddexp.reduce(gains) - np.log(len(misfit)))
+    gains = [0.5 * squares * (1.0 - m**-2.0) - max(freedom, 1) * log(m) for m in MISFITS]
+    highest = max(gains)
+    return highest + log(sum(exp(gain - highest) for gain in gains) / len(gains))
