@@ -344,4 +344,4 @@ def misfit_gain(squares: float, freedom: int) -> float:
     """
     gains = [0.5 * squares * (1.0 - m**-2.0) - max(freedom, 1) * log(m) for m in MISFITS]
     highest = max(gains)
-    return highest + log(sum(exp(gain - highest) for gain in gains) / len(gains))
+    return float(highest + log(sum(exp(gain - highest) for gain in gains) / len(gains)))
