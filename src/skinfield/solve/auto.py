@@ -153,7 +153,7 @@ class AutoData(Data):
         self.contacts, self.field = operator.contact_fit.data(), operator.whole_field.data()
         self.linear, self.contest = operator.whole_linear.data(), Contest()
         self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
-        self.along, self.sums = np.zeros(len(operator.model.noise_std)), np.zeros((3, len(SQUARES)))
+        self.along, self.sums = operator.covariance.room
         self.rows, self.count = self.contacts.rows, 0
 
     @property
@@ -240,6 +240,13 @@ class AutoOperator:
         precision = float(self.white @ self.white)
         return float(self.common**2 / (1.0 + self.common**2 * precision))
 
+    @cached_property
+    def _densities(self) -> tuple[int, float, float]:
+        """Number of valid taxels, and `noise_density` with the offset that they share, without."""
+        drifting = noise_density(self.white, self._shared, self.common)
+        heard = int(np.count_nonzero(self.white))
+        return heard, drifting, noise_density(self.white, 0.0, 0.0)
+
     @property
     def noise(self) -> PressureError:
         """Of the field."""
@@ -310,11 +317,10 @@ class AutoOperator:
         self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
     ) -> None:
         """Compare a field with the contacts, and with nothing but noise."""
-        contest, fit, white = data.contest, data.contacts.fit, self.white
-        shared, idle = self._shared, self._squares(readings)
-        known, heard = noise_density(white, shared, self.common), int(np.count_nonzero(white))
-        nothing = known - 0.5 * idle + misfit_gain(idle, heard)
-        contacts = fit.total + noise_density(white, 0.0, 0.0)
+        contest, fit, idle = data.contest, data.contacts.fit, self._squares(readings)
+        heard, drifting, still = self._densities
+        nothing = drifting - 0.5 * idle + misfit_gain(idle, heard)
+        contacts = fit.total + still
         field = self._of_field(readings, data)
         rival = max(contacts, nothing)
         winner = contest.decide(rival, field, data.contacts.count, self.solver.reluctance)

@@ -7,6 +7,7 @@ same priors: those of all taxels, less the rows and columns of the others.
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import exp, log
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ AMPLITUDES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # root mean square of its rea
 MISFITS = (1.0, 1.6, 2.5, 4.0, 9.0, 27.0)  # times the noise that readings may be off
 SQUARES = np.repeat(np.square(AMPLITUDES), len(MISFITS))  # (C,), of each amplitude and misfit
 NOISES = np.tile(np.square(MISFITS), len(AMPLITUDES))  # (C,)
+FEW, MANY = 3, 20  # taxels left out of all, and one in so many: beyond, the rest is split anew
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order; infinities stay what they are
 
 
@@ -32,24 +34,26 @@ class FieldPriors(NamedTuple):
     product of reflections 1 - scale v v' (Golub and Van Loan, Matrix Computations, section 8.3.1).
     So all amplitudes a and misfits m share Q, and a² T + m² = M D M' is split in N steps each.
 
+    An offset that taxels share adds o o' to the covariance. A taxel that is left out of those has
+    an infinite noise, along the unit vector e. With U = [e ... o] of R columns, S = M^-1 Q' U,
+    and J of zeros but for 1 where o is, the inverse of the covariance loses W W', where
+    W = Q M'^-1 D^-1 S C'^-1 and C C' = S' D^-1 S + J (Woodbury's identity).
+
     Attributes
     ----------
     heard : (N,) int array
-        Which of the L.
+        Which of the L; with those that are left out by an infinite noise.
     white : (N,) array
-        One over their noise.
+        One over their noise; 0 of those that are left out.
     reflections : (H, N, N) array
         Row i holds v of the i-th reflection from column i + 1 on.
     scales : (H, N) array
     off_diagonal : (H, N) array
-        T beside its diagonal.
+        Of T, beside its diagonal.
     precision : (H, N, C) array
         One over D.
-    shared : (H, N, C) array
-        That times the solution of M z = Q' o, with o an offset of one standard deviation that all
-        taxels share, whitened.
-    gain : (H, C) array
-        Share of the squared product with `shared` that the offset takes.
+    shared : (H, R, N, C) array
+        D^-1 S C'^-1: the product with M^-1 Q' y is that of W with y.
     constant : (H, C) array
         Logarithm of the density at no readings.
     """
@@ -61,7 +65,6 @@ class FieldPriors(NamedTuple):
     off_diagonal: Floats
     precision: Floats
     shared: Floats
-    gain: Floats
     constant: Floats
 
 
@@ -86,7 +89,7 @@ class FieldCovariance:
     @cached_property
     def whole(self) -> FieldPriors:
         """Priors of what all taxels read."""
-        return self.priors(np.ones(len(self.white), np.bool_))
+        return self._split(np.arange(len(self.white)))
 
     @classmethod
     def of(cls, model: ObservationModel, common: float) -> "FieldCovariance":
@@ -100,10 +103,25 @@ class FieldCovariance:
         return cls(np.array(grams), white, common * float(model.noise_std.mean()) * white)
 
     def priors(self, valid: NDArray[np.bool_]) -> FieldPriors:
-        """Priors of what the `valid` taxels (L,) read."""
+        """Priors of what the `valid` taxels (L,) read: from those of all where few are not."""
+        missing = np.flatnonzero(~valid)
+        if not 0 < len(missing) <= FEW + len(valid) // MANY:
+            return self.whole if valid.all() else self._split(np.flatnonzero(valid))
+        columns = np.zeros((len(missing) + 1, len(valid)))
+        columns[np.arange(len(missing)), missing] = 1.0
+        columns[-1] = self.offset
+        return corrected(self.whole._replace(white=self.white * valid), columns)
+
+    @property
+    def room(self) -> tuple[Floats, Floats]:
+        """For `field_evidence`."""
+        taxels = len(self.white)
+        return np.zeros(taxels), np.zeros((4 + FEW + taxels // MANY, len(SQUARES)))
+
+    def _split(self, heard: Ints) -> FieldPriors:
+        """Priors of what some taxels (N,) read, from their rows and columns."""
         from scipy.linalg import lapack
 
-        heard = np.flatnonzero(valid)
         count, lengths, each = len(heard), len(self.grams), len(SQUARES)
         made = FieldPriors(
             heard=heard,
@@ -112,21 +130,29 @@ class FieldCovariance:
             scales=np.zeros((lengths, count)),
             off_diagonal=np.zeros((lengths, count)),
             precision=np.empty((lengths, count, each)),
-            shared=np.empty((lengths, count, each)),
-            gain=np.empty((lengths, each)),
-            constant=np.empty((lengths, each)),
+            shared=np.empty((0, 0, 0, 0)),
+            constant=np.empty((0, 0)),
         )
         diagonal = np.zeros((lengths, count))
         take_heard(self.grams, heard, made.reflections)
         size = max(int(lapack.dsytrd_lwork(count, lower=1)[0]), 1) if count else 1
         for h in range(lengths if count else 0):
             matrix = made.reflections[h].T  # in LAPACK's order; overwritten
-            _, diagonal[h], off_diagonal, scales, _ = lapack.dsytrd(
+            _, diagonal[h], beside, scales, _ = lapack.dsytrd(
                 matrix, lower=1, lwork=size, overwrite_a=1
             )
-            made.off_diagonal[h, : count - 1], made.scales[h, : count - 1] = off_diagonal, scales
-        split(made, diagonal, self.offset[heard], SQUARES, NOISES)
-        return made
+            made.off_diagonal[h, : count - 1], made.scales[h, : count - 1] = beside, scales
+        split(diagonal, made.off_diagonal, SQUARES, NOISES, made.precision)
+        return corrected(made, self.offset[None, heard])
+
+
+def corrected(priors: FieldPriors, columns: Floats) -> FieldPriors:
+    """Priors with what columns U' (R, N) change, the last of them the offset."""
+    lengths, count, each = priors.precision.shape
+    shared = np.empty((lengths, len(columns), count, each))
+    made = priors._replace(shared=shared, constant=np.empty((lengths, each)))
+    correct(made, columns.copy(), SQUARES)
+    return made
 
 
 @njit
@@ -157,42 +183,97 @@ FACTORS = 16  # whose product is in range: each is from 1 to 1e5 times the numbe
 
 @njit(fastmath=FAST)
 def split(
-    priors: FieldPriors, diagonal: Floats, offset: Floats, squares: Floats, noises: Floats
+    diagonal: Floats, beside: Floats, squares: Floats, noises: Floats, precision: Floats
 ) -> None:
-    """Split a² T + m² for all priors, T with the diagonals (H, N); see `FieldPriors`."""
-    taxels, each = len(offset), len(squares)
-    known = -0.5 * taxels * np.log(2.0 * np.pi)
-    for i in range(taxels):
-        known += np.log(priors.white[i])
-    turned, pivots = np.empty(taxels), np.empty(each)
-    solved, product = np.empty(each), np.empty(each)
-    for h in range(len(priors.gain)):
-        gain, constant = priors.gain[h], priors.constant[h]
-        for i in range(taxels):
-            turned[i] = offset[i]
-        reflect(priors.reflections[h], priors.scales[h], turned)
+    """Write into `precision` (H, N, C) 1 / D of a² T + m²; see `FieldPriors`."""
+    for h in range(len(diagonal)):
+        for i in range(diagonal.shape[1]):
+            out, middle, before = precision[h, i], diagonal[h, i], precision[h, max(i - 1, 0)]
+            for c in range(len(squares)):
+                out[c] = squares[c] * middle + noises[c]
+            aside = beside[h, i - 1] if i else 0.0
+            for c in range(len(squares) if i else 0):
+                step = squares[c] * aside
+                out[c] -= step * step * before[c]
+            for c in range(len(squares)):
+                out[c] = 1.0 / out[c]
+
+
+@inner(fastmath=FAST)
+def add_product(one: Floats, other: Floats, weight: Floats, out: Floats) -> None:
+    """Add to `out` (C,) the product of three."""
+    for c in range(len(out)):
+        out[c] += one[c] * other[c] * weight[c]
+
+
+@inner(fastmath=FAST)
+def take_product(one: Floats, other: Floats, out: Floats) -> None:
+    """Take from `out` (C,) the product of two."""
+    for c in range(len(out)):
+        out[c] -= one[c] * other[c]
+
+
+@inner(fastmath=FAST)
+def substitute(
+    value: float, aside: float, squares: Floats, before: Floats, last: Floats, out: Floats
+) -> None:
+    """Write into `out` (C,) the next number of M^-1 Q' u, `last` the one before."""
+    for c in range(len(out)):
+        out[c] = value - squares[c] * aside * before[c] * last[c]
+
+
+@njit(fastmath=FAST)
+def correct(priors: FieldPriors, columns: Floats, squares: Floats) -> None:
+    """Write `shared` and `constant` of priors for columns U' (R, N), which are overwritten."""
+    lengths, count, each = priors.precision.shape
+    rank, plain = len(columns), columns.copy()
+    core, known, product = np.empty((rank, rank, each)), 0.0, np.empty(each)
+    for white in priors.white:
+        known += np.log(white) - 0.5 * np.log(2.0 * np.pi) if white > 0.0 else 0.0
+    for h in range(lengths):
+        shared, precision, constant = priors.shared[h], priors.precision[h], priors.constant[h]
+        for r in range(rank):
+            for i in range(count):
+                columns[r, i] = plain[r, i]
+            reflect(priors.reflections[h], priors.scales[h], columns[r])
+            for t in range(r + 1):
+                core[r, t] = 1.0 if r == t == rank - 1 else 0.0
         for c in range(each):
-            solved[c], product[c], gain[c], constant[c] = 0.0, 1.0, 1.0, known
-        for i in range(taxels):
-            middle, value = diagonal[h, i], turned[i]
-            off_diagonal = priors.off_diagonal[h, i - 1] if i else 0.0
-            precision, shared = priors.precision[h, i], priors.shared[h, i]
-            before = priors.precision[h, i - 1 if i else 0]
+            constant[c], product[c] = known, 1.0
+        for i in range(count):
+            aside = priors.off_diagonal[h, i - 1] if i else 0.0
             for c in range(each):
-                step = squares[c] * off_diagonal * before[c] if i else 0.0
-                pivots[c] = squares[c] * middle + noises[c] - step * squares[c] * off_diagonal
-                solved[c] = value - step * solved[c]
-                precision[c] = 1.0 / pivots[c]
-                shared[c] = solved[c] * precision[c]
-                gain[c] += solved[c] * shared[c]
-                product[c] *= pivots[c]
-            if i % FACTORS == FACTORS - 1 or i == taxels - 1:
+                product[c] *= precision[i, c]
+            if i % FACTORS == FACTORS - 1 or i == count - 1:
                 for c in range(each):
-                    constant[c] -= 0.5 * np.log(product[c])
+                    constant[c] += 0.5 * np.log(product[c])
                     product[c] = 1.0
-        for c in range(each):
-            constant[c] -= 0.5 * np.log(gain[c])
-            gain[c] = 1.0 / gain[c]
+            for r in range(rank):
+                last = shared[r, max(i - 1, 0)] if i else product
+                substitute(
+                    columns[r, i], aside, squares, precision[max(i - 1, 0)], last, shared[r, i]
+                )
+                for t in range(r + 1):
+                    add_product(shared[r, i], shared[t, i], precision[i], core[r, t])
+        for r in range(rank):
+            for t in range(r + 1):
+                for m in range(t):
+                    take_product(core[r, m], core[t, m], core[r, t])
+                for c in range(each):
+                    core[r, t, c] = (
+                        np.sqrt(core[r, t, c]) if r == t else core[r, t, c] / core[t, t, c]
+                    )
+            for c in range(each):
+                constant[c] -= np.log(core[r, r, c])
+        for r in range(rank):
+            for i in range(count):
+                row = shared[r, i]
+                for c in range(each):
+                    row[c] *= precision[i, c]
+                for t in range(r):
+                    take_product(core[r, t], shared[t, i], row)
+                for c in range(each):
+                    row[c] /= core[r, r, c]
 
 
 @njit(fastmath=FAST)
@@ -201,33 +282,39 @@ def field_evidence(
 ) -> float:
     """Logarithm of the density of readings (L,) of a field: mean over the priors.
 
-    `squares` are `SQUARES`; `along` (N or more) and `sums` (3, C) are room.
+    `squares` are `SQUARES`; `along` (N or more) and `sums` (4 + R or more, C) are room. Taxels that
+    are left out read 0.
     """
-    taxels, each, total, highest = len(priors.heard), len(squares), 0.0, -1e308
-    turned, solved, left, product = along[:taxels], sums[0], sums[1], sums[2]
-    for h in range(len(priors.gain)):
-        for i in range(taxels):
+    count, each, total, highest = len(priors.heard), len(squares), 0.0, -1e308
+    turned, solved, last, left = along[:count], sums[0], sums[1], sums[2]
+    rank = priors.shared.shape[1]
+    for h in range(len(priors.constant)):
+        for i in range(count):
             turned[i] = readings[priors.heard[i]] * priors.white[i]
         reflect(priors.reflections[h], priors.scales[h], turned)
         for c in range(each):
-            solved[c], left[c], product[c] = 0.0, 0.0, 0.0
-        for i in range(taxels):
-            value, off_diagonal = turned[i], priors.off_diagonal[h, i - 1] if i else 0.0
-            precision, shared = priors.precision[h, i], priors.shared[h, i]
-            before = priors.precision[h, i - 1 if i else 0]
+            left[c], last[c] = 0.0, 0.0
+        for r in range(rank):
             for c in range(each):
-                solved[c] = value - squares[c] * off_diagonal * before[c] * solved[c]
-                left[c] += solved[c] * solved[c] * precision[c]
-                product[c] += solved[c] * shared[c]
+                sums[3 + r, c] = 0.0
+        for i in range(count):
+            aside, precision = priors.off_diagonal[h, i - 1] if i else 0.0, priors.precision[h, i]
+            before = priors.precision[h, max(i - 1, 0)]
+            substitute(turned[i], aside, squares, before, last, solved)
+            add_product(solved, solved, precision, left)
+            for r in range(rank):
+                take_product(solved, priors.shared[h, r, i], sums[3 + r])
+            solved, last = last, solved
+        for r in range(rank):
+            take_product(sums[3 + r], sums[3 + r], left)
         for c in range(each):
-            taken = priors.gain[h, c] * product[c] * product[c]
-            density = priors.constant[h, c] - 0.5 * (left[c] - taken)
+            density = priors.constant[h, c] - 0.5 * left[c]
             if density > highest:
                 total = total * np.exp(highest - density) + 1.0
                 highest = density
             else:
                 total += np.exp(density - highest)
-    return float(highest + np.log(total / (len(priors.gain) * each)))
+    return float(highest + np.log(total / (len(priors.constant) * each)))
 
 
 def noise_density(white: Floats, shared: float, common: float) -> float:
@@ -255,6 +342,6 @@ def misfit_gain(squares: float, freedom: int) -> float:
     freedom : int
         Taxels less the numbers that were fitted to them.
     """
-    misfit = np.array(MISFITS)
-    gains = 0.5 * squares * (1.0 - misfit**-2.0) - max(freedom, 1) * np.log(misfit)
-    return float(np.logaddexp.reduce(gains) - np.log(len(misfit)))
+    gains = [0.5 * squares * (1.0 - m**-2.0) - max(freedom, 1) * log(m) for m in MISFITS]
+    highest = max(gains)
+    return float(highest + log(sum(exp(gain - highest) for gain in gains) / len(gains)))

@@ -43,7 +43,8 @@ def whitened(
 def root_of(offset: Floats) -> Floats:
     """Vector s (W,) of an offset o; see `whitened`."""
     square = float(offset @ offset)
-    return offset * np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / max(square, 1e-300))
+    size = np.sqrt((1.0 - 1.0 / np.sqrt(1.0 + square)) / max(square, 1e-300))
+    return np.asarray(offset * size)
 
 
 class DualProblem(NamedTuple):
