@@ -135,7 +135,6 @@ def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
         angle=angle,
         cells=cells,
         track_id=int(row["track"]) or None,
-        spread=None,
     )
 
 
