@@ -34,10 +34,11 @@ def start_in_words(notes: Mapping[str, Any]) -> str:
     """What an engine does before it answers as it will, from its notes; empty once it does."""
     phase, progress = notes.get("phase", ""), notes.get("progress") or {}
     if phase == "running" and progress:
-        return f"linear answers until contacts are ready: {start_in_words({**notes, 'phase': ''})}"
+        doing = start_in_words({**notes, "phase": "preparing"})
+        return f"linear answers until contacts are ready: {doing}"
     if phase == "taring":
         return "taking its baseline: leave the skin untouched"
-    if phase == "running":
+    if phase not in ("loading", "preparing"):
         return ""
     if not progress:
         return "loading its code"
