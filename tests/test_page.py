@@ -196,14 +196,15 @@ def test_a_control_is_taken_over(
 def test_a_lower_resolution_is_what_is_drawn(look: Look, hand: Hand) -> None:
     solver = look.value("skinfield.state.controls.solver.value")
     look.at("resolution").select_option("10")
+    taken = "(name) => skinfield.state.controls.solver.value === name"
     look.at("solver").select_option("nonnegative")
-    look.until("skinfield.state.controls.busy === null")
+    look.until(taken, "nonnegative", patience=STARTS)
     hand.click(0.0, 3.0)
     look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung === 10)")
     look.at("resolution").select_option("auto")
     look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung > 10)")
     look.at("solver").select_option(solver)
-    look.until("(name) => skinfield.state.controls.solver.value === name", solver)
+    look.until(taken, solver, patience=STARTS)
 
 
 def test_a_threshold_hides_what_is_weaker(look: Look, hand: Hand) -> None:
