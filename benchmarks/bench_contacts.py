@@ -102,7 +102,8 @@ def main() -> None:
     rows = []
     for nodes in options.nodes:
         patch = sf.layouts.hexagon72()
-        rec = sf.Reconstructor(patch, sf.Layer(), sf.Grid.square(patch, nodes=nodes))
+        grid, solver = sf.Grid.square(patch, nodes=nodes), sf.GaussianField()
+        rec = sf.Reconstructor(patch, sf.Layer(), grid, solver=solver)
         for count in range(4):
             rows.append(row(rec, count, options.laps))
             print(shown(rows[-1]), flush=True)

@@ -28,7 +28,7 @@ from skinfield.lab.bench.machine import laps as lap
 from skinfield.lab.paper import reconstruct_as_paper
 from skinfield.simulate import Sphere, press
 from skinfield.skin.generators import icub_hexagon
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.table import atom_tables
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)

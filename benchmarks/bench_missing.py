@@ -48,7 +48,7 @@ def row(nodes: int, count: int, missing: int) -> str:
     """Times of one grid."""
     patch, rng = sf.layouts.hexagon72(), np.random.default_rng(0)
     grid = sf.Grid.square(patch, nodes=nodes)
-    mine = sf.Reconstructor(patch, grid=grid)
+    mine = sf.Reconstructor(patch, grid=grid, solver=sf.GaussianField())
     anew = sf.Reconstructor(patch, grid=grid, solver=Anew(sf.GaussianField()))
     readings = rng.normal(size=(count, len(patch))) * mine.model.noise_std
     valid = np.ones((count, len(patch)), dtype=bool)

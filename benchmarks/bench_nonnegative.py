@@ -36,7 +36,7 @@ from scipy.optimize import nnls
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.solve.non_negative import bump_of, seen_through
+from skinfield.solve.dual.problem import MISFIT
 
 PRIORS = {"smooth": sf.NonNegative(), "white": sf.NonNegative(length_scale=0.0)}
 GAPS = (1e-2, 1e-3, 1e-4)
@@ -75,13 +75,16 @@ def linear(nodes: int, rows: np.ndarray, laps: int) -> list[float]:
     return found
 
 
-def algebra(solver: sf.NonNegative, model: ObservationModel) -> tuple[np.ndarray, np.ndarray]:
-    """B (L, K) and mu (K,) of the docstring."""
-    operator = solver.prepare(model)
-    bump = bump_of(model.grid, solver._length(model))
-    seen = seen_through(bump, model.matrix / model.noise_std[:, None], model.grid)
-    seen *= solver.snr * np.sqrt(len(seen) / np.square(seen).sum())
-    return seen, solver.shrinkage * operator.problem.threshold * np.linalg.norm(seen, axis=0)
+def algebra(
+    solver: sf.NonNegative, model: ObservationModel, chain: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """B (L, K) and mu (K,) of the docstring, and the readings (T, L) as b."""
+    problem, taxels = solver.prepare(model).problem, chain.shape[1]
+    root, white = problem.root[:taxels], chain * problem.whitening
+    white -= np.outer(white @ root, root)
+    white /= np.hypot(1.0, problem.numbers[MISFIT] * np.abs(chain).max(axis=1))[:, None]
+    penalty = solver.shrinkage * problem.threshold * problem.norms.astype(np.float64)
+    return problem.rows[:, :taxels].T.astype(np.float64), penalty, white
 
 
 def by_nnls(seen: np.ndarray, penalty: np.ndarray, white: np.ndarray) -> float:
@@ -195,8 +198,7 @@ def _rows(
     products: list[float],
     laps: int,
 ) -> Iterator[dict[str, Any]]:
-    seen, penalty = algebra(solver, model)
-    white = chain / model.noise_std
+    seen, penalty, white = algebra(solver, model, chain)
     few = white if len(penalty) < 2000 else white[: len(white) // 4]
     exact = by_nnls(seen, penalty, white) if prior == "white" and len(penalty) < 2000 else np.nan
     for gap in GAPS:

@@ -14,11 +14,11 @@ from skinfield.errors import Floats
 from skinfield.lab.accuracy import NOISES, PRIORS, AccuracyPlan, Findings, computed
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.score import column, where
-from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, NoiseLevel, known_entrants
+from skinfield.lab.validation import AUTO, GAUSSIAN, PAPER, NoiseLevel, known_entrants
 from skinfield.plot import save
 
 IMAGES = Path(__file__).parent / "images"
-NAMES = {PAPER: "paper's method", GAUSSIAN: "GaussianField", CONTACT: "ContactFit"}
+NAMES = {PAPER: "paper's method", GAUSSIAN: "GaussianField", AUTO: "Auto"}
 ERRORS = (  # column, label, factor, ends of the axis
     ("force_error", "error of the force (%)", 100.0, (0.3, 200.0)),
     ("place_error_mm", "error of place (mm)", 1.0, (0.01, 8.0)),

@@ -28,12 +28,10 @@ PLACES, STAY = 20, 4  # where the balls go, and for how many cycles they stay th
 BUDGETS = (150e-6, 300e-6, 600e-6, 1200e-6)
 NOISE = 0.002
 WORDS = {
-    "around": ("intake, planning, report", FAINT),
+    "around": ("intake, turns, report", FAINT),
     "test": ("idle test of all patches", BELOW[4]),
     "start": ("coarse linear answers", BELOW[7]),
-    0: ("search, 10 nodes a side", ABOVE[2]),
-    1: ("20", ABOVE[4]),
-    2: ("40", ABOVE[6]),
+    "search": ("searches", ABOVE[5]),
 }
 
 
@@ -73,9 +71,7 @@ def typical(reports: list[CycleReport]) -> CycleReport:
 
 def kind_of(step: Any) -> Any:
     """Which of `WORDS` a step is."""
-    if step.kind in (Step.COLD, Step.WARM):
-        return step.rung
-    return "test" if step.kind == Step.TEST else "start"
+    return {Step.TEST: "test", Step.SEARCH: "search"}.get(step.kind, "start")
 
 
 def draw_cycle(axes: Any, row: int, report: CycleReport) -> None:
@@ -98,7 +94,7 @@ def summary(report: CycleReport) -> str:
 
 
 def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:
-    """Panel a."""
+    """One bar for each budget."""
     for row, report in enumerate(chosen):
         draw_cycle(axes, row, report)
         axes.text(3, row + 0.37, summary(report), fontsize=7.5, color=QUIET, va="top")
@@ -112,49 +108,16 @@ def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:
     axes.legend(handles=handles, fontsize=7.5, frameon=False, loc="upper right")
 
 
-def draw_predictions(axes: Any, reports: list[CycleReport]) -> float:
-    """Panel b; returns the part of the searches that took no longer than was predicted."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
-    inside = []
-    for rung in (0, 1, 2):
-        steps = [s for r in reports for s in r.steps if kind_of(s) == rung]
-        took = np.array([(s.end - s.start) * 1e-3 for s in steps])
-        said = np.array([s.predicted * 1e6 for s in steps])
-        word, colour = WORDS[rung]
-        axes.plot(said, took, ".", ms=3, color=colour, alpha=0.6, label=word)
-        inside.extend(took <= said)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    limits = (8.0, 400.0)
-    axes.plot(limits, limits, color=INK, lw=1.0)
-    axes.text(
-        limits[0] * 1.15, limits[0] * 1.45, "took what was predicted", fontsize=7.5, rotation=45
-    )
-    axes.set(xlim=limits, ylim=limits, xlabel="predicted, µs", ylabel="taken, µs")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(FixedLocator([10, 30, 100, 300]))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0f}"))
-        axis.set_minor_locator(NullLocator())
-    axes.set_aspect("equal")
-    return float(np.mean(inside))
-
-
 def main() -> None:
     """Run the cycles, print what they came to, and draw them."""
     engine, cycles = sf.Engine(skin(), noise_std=NOISE), recorded()
     reports = {budget: run(engine, cycles, budget) for budget in BUDGETS}
     chosen = [typical(each) for each in reports.values()]
     with style():
-        figure = new_figure(9.6, 4.6)
-        left = figure.add_axes((0.085, 0.12, 0.565, 0.72))
-        right = figure.add_axes((0.725, 0.12, 0.265, 0.72))
-        draw_cycles(left, chosen)
-        add_title(left, "a", "Where the time of a cycle goes", "60 patches, 6 of them touched")
-        shown = [report for each in reports.values() for report in each]
-        inside = draw_predictions(right, shown)
-        note = f"{100 * inside:.0f} % took no longer than predicted"
-        add_title(right, "b", "Searches", note)
+        figure = new_figure(7.2, 4.6)
+        axes = figure.add_axes((0.11, 0.12, 0.86, 0.72))
+        draw_cycles(axes, chosen)
+        add_title(axes, "", "Where the time of a cycle goes", "60 patches, 6 of them touched")
         save(figure, IMAGES / "engine-budget.png")
     for budget, each in reports.items():
         spent = np.array([report.spent for report in each]) * 1e6

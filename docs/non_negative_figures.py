@@ -71,7 +71,7 @@ def tables() -> None:
                 columns = [
                     column(rows, key)
                     for key in (
-                        "field_force_error",
+                        "total_force_error",
                         "force_error",
                         "place_error_mm",
                         "blurred_pressure_error",

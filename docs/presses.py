@@ -72,10 +72,11 @@ def reconstructor(
     layer: sf.Layer = LAYER,
     noise_std: float | None = None,
 ) -> sf.Reconstructor:
-    """Reconstruct, by default with the quantity's typical noise."""
+    """Reconstruct, by default by a Gaussian field and with the quantity's typical noise."""
     grid = sf.Grid.square(PATCH, nodes=nodes)
     what = QUANTITIES[quantity]
-    return sf.Reconstructor(PATCH, layer, grid, quantity=what, solver=solver, noise_std=noise_std)
+    by = sf.GaussianField() if solver is None else solver
+    return sf.Reconstructor(PATCH, layer, grid, quantity=what, solver=by, noise_std=noise_std)
 
 
 def stress_per_change() -> float:

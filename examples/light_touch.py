@@ -1,4 +1,4 @@
-"""A touch of 0.1 N that no single reading shows is found in live readings, with place and force."""
+"""A touch of 0.1 N that no single reading shows is found in live readings, with its place."""
 
 import numpy as np
 
@@ -26,5 +26,4 @@ for index in range(65):  # the touch begins with the 50th
 
 off = np.linalg.norm(found.position[:2] - [x, y])
 print(f"first seen {seen[0]:.2f} s after touch; at 0.30 s probability {found.probability:.2f},")
-print(f"{off * 1e3:.1f} mm off (stated: {found.position_std * 1e3:.1f} mm),")
-print(f"{found.force:.2f} ± {found.force_std:.2f} N")
+print(f"place ± {found.position_std * 1e3:.1f} mm, {off * 1e3:.1f} mm off")

@@ -12,29 +12,20 @@ from mcap.records import Attachment, Channel, Schema
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.container import Container
-from skinfield.files.mcap.live import LiveRecording, Newest
+from skinfield.files.mcap.live import LiveRecording, NewestField
 from skinfield.files.mcap.reader import live_stream
 from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import (
     CYCLE_HEAD,
     FIELD_HEAD,
-    FIELDS,
-    FIT_HEAD,
-    FITS,
     CycleLayout,
     FieldRecord,
 )
 from skinfield.files.mcap.summary import summary_of
 from skinfield.files.recordings.open import collected
-from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.record.recover import recover
-from skinfield.record.replay import is_sound, slot_of
 
 ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
-ROWS_OF_FIT = (FIT.patch.itemsize, 1, FIT.contact.itemsize, FIT.form.itemsize)
-FIT_RECORD = FIT_HEAD.pack(1, FIT_HEAD.size, 2, 5, 0, 9, 4, 1, *ROWS_OF_FIT, 1)
-FIT_RECORD += struct.pack("<IIii", 1, 1, 1, 1) + bytes(sum(ROWS_OF_FIT) - 9)  # one patch, a contact
-FIT_RECORD += struct.pack("<If", 3, 2.0)  # on one node
 FIELD_RECORD = FIELD_HEAD.pack(1, FIELD_HEAD.size, 2, 5, 0, 3, 9, 2, 0)
 FIELD_RECORD += struct.pack("<6I2f", 3, 2, 1, 1, 8, 3, 1.0, 2.0) + bytes(9 * 3)
 PORTS = b'{"ports": [["a", 9, "count"]]}'
@@ -69,8 +60,8 @@ def sample(finish: bool) -> bytes:
     """A recording of two cycles with the shortest schemas, without its first 8 bytes."""
     kept = Kept()
     container = Container(kept, "skinfield", "x")
-    rows = {"cycles": ROWS.metadata(), "fit": FIT.metadata()}
-    for number, name in enumerate(("blocks", "cycles", "events", "fit", "fields"), 1):
+    rows = {"cycles": ROWS.metadata()}
+    for number, name in enumerate(("blocks", "cycles", "events", "fields"), 1):
         container.put(Schema(number, b"", "", name))
         container.put(Channel(number, f"/skin/{name}", "x", rows.get(name, {}), number))
     container.put(Attachment(1, 1, "configuration.json", "application/json", PORTS))
@@ -80,9 +71,7 @@ def sample(finish: bool) -> bytes:
         head = (1, CYCLE_HEAD.size, 1, number, 1, 2, 3, 4, 5, 24 * number + 24, 1, 2, 1, 8, 1, 8, 0)
         container.add_message(2, number, 5, CYCLE_HEAD.pack(*head) + bytes(32))
         container.add_message(3, number, 5, b'{"kind": "dropped", "bytes": 3}')
-        fit = FIT_RECORD[:16] + struct.pack("<q", number) + FIT_RECORD[24:]
-        container.add_message(4, number, 5, fit)
-        container.add_message(5, number, 5, FIELD_RECORD)
+        container.add_message(4, number, 5, FIELD_RECORD)
         container.flush()
     if finish:
         container.finish()
@@ -90,7 +79,7 @@ def sample(finish: bool) -> bytes:
 
 
 SEEDS = [sample(finish=True), sample(finish=False)]
-SEEDS += [FIT_RECORD, FIELD_RECORD]
+SEEDS += [FIELD_RECORD]
 
 BEGINNING = MAGIC + sample(finish=False)
 
@@ -104,11 +93,6 @@ def one_input(data: bytes) -> None:
         if len(field.sides) * field.grid < 1 << 20:
             field.pressure_into(np.zeros((len(field.sides), field.grid), np.float32))
         assert FieldRecord.decode(field.encode()).encode() == field.encode()
-    with contextlib.suppress(InputError):
-        record = FIT.decode(data)
-        slot = slot_of(record) if max(record.sizes) < 99 and is_sound(record) else None
-        assert slot is None or np.count_nonzero(slot.pressure) <= len(record.nodes)
-        assert FIT.encode(FIT.decode(FIT.encode(record))) == FIT.encode(record)
 
 
 def chunk_of(data: bytes) -> bytes:
@@ -116,7 +100,7 @@ def chunk_of(data: bytes) -> bytes:
     inner = b""
     for piece in data.split(b"\n"):
         if len(piece) > 1:
-            channel = struct.pack("<HIQQ", piece[1] % 6, 0, 1, 1) if piece[0] % 2 else b""
+            channel = struct.pack("<HIQQ", piece[1] % 5, 0, 1, 1) if piece[0] % 2 else b""
             opcode = 5 if channel else piece[0] % 16
             body = channel + piece[2:]
             inner += struct.pack("<BQ", opcode, len(body)) + body
@@ -150,13 +134,9 @@ def read(path: Path) -> None:
     assert all(begin <= end for begin, end in index.gaps)
     for number, _ in enumerate(found.outline.records):
         assert 0 <= index.record_before(number) < len(found.outline.records)
-    for topic, known in (
-        (FIELDS, [each.number for each in found.fields()]),
-        (FITS, [each.number for each in found.fits()]),
-    ):
-        newest = Newest(found, topic)
-        for place in index.places[topic]:
-            record = newest.before(place.time_ns)
-            assert record is None or record.number in known
+    known, newest = [each.number for each in found.fields()], NewestField(found)
+    for place in index.fields:
+        record = newest.before(place.time_ns)
+        assert record is None or record.number in known
     summary_of(found)
     collected(live_stream(found))

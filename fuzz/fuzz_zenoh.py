@@ -11,8 +11,6 @@ from skinfield.bridges.zenoh.messages import (
     EstimateForm,
     EstimateHead,
     RemoteCalibration,
-    contact_plain,
-    contacts_from,
     described,
     status_from,
     strict_json,
@@ -20,7 +18,7 @@ from skinfield.bridges.zenoh.messages import (
 from skinfield.bridges.zenoh.session import Keys
 from skinfield.elastic import BondedLayer, Capacitance
 from skinfield.errors import InputError
-from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop import Answer
 from skinfield.loop.model_config import Configuration, ModelConfig, Models
 from skinfield.loop.ring_fields import describe
 from skinfield.loop.runtime_parameters import Tuning
@@ -65,9 +63,7 @@ def cycle() -> bytes:
 
 
 CYCLE = cycle()
-CONTACTS = strict_json({"stamp_ns": 10**18, "contacts": [contact_plain(
-    np.ones(1, CONTACT)[0], [*MODEL_CONFIG.skin] * 2, "fit")]})  # fmt: skip
-GOOD = [CYCLE, DESCRIPTION, NOISE.packed(), STATUS, HEAD, CONTACTS]
+GOOD = [CYCLE, DESCRIPTION, NOISE.packed(), STATUS, HEAD]
 SEEDS = [b"", HEAD, STATUS, NOISE.packed(), bytes([0, 8, 0, 1]) + bytes(8), b"\x01" * 22]
 
 
@@ -105,6 +101,8 @@ def read_cycle(data: bytes) -> None:
     assert len(snapshot.ages()) == 1
     for name in snapshot:
         assert np.isfinite(snapshot[name].pressure).all()
+        if snapshot.patches["answer"][0] == Answer.CONTACTS:
+            assert all(np.isfinite(each.position).all() for each in snapshot[name].contacts)
     assert np.isfinite(snapshot.force)
 
 
@@ -134,14 +132,4 @@ def read_head(data: bytes) -> None:
     Keys.of(data.decode(errors="replace"))
 
 
-def read_contacts(data: bytes) -> None:
-    """Contacts, with those of a fit."""
-    found = contacts_from(data, MODEL_CONFIG.skin)
-    assert len(found.rows) == len(found.by)
-    assert np.isfinite(found.rows["position"]).all()
-    assert (found.rows["patch"] == 0).all()
-
-
-READS = [
-    read_cycle, read_description, read_calibration, read_status, read_head, read_contacts,
-]  # fmt: skip
+READS = [read_cycle, read_description, read_calibration, read_status, read_head]

@@ -27,7 +27,7 @@ class Clock:
 
 @dataclass(frozen=True)
 class Told:
-    """Solver whose search takes the time that it is told, and gains nothing before that."""
+    """Solver whose search takes the time that it is told, over cycles where it must."""
 
     clock: Clock
     seconds: dict[int, float]
@@ -40,7 +40,7 @@ class Told:
 class ToldData(Data):
     def __init__(self, operator: "ToldOperator") -> None:
         super().__init__(operator, len(operator.model.grid))
-        self.first, self.started = 0.0, list[float]()
+        self.first, self.started, self.spent = 0.0, list[float](), 0
 
     def start_from(self, other: Any) -> None:
         self.started.append(other.first)
@@ -53,7 +53,16 @@ class ToldOperator(FieldOperator):
         self.solver, self.model, self.field = told, model, sf.GaussianField().prepare(model)
         rows = (model.matrix / model.noise_std[:, None]).T
         norms = np.linalg.norm(rows, axis=1)
-        self.problem = SimpleNamespace(rows=rows, norms=norms, threshold=5.0, tolerance=1e-3)
+        self.problem = SimpleNamespace(
+            rows=rows,
+            unshared=rows,
+            offset=np.zeros(rows.shape[1]),
+            root=np.zeros(rows.shape[1]),
+            shared=np.zeros(len(rows)),
+            norms=norms,
+            threshold=5.0,
+            tolerance=1e-3,
+        )
         self.posterior, self.noise = self.field.posterior, self.field.noise
         self.model_error, self.pressure_std = self.field.model_error, self.field.pressure_std
 
@@ -63,8 +72,10 @@ class ToldOperator(FieldOperator):
     def solve(self, readings: Any, data: Any, deadline_ns: int | None = None) -> Solution:
         clock, nodes = self.solver.clock, self.model.grid.shape[0]
         needed = round(1e9 * self.solver.seconds[nodes] * self.solver.slower["factor"])
+        needed = max(needed - data.spent, 0)
         in_time = deadline_ns is None or clock.now + needed <= deadline_ns
-        clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
+        took = needed if in_time else max(int(deadline_ns or 0) - clock.now, 0)
+        clock.now, data.spent = clock.now + took, 0 if in_time else data.spent + took
         solution: Solution = data.solution
         solution.gap, solution.steps, solution.objective = (
             *((1e-4, 3) if in_time else (0.5, 1)),

@@ -5,6 +5,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 from scipy.special import ndtri
@@ -16,7 +17,7 @@ from skinfield.solve import NonNegative
 from skinfield.solve.contract import square_patch
 from skinfield.solve.dual.problem import AMOUNT, COUNTS, PRESSED, PRESSING
 from skinfield.solve.linear import taxel_distance
-from skinfield.solve.non_negative import DualData, NonNegativeOperator, bump_of
+from skinfield.solve.non_negative import MODEL_ERROR, DualData, NonNegativeOperator, bump_of
 
 Either = BaseStress | Capacitance
 
@@ -77,13 +78,14 @@ def bumps(model: ObservationModel, length: float | None) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Dense:
-    """B (L, K), G (K, K), mu (K,) and what whitens."""
+    """B (L, K), G (K, K), mu (K,) and W (L, L); the model's error per highest reading."""
 
     seen: Floats
     bumps: Floats
     penalty: Floats
     threshold: float
-    noise: Floats
+    white: Floats
+    misfit: float
 
     @classmethod
     def of(cls, solver: NonNegative, model: ObservationModel) -> "Dense":
@@ -100,26 +102,42 @@ class Dense:
         """Norm of `bumps`."""
         return float(np.linalg.norm(self.bumps, 2))
 
+    def left(self, valid: NDArray[np.bool_]) -> "Dense":
+        """Without some of the taxels, the bumps as they are."""
+        noise = np.linalg.inv(self.white.T @ self.white)[np.ix_(valid, valid)]
+        white = np.linalg.inv(np.linalg.cholesky(noise))
+        seen = white @ np.linalg.solve(self.white, self.seen)[valid]
+        lost = np.linalg.norm(seen, axis=0) / np.linalg.norm(self.seen, axis=0)
+        return replace(self, seen=seen, penalty=self.penalty * lost, white=white)
+
+    def scale(self, readings: Floats) -> float:
+        """Noise with the model's error, as part of the noise."""
+        return float(np.hypot(1.0, self.misfit * np.abs(readings).max()))
+
+    def target(self, readings: Floats) -> Floats:
+        """b (L,)."""
+        return np.asarray(self.white @ readings / self.scale(readings))
+
     def score(self, readings: Floats) -> Floats:
         """How many standard deviations each node's match has, (K,)."""
         norms = np.linalg.norm(self.seen, axis=0)
-        match = self.seen.T @ (readings / self.noise)
+        match = self.seen.T @ (self.white @ readings)
         return np.divide(match, norms, out=np.zeros_like(match), where=norms > 0)
 
     def objective(self, amounts: Floats, readings: Floats) -> float:
         """P(z)."""
-        missing = self.seen @ amounts - readings / self.noise
+        missing = self.seen @ amounts - self.target(readings)
         return float(0.5 * missing @ missing + 0.5 * amounts @ amounts + self.penalty @ amounts)
 
     def minimum(self, readings: Floats) -> Floats:
         """The amounts z (K,) where P is least: NNLS of |B z - b|^2 + |z + mu|^2."""
         rows = np.concatenate([self.seen, np.eye(len(self.penalty))])
-        target = np.concatenate([readings / self.noise, -self.penalty])
+        target = np.concatenate([self.target(readings), -self.penalty])
         return np.asarray(nnls(rows, target, maxiter=100 * len(self.penalty))[0])
 
     def minimum_by_squares(self, readings: Floats) -> Floats:
         """The same from the Cholesky factor of the curvature, for larger grids."""
-        slope = self.seen.T @ (readings / self.noise) - self.penalty
+        slope = self.seen.T @ self.target(readings) - self.penalty
         target = solve_triangular(self.lower, slope, lower=True)
         return np.asarray(nnls(self.lower.T, target, maxiter=100 * len(slope))[0])
 
@@ -127,13 +145,22 @@ class Dense:
 @lru_cache(maxsize=16)
 def _dense(solver: NonNegative, model: ObservationModel) -> Dense:
     spread = bumps(model, solver.length_scale)
-    seen = model.matrix / model.noise_std[:, None] @ spread
-    scale = solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
-    seen, spread = seen * scale, spread * scale
+    noise = model.noise_std
+    seen = model.matrix / noise[:, None] @ spread
+    spread = spread * solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
+    sees_sum = np.abs(model.matrix.sum(axis=1)).sum() > 0.5 * np.abs(model.matrix).sum()
+    common = (0.0 if sees_sum else 5.0) if solver.common_mode is None else solver.common_mode
+    offset = common * np.median(noise) / noise
+    square = offset @ offset + 1e-300  # white' white is the inverse covariance, noise and offset
+    less = (1.0 - 1.0 / np.sqrt(1.0 + square)) / square
+    white = (np.eye(len(noise)) - less * np.outer(offset, offset)) / noise
+    seen = white @ model.matrix @ spread
     norms = np.linalg.norm(seen, axis=0)
     threshold = float(-ndtri(solver.false_alarm_rate / np.count_nonzero(norms)))
     penalty = solver.shrinkage * threshold * norms
-    return Dense(seen, spread, penalty, threshold, model.noise_std)
+    misfit = 0.0 if sees_sum else MODEL_ERROR
+    misfit = misfit if solver.model_error is None else solver.model_error
+    return Dense(seen, spread, penalty, threshold, white, misfit / np.median(noise))
 
 
 class Search:
@@ -196,7 +223,7 @@ def assert_proved(
     assert np.isclose(operator.objective, reached, rtol=20 * rounding)
     assert 0.0 <= operator.gap <= gap
     assert reached - value <= (operator.gap + rounding) * reached
-    radius = np.sqrt(2 * (operator.gap + rounding) * reached)
+    radius, scale = np.sqrt(2 * (operator.gap + rounding) * reached), dense.scale(readings)
     assert np.linalg.norm(amounts - least) <= radius
-    assert np.linalg.norm(pressure - dense.bumps @ least) <= radius * dense.spread
+    assert np.linalg.norm(pressure / scale - dense.bumps @ least) <= radius * dense.spread
     assert pressure.min() >= 0.0

@@ -3,16 +3,17 @@
 import io
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
+from mcap.records import Channel
+from numpy.lib.recfunctions import repack_fields
 
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.schema import CYCLES, FIELDS, Enclosed, FieldRecord
-from skinfield.loop.fit_ring import LAYOUT as FIT
+from skinfield.files.mcap.schema import CYCLES, FIELDS, Cycle, CycleLayout, Enclosed, FieldRecord
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import LAYOUT as ROWS
 from skinfield.loop.slots import CycleHead, CycleSlot
@@ -22,6 +23,7 @@ START = 1_700_000_000_000_000_000
 PERIOD = 10_000_000  # ns
 STALE = 100_000_000  # ns
 NOISE = 0.004
+FIT = 9  # channel
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,15 @@ def tare_file(table: np.ndarray, number: int = 1) -> Enclosed:
     return Enclosed(f"tare-{number}.npz", "application/octet-stream", buffer.getvalue())
 
 
+def rows_of(cycle: Cycle, layout: CycleLayout) -> Cycle:
+    """The cycle with rows of fewer fields."""
+    contacts, patches = (
+        repack_fields(rows[list(kind.names)])
+        for rows, kind in ((cycle.contacts, layout.contact), (cycle.patches, layout.patch))
+    )
+    return replace(cycle, contacts=contacts, patches=patches)
+
+
 def write(
     path: Path,
     cycles: int,
@@ -58,6 +69,7 @@ def write(
     tared_at: int = -1,
     every: int = 1,
     beside: Callable[[RecordingWriter, CycleSlot, int], None] | None = None,
+    layout: CycleLayout = ROWS,
 ) -> list[Known]:
     """Write `cycles` cycles of a press that comes and goes.
 
@@ -72,7 +84,9 @@ def write(
     every : int
         Cycles from field to field.
     beside : function of writer, slot and number, optional
-        Called after each cycle; what a fit found may be written then.
+        Called after each cycle; more may be written then.
+    layout : CycleLayout
+        Of rows with fewer fields, as older recordings have.
     """
     cycle, made = cycle_of(settings(), NOISE), []
     model_config: ModelConfig = cycle.model_config
@@ -82,8 +96,9 @@ def write(
         Enclosed("ring.json", "application/json", json.dumps({"period": 1e-9 * PERIOD}).encode()),
         tare_file(table),
     )
-    fit = None if beside is None else FIT
-    writer = RecordingWriter(path, skin_files, layout=ROWS, fit=fit, overwrite=True)
+    writer = RecordingWriter(path, skin_files, layout=layout, overwrite=True)
+    if layout != ROWS:  # beside which a second process found contacts
+        writer.container.put(Channel(FIT, "/skin/fit", "x-skinfield-fit", {}, 1))
     channels, slot, blocks = Channels(72), CycleSlot.empty(cycle.sizes), Blocks(1 << 13)
     change, position = pressed_counts() - REST, 0
     for number in range(cycles):
@@ -94,14 +109,16 @@ def write(
             table = table + np.array([0.25, 0.0, 0.0, 0.0])
             cycle.calibrate(table)
         channels.apply_good(blocks)
-        cycle.answer(channels, wall, slot, reset=number == 0)
+        cycle.answer(channels, wall, slot, reset=number == 0, budget=10.0)
         data = bytes(blocks.data)
         position += len(data)
         _stamp(slot, wall, position)
         told = slot.recorded(number)
         if number >= first and number not in without:
             writer.write_blocks(wall, position - len(data), data)
-            writer.write(CYCLES, wall, ROWS.encode(told))
+            writer.write(CYCLES, wall, layout.encode(rows_of(told, layout)))
+            if layout != ROWS:
+                writer.container.add_message(FIT, number, wall, bytes(56))
             if number % every == 0:
                 writer.write(FIELDS, wall, _field(number, wall, slot).encode())
             if number % 10 == 9:

@@ -22,7 +22,7 @@ from skinfield.elastic import (
     Quantity,
 )
 from skinfield.elastic.axisymmetric import Ball, indent_by_force
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.table import (
     BALL,
     FAMILIES,

@@ -38,4 +38,4 @@ def test_the_page_of_whole_robots_runs(
     text, page = (ROOT / "docs" / "whole-robot.md").read_text(), tmp_path / "whole-robot.md"
     page.write_text(text.replace("budget=500e-6", "budget=60.0"))  # on a machine that is busy
     assert follow(page) == (1, 0)
-    assert capsys.readouterr().out == "5 non-negative\n"
+    assert capsys.readouterr().out == "5 field\n"

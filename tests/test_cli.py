@@ -93,13 +93,13 @@ def test_errors_are_one_paragraph(words: list[str], text: str) -> None:
 def test_flags_come_before_a_file_and_both_are_written(tmp_path: Path) -> None:
     before, after = tmp_path / "before.toml", tmp_path / "after.toml"
     before.write_text(
-        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 200\nevents = true\nfit = false\n'
+        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 200\nevents = true\ntare_s = 2\n'
         '[source]\nchannel = ["can0", "can1"]\n'
     )
     words = ["--rate-hz", "50", "--no-events", "--channel", "can7", "--save", str(after)]
     run("run", before, *words)
     assert load_settings(after) == settings_from_toml(
-        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 50\nfit = false\n'
+        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 50\ntare_s = 2\n'
         '[source]\nchannel = ["can7"]\n'
     )
     assert "there already" in refused("run", "--save", after)

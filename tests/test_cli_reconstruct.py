@@ -71,7 +71,7 @@ def test_a_recording_becomes_contacts_fields_summary_and_picture(
     summary = json.loads(names["s.json"].read_text())
     assert summary["readings"] == 150
     assert summary["quantity"] == "capacitance"
-    assert summary["highest_load_reading"] >= 100
+    assert summary["highest_force_reading"] >= 100
     assert b"<svg" in names["p.svg"].read_bytes()
 
 

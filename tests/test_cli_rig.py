@@ -75,7 +75,7 @@ def number_in(text: str, pattern: str) -> float:
 
 def test_reconstruct_takes_it_for_a_real_recording(made: Path) -> None:
     words = (*real(made), "--modulus-kpa", 90, "-o", made.parent / "contacts.csv")
-    highest = number_in(run("reconstruct", made / "recording.npz", *words), r": ([\d.]+) N in")
+    highest = number_in(run("reconstruct", made / "recording.npz", *words), r": ([\d.]+) N, ")
     assert 1.7 < highest < 2.4  # 2.0 pressed
     assert (made.parent / "contacts.csv").stat().st_size > 1000
 

@@ -86,7 +86,7 @@ def lives(pid: int) -> bool:
         (("--cpu", "-1"), "-1"),
         (("--gain", "0"), "--gain is 0.0, expected counts"),
         (("--virtual-rate-hz", "0"), "--virtual-rate-hz is 0.0, expected"),
-        (("--solver", "contact"), 'Invalid value "contact" for --solver'),
+        (("--solver", "contacts"), 'Invalid value "contacts" for --solver'),
         (("--zenoh-listen", "tcp/:7447"), "expected zenoh or ros2 with them"),
         (("--ros-rate", "wrench=5"), "--ros-rate was given, expected ros2 with it"),
     ],
@@ -251,7 +251,7 @@ def whole(path: Path) -> bool:
 
 def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> None:
     file, second, port = tmp_path / "a.mcap", tmp_path / "b.mcap", free_port()
-    with running("--no-fit", "--record", str(file), "--port", str(port)) as found:
+    with running("--record", str(file), "--port", str(port)) as found:
         found.wait_for(lambda: found.is_at(State.RUNNING) and file.exists())
         assert len(found.seen) >= 3  # virtual skin, engine, recorder
         found.wait_for(lambda: serves(port))

@@ -78,7 +78,7 @@ def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
     read = json.loads((tmp_path / "s.json").read_text())
     assert read["options"]["grid"] == 20
     (summary,) = read["summary"]
-    assert (summary["method"], summary["noise"], summary["readings"]) == ("gaussian", None, 12)
+    assert (summary["method"], summary["noise"], summary["readings"]) == ("auto", None, 12)
     assert 0.1 < summary["place_error_mm_median"] < 4.0
     rows = read["rows"]
     assert [row["file"] for row in rows[::4]] == sorted(path.name for path in folder.iterdir())
@@ -108,7 +108,7 @@ def test_own_solver_from_the_current_folder(
                   ("my_own_solver:make", "--settings", '{"gain": 0.25}')):  # fmt: skip
         run("validate", folder, "--grid", 12, "-o", "a.json", "--force", "--solver", *words)
         rows = json.loads(Path("a.json").read_text())["rows"]
-        forces.append([row["field_force_error"] + 1 for row in rows])
+        forces.append([row["total_force_error"] + 1 for row in rows])
     one, half, quarter = np.array(forces)
     np.testing.assert_allclose(half, one / 2)
     np.testing.assert_allclose(quarter, one / 4)
@@ -117,7 +117,7 @@ def test_own_solver_from_the_current_folder(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("--solver magic", "--solver is 'magic', expected one of gaussian"),
+        ("--solver magic", "--solver is 'magic', expected one of auto, "),
         ("--solver no_such_module:X", "cannot be imported: ModuleNotFoundError"),
         ("--solver json:Nothing", "module 'json' has no attribute 'Nothing'"),
         ("--solver json:loads", "json:loads says: "),
@@ -126,7 +126,7 @@ def test_own_solver_from_the_current_folder(
         ("--settings {", "expected a JSON object"),
         ("--settings [1]", "expected a JSON object"),
         ("--settings '{\"volume\": 11}'", "volume"),
-        ("--settings '{\"snr\": -1}'", "snr is -1"),
+        ("--solver gaussian --settings '{\"snr\": -1}'", "snr is -1"),
         ("--require beauty=1", "expected MEASURE=NUMBER"),
         ("--require missed", "expected MEASURE=NUMBER"),
         ("--gate-mm -1", "--gate-mm is -1.0, expected a finite number above 0"),

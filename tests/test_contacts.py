@@ -309,7 +309,6 @@ def test_a_contact_lends_what_another_does_not_have() -> None:
     contact = Contact.later(lender, area=2 * lender.area, track_id=7)
     assert (contact.area, contact.track_id) == (2 * lender.area, 7)
     assert contact.outline is lender.outline
-    assert contact.spread is None
     assert vars(Contact.later(contact)).keys() == {"_rest"}
     assert Contact.later(contact).track_id == 7
     with pytest.raises(InputError, match="Contact has no size: expected its attributes"):

@@ -15,7 +15,7 @@ FOUND = {  # the last number with that unit, between; two-sided, so that an odd 
     "own_layout": ("N", 2.6, 3.4),  # 3.0
     "paper_method": ("N", 1.6, 2.0),  # 2.0; a plain inverse misses what lies between the taxels
     "light_press_filter": ("N", 0.14, 0.23),  # 0.2
-    "light_touch": ("N", 0.05, 0.25),  # 0.1, just above what 0.3 s can show
+    "light_touch": ("mm off", 0.5, 3.0),  # 0.1 N, just above what 0.3 s can show
     "judge_a_layout": ("mm", 0.3, 0.7),  # of place, under 5 mm
     "press_truth": ("mm deep", 0.5195, 0.5205),  # the integral equation has 0.5200
     "virtual_rig": ("N", 0.8, 1.4),  # 1.0

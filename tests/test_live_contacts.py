@@ -1,17 +1,23 @@
 """Live rows of contacts against the finder's contacts, and against a brute force in time."""
 
 import tracemalloc
-from dataclasses import replace
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from contact_scenes import bumps, grids, scenes
 from engine_scenes import SKIN, engine_of, readings_of
+from numpy.testing import assert_array_equal
+from scipy.optimize import linear_sum_assignment
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.estimate import Contact, Habits, LiveContacts, PressureNoise, level_of
-from skinfield.estimate.live_contacts import CONTACT, KNOWN
+from skinfield.estimate import Contact, LiveContacts, PressureNoise, level_of
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.estimate.row_contacts import contacts_of_rows, covariance_of
+from skinfield.estimate.track_memory import EVENTS
+from skinfield.estimate.tracked import KINDS
+from skinfield.estimate.tracking_kernel import pair_best
 from skinfield.reconstruct.engine import SkinContacts
 from skinfield.skin import Grid
 
@@ -44,6 +50,10 @@ def check_row(row: np.void, contact: Contact, grid: Grid) -> None:
     bracket = 1e-5 if exact else 0.35
     assert row["place_std"] == pytest.approx(place, rel=bracket, abs=1e-9 * grid.pitch)
     assert row["force_std"] == pytest.approx(np.sqrt(contact.covariance[2, 2]), rel=bracket)
+    if exact and flat:
+        scale = np.sqrt(np.diag(contact.covariance)) + np.array([1e-9, 1e-9, 1.0]) * grid.pitch
+        off = (covariance_of(row) - contact.covariance) / np.outer(scale, scale)
+        assert np.abs(off).max() < 1e-4
 
 
 @pytest.mark.parametrize("kind", list(grids()))
@@ -76,38 +86,6 @@ def test_what_is_not_known_is_not_a_number() -> None:
     assert np.isnan(out[0]["place_std"])
 
 
-def apart(point: tuple[float, float], known: list[float]) -> float:
-    dx, dy = point[0] - known[1], point[1] - known[2]
-    return float(np.sqrt(dx * dx + dy * dy))
-
-
-def followed(steps, habits: Habits, rows: int) -> list[list[int]]:
-    """Numbers of points (x, y), step by step, in plain Python."""
-    memory: list[list[float]] = []  # track, x, y, last
-    last, found = 0, []
-    for now, points in steps:
-        memory = [m for m in memory if abs(1e-9 * (now - m[3])) <= habits.hold]
-        pairs = sorted(
-            (apart(point, m), i, m[0], j)
-            for i, point in enumerate(points)
-            for j, m in enumerate(memory)
-            if apart(point, m) <= habits.reach + habits.speed * 1e-9 * (now - m[3])
-        )
-        ids, taken = [0] * len(points), set()
-        for _, i, _, j in pairs:
-            if not ids[i] and j not in taken:
-                ids[i] = int(memory[j][0])
-                taken.add(j)
-                memory[j][1:] = [*points[i], now]
-        for i, point in enumerate(points):
-            if not ids[i]:
-                last += 1
-                ids[i] = last
-                memory.append([last, *point, now])
-        found.append(ids)
-    return found
-
-
 def picture(cells: list[int]) -> np.ndarray:
     """Single pressed cells, each less than the one before."""
     pressure = np.zeros(len(GRID))
@@ -115,30 +93,77 @@ def picture(cells: list[int]) -> np.ndarray:
     return pressure
 
 
-def test_numbers_last_as_a_brute_force_says() -> None:
-    rng = np.random.default_rng(5)
-    habits = Habits(reach=3e-3, speed=0.3, hold=0.02)
-    live = LiveContacts([STILL], rows=6, habits=habits)
-    now, steps, told = 0, [], []
-    walkers = [(20, 20), (8, 30), (33, 9)]
-    for _ in range(300):
-        now += int(rng.integers(1, 12)) * 1_000_000
-        walkers = [(min(max(a + rng.integers(-2, 3), 1), 38), b) for a, b in walkers]
-        walkers = [(a, min(max(b + rng.integers(-2, 3), 1), 38)) for a, b in walkers]
-        shown = [w for w in walkers if rng.random() < 0.8]
-        distinct = [
-            w
-            for i, w in enumerate(shown)
-            if all(np.hypot(*np.subtract(w, v)) > 2 for v in shown[:i])
-        ]
-        cells = [int(a * GRID.shape[1] + b) for a, b in distinct]
-        out = np.zeros(6, CONTACT)
-        count = live(0, picture(cells), now, out)
-        assert count == len(cells)
-        steps.append((now, [(float(r["x"]), float(r["y"])) for r in out[:count]]))
-        told.append(out[:count]["track"].tolist())
-    assert told == followed(steps, habits, 6)
-    assert 3 < max(max(ids, default=0) for ids in told) < 200
+def wander(rng: np.random.Generator, steps: int) -> Iterator[tuple[int, np.ndarray]]:
+    """Stamps and rows of balls that move, meet, part, vanish, and are weak at times."""
+    now, count = 10**18, int(rng.integers(1, 6))
+    places, ways = rng.uniform(-2e-2, 2e-2, (count, 2)), rng.normal(0.0, 4e-2, (count, 2))
+    forces = rng.uniform(0.05, 3.0, count)
+    for _ in range(steps):
+        passed = int(rng.integers(1, 30)) * 10**6 if rng.random() > 0.02 else 2 * 10**9
+        now, places = now + passed, places + ways * min(passed, 10**8) * 1e-9
+        ways = np.where(np.abs(places) > 2e-2, -np.sign(places) * np.abs(ways), ways)
+        near = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) < 7e-3
+        owner = near.argmax(axis=1)
+        owner[rng.random(count) < 0.1] = -1
+        rows = np.zeros(len({*owner} - {-1}), CONTACT)
+        for row, each in zip(rows, sorted({*owner} - {-1}), strict=True):
+            shares = forces * (owner == each)
+            row["normal_force"] = shares.sum()
+            place = shares @ places / shares.sum() + rng.normal(0.0, 4e-4, 2)
+            row["x"], row["y"] = row["position"][:2] = place
+            row["normal"][2], row["area"] = 1.0, 1e-5
+            row["place_std"], row["force_std"] = 4e-4, 0.05
+            row["covariance"] = (1.6e-7, 4e-8, 2e-7, 3e-6, -2e-6, 2.5e-3)
+        yield now, rows[np.argsort(-rows["normal_force"])]
+
+
+def test_a_live_robot_gets_what_the_tracker_promises() -> None:
+    """The same contacts and stamps through both: equal numbers, ages and events, bit for bit."""
+    flat = sf.Grid.square(sf.Patch(0.03 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])), nodes=3)
+    level = level_of(flat, PressureNoise(np.zeros((len(flat), 1))))
+    blank = dict.fromkeys(("pressure", "traction", "displacement", "pressure_std"), np.zeros(0))
+    kinds, out = set(), np.zeros(8, CONTACT)
+    for seed in range(40):
+        live, tracker = LiveContacts([level], ids=np.full(1, -1)), sf.Tracker()
+        for now, rows in wander(np.random.default_rng(seed), 60):
+            start = int(live.memory.words[EVENTS])
+            assert live.take(rows, len(rows), np.zeros(2), now, out) == len(rows)
+            contacts = contacts_of_rows(rows, flat, np.zeros(len(flat)))
+            rest = {"residual": np.zeros(0), "valid": np.ones(4, bool), "stamp_ns": now}
+            tracked = tracker(sf.Estimate(grid=flat, contacts=contacts, **blank, **rest))
+            ages = {int(row["track"]): float(row["age"]) for row in out[: len(rows)]}
+            measured = {each.track_id: each for each in tracked if not each.is_coasting}
+            assert {number: ages.get(number) for number in measured} == {
+                number: each.age for number, each in measured.items()
+            }
+            for row in out[: len(rows)]:
+                if row["track"] in measured:
+                    known = measured[row["track"]]
+                    assert row["speed"] == np.hypot(*known.velocity[:2])
+                    assert_array_equal(known.measured.position[:2], (row["x"], row["y"]))
+                else:  # not confirmed yet
+                    assert row["normal_force"] < 5.0 * 0.06 or row["age"] == 0.0
+            events = live.memory.events[np.arange(start, live.memory.words[EVENTS]) % 64]
+            for event, known in zip(events, tracker.events, strict=True):
+                assert (KINDS[event["kind"]], *event["ids"][: len(known.ids)]) == (
+                    known.kind,
+                    *known.ids,
+                )
+                assert_array_equal(event["place"], known.position[:2])
+            kinds |= {e.kind for e in tracker.events}
+    assert kinds == set(KINDS)
+
+
+def test_pairs_are_the_best_as_a_whole() -> None:
+    rng, work, lists = np.random.default_rng(8), np.zeros((3, 17)), np.zeros((3, 17), int)
+    for _ in range(200):
+        gains = rng.uniform(0.0, 30.0, np.sort(rng.integers(1, [9, 17])))
+        gains[rng.random(gains.shape) < 0.3] = 0.0
+        pair_best.py_func(gains, *gains.shape, work, *lists)
+        match = lists[0, 1 : gains.shape[1] + 1]
+        assert sorted(match[match > 0]) == list(range(1, len(gains) + 1))
+        best = gains[linear_sum_assignment(gains, maximize=True)].sum()
+        assert gains[match[match > 0] - 1, np.flatnonzero(match)].sum() == pytest.approx(best)
 
 
 def test_what_lasts_can_be_put_back() -> None:
@@ -147,28 +172,38 @@ def test_what_lasts_can_be_put_back() -> None:
     for step in range(40):
         cells = [400 + step, 900 + 2 * step][: 1 + step % 3]
         if step == 20:
-            other.memory[:], other.ids[:] = one.memory, one.ids
+            for mine, its in zip(other.memory, one.memory, strict=True):
+                mine[:] = its
         count = one(0, picture(cells), step * 10**6, out)
         if step >= 20:
             assert other(0, picture(cells), step * 10**6, again) == count
             assert out[:count].tobytes() == again[:count].tobytes()
-    assert one.memory.dtype == KNOWN
     one.reset()
     assert one(0, picture([400]), 41 * 10**6, out) == 1
-    assert out[0]["track"] == one.ids[0]
+    assert out[0]["track"] == one.memory.ids[0]
 
 
 def test_age_and_speed_of_a_steady_contact() -> None:
     live, out = LiveContacts([STILL], rows=2), np.zeros(2, CONTACT)
+    row = np.zeros(1, CONTACT)
+    row["normal_force"], row["force_std"], row["place_std"] = 1.0, 0.03, 1e-4
+    row["covariance"] = np.nan
     for step in range(400):
-        place = 0.05 * step
-        cell, part = divmod(place, 1.0)
-        pressure = np.zeros(len(GRID))
-        line = 20 * GRID.shape[1] + 8 + int(cell)
-        pressure[line], pressure[line + 1] = 100 * (1 - part), 100 * part
-        live(0, pressure, step * 10**6, out)
-    assert out[0]["age"] == pytest.approx(0.399)
-    assert out[0]["speed"] == pytest.approx(0.05 * GRID.pitch * 1e3, rel=0.1)
+        row["x"] = 6e-5 * step
+        assert live.take(row, 1, np.zeros(2), step * 10**6, out) == 1
+        assert out[0]["age"] == pytest.approx(1e-3 * step)
+    assert out[0]["speed"] == pytest.approx(0.06, rel=0.02)
+
+
+def test_a_row_that_is_no_number_disturbs_no_other() -> None:
+    live, out, numbers = LiveContacts([STILL]), np.zeros(8, CONTACT), set()
+    for step in range(6):
+        rows = np.zeros(3, CONTACT)
+        rows["x"], rows["normal_force"], rows["force_std"] = (0.0, np.nan, 0.02), 1.0, 0.03
+        rows["place_std"], rows["covariance"] = (1e-4, np.nan, np.nan), np.nan  # not known
+        assert live.take(rows, 3, np.zeros(2), 10**9 + step * 10**7, out) == 3
+        numbers.add((int(out[0]["track"]), int(out[2]["track"])))
+    assert len(numbers) == 1
 
 
 def test_nothing_is_allocated() -> None:
@@ -197,8 +232,6 @@ def test_refusals() -> None:
         live(0, np.zeros(len(GRID)), 0, np.zeros(3, CONTACT))
     with pytest.raises(InputError, match="rows is 0"):
         LiveContacts([STILL], rows=0)
-    with pytest.raises(InputError, match="reach"):
-        replace(Habits(), reach=0.0)
 
 
 @pytest.mark.parametrize("solver", [sf.NonNegative(), sf.GaussianField()], ids=["search", "linear"])

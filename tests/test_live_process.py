@@ -29,7 +29,7 @@ from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
 from skinfield.loop.engine_process import EngineProcess
 from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.process_supervisor import Child, FitProcess, SupervisedProcess, exit_text
+from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import CycleHead
@@ -449,14 +449,3 @@ def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
         assert time.monotonic() - began < 90.0  # half of what it would be waited for
     assert child.returncode is not None
     assert failures == ["the bridge to zenoh did not start: all was told to end"]
-
-
-def test_a_fit_that_dies_is_started_again(impatient: None) -> None:
-    with FitProcess(unique_name()) as fit:
-        first = fit.child
-        first.kill()
-        wait_for(lambda: fit.restarts == 1 and fit.child is not None, LONG)
-        second = fit.child
-        assert fit.notices() == ["the contact fit ended with signal SIGKILL; it is started again"]
-    assert first.returncode == -9
-    assert second.returncode is not None

@@ -19,15 +19,10 @@ from mcap_sample import ROWS, START, blocks_at, cycle_of, field_of, write
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
-from skinfield.files.mcap.live import LiveRecording, Newest
+from skinfield.files.mcap.live import LiveRecording, NewestField
 from skinfield.files.mcap.schema import (
     CYCLES,
-    FIELDS,
-    FIT_HEAD,
     CycleLayout,
-    FitLayout,
-    FitRecord,
-    FitSizes,
 )
 from skinfield.record.recover import recover
 
@@ -69,7 +64,7 @@ def test_the_newest_field_up_to_any_time_is_found(path):
     found = LiveRecording.open(path)
     assert (found.index.cycles, found.index.gaps) == (12, [])
     assert (found.index.first_ns, found.index.last_ns) == (START, START + 11_000)
-    newest = Newest(found, FIELDS)
+    newest = NewestField(found)
     for number in (11, 0, 5, 4, 9, 3):
         assert newest.before(START + 1000 * number).number == number // 3 * 3
     assert newest.before(START - 1) is None
@@ -190,10 +185,10 @@ def read_all(path: Path) -> None:
         found = LiveRecording.open(path)
         for _ in (*found.cycles(), *found.events(), *found.timing(), *found.blocks()):
             pass
-        newest = Newest(found, FIELDS)
+        newest = NewestField(found)
         for time_ns in (found.index.first_ns, found.index.last_ns, 1 << 62):
             newest.before(time_ns)
-        assert len(list(found.fields())) <= len(found.index.places[FIELDS])
+        assert len(list(found.fields())) <= len(found.index.fields)
     except FileError:
         return
 
@@ -253,114 +248,16 @@ def test_what_cannot_be_written(path, tmp_path):
     assert not (tmp_path / "c.mcap").exists()
 
 
-# ---- records of a fit
-
-FIT_CONTACT = np.dtype([("track", "<i8"), ("position", "<f8", (3,))])
-FIT_PATCH = np.dtype([("contacts", "<i4"), ("stamp_ns", "<i8")])
-FORM = np.dtype([("radius", "<f8")])
-FIT_ROWS = FitLayout(FIT_PATCH, FIT_CONTACT, FORM)
-
-
-def words(*numbers: int) -> Any:
-    return np.array(numbers, np.uint32)
-
-
-def fit_record(**changes: Any) -> FitRecord:
-    """Two of five patches, with two contacts and one."""
-    contacts, forms = np.zeros(3, FIT_CONTACT), np.zeros(3, FORM)
-    contacts["track"], contacts["position"] = [4, 9, 5], np.arange(9).reshape(3, 3)
-    forms["radius"] = [1e-3, 2e-3, np.inf]
-    made = FitRecord(
-        time_ns=1_700_000_000_000_000_001,
-        number=12,
-        sizes=FitSizes(5, 100, 8),
-        places=words(1, 4),
-        pressed=words(3, 1),
-        patches=np.array([(2, 7), (1, 8)], FIT_PATCH),
-        contacts=contacts,
-        forms=forms,
-        nodes=words(5, 6, 99, 0),
-        pressure=np.array([1.5, 1e-40, np.nan, -0.0], np.float32),
-    )
-    return replace(made, **changes)
-
-
-def test_the_same_comes_back() -> None:
-    made = fit_record()
-    data = FIT_ROWS.encode(made)
-    found = FIT_ROWS.decode(data)
-    for name, value in vars(made).items():
-        other = getattr(found, name)
-        if isinstance(value, np.ndarray):
-            assert (other.dtype, other.tobytes()) == (value.dtype, value.tobytes()), name
-        else:
-            assert other == value, name
-    assert len(data) == 56 + 2 * (8 + 12) + 3 * (32 + 8) + 4 * 8
-    assert FitLayout.from_metadata(FIT_ROWS.metadata()) == FIT_ROWS
-    nothing = {name: v[:0] for name, v in vars(made).items() if isinstance(v, np.ndarray)}
-    data = FIT_ROWS.encode(replace(made, **nothing))  # knows of no patch: a head
-    assert len(data) == FIT_HEAD.size == 56
-    assert FIT_ROWS.decode(data).number == 12
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"places": words(4, 1)},
-        {"places": words(1, 5)},
-        {"places": words(1, 1)},
-        {"patches": np.array([(2, 7), (2, 8)], FIT_PATCH)},
-        {"patches": np.array([(4, 7), (-1, 8)], FIT_PATCH)},
-        {"sizes": FitSizes(5, 100, 1)},
-        {"sizes": FitSizes(5, 99, 8)},
-        {"sizes": FitSizes(1 << 20, 100, 8)},
-        {"sizes": FitSizes(5, 0, 8)},
-        {"pressed": words(3, 2)},
-    ],
-)
-def test_parts_that_do_not_go_together_are_refused(changes: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="expected one number of each kind"):
-        FIT_ROWS.encode(fit_record(**changes))
-
-
-def test_bytes_that_do_not_go_together_are_refused() -> None:
-    data = FIT_ROWS.encode(fit_record())
-    for end in (0, 55, 56, len(data) - 1):
-        with pytest.raises(InputError, match=f"has {end} bytes, expected"):
-            FIT_ROWS.decode(data[:end])
-    with pytest.raises(InputError, match="expected 248 as its head"):
-        FIT_ROWS.decode(data + b"1")
-    for at, kind, value, why in [
-        (0, "<H", 2, "version 2 .* expected 1"),
-        (2, "<H", 8, "head of 8 bytes"),
-        (4, "<I", 2, "rising places"),
-        (32, "<I", 1 << 31, "expected 42949"),
-        (36, "<I", 11, "have \\(11, 32, 8\\) bytes"),
-        (40, "<I", 2, "as its head says"),
-        (52, "<I", 0xFFFFFFFF, "as its head says"),
-    ]:
-        wrong = bytearray(data)
-        struct.pack_into(kind, wrong, at, value)
-        with pytest.raises(InputError, match=why):
-            FIT_ROWS.decode(bytes(wrong))
-
-
 def test_layouts_that_cannot_be_are_refused() -> None:
-    number, an_object = np.dtype("<f8"), np.dtype([("a", "O")])
-    for make, kinds in (
-        (CycleLayout, (number, ROWS.patch)),
-        (CycleLayout, (an_object, ROWS.patch)),
-        (FitLayout, (FIT_PATCH, number, FORM)),
-    ):
+    for wrong in (np.dtype("<f8"), np.dtype([("a", "O")])):
         with pytest.raises(InputError, match="plain numbers"):
-            make(*kinds)
-    with pytest.raises(InputError, match="`contacts`"):
-        FitLayout(FORM, FIT_CONTACT, FORM)
-    for wrong in ({}, {"patch": "[["}, FIT_ROWS.metadata() | {"form": '[["a", "O"]]'}):
-        with pytest.raises(InputError, match="expected the fields of patch"):
-            FitLayout.from_metadata(wrong)
+            CycleLayout(wrong, ROWS.patch)
+    for metadata in ({}, {"patch": "[["}, ROWS.metadata() | {"contact": '[["a", "O"]]'}):
+        with pytest.raises(InputError, match="expected the fields of contact, patch"):
+            CycleLayout.from_metadata(metadata)
+    contacts = np.zeros(3, [("x", "<f8")])
     with pytest.raises(InputError, match="those that the recording began with"):
-        FIT_ROWS.encode(fit_record(forms=np.zeros(3, FIT_CONTACT)))
+        ROWS.encode(replace(cycle_of(0), contacts=contacts))
 
 
 @given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))

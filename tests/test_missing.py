@@ -16,9 +16,9 @@ PATCH = sf.layouts.hexagon72()
 LAYER = sf.Layer(2e-3, 100e3, 0.4)
 GRID = sf.Grid.square(PATCH, nodes=24)
 LENGTH = PITCHES * taxel_distance(PATCH.plane, 1.0)  # that of all taxels, whichever are there
-SMOOTH = sf.GaussianField(length_scale=LENGTH)
-SURE = sf.GaussianField(snr=200.0, length_scale=1e-3)
-SOLVERS = [SMOOTH, SURE, sf.Tikhonov(), sf.Tikhonov(snr=1.0)]
+SMOOTH = sf.GaussianField(length_scale=LENGTH, common_mode=5.0)
+SURE = sf.GaussianField(snr=200.0, length_scale=1e-3, common_mode=5.0)
+SOLVERS = [SMOOTH, SURE, sf.Tikhonov(common_mode=5.0), sf.Tikhonov(snr=1.0, common_mode=5.0)]
 NOISE = np.linspace(1e-3, 3e-3, 72)
 FIELDS = ("pressure", "displacement", "pressure_std", "traction")
 
@@ -30,9 +30,14 @@ class Anew:
         self.solver = solver
 
     def prepare(self, model: ObservationModel) -> LinearOperator:
-        known = self.solver.prepare(model)
-        assert isinstance(known, LinearOperator)
+        known = prepared(self.solver, model)
         return replace(known, solver=self, gaussian=None)
+
+
+def prepared(solver: Solver, model: ObservationModel) -> LinearOperator:
+    """Prepare for some taxels, with the offset that all of them are taken to share."""
+    common = 5.0 * np.median(NOISE) / np.median(model.noise_std)
+    return replace(solver, common_mode=common).prepare(model)
 
 
 def matrix_of(operator: LinearOperator) -> np.ndarray:
@@ -115,7 +120,7 @@ def test_what_is_stated_of_sets_of_taxels_is_that_of_solvers_prepared_for_them(s
     valid = np.concatenate([masks(silent, 1) for silent in (0, 1, 3, 40, 71)])
     cells, weights = np.arange(100, 200), np.random.default_rng(1).normal(size=(2, 100))
     for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors, strict=True):
-        other, alone = solver.prepare(model.subset(mask)), whole.without(mask)
+        other, alone = prepared(solver, model.subset(mask)), whole.without(mask)
         assert apart(matrix_of(alone)[:, mask], other.matrix) < 1e-9
         assert posterior.std == pytest.approx(other.pressure_std(), rel=1e-9)
         moved = PressureNoise(other.matrix * model.noise_std[mask])
@@ -141,7 +146,7 @@ def test_in_single_precision_and_in_a_window(pressed: np.ndarray) -> None:
 
 
 def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray) -> None:
-    solver = sf.Tikhonov()
+    solver = sf.Tikhonov(common_mode=5.0)
     mine, other = reconstructor(solver), reconstructor(Anew(solver))
     count = 2 * plan.SETS + 5
     valid = masks(2, count)
@@ -161,12 +166,12 @@ def test_one_dead_taxel_in_more_readings_than_a_product_takes(pressed: np.ndarra
         assert_same(found[row], mine(readings[row]))
 
 
-def test_intervals_and_model_errors_hold_without_taxels(pressed: np.ndarray) -> None:
-    mine = reconstructor(SMOOTH)
-    valid = masks(2, 1)[0]
-    bare = mine.with_intervals(None)
-    stated, alone = mine(pressed[-1], valid=valid), bare(pressed[-1], valid=valid)
-    more = stated.contacts[0].covariance - alone.contacts[0].covariance
+def test_model_errors_hold_without_taxels(pressed: np.ndarray) -> None:
+    mine, valid = reconstructor(SMOOTH), masks(2, 1)[0]
+    stated, plans = mine(pressed[-1], valid=valid), mine.plans
+    operator = plans.of(valid)
+    (bare, *_) = plans.finder(mine.grid, stated.pressure, operator.noise, operator.posterior)
+    more = stated.contacts[0].covariance - bare.covariance
     expected = mine.plan.model_error.covariance(stated.contacts[0].normal_force)
     assert more == pytest.approx(expected, rel=1e-6, abs=1e-12)
 
@@ -186,10 +191,11 @@ def test_other_solvers_are_prepared_anew(pressed: np.ndarray) -> None:
 
 
 def test_the_default_length_stays_that_of_all_taxels() -> None:
-    whole = sf.GaussianField().prepare(reconstructor(sf.GaussianField()).model)
+    free = sf.GaussianField(common_mode=5.0)
+    whole = free.prepare(reconstructor(free).model)
     spaced = np.zeros(72, dtype=np.bool_)
     spaced[::9] = True  # far from each other: prepared alone, their prior would be longer
-    fixed, free = reconstructor(SMOOTH).model, sf.GaussianField()
-    alone = matrix_of(whole.without(spaced))[:, spaced]
-    assert apart(alone, SMOOTH.prepare(fixed.subset(spaced)).matrix) < 1e-9
-    assert apart(alone, free.prepare(fixed.subset(spaced)).matrix) > 0.1
+    fixed = reconstructor(SMOOTH).model
+    alone, own = matrix_of(whole.without(spaced))[:, spaced], fixed.subset(spaced)
+    assert apart(alone, prepared(SMOOTH, own).matrix) < 1e-9
+    assert apart(alone, free.prepare(own).matrix) > 0.1

@@ -20,7 +20,7 @@ from test_readme import ROOT, follow
 import skinfield as sf
 from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import InputError
-from skinfield.simulate import Bar, Ring, press
+from skinfield.simulate import Bar, Ring, Sphere, press
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, NonNegative
 from skinfield.solve.contract import SolverContract, square_patch
@@ -66,7 +66,7 @@ def test_idle_is_proved_exactly_below_the_threshold(quantity: Either, shrinkage:
         assert operator.idle
         assert operator.gap == 0.0
         assert operator.objective == pytest.approx(
-            0.5 * np.square(0.999999 * at_threshold / dense.noise).sum()
+            0.5 * np.square(dense.target(0.999999 * at_threshold)).sum()
         )
         assert solve(operator, 1.000001 * at_threshold).any() or shrinkage == 1.0
         assert not operator.idle
@@ -107,6 +107,37 @@ def test_the_field_of_a_capacitive_skin_keeps_its_force(
     assert 0.8 < force[NonNegative] < 2.4  # of 2 N
     assert found[NonNegative].pressure.min() == 0.0
     assert found[NonNegative].contacts
+
+
+def test_less_noise_leaves_less_error(presses: dict[str, sf.simulate.Press]) -> None:
+    """What no pressure explains is not made of pressure: without noise it was twice the force."""
+    patch, layer, errors = sf.layouts.hexagon72(), presses["bar"].layer, []
+    ball = press(layer, [Sphere(radius=6e-3, force=2.0)], extent=28e-3, cell=0.4e-3)
+    places = [patch.plane - at for at in np.random.default_rng(3).uniform(-9e-3, 9e-3, (8, 2))]
+    made = [each for each in (*presses.values(), ball) for _ in places]
+    clean = np.array(
+        [
+            each.readings(at, patch.pad_diameter, "capacitance")
+            for each, at in zip(made, 3 * places, strict=True)
+        ]
+    )
+    noise = np.random.default_rng(4).normal(size=clean.shape)
+    for std in (4e-3, 5e-4, 1e-6):
+        rec = sf.Reconstructor(
+            patch, layer, quantity=Capacitance(), noise_std=std, solver=NonNegative()
+        )
+        errors.append(np.median(np.abs(rec(clean + std * noise).normal_force / 2.0 - 1.0)))
+    assert errors[0] > 1.2 * errors[1]
+    assert 0.08 < errors[2] < 1.25 * errors[1] < 0.25
+
+
+@pytest.mark.parametrize("solver", [NonNegative(), GaussianField()], ids=repr)
+def test_a_drift_that_taxels_share_is_no_contact(solver: Any) -> None:
+    patch = sf.layouts.hexagon72()
+    rec = sf.Reconstructor(patch, solver=solver, quantity=Capacitance(), noise_std=0.002)
+    noise = np.random.default_rng(5).normal(0.0, 0.002, (300, 72))
+    for drift in (-0.005, 0.0, 0.005):
+        assert sum(map(len, rec(noise + drift).contacts)) <= 2
 
 
 def test_through_a_reconstructor_taxels_may_be_missing() -> None:
@@ -159,6 +190,8 @@ def test_settings_are_checked() -> None:
         ("length_scale", -1.0, "length_scale is -1.0, expected a finite number above 0"),
         ("false_alarm_rate", 0.0, "false_alarm_rate is 0.0, expected a number from 1e-12"),
         ("shrinkage", 1.5, "shrinkage is 1.5, expected a number from 0 to 1"),
+        ("common_mode", -1.0, "common_mode is -1.0, expected a number from 0 to 1000: in standard"),
+        ("model_error", 2.0, "model_error is 2.0, expected a number from 0 to 1: part of the"),
         ("tolerance", 0.0, "tolerance is 0.0, expected a number from 1e-12 to 1"),
         ("most_iterations", 0, "most_iterations is 0, expected 1 or more"),
         ("precision", np.int32, "precision is .*, expected numpy.float32 or numpy.float64"),
@@ -185,7 +218,7 @@ def test_a_length_longer_than_the_grid_is_no_harm_but_there_is_an_end() -> None:
 
 
 def test_the_clock_is_that_of_the_deadline() -> None:
-    from skinfield.solve.dual.search import now_ns
+    from skinfield.solve.clock import now_ns
 
     room = np.zeros(2, dtype=np.int64)
     for _ in range(100):

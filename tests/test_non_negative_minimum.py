@@ -98,7 +98,8 @@ def test_any_problem_is_solved(
         assert found.min() >= 0.0
         assert 0.0 <= operator.gap <= 1.0
         highest = max(found.max(), 1e-300)
-        assert found == pytest.approx(dense.bumps @ amounts, rel=1e-4, abs=1e-5 * highest)
+        expected = dense.scale(readings) * dense.bumps @ amounts
+        assert found == pytest.approx(expected, rel=1e-4, abs=1e-5 * highest)
         if operator.idle:
             assert dense.score(readings).max() <= dense.threshold * (1 + 1e-5)
             continue
@@ -115,7 +116,7 @@ def test_the_dual_is_what_the_readings_lack() -> None:
     solver = NonNegative(tolerance=EXACT, precision=np.float64)
     operator, dense = search_of(solver, model), Dense.of(solver, model)
     readings = pressed(model, np.random.default_rng(6))
-    expected = readings / dense.noise - dense.seen @ dense.minimum(readings)
+    expected = dense.target(readings) - dense.seen @ dense.minimum(readings)
     solve(operator, readings)
     assert operator.dual == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
@@ -124,7 +125,8 @@ def test_a_taxel_without_a_signature_tells_nothing() -> None:
     matrix = np.abs(np.random.default_rng(0).normal(size=(6, 25)))
     matrix[2] = 0.0
     matrix[:, 7] = 0.0  # nor a node that no taxel sees
-    solver = NonNegative(length_scale=0.0, tolerance=EXACT, precision=np.float64)
+    free = {"common_mode": 0.0, "model_error": 0.0}  # else it tells of the offset, or the highest
+    solver = NonNegative(length_scale=0.0, tolerance=EXACT, precision=np.float64, **free)
     model = made_model(matrix, (5, 5))
     operator = search_of(solver, model)
     readings = 50.0 * matrix[:, 3] + 20.0 * matrix[:, 12]
@@ -159,11 +161,12 @@ def test_bumps_make_the_covariance_they_are_a_root_of(length: float) -> None:
 
 def test_where_nothing_is_negative_it_is_the_gaussian_field() -> None:
     model = small_model(31, 9)
-    linear = sf.GaussianField(snr=1.0, length_scale=3e-3).prepare(model)
+    linear = sf.GaussianField(snr=1.0, length_scale=3e-3, common_mode=0.0).prepare(model)
     readings = model.matrix @ np.full(len(model.grid), 5e3)
     expected = linear.matrix @ readings
     assert expected.min() > 0
-    solver = NonNegative(snr=1.0, length_scale=3e-3, shrinkage=0.0)
+    free = {"shrinkage": 0.0, "common_mode": 0.0, "model_error": 0.0}
+    solver = NonNegative(snr=1.0, length_scale=3e-3, **free)
     found = solve(search_of(solver, model), readings).reshape(31, 31)
     middle = slice(10, 21)  # the prior differs at the border alone, where bumps are cut
     assert found[middle, middle] == pytest.approx(
@@ -248,7 +251,7 @@ def test_whatever_the_deadline_the_proof_holds(
     operator.apply(readings, out, limit)
     after = time.perf_counter_ns()
     assert_honest(operator, dense, readings, least, zero)
-    want = dense.bumps @ amounts_of(operator)
+    want = dense.scale(readings) * dense.bumps @ amounts_of(operator)
     assert out.min() >= 0.0
     assert (np.abs(out - want) <= np.maximum(1e-4 * want, 1e-5 * max(out.max(), 1.0))).all()
     if after < limit:
@@ -352,7 +355,7 @@ def test_rounding_over_hundreds_of_nodes_is_in_the_proof(shrinkage: float) -> No
     solver = NonNegative(tolerance=1e-8, shrinkage=shrinkage)
     single = search_of(solver, model)
     double = search_of(replace(solver, tolerance=1e-12, precision=np.float64), model)
-    seen = double.problem.rows[:, : len(patch)].T
+    seen, dense = double.problem.rows[:, : len(patch)].T, Dense.of(solver, model)
     penalty = double.problem.numbers[PENALTY] * double.problem.norms
     rng = np.random.default_rng(0)
     for _ in range(12):
@@ -361,7 +364,7 @@ def test_rounding_over_hundreds_of_nodes_is_in_the_proof(shrinkage: float) -> No
         for operator in (single, double):
             solve(operator, readings)
             amounts = amounts_of(operator)
-            missing = seen @ amounts - readings / model.noise_std
+            missing = seen @ amounts - dense.target(readings)
             values.append(0.5 * missing @ missing + 0.5 * amounts @ amounts + penalty @ amounts)
         assert np.count_nonzero(amounts) > 50
         assert double.gap < 1e-11

@@ -43,12 +43,7 @@ def test_taxels_are_left_out_as_if_they_were_not_there(
         readings = pressed(model, rng)
         valid = np.ones(len(readings), dtype=bool)
         valid[rng.choice(len(readings), missing, replace=False)] = False
-        seen = dense.seen[valid]
-        rate = dense.penalty / np.linalg.norm(dense.seen, axis=0)
-        left = Dense(
-            seen, dense.bumps, rate * np.linalg.norm(seen, axis=0), dense.threshold,
-            dense.noise[valid],
-        )  # fmt: skip
+        left = dense.left(valid)
         readings[~valid] = np.nan
         part = operator.without(valid)
         pressure = solve(part, readings)

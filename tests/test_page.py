@@ -14,8 +14,6 @@ from browser import STARTS, Look, Served, looking, running_browser, served
 from live_skins import unique_name
 from page_gestures import Hand
 
-from skinfield.loop.fit_worker import FIRST
-
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 QUIET = ("--headless", "--scene", "idle", "--rate-hz", "100", "--priority", "0")
 NEAR = 4.0  # mm, of what the engine alone finds at once
@@ -68,10 +66,11 @@ def hand(look: Look) -> Hand:
 
 @pytest.fixture(scope="module")
 def fitted(opened: Look) -> None:
-    """The fit beside the engine takes its time to be there."""
+    """An engine that answers by a fit of contacts."""
     hand = Hand(opened)
     hand.click(0.0, 0.0)
-    opened.until("skinfield.state.contacts.some((each) => each.by === 'fit')", patience=STARTS)
+    fitted = "skinfield.state.contacts.some((each) => each.answer === 'contacts')"
+    opened.until(fitted, patience=STARTS)
     hand.lift()
 
 
@@ -79,11 +78,6 @@ def is_found(row: dict[str, str]) -> bool:
     """Whether a contact is where the truth is, and as strong."""
     known = "truthForce" in row
     return known and float(row["errorMm"]) < MM and abs(float(row["errorPercent"])) < PERCENT
-
-
-def track_name(number: int) -> str:
-    """As people read it: those that only the fit knows have numbers of their own."""
-    return f"f{number - FIRST}" if number >= FIRST else str(number)
 
 
 def distance(row: dict[str, str], x_mm: float, y_mm: float) -> float:
@@ -200,15 +194,17 @@ def test_a_control_is_taken_over(
 
 
 def test_a_lower_resolution_is_what_is_drawn(look: Look, hand: Hand) -> None:
+    solver = look.value("skinfield.state.controls.solver.value")
     look.at("resolution").select_option("10")
+    taken = "(name) => skinfield.state.controls.solver.value === name"
     look.at("solver").select_option("nonnegative")
-    look.until("skinfield.state.controls.busy === null")
+    look.until(taken, "nonnegative", patience=STARTS)
     hand.click(0.0, 3.0)
     look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung === 10)")
     look.at("resolution").select_option("auto")
     look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung > 10)")
-    look.at("solver").select_option("contact fit")
-    look.until("skinfield.state.controls.solver.value === 'contact fit'")
+    look.at("solver").select_option(solver)
+    look.until(taken, solver, patience=STARTS)
 
 
 def test_a_threshold_hides_what_is_weaker(look: Look, hand: Hand) -> None:
@@ -378,7 +374,7 @@ def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand) -> None
     assert end > 1.0
     look.until("skinfield.state.lastUpdate && skinfield.state.lastUpdate.time_s >= 0")
     look.stand_still()
-    for part in (0.6, *np.linspace(0.02, 0.98, 49)):  # a busy machine's fit is behind now and then
+    for part in (0.6, *np.linspace(0.02, 0.98, 49)):
         look.seek(part * end)
         rows = look.wait_rows(lambda rows: True)
         near = len(rows) == 1 and distance(rows[0], 4.0, 7.0) < MM
@@ -398,7 +394,7 @@ def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand) -> None
     look.wait_rows(lambda rows: len(rows) == 1)
 
 
-# as good as it gets: with the fit beside the engine
+# as good as it gets: by a fit of contacts
 
 
 @pytest.mark.usefixtures("fitted")
@@ -413,7 +409,7 @@ def test_a_click_presses_and_the_contact_is_found(
     assert float(row["truthXMm"]) == pytest.approx(x_mm, abs=0.2)
     assert float(row["truthYMm"]) == pytest.approx(y_mm, abs=0.2)
     assert float(row["truthForce"]) == pytest.approx(1.0)
-    assert track_name(int(row["track"])) in row["text"]
+    assert row["track"] in row["text"]
     if (x_mm, y_mm) == PLACES[0]:
         look.shoot("one-press", 1500)  # for the plots
     hand.lift()

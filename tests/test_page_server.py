@@ -108,7 +108,7 @@ def test_one_port_serves_the_page_and_json(page: Page) -> None:
     assert found["mode"] == "live"
     assert [each["name"] for each in found["engines"]] == ["still"]
     contacts = json.loads(get(page, "/api/contacts")[1])["contacts"]
-    assert [(each["patch"], each["by"]) for each in contacts] == [("hexagon72", "engine")]
+    assert [(each["patch"], each["shape"]) for each in contacts] == [("hexagon72", "sphere")]
     assert json.loads(get(page, "/api/truth")[1])["presses"][0]["force"] == 1.0
     status, text, _ = get(page, "/other")
     assert status == 404
@@ -193,7 +193,7 @@ def test_an_update_is_the_estimate(page: Page, source: StillSource) -> None:
     )
     expected = snapshot["hexagon72"].pressure
     assert_allclose(pressure, expected, atol=expected.max() / 65535)
-    assert row["answer"] == "searched"
+    assert row["answer"] == "contacts"
     contact, found = head["contacts"][0], snapshot.contacts[0]
     assert contact["force"] == found["normal_force"]
     apart = np.subtract(contact["position"], told["truth"][0]["position"])

@@ -135,7 +135,7 @@ def test_a_page_without_the_token_says_so(browser: Any, view: Served) -> None:
 
 def test_a_curved_skin_is_pressed_and_its_page_connects_again(folder: Path, browser: Any) -> None:
     words = ("run", "--name", unique_name(), "--skin", "cylinder", "--headless", "--scene", "idle",
-             "--grid", "20", "--rate-hz", "100", "--priority", "0", "--no-fit")  # fmt: skip
+             "--grid", "20", "--rate-hz", "100", "--priority", "0")  # fmt: skip
     with served(*words, folder=folder) as running:
         running.wait_running()
         with looking(browser) as look:
@@ -259,7 +259,7 @@ def colours_at(
     page: Any,
     spots: list[tuple[float, float]],
     value: float = 0.0,
-    answer: str = "searched",
+    answer: str = "contacts",
     quantity: str = "pressure",
     dead: bool = False,
 ) -> np.ndarray:

@@ -240,7 +240,7 @@ def test_the_table_holds_the_numbers(drawn):
     assert f"{first.normal_force + second.normal_force:.2f}" in words
     assert "8.0, 4.0" in words  # the truth
     assert any(w.startswith("off the truth by −") for w in words)
-    assert "whole patch 1.45 N; 71 of 72 taxels used" in words
+    assert "whole field 1.45 N; 71 of 72 taxels used" in words
     assert any(w.endswith("40.0 µs") for w in words)
 
 

@@ -70,6 +70,8 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     ).groups()  # type: ignore[union-attr]
     assert float(modulus) == pytest.approx(150.0, rel=0.2)
     assert float(highest) == pytest.approx(2.0, rel=0.2)
+    lines = Path("contacts.csv").read_text().splitlines()
+    assert {line.split(",")[4] for line in lines} == {"solver", "ContactFit"}
 
 
 @pytest.mark.parametrize(
@@ -77,6 +79,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     [
         ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 4), ("batch", 2),
         ("icub", 4), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
+        ("uncertainty", 1),
     ],
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:

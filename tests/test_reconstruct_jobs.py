@@ -71,8 +71,7 @@ def stored(recording: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps and windows of some readings, so that a short recording has several."""
-    monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 128)
+    """Windows of some readings, so that a short recording has several."""
     monkeypatch.setattr(manifest_module, "WINDOW", 512)
 
 
@@ -98,13 +97,13 @@ def test_what_is_printed_is_the_same_whatever_is_written(
     assert any("taken as iCub bytes" in note for note in results.attrs["notes"])
     loads = np.zeros(READINGS)
     for row in rows_of(tmp_path / "c.csv"):
-        loads[int(row["reading"])] += float(row["normal_force_N"] or 0)
+        loads[int(row["reading"])] = float(row["total_force_N"])
     best = int(np.argmax(loads))
     assert f"reading {best} at {best * 0.02:.2f} s: {loads[best]:.2f} N" in said[0]
     table = sf.load_contacts(tmp_path / "r.skinfield", slice(700, 800)).to_pylist()
     assert {row["reading"] for row in table} == set(range(700, 800))
-    some = sum(row["normal_force_N"] or 0 for row in table)
-    assert some == pytest.approx(loads[700:800].sum(), rel=1e-6)
+    some = {row["reading"]: row["total_force_N"] for row in table}
+    assert sum(some.values()) == pytest.approx(loads[700:800].sum(), rel=1e-6)
 
 
 def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
@@ -122,11 +121,11 @@ def test_a_slice_of_results_is_written(stored: Path, tmp_path: Path) -> None:
     assert [int(r["reading"]) for r in rows if int(r["contact"]) <= 0] == list(range(300, 420))
     load = np.zeros(120)
     for row in rows:
-        load[int(row["reading"]) - 300] += float(row["normal_force_N"] or 0.0)
+        load[int(row["reading"]) - 300] = float(row["total_force_N"])
     summary = json.loads((tmp_path / "s.json").read_text())
     assert summary["readings"] == 120
-    assert summary["contact_force_N"]["highest"] == pytest.approx(load.max(), rel=1e-5)
-    assert summary["highest_load_reading"] == 300 + int(np.argmax(load))
+    assert summary["total_force_N"]["highest"] == pytest.approx(load.max(), rel=1e-5)
+    assert summary["highest_force_reading"] == 300 + int(np.argmax(load))
 
 
 def test_the_runs_of_an_iterative_solver_are_those_of_the_results(
@@ -150,7 +149,8 @@ def test_readings_that_lack_any_taxels_are_written_too(tmp_path: Path) -> None:
     table[77] = np.nan
     path, fields = saved(tmp_path / "gaps.csv", table), tmp_path / "f.npz"
     outputs = ("-o", tmp_path / "c.csv", "-o", tmp_path / "r.skinfield")
-    said = run("reconstruct", path, *LAYOUT, "--fields", fields, *outputs)
+    words = (path, *LAYOUT, "--solver", "gaussian")
+    said = run("reconstruct", *words, "--fields", fields, *outputs)
     assert "1 of 200 readings have no valid taxel" in said
     assert "(1 left out)" in said
     results = read_results(tmp_path / "r.skinfield")
@@ -171,7 +171,7 @@ def test_in_blocks_or_as_a_whole_it_is_the_same(
     table = counts(3600)
     table = table if unit == "count" else (240 - table) / 171 + 1e-4
     path = saved(tmp_path / "r.npz", table, unit)
-    noise = ("--noise", 0.009, "--reading", 0)
+    noise = ("--noise", 0.009, "--reading", 0, "--solver", "gaussian")
     words = ("reconstruct", path, *LAYOUT, "--smoothing-ms", smooth, *noise)
     run(*words, "-o", tmp_path / "whole.skinfield")
     for name, value in (("PIECE", 1), ("FEWEST", 900), ("MOST", 900)):
@@ -260,7 +260,8 @@ def test_memory_does_not_grow_with_the_recording(
         path = recorded(tmp_path / f"{readings}.csv", readings)
         tracemalloc.start() if peaks else None
         run(
-            "reconstruct", path, *LAYOUT, "-o", tmp_path / f"{readings}.csv.skinfield",
+            "reconstruct", path, *LAYOUT, "--solver", "gaussian",
+            "-o", tmp_path / f"{readings}.csv.skinfield",
             "-o", tmp_path / f"c{readings}.csv", "--fields", tmp_path / f"f{readings}.npz",
         )  # fmt: skip
         peaks.append(tracemalloc.get_traced_memory()[1] if peaks else 1)

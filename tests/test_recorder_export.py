@@ -11,7 +11,7 @@ import pytest
 from command_line import refused, result_of, run
 from mcap.reader import make_reader
 from pyarrow import parquet
-from recorder_ring import FakeEngine, FakeFit, contact, recorder_of
+from recorder_ring import FakeEngine, recorder_of
 
 from skinfield.files import open_recording, readings_for
 from skinfield.signal import Blocks, Kind, Status
@@ -43,21 +43,6 @@ def recorded(tmp_path_factory):
             if number % 5 == 0:
                 recorder.step()
     return path, np.array(engine.counts), engine
-
-
-@pytest.fixture(scope="module")
-def fitted(tmp_path_factory):
-    """With a fit beside the engine: 1 N, then that and 2 N on another place, then nothing."""
-    with (
-        recording(tmp_path_factory, "fit.mcap") as (engine, recorder, path),
-        FakeFit(engine.ring.name) as fit,
-    ):
-        for number, forces in enumerate([(1.0,), (1.0, 2.0), ()]):
-            engine.cycle()
-            rows = [contact(0.01 * k, force=force, track=k + 3) for k, force in enumerate(forces)]
-            fit.tell(*rows, stamp_ns=10 + number, pressure=[5.0])
-            recorder.step()
-    return path
 
 
 def test_parquet(recorded, tmp_path):
@@ -95,21 +80,9 @@ def test_csv(recorded, tmp_path):
     again = readings_for(open_recording(tmp_path / "a.csv"), engine.skin[0])
     np.testing.assert_array_equal(again.counts, counts)
     assert again.unit == "count"
-    assert [row["cycle"] for row in rows_of(tmp_path / "a.contacts.csv")][:3] == ["2", "3", "3"]
-
-
-def test_contacts_of_a_fit(fitted, tmp_path):
-    run("export", fitted, "-o", tmp_path / "a.csv")
-    rows = rows_of(tmp_path / "a.fit_contacts.csv")
-    table = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-    assert table["normal_force"].tolist() == [1.0, 1.0, 2.0]
-    assert table["track"].tolist() == [3, 3, 4]
-    assert table["stamp_ns"].tolist() == [10, 11, 11]
-    assert table["radius"].tolist() == [5e-3] * 3
-    assert (np.diff(table["wall_ns"]) >= 0).all()
-    assert result_of("info", fitted)["fit"]["answers"] == 3
-    run("export", fitted, "--format", "rosbag2", "-o", tmp_path / "bag")  # of the engine's own
-    assert (tmp_path / "bag" / "metadata.yaml").exists()
+    rows = rows_of(tmp_path / "a.contacts.csv")
+    assert [row["cycle"] for row in rows][:3] == ["2", "3", "3"]
+    assert [rows[0][name] for name in ("shape", "maybe", "radius")] == ["1", "1", "0.004"]
 
 
 def test_what_cannot_be(recorded, tmp_path):

@@ -2,53 +2,37 @@
 
 import json
 import time
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 from command_line import invoke, run
-from live_skins import settings, unique_name, wait_for
+from live_skins import unique_name, wait_for
 from mcap_sample import write as write_other
 from numpy.testing import assert_array_equal
-from recorder_ring import FakeFit, contact
-from replay_sample import NOISE, PERIOD, ROWS, START, Known, level, write
+from replay_sample import NOISE, PERIOD, ROWS, START, Known, write
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingWriter
-from skinfield.files.mcap.live import LiveRecording
-from skinfield.loop import fit_ring
+from skinfield.files.mcap.schema import CycleLayout
 from skinfield.loop.client import connect
-from skinfield.loop.fit_ring import LAYOUT, FitReader, Fitted
-from skinfield.loop.model_config import Configuration, ModelConfig, Models
+from skinfield.loop.model_config import Configuration
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer
 from skinfield.page.replay import LATE, Clock, RecordingSource
-from skinfield.page.scene_layout import SceneLayout
-from skinfield.page.source import EngineView, merged_view
-from skinfield.page.updates import Updates
-from skinfield.record import drain as recorder_drain
-from skinfield.record.drain import FitDrain
-from skinfield.record.queue import Queue
-from skinfield.record.recover import recover
-from skinfield.record.replay import Published, RecordedCycle, Replay, ReplayFit, is_sound, slot_of
-from skinfield.record.state import RecorderState
-from skinfield.signal import Port
+from skinfield.record.replay import Published, RecordedCycle, Replay
 
 Made = tuple[Path, list[Known]]
 CYCLES, TARED = 320, 170
-COUNT = 340  # cycles, with a fit beside them
 WHOLE = 1e9 / PERIOD  # cycles in a second
 PATCH = sf.layouts.hexagon72()
-NODES, LATER = 400, PERIOD // 2  # ns from a cycle to what the fit publishes after it
 
 
 @pytest.fixture(scope="module")
@@ -399,203 +383,41 @@ def test_a_clock_does_not_make_up_for_what_takes_longer(monkeypatch: pytest.Monk
     assert left(3.0) == 0.0
 
 
-# with a fit beside the engine
+# of older rows
 
 
-class Page:
-    """A live page, a fit and a recorder's reader of it, beside the cycles of a recording."""
-
-    def __init__(self) -> None:
-        made = settings()
-        self.models = Models(ModelConfig.of(made, (Port("port", 72),)), np.full(len(PATCH), NOISE))
-        self.name, self.now_ns = unique_name(), 0
-        self.clock = SimpleNamespace(time_ns=lambda: self.now_ns)
-        self.reader, self.queue = FitReader(self.name), Queue(1 << 24, RecorderState())
-        self.drain = FitDrain(self.name, self.queue, (PATCH.name,), NODES)
-        self.fit: FakeFit | None = None
-        self.seen: list[EngineView] = []
-
-    def __call__(self, writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
-        """Look as the page does; then the fit goes on, and what it says is recorded."""
-        own = replace(slot, **{f.name: getattr(slot, f.name).copy() for f in fields(CycleSlot)})
-        told = own.recorded(number)
-        snapshot = Snapshot(own, number, self.models, told.wall_ns)
-        found = self.reader.latest()
-        self.seen.append(kept(merged_view(snapshot, found)))
-        self.now_ns = told.wall_ns + LATER
-        self._go_on(number, snapshot)
-        self.drain.take()
-        for each in self.queue.take(0.0):
-            each.write(writer)
-
-    def _go_on(self, number: int, snapshot: Snapshot) -> None:
-        if number in (60, 230):
-            self.fit = FakeFit(self.name, (PATCH.name,), NODES)
-        if number == 200 and self.fit is not None:
-            self.fit.close()
-            self.fit = None
-        silent = 251 < number < 318  # so that it is too far behind
-        if self.fit is None or (number % 7 and number != 251) or silent:
-            return
-        engine, stamp = snapshot.contacts, int(snapshot.patches["stamp_ns"][0])
-        field = np.zeros(NODES, np.float32)
-        field[number : number + 30] = np.linspace(10.0, 1e4, 30)
-        how: dict[str, Any] = {"stamp_ns": stamp, "told_ns": self.now_ns, "engine": engine}
-        if number in (126, 182, 336):
-            self.fit.tell(state=Fitted.UNHELPFUL, **how)
-        elif number in (91, 161):
-            self.fit.tell(state=Fitted.NOTHING, **how)
-        else:
-            better = engine.copy()
-            better["normal_force"] *= 0.7
-            weak = contact(-12e-3, -3e-3, 0.2, track=1_000_001)  # the engine does not see it
-            touched = int(len(engine) > 0)
-            self.fit.tell(better, weak, pressure=field, touched=touched, **how)
+def without(kind: np.dtype[Any], *names: str) -> np.dtype[Any]:
+    return np.dtype([field for field in kind.descr if field[0] not in names])
 
 
-def kept(seen: EngineView) -> EngineView:
-    """The same in memory of its own: rows of a reader last until it reads again."""
-    return seen._replace(contacts=np.array(seen.contacts))
+OLDER = CycleLayout(
+    without(ROWS.contact, "shape", "maybe", "radius", "covariance", "area_std"),
+    without(ROWS.patch, "readings"),
+)
 
 
-class Fit(NamedTuple):
-    path: Path
-    seen: list[EngineView]
-
-
-@pytest.fixture(scope="module", name="fit")
-def _fit(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fit]:
-    path, page = tmp_path_factory.mktemp("fit") / "touch.mcap", Page()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fit_ring, "AGAIN", 0.0)  # s between looks for a ring
-        patch.setattr(recorder_drain, "time", page.clock)
-        write(path, COUNT, beside=page)
-    yield Fit(path, page.seen)
-    page.reader.close()
-    page.drain.close()
-    page.fit.close()
-
-
-@pytest.fixture(scope="module", name="fitted")
-def _fitted(fit: Fit) -> Iterator[RecordingSource]:
-    with closing(RecordingSource(fit.path, playing=False)) as opened:
-        wait_for(lambda: opened.sought)
-        yield opened
-
-
-def assert_same(found: EngineView, live: EngineView) -> None:
-    """Contacts, who says them, and the fit's field, to the last bit."""
-    assert found.contacts.tobytes() == live.contacts.tobytes()
-    assert list(found.by) == list(live.by)
-    first, second = (
-        None if each.fit is None else each.fit.get(PATCH.name) for each in (found, live)
-    )
-    assert first is second is None or first.tobytes() == second.tobytes()
-
-
-def saw(feed: RecordingSource, number: int) -> EngineView:
-    """What is seen after a seek."""
-    assert went(feed, number / WHOLE).number == number
-    return feed.view()
-
-
-def test_the_page_saw_what_is_to_be_shown_again(fit: Fit) -> None:
-    counts = Counter(tuple(sorted(each.by)) for each in fit.seen)
-    assert counts["fit", "fit"] > 50
-    assert counts["engine",] > 50
-    assert counts[("fit",)] > 0  # where the engine sees nothing
-    assert sum(each.fit is not None for each in fit.seen) > 60
-
-
-def test_every_cycle_is_seen_as_it_was_live(fit: Fit) -> None:
-    replay = Replay(fit.path)
-    its = ReplayFit(replay)
-    for each, live in zip(replay, fit.seen, strict=True):
-        wall_ns, number = each.cycle.wall_ns, each.cycle.number
-        snapshot = Snapshot(each.slot, number, replay.models(wall_ns), wall_ns)
-        assert_same(merged_view(snapshot, its.at(wall_ns)), live)
+def test_what_older_rows_lack_is_not_known(tmp_path: Path) -> None:
+    path = tmp_path / "older.mcap"
+    known = write(path, 60, layout=OLDER)
+    replay = Replay(path)
+    assert replay.recording.cycle_layout == OLDER
+    for each, made in zip(replay, known, strict=True):
+        rows, patches = each.slot.used_contacts(), each.slot.patches
+        force = np.frombuffer(made.contacts, ROWS.contact)["normal_force"]
+        assert rows["normal_force"].tolist() == force.tolist()
+        assert (patches["force"][0], patches["readings"][0]) == (made.force, 1)
+        assert (rows["shape"] == 0).all()
+        assert np.isnan(rows["radius"]).all()
     assert replay.recording.damage == []
-
-
-@pytest.mark.parametrize("order", [1, -1], ids=["forwards", "backwards"])
-def test_from_any_time_on_the_same_is_seen(fit: Fit, fitted: RecordingSource, order: int) -> None:
-    places = (52, 61, 64, 71, 78, 100, 127, 199, 202, 231, 239, 260, 299, 330, 339)
-    for number in places[::order]:
-        assert_same(saw(fitted, number), fit.seen[number])
-
-
-def test_while_it_plays_ten_times_as_fast_the_same_is_seen(
-    fit: Fit, fitted: RecordingSource
-) -> None:
-    saw(fitted, 60)
-    fitted.set_speed(10.0)
-    fitted.play()
-    seen: dict[int, EngineView] = {}
-
-    def plays() -> bool:
-        found = fitted.view()
-        seen[found.snapshot.number] = found
-        return not fitted.playing
-
-    wait_for(plays)
-    fitted.set_speed(1.0)
-    assert len(seen) > 5
-    for number, found in seen.items():
-        assert_same(found, fit.seen[number])
-
-
-def test_the_page_is_sent_the_same(fit: Fit, fitted: RecordingSource) -> None:
-    for number in (100, 127):
-        found = saw(fitted, number)
-        live, again = (
-            Updates(SceneLayout((fitted,))).make(1, [each], ())
-            for each in (fit.seen[number], found)
-        )
-        assert live == again
-
-
-def test_a_recovered_file_has_the_answers_that_were_whole(fit: Fit, tmp_path: Path) -> None:
-    data, cut, good = fit.path.read_bytes(), tmp_path / "cut.mcap", tmp_path / "good.mcap"
-    cut.write_bytes(data[: len(data) * 6 // 10])
-    report = recover(cut, good)
-    assert report.messages["/skin/fit"] == len(list(LiveRecording.open(good).fits())) > 5
-    with closing(RecordingSource(good, playing=False)) as opened:
-        assert_same(saw(opened, 100), fit.seen[100])
-
-
-def test_numbers_that_cannot_be_shown_are_told_from_those_that_can() -> None:
-    fake = FakeFit(unique_name(), (PATCH.name, "leg"), NODES)
-    fake.tell(contact(patch=1), contact(force=2.0, patch=1), patch=1, pressure=[1.0])
-    good = recorder_drain.record_of(fake.master, 1)
-    fake.close()
-    assert is_sound(good)
-    assert slot_of(good).contacts[1][:2].tobytes() == good.contacts.tobytes()
-    for name, value in [("x", np.nan), ("normal_force", np.inf), ("position", 1e300), ("patch", 0)]:
-        rows = good.contacts.copy()
-        rows[name][1] = value
-        assert not is_sound(replace(good, contacts=rows))
-    assert not is_sound(replace(good, pressure=np.full(1, np.nan, np.float32)))
-
-
-@pytest.mark.parametrize("what", ["another skin", "damaged"])
-def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: str) -> None:
-    def beside(writer: RecordingWriter, slot: CycleSlot, number: int) -> None:
-        if what == "damaged":
-            writer.write("/skin/fit", slot.recorded(number).wall_ns, bytes(56))
-        elif number == 55:
-            fake.tell(contact(), told_ns=0)
-            data = LAYOUT.encode(replace(recorder_drain.record_of(fake.master, 1), time_ns=0))
-            writer.write("/skin/fit", 1, data)
-
-    fake = FakeFit(unique_name(), (PATCH.name, "leg"), NODES)
-    path = tmp_path / "bad.mcap"
-    known = write(path, 80, beside=beside)
-    fake.close()
     with closing(RecordingSource(path, playing=False)) as opened:
-        found = saw(opened, 70)
-        said = str(opened.status()["notes"]["damage"])
-    assert found.contacts.tobytes() == known[70].contacts
-    assert set(found.by) == {"engine"}
-    assert ("fit of 2 patches" if what == "another skin" else "record is of version 0") in said
-    assert level(70) > 0
-    assert ROWS.contact == found.contacts.dtype
+        wait_for(lambda: opened.sought)
+        went(opened, 40 / WHOLE)
+        (shown,) = opened.status()["contacts"]
+    assert (shown["shape"], shown["radius"], shown["maybe"]) == ("other", None, False)
+
+
+def test_rows_that_lack_more_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.mcap"
+    write(path, 2, layout=replace(OLDER, patch=without(OLDER.patch, "gap")))
+    with pytest.raises(FileError, match="rows of contacts and patches are of another version"):
+        Replay(path)

@@ -12,7 +12,8 @@ from skinfield.design.discrimination import needed_noncentrality
 from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import Floats, InputError
 from skinfield.skin.generators import hexagon72
-from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, predict
+from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG
 from skinfield.solve.atoms.table import Tables, atom_tables
 
 THICKNESS = 4e-3

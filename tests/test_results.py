@@ -15,6 +15,7 @@ from skinfield.files import ResultsWriter, load_contacts, open_results, save_res
 from skinfield.files import results as results_module
 from skinfield.files.pending import pending
 from skinfield.files.results import read_results
+from skinfield.reconstruct import bulk as bulk_module
 from skinfield.reconstruct.serialisation import (
     ReconstructorConfig,
     attributes_from_results,
@@ -39,6 +40,9 @@ STAMPS = 1_700_000_000_123_456_789 + 20_000_000 * np.arange(COUNT)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Chunks of 64 readings, so that there are several."""
     monkeypatch.setattr(results_module, "CHUNK_BYTES", 1)
+    for module in (results_module, bulk_module):
+        monkeypatch.setattr(module, "RUN", 64)
+        monkeypatch.setattr(module, "WARM", 0)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +88,7 @@ def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("results") / "run.skinfield"
-    save_results(path, sf.Reconstructor(PATCH, grid=GRID), READINGS, STAMPS)
+    save_results(path, sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[0]), READINGS, STAMPS)
     return path
 
 
@@ -124,7 +128,7 @@ def test_the_same_readings_by_another_solver_on_another_grid(good: Path) -> None
 
 
 def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
-    made = sf.Reconstructor(PATCH, grid=GRID)
+    made = sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[0])
     path = tmp_path / "run.skinfield"
     save_results(path, made, READINGS)
     np.testing.assert_array_equal(open_results(path).stamp, np.arange(COUNT))

@@ -25,7 +25,6 @@ from skinfield.files.ros import RosbagKinds
 from skinfield.files.ros.kinds import CONTACTS
 from skinfield.files.ros.messages import axes_at, quaternion
 from skinfield.loop.client import Live, NotRunning
-from skinfield.loop.fit_ring import FitSlot, Fitted
 from skinfield.loop.status import Observer
 from skinfield.ring import State
 
@@ -73,7 +72,8 @@ def test_contacts(live, speaker):
     np.testing.assert_allclose(xyz(first.wrench.force), [0.0, -1.2, -1.6], atol=1e-15)
     assert xyz(first.wrench.torque) == [0.0, 0.0, 0.0]
     known = ("normal_force", 2.0), ("force_std", 0.1), ("position_std", 2e-4), ("area", 3e-5)
-    for name, value in (*known, ("peak_pressure", 4e4), ("age", 0.5), ("speed", 1e-3)):
+    shape = ("shape", "flat"), ("radius", 4e-3), ("maybe", True)
+    for name, value in (*known, *shape, ("peak_pressure", 4e4), ("age", 0.5), ("speed", 1e-3)):
         assert getattr(first, name) == value
     assert (second.header.frame_id, second.header.stamp.nanosec) == ("2nd-finger", 128)
     np.testing.assert_allclose(xyz(second.position), [0.005, 0.005, 0.0])
@@ -140,32 +140,6 @@ def test_a_patch_without_an_answer_says_nothing(engine, live, speaker):
     assert [each.id for each in out[0].message.contacts] == [9]
 
 
-class Fit:
-    """The fit beside the engine, with one answer."""
-
-    def __init__(self, row, stamp_ns):
-        self.slot = FitSlot.empty(2, 16, 8)
-        told = self.slot.patches[int(row["patch"])]
-        told["state"], told["contacts"], told["touched"] = Fitted.DONE, 1, 1
-        told["stamp_ns"] = stamp_ns
-        self.slot.contacts[int(row["patch"]), 0] = row
-
-    def latest(self):
-        return self.slot
-
-
-def test_the_fit_counts_where_it_is_recent(live, speaker):
-    fit = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP)
-    out = speaker.of_snapshot(live.latest(), WHAT, fit)
-    of = {each.topic: each.message for each in out}
-    told = [(c.id, c.normal_force, c.fitted) for c in of["/skin/contacts"].contacts]
-    assert told == [(7, 2.5, True), (9, 1.5, False)]
-    assert of["/skin/left_palm/wrench"].wrench.force.z == -2.5
-    old = Fit(contact(0, 7, 2.5, (0.01, 0.0, 0.0)), STAMP - 10**10)
-    out = Speaker(live.skin, RosbagKinds()).of_snapshot(live.latest(), ("contacts",), old)
-    assert [c.fitted for c in next(out).message.contacts] == [False, False]
-
-
 def test_nothing_touches(engine, live, speaker):
     engine.cycle([], (STAMP + 9, 0))
     out = {o.topic: o.message for o in speaker.of_snapshot(live.latest(), WHAT)}
@@ -207,7 +181,7 @@ def test_bytes_of_contacts(live, speaker):
     wanted = [0.1, 0.21, 0.3, 0, 0.6, 0.8, 0, -1.2, -1.6, 0, 0, 0]
     np.testing.assert_allclose(numbers[:12], wanted, atol=1e-15)
     assert numbers[12:] == [2.0, 0.1, 2e-4, 3e-5, 4e4, 0.5, 1e-3]
-    assert cdr.take("?") is False
+    assert (cdr.text(), cdr.take("d"), cdr.take("?")) == ("flat", 4e-3, True)
 
 
 def test_diagnostics(engine, live, speaker):
@@ -329,7 +303,6 @@ def test_pace(steps, rate):
     now, done = [100.0], []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(messages, "Observer", lambda *_, **__: SimpleNamespace(look=lambda: None))
-        patch.setattr(messages, "FitReader", lambda _: None)
         patch.setattr(messages.time, "monotonic", lambda: now[0])
         speaker = SimpleNamespace(of_status=lambda *_: now[0])
         talker = Talker(live, speaker, {"diagnostics": rate, "wrench": 0.0}, done.append)

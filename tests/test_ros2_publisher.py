@@ -270,8 +270,8 @@ HASHES = {  # of the types whose messages are sent
     CLOUD: "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5",
     FRAMES: "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
     # worked out once by REP 2011 and 2016 from the .msg files
-    CONTACT: "140d6846d31c70f8435f0ddc5fffdf96ea01f41eb79fc133abbdb753f9d34bbc",
-    CONTACTS: "cab83dbc387d28284e2fbfb47df67800b9626d3ec724124d293b07604904fdc7",
+    CONTACT: "3c09f209b0cac41b948bc192f4f14dca241e36d3d57f07a6a7e913c0584a47cb",
+    CONTACTS: "f0e8098ba43c0432a2cfedf73d44925ce5dbd914ef0327708ab6dd2fbba3495a",
     WRENCH_STAMPED: "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77",
 }
 

@@ -97,7 +97,7 @@ def test_the_truth_itself_scores_zero(patch: Patch, nodes: tuple[int, int], pitc
     contact = contact_at((1e-3, 2e-3), 2.0)
     got = score(case, estimate_of(grid, truth.pressure, -truth.displacement[:, 2], contact))
     assert got["force_error"] == pytest.approx(0.0, abs=1e-12)
-    assert got["field_force_error"] == pytest.approx(0.0, abs=1e-4)  # of the bump's tails
+    assert got["total_force_error"] == pytest.approx(0.0, abs=1e-4)  # of the bump's tails
     assert (got["missed"], got["false"], got["contacts"]) == (0, 0, 1)
     for name in ("place_error_mm", "contact_force_error", "area_error", "peak_error",
                  "pressure_error", "blurred_pressure_error", "deformation_error"):  # fmt: skip
@@ -112,7 +112,7 @@ def test_scaled_estimates_are_off_by_the_scale(patch: Patch) -> None:
         contact_at((1e-3, 2e-3), 2.6, 30e-6),
     )  # fmt: skip
     got = score(case_of(truth, patch), found)
-    assert got["field_force_error"] == pytest.approx(0.3, abs=1e-4)
+    assert got["total_force_error"] == pytest.approx(0.3, abs=1e-4)
     for name in ("force", "contact_force", "peak", "pressure", "blurred_pressure"):
         assert got[f"{name}_error"] == pytest.approx(0.3), name
     assert got["deformation_error"] == pytest.approx(0.2)
@@ -150,7 +150,7 @@ def test_coarse_and_fine_grids_agree_on_the_same_field(patch: Patch) -> None:
         assert got["pressure_error"] < sharp
         assert got["blurred_pressure_error"] < sharp / 3
         assert got["deformation_error"] < sharp / 2
-        assert got["field_force_error"] == pytest.approx(0.0, abs=1e-3)
+        assert got["total_force_error"] == pytest.approx(0.0, abs=1e-3)
 
 
 @given(

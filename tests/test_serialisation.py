@@ -8,7 +8,6 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError
-from skinfield.reconstruct.intervals import Group, Intervals, Ratio
 from skinfield.reconstruct.serialisation import (
     ReconstructorConfig,
     plain_from_value,
@@ -36,7 +35,7 @@ def test_settings_come_back_equal(solver) -> None:
         sf.Capacitance(order=2), solver, np.linspace(0.001, 0.003, 72), sf.ContactFinder(edge=0.3),
     )  # fmt: skip
     for other in (again(config), pickle.loads(pickle.dumps(config))):
-        for name in ("layer", "mechanics", "quantity", "solver", "finder", "intervals"):
+        for name in ("layer", "mechanics", "quantity", "solver", "finder"):
             assert getattr(other, name) == getattr(config, name)
         np.testing.assert_array_equal(other.noise_std, config.noise_std)
         np.testing.assert_array_equal(other.patch.positions, PATCH.positions)
@@ -55,24 +54,13 @@ def test_the_reconstructor_is_the_same_to_the_last_bit(patch) -> None:
     np.testing.assert_array_equal(second.operator, first.operator)
 
 
-def test_intervals_come_back() -> None:
-    first = sf.Reconstructor(PATCH, grid=GRID, quantity=sf.Gap(), solver=sf.Tikhonov())
-    name, quantity, taxels, noise = first.kind
-    drawn = np.sort(np.random.default_rng(1).normal(size=(5, 40)))
-    group = Group(**dict(zip(("force", "area"), drawn[:2], strict=True)), **dict(
-        zip(("force_size", "place", "distance"), np.sort(np.abs(drawn[2:])), strict=True)
-    ))  # fmt: skip
-    ratio = Ratio(centre=np.array([0.1, -0.02, 1 / 3]), floor=0.05)
-    learnt = first.with_intervals(Intervals(
-        solver=name, quantity=quantity, taxels=taxels, noise_std=noise, presses=60, detected=40,
-        force=ratio, area=ratio, place_floor=1e-4, edges=np.empty(0), groups=(group,),
-    ))  # fmt: skip
-    second = again(ReconstructorConfig.of(learnt)).reconstructor()
-    readings = np.zeros(72)
-    readings[30] = 0.1
-    expected, found = learnt(readings).contacts[0], second(readings).contacts[0]
-    np.testing.assert_array_equal(found.covariance, expected.covariance)
-    assert found.force_interval(0.8) == expected.force_interval(0.8)
+def test_settings_with_intervals_are_refused_with_what_to_do() -> None:
+    rec = sf.Reconstructor(PATCH, grid=GRID, solver=sf.Tikhonov())
+    plain = ReconstructorConfig.of(rec).to_plain()
+    older = ReconstructorConfig.from_plain(plain | {"intervals": None})  # of a file with none
+    assert older.solver == rec.solver
+    with pytest.raises(FileError, match=r"intervals that were learnt .* recording anew"):
+        ReconstructorConfig.from_plain(plain | {"intervals": {"is": "Intervals"}})
 
 
 @pytest.mark.parametrize(

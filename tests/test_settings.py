@@ -122,7 +122,7 @@ def test_toml_flags_and_json_say_the_same(tmp_path_factory: Any, tree: Settings)
         ("[loop]\nrate = 3", "(did you mean rate_hz?)"),
         ("[lop]", "a.toml:1: 'lop' is not known, expected one of skin, source, model, loop, page"),
         ("loop = 3", "a.toml:1: loop is 3, expected a table"),
-        ("[model]\nsolver = 'nonegative'", "expected one of gaussian, nonnegative"),
+        ("[model]\nsolver = 'nonegative'", "expected one of auto, gaussian, nonnegative"),
         ("[model]\nsolver = 'nonegative'", "(did you mean nonnegative?)"),
         ("[source]\nchannel = [3]", "a.toml:2: [source] channel[0] is 3, expected a text in q"),
         ("[source]\noptions = ['x']", "[source] options is 'x', expected KEY=VALUE"),

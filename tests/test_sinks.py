@@ -112,7 +112,7 @@ def test_contacts_come_back_with_every_reading(tmp_path: Path, suffix: str) -> N
         assert row["total_force_N"] == pytest.approx(one.normal_force, rel=1e-8)
         assert row["valid_taxels"] == 11 - reading
         if number < 0:
-            assert all(row[key] is None for key in COLUMNS[6:])  # beyond `contact`
+            assert all(row[key] is None for key in COLUMNS[7:])  # beyond `contact`
             continue
         made = one.contacts[number]
         assert [row[k] for k in ("x_m", "y_m", "z_m")] == pytest.approx(made.position.tolist())

@@ -7,7 +7,15 @@ from non_negative_reference import small_model
 from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, ObservationModel
 from skinfield.errors import InputError
 from skinfield.skin import Grid
-from skinfield.solve import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.solve import (
+    Auto,
+    ContactFit,
+    GaussianField,
+    Inverse,
+    PseudoInverse,
+    Solver,
+    Tikhonov,
+)
 from skinfield.solve.contract import SolverContract, square_patch
 
 
@@ -51,7 +59,11 @@ class TestContactFit(SolverContract):
     solver = ContactFit()
     force_ratio = (0.97, 1.03)
     place_error = 0.2e-3
-    allocates = True
+
+
+class TestAuto(TestContactFit):
+    solver = Auto()
+    name = "ContactFit"
 
 
 @pytest.mark.parametrize("solver", [Tikhonov(), GaussianField(), PseudoInverse()])

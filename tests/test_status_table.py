@@ -25,12 +25,17 @@ def timing(cycles: int, late: int = 0) -> Timing:
 
 def patch(name: str, **changes: Any) -> dict[str, Any]:
     known = {"name": name, "answer": "idle", "age": 0.011, "stale": False, "force": 0.0}
-    return known | {"contacts": 0, "invalid": 0, "rung": 10, "gap": None} | changes
+    return known | {"contacts": 0, "readings": 16, "invalid": 0, "rung": 10, "gap": None} | changes
 
 
 def contact(track: int, where: str, force: float, **changes: Any) -> dict[str, Any]:
     known = {"track": track, "patch": where, "normal_force": force, "force_std": 0.12}
-    known |= {"position": [-0.1234, 0.0071, -0.0002], "area": 27e-6, "peak_pressure": 139.34e3}
+    known |= {
+        "position": [-0.1234, 0.0071, -0.0002],
+        "area": 27e-6,
+        "shape": "sphere",
+        "maybe": False,
+    }
     return known | {"age": 2.71} | changes
 
 
@@ -55,16 +60,16 @@ def idle(names: list[str] = NAMES) -> LiveStatus:
 
 
 def one_contact() -> LiveStatus:
-    touched = [patch("hexagon72", answer="feasible", force=1.83, contacts=1, rung=40)]
+    touched = [patch("hexagon72", answer="contacts", force=1.83, contacts=1, rung=40)]
     return replace(idle(["x"]), patches=touched, contacts=[contact(9, "hexagon72", 1.83)])
 
 
 def many_contacts() -> LiveStatus:
     """14 on 5 of 60 patches."""
     rows = [contact(100 + at, NAMES[at % 5], 0.4 + 0.31 * (at * 5 % 14)) for at in range(14)]
-    rows[3] |= {"force_std": None, "normal_force": 123.456, "age": 86_400.0}
+    rows[3] |= {"maybe": True, "force_std": None, "normal_force": 123.456, "age": 86_400.0}
     patches = [
-        patch(name, answer="feasible", force=2.5, contacts=3, rung=40) if at < 5 else patch(name)
+        patch(name, answer="contacts", force=2.5, contacts=3, rung=40) if at < 5 else patch(name)
         for at, name in enumerate(NAMES)
     ]
     return replace(idle(NAMES), patches=patches, contacts=rows)
@@ -143,7 +148,8 @@ def test_contacts_come_by_falling_force_with_all_their_numbers() -> None:
     forces = [float(row[2]) for row in rows]
     assert forces == sorted(forces, reverse=True)
     assert rows[0][:4] == ["103", NAMES[3], "123.46", "–"]
-    assert rows[1][2:] == ["4.43", "0.12", "-123.4", "7.1", "-0.2", "27", "139.3", "2.7"]
+    assert rows[0][7:] == ["27", "two?", "86400.0"]
+    assert rows[1][2:] == ["4.43", "0.12", "-123.4", "7.1", "-0.2", "27", "sphere", "2.7"]
 
 
 def test_what_does_not_fit_is_counted() -> None:

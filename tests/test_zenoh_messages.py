@@ -13,14 +13,11 @@ from skinfield.bridges.zenoh.messages import (
     EstimateForm,
     EstimateHead,
     RemoteCalibration,
-    contact_plain,
-    contacts_from,
     status_from,
     strict_json,
 )
 from skinfield.bridges.zenoh.session import Keys, chunk
 from skinfield.errors import InputError
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.model_config import Configuration
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.solve import NonNegative
@@ -55,30 +52,12 @@ def test_any_bytes_are_refused_or_can_be_shown(data) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(
-    kind=st.integers(0, 5),
+    kind=st.integers(0, 4),
     changes=st.lists(st.tuples(st.integers(0, 1 << 16), st.binary(min_size=8, max_size=8))),
 )
 def test_good_messages_with_changes_too(kind, changes) -> None:
     data = b"".join(place.to_bytes(3, "little") + octets for place, octets in changes)
     fuzz_zenoh.one_input(bytes([kind]) + data)
-
-
-def test_contacts_go_there_and_back() -> None:
-    rng = np.random.default_rng(4)
-    rows = np.zeros(3, CONTACT)
-    for name in CONTACT.names:
-        rows[name] = rng.integers(1, 9, rows[name].shape)
-    rows["patch"], rows["cells"] = 0, 0  # how many cells it has is not told
-    rows["place_std"][1] = np.nan
-    by = ["fit", "engine", "fit"]
-    patches = list(fuzz_zenoh.MODEL_CONFIG.skin)
-    plain = [contact_plain(row, patches, who) for row, who in zip(rows, by, strict=True)]
-    found = contacts_from(
-        strict_json({"stamp_ns": 5, "contacts": plain}), fuzz_zenoh.MODEL_CONFIG.skin
-    )
-    assert (found.stamp_ns, found.by) == (5, by)
-    for name in CONTACT.names:
-        np.testing.assert_array_equal(found.rows[name], rows[name])
 
 
 def test_the_sample_is_good() -> None:

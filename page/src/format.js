@@ -92,11 +92,18 @@ export function placesOf(step) {
   return 8;
 }
 
-const FIT_TRACKS = 1000000; // the fit counts its tracks from here on
+const BY = { contacts: "contacts explain the reading", field: "of a field", linear: "of a linear answer" };
 
-/** A short name of a track: those of the fit have an f. */
-export function trackName(track) {
-  return track >= FIT_TRACKS ? `f${track - FIT_TRACKS}` : String(track);
+/** What presses and what it was found from, in words. */
+export function contactWords({ shape, radius, maybe, answer, readings }) {
+  const size = Number.isFinite(radius) ? `, radius ${fixed(1e3 * radius, 1)} mm` : "";
+  const words = [
+    shape && shape !== "other" ? `${shape}${size}` : "",
+    maybe ? "two contacts explain the readings nearly as well" : "",
+    BY[answer] ?? "",
+    readings > 1 ? `mean of ${readings} readings` : "",
+  ];
+  return words.filter(Boolean).join("; ");
 }
 
 function minus(text) {

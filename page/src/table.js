@@ -1,10 +1,9 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
-import { fixed, trackName } from "./format.js";
+import { contactWords, fixed } from "./format.js";
 import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
-const BY = { fit: "found by the fit beside the engine", engine: "found by the engine" };
 
 export class ContactsTable {
   #body = byId("contacts-table").tBodies[0];
@@ -40,7 +39,7 @@ export class ContactsTable {
     const { at, count } = this.#said;
     if (now - at < SAY_EVERY_S || (rows.length === count && rows.length === 0)) return;
     this.#said = { at: now, count: rows.length };
-    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres`);
+    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres${contact.maybe ? ", perhaps two" : ""}`);
     const words = rows.length ? `${rows.length} contact${rows.length > 1 ? "s" : ""}: ${each.join("; ")}` : "No contact";
     setText(byId("contacts-summary"), words);
   }
@@ -50,7 +49,7 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
   return element(
     "tr",
     { ...dataOf(contact, truth, error_m, error_percent), class: contact.old ? "old" : null },
-    element("th", { scope: "row", title: BY[contact.by] }, swatch(slotOf(contact.key)), ` ${trackName(contact.track)}`),
+    element("th", { scope: "row", title: contactWords(contact) }, swatch(slotOf(contact.key)), ` ${contact.track}`, orTwo(contact)),
     element("td", { text: patchName(contact.patch), title: patchName(contact.patch), class: "patch" }),
     element("td", { class: "n", text: place(contact) }),
     element("td", { class: "n", text: `${fixed(contact.force, 2)}${plusMinus(contact.force_std)}` }),
@@ -70,6 +69,8 @@ function dataOf(contact, truth, error_m, error_percent) {
     "data-force": number(contact.force, 4),
     "data-force-std": number(contact.force_std, 4),
     "data-area-mm2": number(1e6 * contact.area, 2),
+    "data-shape": contact.shape,
+    "data-maybe": contact.maybe ? "" : null,
   };
   if (!truth) return data;
   return {
@@ -104,6 +105,11 @@ function swatch(slot) {
   const mark = element("i", { class: "swatch", "aria-hidden": "true" });
   if (slot >= 0) mark.style.background = `var(--slot-${slot})`;
   return mark;
+}
+
+/** A contact that may be two says so. */
+function orTwo({ maybe }) {
+  return maybe ? element("small", { class: "or-two", text: " · two?" }) : null;
 }
 
 function place({ x, y }) {

@@ -28,6 +28,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.skin import Patch as Patch
     from skinfield.skin import Skin as Skin
     from skinfield.skin import generators
+    from skinfield.solve import Auto as Auto
     from skinfield.solve import ContactFit as ContactFit
     from skinfield.solve import GaussianField as GaussianField
     from skinfield.solve import Inverse as Inverse
@@ -46,6 +47,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "connect": "skinfield.loop:connect",
     "Contact": "skinfield.estimate:Contact",
     "ContactFinder": "skinfield.estimate:ContactFinder",
+    "Auto": "skinfield.solve:Auto",
     "ContactFit": "skinfield.solve:ContactFit",
     "Detector": "skinfield.solve.detection:Detector",
     "Engine": "skinfield.reconstruct.engine:Engine",

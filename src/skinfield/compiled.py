@@ -24,9 +24,13 @@ from typing import Any, TypeVar, overload
 
 import llvmlite
 import numba
+from numba import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.event import Listener, install_listener
 
 CONFIG: Any = numba.config
+UNLITERAL: Any = types.unliteral
 PACKAGE = Path(__file__).parent
 VERSIONS_PER_MODULE = 3  # two branches of a checkout, and what is being edited
 IMPORT = re.compile(
@@ -72,8 +76,8 @@ def inner(**options: Any) -> Callable[[F], F]: ...
 def inner(function: Any = None, /, **options: Any) -> Any:
     """Compile a function that only compiled ones call: in half the time.
 
-    It is part of what calls it, and of what the cache holds of that. Without the two wrappers by
-    which Python and C would call it there is half as much to compile.
+    It is part of what calls it, and of what the cache holds of that: there it is optimised, and
+    becomes machine code, once for all. It has no wrapper by which Python or C would call it.
 
     Parameters
     ----------
@@ -83,8 +87,51 @@ def inner(function: Any = None, /, **options: Any) -> Any:
     """
     if function is None:
         return lambda function: inner(function, **options)
-    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(**{"nogil": True, **bare, **options})(function)
+    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InnerCompiler}
+    made = numba.njit(**{"nogil": True, **bare, **options})(function)
+    template = made.get_call_template
+
+    def any_value(arguments: Any, keywords: Any) -> Any:
+        """One code for all values of a constant, which Numba would take for types of their own."""
+        return template([UNLITERAL(each) for each in arguments], keywords)
+
+    made.get_call_template = any_value
+    return made
+
+
+class InnerLibrary(JITCodeLibrary):
+    """Code that is optimised, and translated, in what it is linked into alone.
+
+    Numba does both at each function for all that it calls: the deeper calls go, the more often.
+    """
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """None: it is no machine code."""
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """Itself, for `set_env`."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: there is none before it is linked."""
+
+
+class InnerCompiler(Compiler):
+    """Numba's compiler, for functions that only compiled ones call."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+        name = "inner" if library is None else library.name
+        code: Any = InnerLibrary
+        start: Any = super().__init__
+        start(typing, target, code(target.codegen(), name), *rest)
 
 
 class Compilations(Listener):

@@ -4,7 +4,7 @@
  */
 
 import * as THREE from "three";
-import { fixed, trackName } from "../format.js";
+import { fixed } from "../format.js";
 import { Arrows, arrowLength } from "./arrows.js";
 import { Labels } from "./labels.js";
 import { Lines } from "./lines.js";
@@ -90,8 +90,8 @@ export class Marks {
     }
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
-      title: `${contact.force.toFixed(2)} N${spread}`,
-      detail: `#${trackName(contact.track)}  ${contact.old ? "not of now" : this.#where(contact)}`,
+      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? " · two?" : ""}`,
+      detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
       accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,
     });

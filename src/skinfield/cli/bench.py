@@ -23,7 +23,7 @@ def bench(
     duration: Annotated[float | None, Range(1.0, 86_400.0, "seconds")] = None,
     rate_hz: Annotated[float | None, Range(1.0, 20_000.0, "cycles per second")] = None,
     busy: Annotated[int | None, Range(0, 1024, "processes that compute")] = None,
-    solver: Literal["nonnegative", "gaussian"] | None = None,
+    solver: Literal["auto", "nonnegative", "gaussian"] | None = None,
     priority: Annotated[int | None, Range(0, 98, "of SCHED_FIFO; 0 for none")] = None,
 ) -> None:
     """Measure on this machine what a reading costs, and error against time.
@@ -65,7 +65,7 @@ def bench(
     busy : int, optional
         For jitter: busy processes beside it. Default 2.
     solver : str, optional
-        For jitter: of the engine. Default nonnegative.
+        For jitter: of the engine. Default auto.
     priority : int, optional
         For jitter: of SCHED_FIFO; 0 for ordinary scheduling. Default 80.
     """

@@ -107,7 +107,7 @@ def scale(
             fit.reference,
             label=f"skin x {fit.factor:.3g} (E = {modulus:.3g} kPa)",
             reference_label=f"force/torque sensor, {axis}",
-            title=f"{config.patch.name}: normal force of all contacts",
+            title=f"{config.patch.name}: normal force",
         )
         save(figure, plot)
     report.finish(as_json, result, (output, plot), lines)
@@ -116,7 +116,7 @@ def scale(
 def _loads_of(
     recording: str, plan: "JobPlan"
 ) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
-    """What reconstructs a recording, its stamps (T,) ns, and the force of all contacts (T,) N."""
+    """What reconstructs a recording, its stamps (T,) ns, and their normal force (T,) N."""
     from skinfield.cli.reconstruct_jobs import parts, place_of, take_in
     from skinfield.files.results import read_results
 
@@ -127,7 +127,7 @@ def _loads_of(
         loads: list[Floats] = []
         with report.progress("reconstructing", len(results)) as step:
             for part in parts(results, range(len(results)), fields=False):
-                loads.append(part.load)
+                loads.append(part.force)
                 step(sum(map(len, loads)))
         return results.config, results.stamps(0, len(results)), np.concatenate(loads)
 

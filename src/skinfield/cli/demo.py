@@ -45,7 +45,7 @@ def demo(
     nonlinear electrostatics of the pads; the reconstruction sees noisy readings only.
 
       skinfield demo
-      skinfield demo --press 0,6,2,6 --solver contact
+      skinfield demo --press 0,6,2,6 --solver nonnegative
       skinfield demo --press 0,6,2,6 --solver tikhonov --grid 20 -o demo.pdf
       skinfield demo --quantity stress --mechanics half-space --solver inverse
 
@@ -79,17 +79,19 @@ def demo(
     estimate = reconstructor(readings)
     truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
     report.save_picture(picture, estimate, readings, config, truth)
+    report.say_notes(estimate.notes)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     result = {
         "contacts": report.plain_contacts(estimate.contacts),
         "presses": rows,
+        "solver": estimate.solver,
         "prepared_s": prepared,
         "latency_s": estimate.latency,
         "picture": picture,
     }
 
     def lines() -> Iterator[report.Shown]:
-        yield report.table_of_contacts(estimate.contacts, "Contacts reconstructed")
+        yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
         later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
         yield (

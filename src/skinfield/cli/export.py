@@ -23,12 +23,12 @@ def export(
     """Turn FILE, a recording of a live skin, into tables that others read.
 
     The raw counts of every patch over time, one row per scan and empty where a taxel did not
-    answer; the engine's contacts and, where a contact fit ran beside it, the fit's; each patch's
-    answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
-    stamps in ns since the epoch, all else in SI units.
+    answer; the contacts and each patch's answer in each cycle; the cycles' times; and what
+    happened. In the order of the layout's taxels, stamps in ns since the epoch, all else in SI
+    units.
 
-      out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
-                           out.patch_cycles.*, out.cycles.* and out.events.json
+      out.parquet, .csv    the counts; beside it out.contacts.*, out.patch_cycles.*,
+                           out.cycles.* and out.events.json
 
     It is read and written piece by piece: a recording may be longer than memory.
 

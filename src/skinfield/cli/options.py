@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     KnownQuantity = sf.BaseStress | sf.Capacitance | sf.Gap
 
 SOLVERS = {
+    "auto": "Auto",
     "gaussian": "GaussianField",
     "contact": "ContactFit",
     "nonnegative": "NonNegative",
@@ -49,7 +50,7 @@ S = TypeVar("S", bound=Section)
 T = TypeVar("T")
 QUANTITIES = {"capacitance": "Capacitance", "gap": "Gap", "stress": "BaseStress"}
 LIVE = ".mcap"  # ends the name of a recording of a live skin
-USUAL_SOLVER: SolverName = "gaussian"
+USUAL_SOLVER: SolverName = "auto"
 USUAL_NO_LOAD = 240  # of an iCub byte
 PER_PITCH, COARSEST, FINEST = 4, 10, 80  # nodes: to a pitch of the taxels, at least, at most
 

@@ -54,7 +54,7 @@ def reconstruct(
     A recording may be longer than memory. -o run.skinfield stores its readings, its contacts and
     what reconstructs them, far less than the fields, which are computed when they are looked at: in
     Python with skinfield.open_results, here with --slice. Solvers that start from the reading
-    before (nonnegative, contact) do so within runs of 64 readings and begin anew at each.
+    before (auto, contact, nonnegative) do so within runs of 256, each from the 32 before it.
 
     Several recordings, or one by several processes, go into a folder: -o DIR gets results of each,
     made window by window by Dask's workers, here or on a cluster. What is complete stands in
@@ -82,7 +82,7 @@ def reconstruct(
     summary : str, optional
         Summary of the run: .json.
     plot : str, optional
-        Figure of the reading with the highest load: .png, .pdf or .svg.
+        Figure of the reading with the highest force: .png, .pdf or .svg.
     reading : int, optional
         Draw and list this reading (from 0) instead.
     slice_ : str, optional
@@ -226,7 +226,7 @@ def _reconstruct_one(
         when = seconds_of(results, range(totals.peak + 1))
     if summary:
         write_summary(summary, plain)
-    report.say_notes(doubts(results.reconstructor, best))
+    report.say_notes((*best.notes, *doubts(results.reconstructor, best)))
     if plot:
         report.save_picture(plot, best, values[0], results.config)
     report.finish(as_json, plain, names, _lines(plain, best, when))
@@ -254,9 +254,9 @@ def _lines(plain: dict[str, Any], best: "Estimate", when: float) -> Iterator[rep
         f"({plain['taxels_left_out']} left out), {plain['skipped_lines']} lines skipped; "
         f"{plain['latency_ms_per_reading']:.3g} ms per reading"
     )
-    load = sum(contact.normal_force for contact in best.contacts)
-    contacts = plural(len(best.contacts), "contact")
-    title = f"reading {plain['highest_load_reading']} at {when:.2f} s: {load:.2f} N in {contacts}"
+    force, contacts = float(best.normal_force), plural(len(best.contacts), "contact")
+    where = f"reading {plain['highest_force_reading']} at {when:.2f} s"
+    title = f"{where}: {force:.2f} N, {contacts}, by {best.solver}"
     yield report.table_of_contacts(best.contacts, title)
 
 
@@ -304,10 +304,9 @@ def _summary(
         "layer": repr(config.layer),
         "grid": list(config.grid.shape),
         "options": {name: value for name, value in values.items() if value is not None},
-        "contact_force_N": {"mean": totals.load / count, "highest": totals.highest_load},
-        "field_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
+        "total_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
-        "highest_load_reading": totals.peak,
+        "highest_force_reading": totals.peak,
         "latency_ms_per_reading": totals.seconds / count * 1e3,
         "notes": list(results.notes),
     }

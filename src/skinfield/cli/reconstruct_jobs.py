@@ -47,9 +47,9 @@ RECORDING = (
     Column("s", "duration_s", decimals=2), Column("skipped", "skipped_lines", decimals=0),
     Column("left out", "taxels_left_out", decimals=0), Column("contacts", "contacts", decimals=0),
     Column("highest N", "highest_force_N", decimals=2),
-    Column("at reading", "highest_load_reading", decimals=0),
+    Column("at reading", "highest_force_reading", decimals=0),
 )  # fmt: skip
-STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
+STEPS = {"linear": CHUNK, "iterative": RUN}  # readings that are answered together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +191,7 @@ class PartialResults(NamedTuple):
     """What some readings give."""
 
     totals: Totals
-    load: Floats  # (T,) N, of all contacts of each reading
+    force: Floats  # (T,) N, of each reading
     rows: list[tuple[int | float | str | None, ...]]  # of a table of contacts
     series: Arrays | None  # fields, if they are wanted
 
@@ -199,8 +199,8 @@ class PartialResults(NamedTuple):
 def parts(results: Results, readings: range, fields: bool) -> Iterator[PartialResults]:
     """Reconstruct readings in a row, step by step; steps begin at multiples of their size.
 
-    Runs of an iterative solver begin at multiples of their size, too, so that what a reading gives
-    depends on neither steps nor windows.
+    Runs of an iterative solver begin at multiples of their size, too, and products of a linear one
+    at multiples of theirs, so that what a reading gives does not depend on the windows.
     """
     names = ("pressure", "displacement") if fields else ("pressure",)
     size = STEPS["linear" if results.bulk(names).is_linear else "iterative"]
@@ -209,23 +209,20 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[PartialRe
     while first < readings.stop:
         last, begun = min(first - first % size + size, readings.stop), time.perf_counter()
         estimate = results.estimates(first, last, names)
-        force = estimate.pressure.sum(axis=1, dtype=np.float64) * results.config.grid.cell_area
-        load = np.array([sum(c.normal_force for c in each) for each in estimate.contacts])
+        force = estimate.normal_force
         rows = list(rows_from_estimate(estimate, first, start_ns))
         series = series_of(estimate) if fields else None
-        best = int(np.argmax(load))
+        best = int(np.argmax(force))
         totals = Totals(
             readings=last - first,
-            load=float(load.sum()),
-            highest_load=float(load[best]),
-            peak=first + best,
             force=float(force.sum()),
-            highest_force=float(force.max()),
+            highest_force=float(force[best]),
+            peak=first + best,
             contacts=sum(map(len, estimate.contacts)),
             seconds=time.perf_counter() - begun,
             silent=np.flatnonzero(~estimate.valid.any(axis=0)).tolist(),
         )
-        yield PartialResults(totals, load, rows, series)
+        yield PartialResults(totals, force, rows, series)
         first = last
 
 
@@ -440,8 +437,8 @@ def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
                 "skipped_lines": entry.skipped,
                 "taxels_left_out": len(totals.silent or ()),
                 "contacts": totals.contacts,
-                "highest_force_N": totals.highest_load,
-                "highest_load_reading": totals.peak,
+                "highest_force_N": totals.highest_force,
+                "highest_force_reading": totals.peak,
             }
         )
     return rows

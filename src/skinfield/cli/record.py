@@ -215,7 +215,7 @@ def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
         began = datetime.fromtimestamp(summary["began_ns"] * 1e-9, UTC)
         when = began.strftime("%Y-%m-%d %H:%M:%S UTC")
     lost, contacts = summary["lost"], summary["contacts"]
-    fields, fit = summary["fields"], summary["fit"]
+    fields = summary["fields"]
     rate = "?" if summary["cycle_rate"] is None else f"{summary['cycle_rate']:,.1f}"
     whole = "" if summary["finished"] else "; not finished: skinfield recover makes a whole file"
     enclosed = ", ".join(
@@ -235,7 +235,6 @@ def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("contacts", f"{contacts['tracks']:,} tracks in {contacts['cycles']:,} cycles, at most "
                      f"{contacts['most_at_once']} at once"),
         ("fields", f"{fields['messages']:,}, {fields['bytes'] / 1e6:.2f} MB"),
-        ("contact fit", f"{fit['answers']:,} answers, {fit['bytes'] / 1e6:.2f} MB"),
         ("settings", f"{len(summary['settings'])} times told"),
         ("lost", f"{lost['messages']:,} messages before the host; in the ring "
                  f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "

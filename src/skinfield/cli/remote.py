@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from skinfield.bridges.zenoh.source import ZenohSource
 from skinfield.page.controller import Controller
-from skinfield.page.source import DataSource, EngineView, plain_view
+from skinfield.page.source import DataSource, EngineView
 
 if TYPE_CHECKING:
     from skinfield.bridges.zenoh.discovery import ZenohSources
@@ -41,11 +41,7 @@ class RemoteController(Controller):
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
-        return [_view(source) for source in sources]
-
-
-def _view(source: DataSource) -> EngineView:
-    snapshot = source.latest()
-    if snapshot is None or not isinstance(source, ZenohSource):
-        return plain_view(snapshot)
-    return EngineView(snapshot, *source.best(snapshot), old=source.gone)
+        return [
+            EngineView(source.latest(), isinstance(source, ZenohSource) and source.gone)
+            for source in sources
+        ]

@@ -14,17 +14,16 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live as Screen
 
-import skinfield as sf
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.cli import options, report
 from skinfield.cli.profiles import SkinProfile
 from skinfield.cli.settings import (
-    LiveModelSettings,
-    LiveSolverName,
     LoopSettings,
+    ModelSettings,
     RecordSettings,
     Settings,
     SkinSettings,
+    SolverName,
     SourceSettings,
     changed,
     toml_from_settings,
@@ -34,7 +33,7 @@ from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
 DIGITS = 4  # to which numbers of contacts are rounded: what they are good for
-SETTLE = 3.0  # s that the engine answers a press, and the fit beside it, to warm up
+SETTLE = 3.0  # s that the engine answers a press, to warm up
 STARTING = "starting; the first time code is compiled for this machine, a minute or two"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
@@ -60,7 +59,7 @@ def run(
     force: options.Force = False,
     skin: Annotated[SkinSettings, options.part("Skin")] = SkinSettings(),
     source: Annotated[SourceSettings, options.part("Source of readings")] = SourceSettings(),
-    model: Annotated[LiveModelSettings, options.part("Model")] = LiveModelSettings(),
+    model: Annotated[ModelSettings, options.part("Model")] = ModelSettings(),
     loop: Annotated[LoopSettings, options.part("Loop")] = LoopSettings(),
     page: Annotated[PageSettings, options.part("Page")] = PageSettings(),
     bridges: Annotated[BridgeSettings, options.part("Bridges")] = BridgeSettings(),
@@ -177,7 +176,7 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         layer=options.layer_of(wanted.skin, profile),
         mechanics=options.mechanics_of(model.mechanics or profile.mechanics),
         quantity=options.quantity_of(model.quantity or "capacitance"),
-        solver=live_solver(model.solver or "nonnegative"),
+        solver=options.solver_of(model.solver or "auto"),
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
         gain=options.filled(wanted.skin, profile).gain,
@@ -189,15 +188,6 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         tare_seconds=loop.tare_s,
         real_time=RealTime(priority=loop.priority, cpu=loop.cpu),
     )
-
-
-def live_solver(name: str) -> Any:
-    """As elsewhere, but for the gap to which a search goes."""
-    from skinfield.loop.settings import LIVE_TOLERANCE
-
-    if name == "nonnegative":
-        return sf.NonNegative(tolerance=LIVE_TOLERANCE)
-    return options.solver_of(name)
 
 
 def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) -> Any:
@@ -277,10 +267,9 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         recordings=Recordings(
             name, recorders, RecordingSource, Path(), lambda text: controller.say("error", text)
         ),
-        solvers=get_args(LiveSolverName),
-        solver=wanted.model.solver or "nonnegative",
-        choose=lambda solver: supervisor.reconfigure(solver=live_solver(solver)),
-        fit=wanted.loop.fit,
+        solvers=get_args(SolverName),
+        solver=wanted.model.solver or "auto",
+        choose=lambda solver: supervisor.reconfigure(solver=options.solver_of(solver)),
         tare_seconds=wanted.loop.tare_s,
     )
     try:
@@ -299,7 +288,6 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
     from skinfield.loop.client import Live
-    from skinfield.loop.process_supervisor import FitProcess
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
 
@@ -324,7 +312,6 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
             virtual = parts.enter_context(virtual_skin(wanted, profile))
             settings = settings_of(on_virtual_boards(source, virtual.channels))
         supervisor = parts.enter_context(Supervisor(settings))
-        fit = parts.enter_context(FitProcess(settings.name)) if wanted.loop.fit else None
         supervisor.wait(STARTS, State.STARTING).close()
         into = wanted.record.into
         if into is not None:
@@ -336,8 +323,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
 
     def check() -> None:
         page.check()
-        beside = [*bridged, *([] if fit is None else [fit])]
-        for text in (text for each in beside for text in each.notices()):
+        for text in (text for each in bridged for text in each.notices()):
             page.controller.say("warn", text)
             report.note(text, "yellow", console)
 
@@ -394,25 +380,38 @@ def sum_up_contacts(
 ) -> None:
     """Take the contacts of one cycle, `seconds` after watching began, into those that are known.
 
-    Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; its
-    largest force `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in
-    the patch's frame, `area_mm2`, `peak_kpa`.
+    Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; the
+    force `force_n` with `force_std_n` when it was surely the largest, one standard deviation less;
+    and where and how it pressed then: `position_mm` in
+    the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
+    `maybe`: whether two contacts explain the readings nearly as well.
     """
+    from skinfield.estimate.row_contacts import shape_name
+
     now = round(seconds, DIGITS)
     for row in rows:
         track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
-        new = {"track": track, "patch": patches[int(row["patch"])], "force_n": 0.0, "first_s": now}
-        contact = known.setdefault(track, new)
+        new = {"track": track, "patch": patches[int(row["patch"])], "first_s": now}
+        contact = known.setdefault(track, new | {"force_n": 0.0, "force_std_n": None})
         contact["last_s"] = now
-        if force >= contact["force_n"]:
-            std = float(row["force_std"])
+        std, radius = float(row["force_std"]), float(row["radius"])
+        before = contact["force_n"], contact["force_std_n"]
+        if sureness(force, std if np.isfinite(std) else None) >= sureness(*before):
             contact |= {
                 "force_n": force,
                 "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
                 "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
                 "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
                 "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+                "shape": shape_name(row),
+                "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
+                "maybe": bool(row["maybe"]),
             }
+
+
+def sureness(force: float, std: float | None) -> tuple[float, float]:
+    """Rank of a force: what it surely is, less its standard deviation; else how large it is."""
+    return (0.0 if std is None else max(force - std, 0.0)), force
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
@@ -468,8 +467,8 @@ def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> 
 def warmup(*, as_json: options.Json = False) -> None:
     """Compile, once for this machine, what a first `skinfield run` needs.
 
-    It is such a run, of a virtual skin that is pressed, until engine and fit have answered. What
-    they compile stays in the user's cache folder, so that the next run starts within seconds. Where
+    It is such a run, of a virtual skin that is pressed, until the engine has answered. What
+    it compiles stays in the user's cache folder, so that the next run starts within seconds. Where
     all is compiled already this takes a few seconds.
 
       skinfield warmup

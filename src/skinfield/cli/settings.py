@@ -19,8 +19,9 @@ from skinfield.settings import (
     value_from_toml,
 )
 
-LiveSolverName = Literal["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
-SolverName = Literal[LiveSolverName, "contact"]
+SolverName = Literal[
+    "auto", "gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse", "contact"
+]
 MechanicsName = Literal["layer", "covered-layer", "half-space"]
 QuantityName = Literal["capacitance", "gap", "stress"]
 FASTEST = 1e5  # cycles per second
@@ -120,7 +121,7 @@ class ModelSettings(Section):
     Parameters
     ----------
     solver : str, optional
-        How readings become pressure; contact fits the fewest contacts instead. Default gaussian.
+        What readings are explained by. Default auto: few contacts or a field, by evidence.
     mechanics : str, optional
         Model of the elastomer; the paper's is the half-space. Default the profile's.
     quantity : str, optional
@@ -133,19 +134,6 @@ class ModelSettings(Section):
     mechanics: MechanicsName | None = None
     quantity: QuantityName | None = None
     grid: Annotated[int | None, Range(4, 1000, "4 nodes on a side or more")] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class LiveModelSettings(ModelSettings):
-    """The same of a live skin, whose contacts are fitted beside the solver; see `ModelSettings`.
-
-    Parameters
-    ----------
-    solver : str, optional
-        How readings become pressure. Default nonnegative.
-    """
-
-    solver: LiveSolverName | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,8 +158,6 @@ class LoopSettings(Section):
         Time constant of a low-pass of what each taxel reads, ms; 0: none.
     tare_s : float, s
         Time of an untouched skin at the start, for its baseline, s.
-    fit : bool
-        Fit contacts beside the engine: surer places and forces, some 10 ms later.
     priority : int
         Of SCHED_FIFO, where it is granted; 0: not asked for.
     cpu : int, optional
@@ -188,7 +174,6 @@ class LoopSettings(Section):
     threshold_n: Annotated[float, Range(0.0, 5.0, "N, of contacts")] = 0.0
     smoothing_ms: Annotated[float, Range(0.0, 1000.0, "ms; 0: none")] = 0.0
     tare_s: Annotated[float, Positive("seconds of an untouched skin")] = 1.0
-    fit: bool = True
     priority: Annotated[int, Range(0, 99, "of SCHED_FIFO; 0: not asked for")] = 80
     cpu: Annotated[int | None, Range(0, 1 << 16, "number of a processor")] = None
 
@@ -224,7 +209,7 @@ class Settings(Section):
 
     skin: SkinSettings = field(default_factory=SkinSettings)
     source: SourceSettings = field(default_factory=SourceSettings)
-    model: LiveModelSettings = field(default_factory=LiveModelSettings)
+    model: ModelSettings = field(default_factory=ModelSettings)
     loop: LoopSettings = field(default_factory=LoopSettings)
     page: PageSettings = field(default_factory=PageSettings)
     bridges: BridgeSettings = field(default_factory=BridgeSettings)

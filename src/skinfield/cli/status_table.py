@@ -25,14 +25,14 @@ CONTACT = (
     Column("± N", "force_std", decimals=2, width=5),
     Column("x mm", "x", 1e3, 1, width=6), Column("y mm", "y", 1e3, 1, width=6),
     Column("z mm", "z", 1e3, 1, width=6), Column("mm²", "area", 1e6, 0, width=5),
-    Column("peak kPa", "peak_pressure", 1e-3, 1, width=8), Column("age s", "age", 1.0, 1, width=7),
+    Column("shape", "what", width=8), Column("age s", "age", 1.0, 1, width=7),
 )  # fmt: skip
 PATCH = (
     Column("answer", "answer", width=8), Column("force N", "force", decimals=2, width=7),
     Column("contacts", "contacts", decimals=0, width=8),
     Column("nodes", "rung", decimals=0, width=5),
     Column("left out", "invalid", decimals=0, width=8),
-    Column("ms since a reading", "age", 1e3, 0, width=18),
+    Column("mean of", "readings", decimals=0, width=7), Column("age ms", "age", 1e3, 0, width=8),
 )  # fmt: skip
 
 
@@ -115,6 +115,7 @@ def _contacts(
         row
         | dict(zip("xyz", row["position"], strict=True))
         | {"style": "red" if row["patch"] in old else ""}
+        | {"what": "two?" if row["maybe"] else row["shape"]}
         for row in contacts[:room]
     ]
     columns = (Column("no.", "track", decimals=0, width=5), Column("patch", "patch", width=letters))
@@ -152,7 +153,7 @@ def _patches(
     lines: list[Table | Text] = []
     if patches:
         bad = status.state in ("running", "failed")
-        nothing = dict.fromkeys(("force", "contacts", "rung"))
+        nothing = dict.fromkeys(("force", "contacts", "rung", "readings"))
         rows = [
             row
             | (nothing if row["answer"] == "missing" else {})

@@ -27,7 +27,7 @@ COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),
     Column("place\nmm", "place_error_mm", 1.0, 2),
     Column("contact\nforce %", "contact_force_error", 100.0, 0),
-    Column("field\nforce %", "field_force_error", 100.0, 0),
+    Column("total\nforce %", "total_force_error", 100.0, 0),
     Column("peak\n%", "peak_error", 100.0, 0),
     Column("blurred\npress. %", "blurred_pressure_error", 100.0, 0),
     Column("deform.\n%", "deformation_error", 100.0, 0),
@@ -83,22 +83,22 @@ def validate(
     with --unseen also what is found in noise alone and, of presses by balls, the Cramér-Rao bound.
     In files errors are parts of the truth, with intervals of 95 % over these cases.
 
-      skinfield cases cases && skinfield validate cases --solver gaussian
+      skinfield cases cases && skinfield validate cases
       skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}'
       skinfield validate cases --solver tikhonov --require place_error_mm=3 -o scores.json
       skinfield validate exact --noise 0 --noise 400 --solver gaussian --solver contact
       skinfield validate --unseen 200 -o table.csv
-      skinfield validate --unseen 20 --quantity stress --noise 400 --solver contact
+      skinfield validate --unseen 20 --quantity stress --noise 400 --solver auto
 
     Parameters
     ----------
     cases : str, optional
         DIR of cases, or the file of one (.npz).
     solver : tuple of str
-        One of gaussian, contact, nonnegative, tikhonov, pseudo-inverse, inverse; or your own as
-        package.module:Class, from what is installed or lies in the current folder; or paper, its
-        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian;
-        with --unseen paper, gaussian and contact.
+        One of auto, contact, nonnegative, gaussian, tikhonov, pseudo-inverse, inverse; or your own
+        as package.module:Class, from what is installed or lies in the current folder; or paper, its
+        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default auto; with
+        --unseen paper, gaussian and auto.
     settings : str
         Settings of the solver, as a JSON object.
     mechanics : str
@@ -187,7 +187,9 @@ def _of_cases(values: dict[str, Any]) -> tuple[Any, str]:
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import NoiseLevel, noise_seed, rows_of_case
 
-    tried = [entrant_from_options(name, values) for name in values["solver"] or ("gaussian",)]
+    tried = [
+        entrant_from_options(name, values) for name in values["solver"] or (options.USUAL_SOLVER,)
+    ]
     paths: list[Path] = case_paths(values["cases"])
     rows: Rows = []
     with report.progress("scoring", len(paths)) as step:

@@ -6,7 +6,8 @@ import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, cholesky_solve, predict
+from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, factor, solve_factored
 from skinfield.solve.atoms.table import Tables
 
 
@@ -124,8 +125,9 @@ def fits(
         damped, step = hessian.copy(), gradient.copy()
         for i in range(4):
             damped[i, i] += damping * hessian[i, i] + 1e-9
-        if not cholesky_solve(damped, step):
+        if not factor(damped.reshape(-1), 4):
             break
+        solve_factored(damped.reshape(-1), 4, step)
         for i in range(4):
             trial[0, i] = atom[0, i] + min(max(step[i], -LONGEST), LONGEST)
         trial[0, 3] = min(max(trial[0, 3], LOWEST_LOG), HIGHEST_LOG)

@@ -3,7 +3,6 @@
 from skinfield.estimate.contact import Contact as Contact
 from skinfield.estimate.estimate import Estimate as Estimate
 from skinfield.estimate.finder import ContactFinder as ContactFinder
-from skinfield.estimate.live_contacts import Habits as Habits
 from skinfield.estimate.live_contacts import LiveContacts as LiveContacts
 from skinfield.estimate.live_contacts import level_of as level_of
 from skinfield.estimate.tracked import ContactEvent as ContactEvent
@@ -15,4 +14,3 @@ from skinfield.estimate.uncertainty import ModelError as ModelError
 from skinfield.estimate.uncertainty import PressureError as PressureError
 from skinfield.estimate.uncertainty import PressureNoise as PressureNoise
 from skinfield.estimate.uncertainty import PressurePosterior as PressurePosterior
-from skinfield.estimate.uncertainty import Spread as Spread

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.estimate.uncertainty import Spread, below, between, normal_interval, normal_radius
+from skinfield.estimate.uncertainty import normal_interval, normal_radius
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,8 +47,6 @@ class Contact:
         Nodes of the grid that make up the region.
     track_id : int or None
         The same for one contact as long as it lasts; given by a `Tracker`.
-    spread : Spread or None
-        Truths of presses like this one, of a reconstructor that is `calibrated`.
     """
 
     position: Floats
@@ -65,8 +63,7 @@ class Contact:
     axes: Floats
     angle: float
     cells: NDArray[np.int64]
-    track_id: int | None = field(default_factory=lambda: None)  # no attribute of the class:
-    spread: Spread | None = field(default_factory=lambda: None)  # what `later` has not may come
+    track_id: int | None = field(default_factory=lambda: None)  # what `later` has not may come
 
     @classmethod
     def later(cls, rest: Any, /, **known: Any) -> Self:
@@ -120,23 +117,13 @@ class Contact:
         return float(np.sqrt(self.covariance[0, 0] + self.covariance[1, 1]))
 
     def force_interval(self, level: float = 0.9) -> tuple[float, float]:
-        """Interval (N, N) that holds the true normal force with probability `level`.
-
-        Of a calibrated contact that of presses like it, which need not lie evenly around the
-        stated force; else that of the normal distribution with `force_std`.
-        """
-        if self.spread is not None:
-            return between(self.spread.forces, level)
+        """Interval (N, N) that holds the true normal force with probability `level`."""
         return normal_interval(self.normal_force, self.force_std, level)
 
     def area_interval(self, level: float = 0.9) -> tuple[float, float]:
         """Interval (m², m²) that holds the true area with probability `level`."""
-        if self.spread is not None:
-            return between(self.spread.areas, level)
         return normal_interval(self.area, self.area_std, level)
 
     def place_radius(self, level: float = 0.9) -> float:
         """Radius, m, of the circle about `position` that holds the true one so often."""
-        if self.spread is not None:
-            return below(self.spread.places, level)
         return normal_radius(self.covariance[:2, :2], level)

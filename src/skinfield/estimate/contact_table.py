@@ -9,9 +9,9 @@ from skinfield.errors import SkinfieldError
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.estimate import Estimate
 
-WORDS = ("shape",)
+WORDS = ("solver", "shape")
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
-READING = ("reading", "stamp_ns", "time_s", "total_force_N", "valid_taxels")
+READING = ("reading", "stamp_ns", "time_s", "total_force_N", "solver", "valid_taxels")
 CONTACT = (
     *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
     *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
@@ -33,8 +33,10 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
     valid = np.broadcast_to(counted, len(forces)).tolist()
     stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
     each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
-    for k, (force, stamp, contacts) in enumerate(zip(forces.tolist(), stamps, each, strict=True)):
-        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), valid[k])
+    names = np.broadcast_to(estimate.solver, len(forces)).tolist()
+    every = zip(forces.tolist(), stamps, names, each, strict=True)
+    for k, (force, stamp, name, contacts) in enumerate(every):
+        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])
         if not contacts:
             yield (*reading, NONE, *(None,) * len(CONTACT))
         for number, contact in enumerate(contacts):

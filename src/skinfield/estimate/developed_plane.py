@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.estimate.contact import Contact
+from skinfield.estimate.track_memory import FLOORS
 from skinfield.estimate.tracked import TrackedContact
-from skinfield.estimate.tracks import Measurement, Track
 from skinfield.skin import Grid
 
 CLOSE, MOST = 1e-8, 50  # m: a step that ends the search; and steps after which it has failed
@@ -62,23 +63,21 @@ class Chart:
         )
 
 
-FLOOR = np.diag([1e-5, 1e-5, 1e-3]) ** 2  # m, m, N: no solver is surer than this
-
-
-def measurements_of(contacts: Sequence[Contact], chart: Chart) -> list[Measurement]:
-    """The contacts of a reading in the developed plane.
+def measurements_of(contacts: Sequence[Contact], chart: Chart) -> tuple[Floats, Floats]:
+    """Place in the developed plane and force (N, 3), m and N, with covariances (N, 3, 3).
 
     Raises
     ------
     InputError
         If one has a number that is not finite, or a covariance that is none.
     """
+    values, noise = np.empty((len(contacts), 3)), np.empty((len(contacts), 3, 3))
     if not contacts:
-        return []
-    values = np.empty((len(contacts), 3))
+        return values, noise
     values[:, :2] = chart.plane_from_position(np.array([one.position for one in contacts]))
     values[:, 2] = [one.normal_force for one in contacts]
-    noise = np.array([one.covariance for one in contacts]) + FLOOR
+    noise[:] = [one.covariance for one in contacts]
+    noise += FLOORS
     area = noise[:, 0, 0] * noise[:, 1, 1] - noise[:, 0, 1] ** 2
     wrong = ~np.isfinite(values).all(axis=1) | ~np.isfinite(noise).all(axis=(1, 2)) | ~(area > 0.0)
     if wrong.any():
@@ -88,45 +87,45 @@ def measurements_of(contacts: Sequence[Contact], chart: Chart) -> list[Measureme
             f"{values[index, 2]} N and covariance {contacts[index].covariance.tolist()}, expected "
             "finite numbers and a positive covariance: a tracker weighs contacts by it"
         )
-    return [Measurement(*one) for one in zip(values, noise, contacts, strict=True)]
+    return values, noise
 
 
-def contacts_of(tracks: Sequence[Track], chart: Chart, now: float) -> list[TrackedContact]:
-    """What is told of confirmed tracks."""
-    if not tracks:
+def contacts_of(
+    tracks: NDArray[np.void], measured: Sequence[Contact], chart: Chart, now: int
+) -> list[TrackedContact]:
+    """Contacts of confirmed tracks at `now` ns, each with the contact that was measured last."""
+    if not measured:
         return []
-    means = np.array([track.mean for track in tracks])
-    covariances = np.array([track.covariance for track in tracks])
+    means, covariances = tracks["mean"], tracks["covariance"]
     positions = chart.surface.position_from_plane(means[:, :2])
     frames = chart.surface.frame_from_plane(means[:, :2])
     velocities = np.einsum("nij,nj->ni", frames[:, :, :2], means[:, 3:5])
-    measured = np.array([track.seen.value[2] for track in tracks])
-    pushed = measured > 0.0
-    shares = np.where(pushed, np.maximum(means[:, 2], 0.0) / np.where(pushed, measured, 1.0), 0.0)
-    forces = shares[:, None] * np.array([track.seen.contact.force for track in tracks])
+    forces = np.array([contact.normal_force for contact in measured])
+    pushed = forces > 0.0
+    shares = np.where(pushed, np.maximum(means[:, 2], 0.0) / np.where(pushed, forces, 1.0), 0.0)
+    resultants = shares[:, None] * np.array([contact.force for contact in measured])
     rate_stds = np.sqrt(covariances[:, 5, 5])
     found = []
-    for index, track in enumerate(tracks):
-        identity, contact = track.known, track.seen.contact
+    for index, (track, contact) in enumerate(zip(tracks, measured, strict=True)):
+        made, slipped, last = (int(track[name]) for name in ("made", "slipped", "last"))
         found.append(
             TrackedContact.later(
                 contact,  # has all that is not filtered
                 position=positions[index],
-                force=forces[index],
+                force=resultants[index],
                 moment=shares[index] * contact.moment,
                 normal=frames[index, :, 2],
                 covariance=covariances[index, :3, :3],
-                track_id=identity.number,
-                spread=None,  # the intervals are the filter's
+                track_id=int(track["number"]),
                 velocity=velocities[index],
                 velocity_covariance=covariances[index, 3:5, 3:5],
                 force_rate=float(means[index, 5]),
                 force_rate_std=float(rate_stds[index]),
-                age=now - identity.made,
-                duration=track.time - identity.made,
-                since_slip=now - identity.slipped,
-                is_slipping=identity.slips,
-                is_coasting=track.time < now,
+                age=1e-9 * (now - made),
+                duration=1e-9 * (last - made),
+                since_slip=1e-9 * (now - slipped),
+                is_slipping=bool(track["slips"]),
+                is_coasting=last < now,
                 measured=contact,
             )
         )

@@ -1,8 +1,9 @@
 """Estimate of a patch: fields and contacts of one reading, or of a run of them."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
@@ -56,6 +57,11 @@ class Estimate:
     deadline_met : bool or (T,) array
         Whether the pressure was there in time; so it is where no deadline was set.
     notes : tuple of str
+    solver : str, or T of them
+        Name of the solver that answered: of `Auto` the one that it chose.
+    is_field : bool or (T,) array
+        Whether a pressure field answered, in which contacts are found; else contacts were fitted,
+        and the field is what they press.
 
     An estimate may be prompt: pressure and gap are there, and the rest, such as displacement and
     contacts, is computed when it is first asked for; see `later`.
@@ -75,6 +81,35 @@ class Estimate:
     gap: Any = float("nan")
     iterations: Any = 0
     deadline_met: Any = True
+    solver: Any = ""
+    is_field: Any = True
+
+    @classmethod
+    def joined(cls, each: Sequence["Estimate"], **known: Any) -> "Estimate":
+        """Estimate of T readings from that of each, stacked when it is looked at.
+
+        Parameters
+        ----------
+        each : T Estimate
+            Of one reading each, in order.
+        known
+            Attributes of all.
+        """
+
+        def stacked(name: str) -> Any:
+            values = [getattr(one, name) for one in each]
+            return tuple(values) if name == "contacts" else np.stack(values)
+
+        estimate = cls.later(
+            {name: partial(stacked, name) for name in REQUIRED - {"grid"}},
+            grid=each[0].grid,
+            **{name: stacked(name) for name in ("gap", "iterations", "deadline_met", "is_field")},
+            notes=tuple(dict.fromkeys(note for one in each for note in one.notes)),
+            solver=tuple(one.solver for one in each),
+            **known,
+        )
+        vars(estimate)["_each"] = tuple(each)
+        return estimate
 
     @classmethod
     def later(cls, rest: Mapping[str, Callable[[], Any]], **known: Any) -> "Estimate":
@@ -83,7 +118,8 @@ class Estimate:
         Parameters
         ----------
         rest : mapping of names to functions without arguments
-            Whatever has no default and is not known, each computed at most once, by any thread.
+            Whatever has no default and is not known, and nothing that has one, each computed at
+            most once, by any thread.
         known
             The other attributes.
         """
@@ -127,8 +163,13 @@ class Estimate:
 
     @property
     def normal_force(self) -> Any:
-        """Sum of the pressure over the grid, N; (T,) for a batch."""
-        return self.pressure.sum(axis=-1) * self.grid.cell_area
+        """Sum of the contacts', N, or of the field's where that is the answer; (T,) for a batch."""
+        force = self.pressure.sum(axis=-1) * self.grid.cell_area
+        if np.all(self.is_field):
+            return force
+        each = self.contacts if self.is_batch else (self.contacts,)
+        sums = np.array([sum((c.normal_force for c in found), 0.0) for found in each])
+        return np.where(self.is_field, force, sums) if self.is_batch else sums[0]
 
     @property
     def indentation(self) -> Floats:
@@ -146,6 +187,9 @@ class Estimate:
             raise InputError(
                 "an estimate of one reading cannot be indexed: it is the reading's own"
             )
+        each: tuple[Estimate, ...] | None = vars(self).get("_each")
+        if each is not None:
+            return each[index]
         share = self.pressure[index].size / self.pressure.size
         return replace(
             self,
@@ -161,6 +205,8 @@ class Estimate:
             gap=np.broadcast_to(self.gap, len(self))[index],
             iterations=np.broadcast_to(self.iterations, len(self))[index],
             deadline_met=np.broadcast_to(self.deadline_met, len(self))[index],
+            solver=self.solver[index] if isinstance(self.solver, tuple) else self.solver,
+            is_field=np.broadcast_to(self.is_field, len(self))[index],
         )
 
     def __iter__(self) -> Iterator["Estimate"]:

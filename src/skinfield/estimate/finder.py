@@ -100,7 +100,6 @@ class FieldRegions:
                 angle=numbers[index][kernel.ANGLE],
                 cells=mine,
                 track_id=None,
-                spread=None,
             )
 
 

@@ -1,14 +1,15 @@
 """Contacts of a live loop: rows of numbers with an uncertainty and a number that lasts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape
+from skinfield.errors import Floats, InputError, Ints, check_shape
 from skinfield.estimate.finder import EXACT, ContactFinder
+from skinfield.estimate.track_memory import CONFIRMED, TrackMemory
+from skinfield.estimate.tracker import Tracker
 from skinfield.estimate.uncertainty import (
     ModelError,
     PressureError,
@@ -34,47 +35,15 @@ CONTACT = np.dtype(
         ("moments", np.float64, (3,)),
         ("age", np.float64),
         ("speed", np.float64),
+        ("shape", np.int32),
+        ("maybe", np.int32),
+        ("radius", np.float64),
+        ("covariance", np.float64, (6,)),
+        ("area_std", np.float64),
     ]
 )
-KNOWN = np.dtype(
-    [
-        ("track", np.int64),
-        ("taken", np.int64),
-        ("first_ns", np.int64),
-        ("last_ns", np.int64),
-        ("x", np.float64),
-        ("y", np.float64),
-        ("vx", np.float64),
-        ("vy", np.float64),
-    ]
-)
-REMEMBERED = 2  # contacts of before, for each row
-
-
-@dataclass(frozen=True, kw_only=True)
-class Habits:
-    """How contacts go from one reading to the next.
-
-    Parameters
-    ----------
-    reach : float, m
-        A contact may be found this far from where it was, however short the time.
-    speed : float, m/s
-        And farther by this for each second between.
-    hold : float, s
-        One that was not seen for longer is forgotten.
-    smoothing : float, s
-        Time constant of the stated speed.
-    """
-
-    reach: float = 5e-3
-    speed: float = 0.5
-    hold: float = 0.1
-    smoothing: float = 0.05
-
-    def __post_init__(self) -> None:
-        for name in ("reach", "speed", "hold", "smoothing"):
-            check_positive(name, getattr(self, name), "how contacts go on between readings")
+SHAPES = ("other", "sphere", "flat", "line")  # what `shape` is an index into
+ROOM = 2  # contacts that are followed, for each row
 
 
 class GridLevel(NamedTuple):
@@ -170,9 +139,9 @@ class LiveContacts:
     Which contacts there are is as a `ContactFinder` says. `force_std` and `place_std` (of either
     tangent) are those of the covariance of its `Contact`, of a region of more than 96 cells by as
     many of them, evenly; NaN if the covariance is neither that of a `PressureNoise` nor of a
-    `PressurePosterior` of the whole grid. A contact keeps its `track` while it goes on within the
-    `Habits`: the nearest pair of a contact and one of before first. The same readings and stamps
-    give the same numbers. Nothing is allocated per reading.
+    `PressurePosterior` of the whole grid. `track`, `age` and `speed` are those of a `Tracker` to
+    which the rows are handed; a contact that it has not confirmed yet has a number, too, which
+    changes if it turns out to be an absorbed one that came back. Nothing is allocated per reading.
 
     Parameters
     ----------
@@ -182,14 +151,15 @@ class LiveContacts:
         For the rows.
     rows : int
         Contacts that are told, at most.
-    habits : Habits, optional
+    tracker : Tracker, optional
+        Whose settings count.
     ids : (1,) int64 array, optional
         The last number that was given, which may be shared between patches.
 
     Attributes
     ----------
-    memory : structured array
-        Contacts of before, which with `ids` is all that lasts: to be kept and put back.
+    memory : TrackMemory
+        Contacts of before, events and `ids`: all that lasts.
     """
 
     def __init__(
@@ -198,21 +168,22 @@ class LiveContacts:
         *,
         patch: int = 0,
         rows: int = 8,
-        habits: Habits | None = None,
+        tracker: Tracker | None = None,
         ids: Ints | None = None,
     ) -> None:
-        from skinfield.estimate.live_contacts_kernel import tell
+        from skinfield.estimate.live_contacts_kernel import take_rows, tell
         from skinfield.estimate.regions_kernel import find, room_for
+        from skinfield.estimate.tracking_kernel import number_rows
 
         if rows < 1 or not levels:
             raise InputError(f"rows is {rows} on {len(levels)} levels, expected 1 or more of each")
-        habits = Habits() if habits is None else habits
         self.levels, self.patch, self.most = tuple(levels), int(patch), int(rows)
-        self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
-        self.memory: NDArray[np.void] = np.zeros(REMEMBERED * rows, KNOWN)
-        self._habits = np.array([habits.reach, habits.speed, habits.hold, habits.smoothing])
+        rules = (Tracker() if tracker is None else tracker).rules
+        self.memory = TrackMemory.of(ROOM * rows, rules, np.zeros(1, int) if ids is None else ids)
         self._find: Any = find
         self._tell: Any = tell
+        self._take_rows: Any = take_rows
+        self._number: Any = number_rows
         self._rooms = []
         for level in self.levels:
             room = room_for(len(level.std), level.heights[0])
@@ -257,7 +228,7 @@ class LiveContacts:
             residual[:] = whitened
         std, heights, *arrays = known
         count = self._find(pressure, std, *heights, *room)
-        return int(
+        count = int(
             self._tell(
                 pressure,
                 count,
@@ -265,15 +236,66 @@ class LiveContacts:
                 *room[1:],
                 moved,
                 residual,
-                self._habits,
-                self.memory,
-                self.ids,
                 self.patch,
-                stamp_ns,
                 out,
             )
         )
+        self._number(self.memory, min(count, len(out)), stamp_ns, out)
+        return count
+
+    def take(
+        self,
+        rows: NDArray[np.void],
+        count: int,
+        shift: Floats,
+        stamp_ns: int,
+        out: NDArray[np.void],
+    ) -> int:
+        """Write contacts that a solver has found by itself into `out`; how many there are.
+
+        Parameters
+        ----------
+        rows : (N,) structured array of `CONTACT`, contiguous
+            By falling force, on a patch of equal geometry; `count` of them.
+        shift : (2,) array, m
+            From that patch's plane to this one's.
+        stamp_ns, out
+            As in a call.
+        """
+        known = self.levels[-1]
+        count = int(
+            self._take_rows(
+                rows,
+                rows.view(np.int64),
+                count,
+                shift,
+                known.positions,
+                known.normals,
+                known.numbers,
+                self.patch,
+                out,
+                out.view(np.int64),
+            )
+        )
+        self._number(self.memory, min(count, len(out)), stamp_ns, out)
+        return count
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
-        self.memory[:] = 0
+        self.memory.reset()
+
+    def begin_from(self, rows: NDArray[np.void], stamp_ns: int) -> None:
+        """Know of the contacts (N,) that rows state at `stamp_ns`, and of nothing else.
+
+        Of their speed nothing is taken over; those of their first reading are confirmed if strong.
+        """
+        self.reset()
+        if len(rows):
+            ids = int(self.memory.ids[0])
+            self.take(rows, len(rows), np.zeros(2), stamp_ns, rows.copy())
+            self.memory.ids[0] = ids
+            tracks = self.memory.tracks[: len(rows)]
+            its = rows[tracks["column"]]
+            tracks["number"], made = its["track"], stamp_ns - np.rint(its["age"] * 1e9).astype(int)
+            tracks["made"] = tracks["slipped"] = made
+            tracks["state"][made < stamp_ns] = CONFIRMED

@@ -1,4 +1,4 @@
-"""Contacts of a live loop, compiled: what regions amount to, and which are those of before.
+"""Contacts of a live loop, compiled: what regions amount to.
 
 Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.live_contacts`
 for the rows.
@@ -15,9 +15,8 @@ from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
-NS = 1e-9
 COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
-REACH, SPEED, HOLD, SMOOTH = range(4)  # of `habits`: m, m/s, s, s
+XX, XY, YY, X_FORCE, Y_FORCE, FORCE_FORCE = range(6)  # of a row's covariance
 
 
 @njit
@@ -34,11 +33,7 @@ def tell(
     tables: Ints,
     taxels: Floats,
     residual: Floats,
-    habits: Floats,
-    memory: Any,
-    ids: Ints,
     patch: int,
-    now: int,
     out: Any,
 ) -> int:
     """Write the strongest of `count` regions into `out`, by falling force; how many count.
@@ -59,11 +54,62 @@ def tell(
         mine = cells[starts[region] : starts[region + 1]]
         total = describe(pressure, mine, numbers, row)
         row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
+        row.shape, row.maybe, row.radius = 0, 0, np.sqrt(row.area / np.pi)
+        row.area_std, covariance = np.nan, row.covariance
+        for number in range(6):
+            covariance[number] = np.nan
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)
-    associate(many, habits, memory, ids, now, out)
     return count
+
+
+@njit
+def take_rows(
+    rows: Any,
+    words: NDArray[np.int64],
+    many: int,
+    shift: Floats,
+    positions: Floats,
+    normals: Floats,
+    numbers: Floats,
+    patch: int,
+    out: Any,
+    out_words: NDArray[np.int64],
+) -> int:
+    """Write contacts that a solver has found; how many.
+
+    Parameters
+    ----------
+    rows : (N,) array of CONTACT
+        By falling force, `many` of them, on a patch of equal geometry; `words` is their memory.
+    shift : (2,) array, m
+        From the plane of that patch to this one's.
+    positions, normals, numbers
+        Of this patch's finest level.
+    out : array of CONTACT
+        With its memory, `out_words`.
+    """
+    told = min(many, len(out))
+    for word in range(told * (len(out_words) // len(out))):
+        out_words[word] = words[word]
+    for place in range(told):
+        out[place].patch = patch
+    if shift[0] != 0.0 or shift[1] != 0.0:
+        move_rows(out[:told], shift, positions, normals, numbers)
+    return many
+
+
+@njit
+def move_rows(
+    rows: Any, shift: Floats, positions: Floats, normals: Floats, numbers: Floats
+) -> None:
+    """Move contacts in the plane by a shift (2,), m, onto another patch; see `take_rows`."""
+    for place in range(len(rows)):
+        row = rows[place]
+        row.x, row.y = row.x + shift[0], row.y + shift[1]
+        u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
+        put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
 
 
 @inner
@@ -163,8 +209,23 @@ def stand(
 ) -> None:
     """Set place and normal on the skin, between four nodes, and the force along that normal."""
     columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
+    put_on(row, x, y, positions, normals, columns)
+    outward, force = row.normal, 0.0
+    for axis in range(3):
+        along = 0.0
+        for cell in cells:
+            along += pressure[cell] * normals[cell, axis]
+        force += along * outward[axis]
+    row.normal_force = force * pitch * pitch
+    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
+
+
+@inner
+def put_on(row: Any, x: float, y: float, positions: Floats, normals: Floats, columns: int) -> None:
+    """Set place and normal on the skin of `x` and `y`, counted in cells: between four nodes."""
     rows = len(positions) // columns
-    left, low = min(int(x), max(columns - 2, 0)), min(int(y), max(rows - 2, 0))
+    left = min(max(int(x), 0), max(columns - 2, 0))
+    low = min(max(int(y), 0), max(rows - 2, 0))
     right, high = min(left + 1, columns - 1), min(low + 1, rows - 1)
     u, v, square = x - left, y - low, 0.0
     position, outward = row.position, row.normal
@@ -177,15 +238,9 @@ def stand(
             normal += weight * normals[node, axis]
         position[axis], outward[axis] = place, normal
         square += normal * normal
-    size, force = np.sqrt(square), 0.0
+    size = np.sqrt(square)
     for axis in range(3):
         outward[axis] /= size
-        along = 0.0
-        for cell in cells:
-            along += pressure[cell] * normals[cell, axis]
-        force += along * outward[axis]
-    row.normal_force = force * pitch * pitch
-    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
 
 
 @inner
@@ -199,7 +254,7 @@ def deviations(
     moved: Floats,
     row: Any,
 ) -> None:
-    """Set one standard deviation of force and place, as the covariance of a `Contact` has them."""
+    """Set the covariance of place and force, as a `Contact` has it, and deviations of both."""
     columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
     stride = (len(cells) - 1) // CELLS + 1
     used = (len(cells) - 1) // stride + 1
@@ -213,13 +268,14 @@ def deviations(
             moved[0, taxel] += value
             moved[1, taxel] += dx * value
             moved[2, taxel] += dy * value
-    ones, alongs, acrosses = 0.0, 0.0, 0.0
+    covariance = row.covariance
+    for number in range(6):
+        covariance[number] = 0.0
+    sign = 1.0 if numbers[SIGN] > 0.0 else -1.0
     for taxel in range(factor.shape[1]):
-        ones += moved[0, taxel] * moved[0, taxel]
-        alongs += moved[1, taxel] * moved[1, taxel]
-        acrosses += moved[2, taxel] * moved[2, taxel]
+        one, along, across = moved[0, taxel], moved[1, taxel], moved[2, taxel]
+        add_products(covariance, sign * one, sign * along, sign * across, one, along, across)
     if numbers[SIGN] < 0.0:
-        before, before_x, before_y = 0.0, 0.0, 0.0
         for index in range(used):
             x, y = picked[0, index], picked[1, index]
             one = 0.5 * prior[0, 0]
@@ -230,82 +286,35 @@ def deviations(
                 one += value
                 along += value * dx
                 across += value * dy
-            before += 2.0 * one
-            before_x += 2.0 * along * x
-            before_y += 2.0 * across * y
-        ones, alongs, acrosses = before - ones, before_x - alongs, before_y - acrosses
+            add_products(covariance, 2.0 * one, 2.0 * along, 2.0 * across, 1.0, x, y)
     share = len(cells) / used
-    newtons = share * share * pitch**4
-    metres = share * share * pitch * pitch / (total * total)
+    newtons, metres = share * pitch * pitch, share * pitch / total
+    for number in range(6):
+        covariance[number] *= newtons if number >= X_FORCE else metres
+        covariance[number] *= newtons if number == FORCE_FORCE else metres
     force = total * pitch * pitch * numbers[FORCE_PART]
-    row.force_std = np.sqrt(max(ones, 0.0) * newtons + force * force)
-    both = max(0.5 * (alongs + acrosses), 0.0)
-    row.place_std = np.sqrt(both * metres + numbers[PLACE] * numbers[PLACE])
+    covariance[XX] = max(covariance[XX], 0.0) + numbers[PLACE] * numbers[PLACE]
+    covariance[YY] = max(covariance[YY], 0.0) + numbers[PLACE] * numbers[PLACE]
+    covariance[FORCE_FORCE] = max(covariance[FORCE_FORCE], 0.0) + force * force
+    state_deviations(row)
 
 
 @inner
-def associate(many: int, habits: Floats, memory: Any, ids: Ints, now: int, out: Any) -> None:
-    """Give each row the number of the nearest contact of before, or a new one.
-
-    The nearest pair first; of equally near ones, that of the first row, then of the oldest number.
-    """
-    for row in range(many):
-        out[row].track = 0
-    for place in range(len(memory)):
-        memory[place].taken = 0
-        if abs(NS * (now - memory[place].last_ns)) > habits[HOLD]:
-            memory[place].track = 0
-    for _ in range(many):
-        best, row, place = np.inf, -1, -1
-        for r in range(many):
-            if out[r].track == 0:
-                for m in range(len(memory)):
-                    if memory[m].track != 0 and memory[m].taken == 0:
-                        dx, dy = out[r].x - memory[m].x, out[r].y - memory[m].y
-                        apart = np.sqrt(dx * dx + dy * dy)
-                        since = max(NS * (now - memory[m].last_ns), 0.0)
-                        same = r == row and apart <= (1.0 + TIE) * best
-                        older = same and memory[m].track < memory[place].track
-                        reach = habits[REACH] + habits[SPEED] * since
-                        if apart <= reach and (apart < (1.0 - TIE) * best or older):
-                            best, row, place = apart, r, m
-        if row < 0:
-            break
-        out[row].track, memory[place].taken = memory[place].track, 1
-        follow(memory[place], habits, now, out[row])
-    for row in range(many):
-        if out[row].track == 0:
-            begin(memory, ids, now, out[row])
+def add_products(
+    covariance: Any, one: float, x: float, y: float, other: float, its_x: float, its_y: float
+) -> None:
+    """Add the products of (x, y, one) and of another such triple, half of the mixed ones each."""
+    covariance[XX] += x * its_x
+    covariance[XY] += 0.5 * (x * its_y + y * its_x)
+    covariance[YY] += y * its_y
+    covariance[X_FORCE] += 0.5 * (x * other + one * its_x)
+    covariance[Y_FORCE] += 0.5 * (y * other + one * its_y)
+    covariance[FORCE_FORCE] += one * other
 
 
 @inner
-def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
-    """Move a contact of before to where it is now, and tell its age and speed."""
-    passed = max(NS * (now - known.last_ns), 0.0)
-    if passed > 0.0:
-        part = 1.0 / (passed + habits[SMOOTH])
-        known.vx += part * (row.x - known.x - known.vx * passed)
-        known.vy += part * (row.y - known.y - known.vy * passed)
-    known.x, known.y, known.last_ns = row.x, row.y, now
-    row.age = NS * (now - known.first_ns)
-    row.speed = np.sqrt(known.vx * known.vx + known.vy * known.vy)
-
-
-@inner
-def begin(memory: Any, ids: Ints, now: int, row: Any) -> None:
-    """Remember a new contact, in place of none, else of the one not seen for longest."""
-    place = 0
-    for m in range(len(memory)):
-        if memory[m].track == 0:
-            place = m
-            break
-        if memory[m].taken == 0 and (
-            memory[place].taken == 1 or memory[m].last_ns < memory[place].last_ns
-        ):
-            place = m
-    ids[0] += 1
-    known = memory[place]
-    known.track, known.taken, known.x, known.y = ids[0], 1, row.x, row.y
-    known.first_ns = known.last_ns = now
-    known.vx = known.vy = 0.0
-    row.track, row.age, row.speed = ids[0], 0.0, 0.0
+def state_deviations(row: Any) -> None:
+    """Set one standard deviation of the force, and of the place along either tangent."""
+    covariance = row.covariance
+    row.force_std = np.sqrt(covariance[FORCE_FORCE])
+    row.place_std = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))

@@ -224,7 +224,7 @@ def truth_note(presses: Sequence[TruePress], contacts: Sequence[Contact]) -> str
 
 
 def facts(estimate: Estimate) -> list[str]:
-    """Sum over the patch, and how the estimate was made, in short lines."""
+    """Sum of a field that answered, and how the estimate was made, in short lines."""
     grid = estimate.grid
     rows, columns = grid.shape
     std = estimate.pressure_std[grid.covered] if grid.covered.any() else estimate.pressure_std
@@ -234,9 +234,9 @@ def facts(estimate: Estimate) -> list[str]:
         last.append(f"σ of pressure {number(spread * 1e-3, 2)} kPa")
     if np.isfinite(estimate.latency):
         last.append(duration(estimate.latency))
+    whole = f"whole field {number(float(estimate.normal_force))} N; " if estimate.is_field else ""
     return [
-        f"whole patch {number(float(estimate.normal_force))} N; "
-        f"{int(estimate.valid.sum())} of {plural(len(estimate.valid), 'taxel')} used",
+        f"{whole}{int(estimate.valid.sum())} of {plural(len(estimate.valid), 'taxel')} used",
         "; ".join(last),
     ]
 

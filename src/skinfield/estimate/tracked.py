@@ -1,7 +1,6 @@
 """Tracked contacts, what happens to them, and how they may move: motion and gate."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -10,6 +9,13 @@ from skinfield.errors import Floats, check_positive
 from skinfield.estimate.contact import Contact
 
 EventKind = Literal["made", "moved", "merged", "split", "lost"]
+KINDS: tuple[EventKind, ...] = (
+    "made",
+    "moved",
+    "merged",
+    "split",
+    "lost",
+)  # of the kernel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,9 +92,6 @@ class ContactEvent:
     position: Floats
 
 
-HOLD = 0.1  # s: for which an acceleration, or a change of the force's rate, lasts
-
-
 @dataclass(frozen=True, kw_only=True)
 class Motion:
     """How contacts move and how fast forces change.
@@ -129,17 +132,6 @@ class Motion:
         check_positive("first_force_rate", self.first_force_rate, "of a new contact, in N/s")
         check_positive("top_speed", self.top_speed, "of a contact along the skin, in m/s")
         check_positive("surprise", self.surprise, "squared Mahalanobis distance of an onset")
-
-    @cached_property
-    def pushes(self) -> Floats:
-        """Intensity (3,) of the white noise that drives the rates: m²/s³ twice, and N²/s³."""
-        place = self.acceleration**2 * HOLD
-        return np.array([place, place, self.force_rate**2 / HOLD])
-
-    @cached_property
-    def first_rates(self) -> Floats:
-        """Variance (3,) of the rates of a new contact."""
-        return np.array([self.first_speed, self.first_speed, self.first_force_rate]) ** 2
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,56 +12,6 @@ from skinfield.errors import Floats, InputError, check_range, check_shape
 ANGLES = 32  # at which an ellipse is seen in a quarter turn
 
 
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """Truths that presses like this one had, as seen from what is said of it.
-
-    Attributes
-    ----------
-    forces : (N,) array, N
-        Rising.
-    places : (N,) array, m
-        Distances from the contact's position, rising.
-    areas : (N,) array, m²
-        Rising.
-    """
-
-    forces: Floats
-    places: Floats
-    areas: Floats
-
-
-def between(truths: Floats, level: float) -> tuple[float, float]:
-    """Ends of the middle `level` of what a further truth may be, after N rising ones.
-
-    Raises InputError if so few presses say nothing of so high a level.
-    """
-    rank = (len(truths) + 1) * (1.0 - _checked(level)) / 2
-    if rank < 1.0:
-        raise InputError(
-            f"level is {level!r}, expected at most {(len(truths) - 1) / (len(truths) + 1):.3g}: "
-            f"only {len(truths)} presses were like this contact; calibrate with more"
-        )
-    at = np.array([rank, len(truths) + 1 - rank]) - 1.0
-    low, high = np.interp(at, np.arange(len(truths)), truths)
-    return float(low), float(high)
-
-
-def below(truths: Floats, level: float) -> float:
-    """What a further truth stays below with probability `level`, after N rising ones.
-
-    The rank is that of a further number among N + 1 (Vovk, Gammerman and Shafer, Algorithmic
-    Learning in a Random World, 2005); between two ranks the value is interpolated.
-    """
-    rank = (len(truths) + 1) * _checked(level)
-    if rank > len(truths):
-        raise InputError(
-            f"level is {level!r}, expected at most {len(truths) / (len(truths) + 1):.3g}: only "
-            f"{len(truths)} presses were like this contact; calibrate with more"
-        )
-    return float(np.interp(rank - 1.0, np.arange(len(truths)), truths))
-
-
 def normal_interval(value: float, std: float, level: float) -> tuple[float, float]:
     """Middle `level` of a normal distribution."""
     from scipy.special import ndtri

@@ -15,7 +15,7 @@ import numpy as np
 from skinfield.errors import FileError, InputError
 from skinfield.files.pending import Pending, explained, write_bytes
 
-FORMAT, VERSION, MANIFEST = "skinfield manifest", 1, "manifest.json"
+FORMAT, VERSION, MANIFEST = "skinfield manifest", 2, "manifest.json"
 WINDOW = 4096  # readings of a job: a multiple of the steps and of the chunks that it writes
 
 
@@ -26,12 +26,10 @@ class Totals:
     Attributes
     ----------
     readings : int
-    load, highest_load : float, N
-        Sum of the contacts' forces: summed over the readings, and of the highest one.
-    peak : int
-        The reading of the highest load.
     force, highest_force : float, N
-        The same of the pressure's sum.
+        `Estimate.normal_force`: summed over the readings, and the highest.
+    peak : int
+        The reading of the highest.
     contacts : int
     seconds : float
         That reconstruction took.
@@ -40,22 +38,19 @@ class Totals:
     """
 
     readings: int = 0
-    load: float = 0.0
-    highest_load: float = -np.inf
-    peak: int = -1
     force: float = 0.0
     highest_force: float = -np.inf
+    peak: int = -1
     contacts: int = 0
     seconds: float = 0.0
     silent: list[int] | None = None
 
     def add(self, other: "Totals") -> None:
         """Take in those of later readings."""
-        for name in ("readings", "load", "force", "contacts", "seconds"):
+        for name in ("readings", "force", "contacts", "seconds"):
             setattr(self, name, getattr(self, name) + getattr(other, name))
-        if other.highest_load > self.highest_load:
-            self.highest_load, self.peak = other.highest_load, other.peak
-        self.highest_force = max(self.highest_force, other.highest_force)
+        if other.highest_force > self.highest_force:
+            self.highest_force, self.peak = other.highest_force, other.peak
         if self.silent is not None:  # of readings before
             self.silent = [taxel for taxel in self.silent if taxel in (other.silent or ())]
         else:

@@ -29,7 +29,7 @@ from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, 
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.tables import open_contacts
 from skinfield.reconstruct import Reconstructor, Solver
-from skinfield.reconstruct.bulk import OUTPUTS, RUN, BulkFields
+from skinfield.reconstruct.bulk import OUTPUTS, RUN, WARM, BulkFields
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.reconstruct.serialisation import (
     ARRAYS,
@@ -45,14 +45,14 @@ if TYPE_CHECKING:
     import xarray
 
 BLOCK = 4096  # readings of a chunk as it is written
-FEWEST, MOST = RUN, 8 * RUN  # readings of a chunk that is computed as a whole
+FEWEST, MOST = 64, 512  # readings of a chunk that is computed as a whole, of a linear solver
 CHUNK_BYTES = 16 << 20  # of its pressure and displacement, about
 TEXTS = {
     "pressure": ("Pa", "pressure, compression positive"),
     "indentation": ("m", "displacement into the skin along its normal"),
     "displacement": ("m", "displacement of the surface, in the patch's frame"),
 }
-_LOCK = threading.Lock()  # a reconstructor answers one at a time
+_LOCK = threading.RLock()  # a reconstructor answers one at a time
 
 
 class ResultsWriter:
@@ -279,7 +279,7 @@ class Results:
         return self._bulk[key]
 
     def estimate(self, reading: int) -> Estimate:
-        """Everything of one reading, by the reconstructor itself and from nothing before.
+        """Everything of one reading, from those before it in its run.
 
         Raises
         ------
@@ -288,16 +288,18 @@ class Results:
         """
         check_count("reading", reading, -len(self), len(self) - 1, "one of the recording")
         at = reading % len(self)
-        self.reconstructor.reset()
-        stamp = self.stamps(at, at + 1)[0]
-        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=stamp)
+        if not self.bulk(("pressure",)).is_linear:
+            return self.estimates(at, at + 1)[0]
+        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=self.stamps(at, at + 1)[0])
 
     def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
         """Readings first to last as one estimate, whose contacts are found when looked at."""
-        bulk = self.bulk(names)
-        start = first if bulk.is_linear else first - first % RUN
-        values, stamps = self.values(start, last), self.stamps(first, last)
-        return bulk.estimate(values, stamps, first - start)
+        with _LOCK:
+            bulk = self.bulk(names)
+            begun = first if bulk.is_linear else first - first % RUN
+            start = begun if bulk.is_linear else max(begun - WARM, 0)
+            values, stamps = self.values(start, last), self.stamps(start, last)
+            return bulk.estimate(values, stamps, first - start, begun - start)
 
     def fields(
         self, first: int, last: int, names: tuple[str, ...], precision: type[np.floating[Any]]
@@ -305,10 +307,12 @@ class Results:
         """Some fields of readings first to last, one after the other, (last - first, R)."""
         with _LOCK:
             bulk = self.bulk(names, precision)
-            start = first if bulk.is_linear else first - first % RUN
-            found = bulk(self.values(start, last))
-        tables = [found[name].reshape(last - start, -1)[first - start :] for name in names]
-        return np.concatenate(tables, axis=1)
+            if bulk.is_linear:
+                found = bulk(self.values(first, last))
+            else:
+                estimate = self.estimates(first, last, names)
+                found = {name: getattr(estimate, name).astype(precision) for name in names}
+        return np.concatenate([found[name].reshape(last - first, -1) for name in names], axis=1)
 
     def dataset(self, precision: type[np.floating[Any]] = np.float32) -> "xarray.Dataset":
         """See `open_results`."""
@@ -323,9 +327,10 @@ class Results:
             for unit, text in [TEXTS[name]]
         }
         force = lazy["pressure"].sum(axis=(1, 2), dtype=np.float64) * grid.cell_area
-        variables["normal_force"] = (
-            "reading", force, {"units": "N", "long_name": "sum of the pressure over the grid"},
-        )  # fmt: skip
+        if not self.bulk(("pressure",)).is_linear:
+            force = self._blocks(array, self._forces, (RUN, 1), np.float64)[:, 0]
+        known = {"units": "N", "long_name": "sum of the contacts, or of the field that answers"}
+        variables["normal_force"] = ("reading", force, known)
         size = self._chunk(4 * len(grid))
         values = self._blocks(array, self.values, (size, len(patch)), np.float64)
         quantity = self.config.quantity
@@ -364,6 +369,10 @@ class Results:
                 lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
                 at += width
         return lazy
+
+    def _forces(self, first: int, last: int) -> Floats:
+        """Normal forces of readings first to last, (last - first, 1) N."""
+        return np.asarray(self.estimates(first, last).normal_force[:, None])
 
     def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
         width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
@@ -500,7 +509,6 @@ def read_results(
             config,
             solver=config.solver if solver is None else solver,
             grid=config.grid if grid is None else grid.on(config.patch),
-            intervals=None,
         )
         stored = {}
     return Results(config, str(path), stamps, readings, notes, source, stored)

@@ -99,7 +99,7 @@ def _along(origin: float, count: int, pitch: float, first: int, points: int) -> 
 Row = dict[str, Any]  # flat, with the unit in each key's name
 MEASURES = (  # columns of rows that are summarised by their size
     "force_error",
-    "field_force_error",
+    "total_force_error",
     "place_error_mm",
     "contact_force_error",
     "peak_error",
@@ -366,7 +366,7 @@ class Judge:
             "missed": missed,
             "false": false,
             "force_error": _relative(contacts_force, truth.force),
-            "field_force_error": _relative(float(estimate.normal_force), truth.force),
+            "total_force_error": _relative(float(estimate.normal_force), truth.force),
             "place_error_mm": _mean([1e3 * match.distance for match in matches]),
             "contact_force_error": _mean([abs(match.force_error) for match in matches]),
             "peak_error": _relative(float(sharp.max()), highest),
@@ -421,7 +421,7 @@ def score(
         ``place_error_mm``. What cannot be said is NaN, as the place of a missed contact.
         ``contacts`` are those there are, ``matched`` those with a found one within the gate,
         ``missed`` those without, ``false`` the found ones without a true one. Forces and areas are
-        of all contacts, ``field_force_error`` is of the whole pressure field; pressures are
+        of all contacts, ``total_force_error`` is of `Estimate.normal_force`; pressures are
         compared by norms of differences over that of the truth, as they are on the lattice and
         after a Gaussian of 2 mm standard deviation.
 

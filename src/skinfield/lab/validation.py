@@ -15,7 +15,7 @@ from skinfield.lab.runner import canonical
 from skinfield.lab.score import GATE, Judge, Row, matched
 from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import ContactFit, GaussianField, PseudoInverse, Solver
+from skinfield.solve import Auto, GaussianField, PseudoInverse, Solver
 
 CACHED = 8  # reconstructions that stay prepared: cases of one skin share theirs
 PLACE_90, FORCE_90 = 4.605, 2.706  # squared deviations that hold 90 %: of two numbers, and of one
@@ -23,7 +23,7 @@ RUNS = 2  # readings of each press: a cold one, which is scored, and a warm one
 # Of readings without noise a solver is still told one, the truth's own error: about 1e-3 of the
 # stress below a light press, and of the capacitance that the field in the gap is known to.
 FLOORS = {"stress": 10.0, "capacitance": 1e-4, "gap": 1e-4}
-PAPER, GAUSSIAN, CONTACT = "paper", "gaussian", "contact"
+PAPER, GAUSSIAN, AUTO = "paper", "gaussian", "auto"
 
 
 @dataclass(frozen=True)
@@ -140,11 +140,11 @@ def _held(estimated: Contact, case: Case, true: int) -> tuple[bool, bool]:
 
 
 def known_entrants(nodes: int = 40) -> tuple[Entrant, ...]:
-    """The paper's on its 20 x 20 nodes, the Gaussian field, and the fit of contacts on `nodes`."""
+    """The paper's on its 20 x 20 nodes, the Gaussian field, and what `Auto` chooses, on `nodes`."""
     return (
         Entrant(name=PAPER, solver=PseudoInverse(resample=True), mechanics=HalfSpace(), nodes=20),
         Entrant(name=GAUSSIAN, solver=GaussianField(), nodes=nodes),
-        Entrant(name=CONTACT, solver=ContactFit(), nodes=nodes),
+        Entrant(name=AUTO, solver=Auto(), nodes=nodes),
     )
 
 

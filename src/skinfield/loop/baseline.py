@@ -25,6 +25,7 @@ LOOK = 0.2  # s between looks whether the skin is untouched
 SHARE_OF_LOOKS = 0.1  # of the time, at most, that they may take
 USUAL = 5.0  # times the longest usual interval of a taxel: its reading is then too old
 TOGETHER = 50  # readings of the median taxel that go into the noise of each
+TOUCHED, FEWEST = 8.0, 30  # deviations of what a touch reads; readings without that are enough
 OUTLIER = 3.0  # standard deviations beyond which a count is drawn in
 YOUNGEST = 0.05  # s, at which no reading is too old
 
@@ -190,8 +191,14 @@ def unrounded(counts: Floats, known: Calibration) -> tuple[Floats, Floats]:
 
     Where a taxel rests between two counts, the median is up to half a count off, and always to the
     same side: neighbours that are off alike would be taken for a light touch. Only where the mean
-    is within a count of the baseline; elsewhere something else is the matter.
+    is within a count of the baseline; elsewhere something else is the matter. Readings in which any
+    taxel is touched do not count, as its neighbours read a little less then.
     """
+    with np.errstate(invalid="ignore"):
+        off = np.abs(counts - known.baseline) > 1.0 + TOUCHED * known.noise_std
+    untouched_rows = ~(off & known.alive).any(axis=1)
+    if np.count_nonzero(untouched_rows) >= FEWEST:
+        counts = counts[untouched_rows]
     with np.errstate(invalid="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of taxels that never answered
         reach = 1.0 + OUTLIER * known.noise_std

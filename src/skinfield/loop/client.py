@@ -7,7 +7,6 @@ from typing import Any, Literal, Self
 
 from skinfield.errors import InputError, check_positive
 from skinfield.loop.control import order
-from skinfield.loop.fit_ring import is_fit
 from skinfield.loop.model_config import (
     Models,
     configuration_of,
@@ -305,7 +304,7 @@ def chosen(name: str | None) -> str:
     """Name of the skin that is meant: the given one, or the only one that runs."""
     if name is not None:
         return name
-    there = [each.name for each in Ring.names() if each.alive and not is_fit(each.name)]
+    there = [each.name for each in Ring.names() if each.alive]
     if len(there) != 1:
         what = f"{len(there)} run: {', '.join(there)}" if there else "none runs"
         raise NotRunning(

@@ -42,6 +42,7 @@ from skinfield.loop.supervisor import GO, READY
 from skinfield.loop.update import Updater
 from skinfield.ring import RingReader, State
 from skinfield.signal import Channels
+from skinfield.solve import Auto, ContactFit, GaussianField, Solver
 
 FIRST_LEAD = 0.25  # of a period
 MOST_LEAD = 0.5
@@ -74,70 +75,43 @@ class Prefetch:
         self._lead = min(max(COOLING * self._lead, took), self._most)
 
 
-def prepared(make: Callable[[], Updater]) -> "Future[Updater]":
-    """What a function makes beside the loop, which goes on taking in readings."""
-    found: Future[Updater] = Future()
-
-    def run() -> None:
-        try:
-            found.set_result(make())
-        except BaseException as error:
-            found.set_exception(error)
-
-    threading.Thread(target=run, name="prepare", daemon=True).start()
-    return found
-
-
-class Start:
-    """First the code that must be compiled, then a baseline, then the engine for its noise.
+class Preparation:
+    """Updater that is prepared beside the loop, which goes on taking in readings.
 
     Parameters
     ----------
-    known : TareBaseline, optional
-        Of an engine that ran before on this ring: no new baseline is taken, as something may lie
-        on the skin now.
-    tracks : (1,) int64 array
-        Contacts numbered so far, written in place.
+    model_config : ModelConfig
+    baseline : TareBaseline
+    tracks : (1,) int64 array, optional
+        See `Updater`.
 
     Attributes
     ----------
-    phase : str
-        What it does, for people: "loading", "taring" or "preparing".
     progress : dict
-        Of "loading" and "preparing": `patches` that are ready, `of` how many, and `left_s`, how
-        long the others take, s, where that can be said; while functions are compiled, `compiled`
-        says how many so far. Empty before the first.
-    baseline : TareBaseline or None
-        When there is one.
+        `patches` that are ready, `of` how many, and `left_s`, how long the others take, s, where
+        that can be said; while functions are compiled, `compiled` says how many so far. Empty
+        before the first.
     """
 
     def __init__(
-        self,
-        settings: LiveSettings,
-        model_config: ModelConfig,
-        known: TareBaseline | None,
-        tracks: Ints,
+        self, model_config: ModelConfig, baseline: TareBaseline, tracks: Ints | None = None
     ) -> None:
-        self._settings, self._model_config, self._tracks = settings, model_config, tracks
-        self._tare = BaselineCollector(settings, model_config.binding)  # begun anew once it can be
-        self.baseline = known
-        self.phase, self.progress = "loading", dict[str, float]()
-        self._began = time.monotonic()
-        self._preparation = prepared(self._updater)
+        self.progress = dict[str, float]()
+        self._arguments, self._began = (model_config, baseline, tracks), time.monotonic()
+        self._made: Future[Updater] = Future()
+        threading.Thread(target=self._run, name="prepare", daemon=True).start()
 
-    def _updater(self) -> Updater:
-        """For the baseline, or, before there is one, for a typical noise.
+    @property
+    def updater(self) -> Updater | None:
+        """When it is there; raises what went wrong."""
+        return self._made.result() if self._made.done() else None
 
-        Then whatever must be compiled, is, before readings are waited for.
-        """
-        known, model_config = self.baseline, self._model_config
-        if known is None:
-            noise = np.full(len(model_config.binding.channel), model_config.quantity.typical_noise)
-            known = TareBaseline(
-                np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000
-            )
-        with reported(self._compiling):
-            return Updater(model_config, known, self._tracks, self._advance)
+    def _run(self) -> None:
+        try:
+            with reported(self._compiling):
+                self._made.set_result(Updater(*self._arguments, self._advance))
+        except BaseException as error:
+            self._made.set_exception(error)
 
     def _compiling(self, name: str, number: int) -> None:
         self.progress = {**self.progress, "compiled": number}
@@ -152,19 +126,67 @@ class Start:
             progress["left_s"] = round((now - self._began) / ready * (patches - ready), 1)
         self.progress = progress
 
+
+class Start:
+    """First the code that must be compiled, then a baseline, then an engine for its noise.
+
+    Parameters
+    ----------
+    known : TareBaseline, optional
+        Of an engine that ran before on this ring: no new baseline is taken, as something may lie
+        on the skin now.
+    tracks : (1,) int64 array
+        Contacts numbered so far, written in place.
+
+    Attributes
+    ----------
+    phase : str
+        What it does, for people: "loading", "taring" or "preparing".
+    baseline : TareBaseline or None
+        When there is one.
+    """
+
+    def __init__(
+        self,
+        settings: LiveSettings,
+        model_config: ModelConfig,
+        known: TareBaseline | None,
+        tracks: Ints,
+    ) -> None:
+        self._settings, self._model_config, self._tracks = settings, model_config, tracks
+        self._tare = BaselineCollector(settings, model_config.binding)  # begun anew once it can be
+        self.baseline = known
+        self.phase = "loading"
+        self._preparation = self._prepared()
+
+    @property
+    def progress(self) -> dict[str, float]:
+        """Of what is being prepared, see `Preparation`."""
+        return {} if self.phase == "taring" else self._preparation.progress
+
+    def _prepared(self) -> Preparation:
+        """For the baseline, or, before there is one, for a typical noise.
+
+        Then whatever must be compiled, is, before readings are waited for.
+        """
+        known, model_config = self.baseline, self._model_config
+        if known is None:
+            noise = np.full(len(model_config.binding.channel), model_config.quantity.typical_noise)
+            known = TareBaseline(
+                np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000
+            )
+        return Preparation(model_config, known, self._tracks)
+
     def take(self, channels: Channels, now_ns: int) -> Updater | None:
-        """Take what is new; the cycle when it is ready to answer."""
+        """Take what is new; the updater when it is ready to answer."""
         if self.phase == "taring":
             if self._tare.take(channels, now_ns):
                 self.baseline = self._tare.finish()
-                self.phase, self.progress = "preparing", {}
-                self._preparation = prepared(self._updater)
+                self.phase, self._preparation = "preparing", self._prepared()
             return None
-        if not self._preparation.done():
-            return None
-        made = self._preparation.result()
-        if self.baseline is None:
-            self.phase, self.progress = "taring", {}
+        made = self._preparation.updater
+        if made is not None and self.baseline is None:
+            self.phase = "taring"
             self._tare = BaselineCollector(self._settings, self._model_config.binding)
             self._tare.skip(channels)
             return None
@@ -175,6 +197,14 @@ NS = 1e-9
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
 LISTEN = 8  # cycles from one look for orders to the next
 LATE, OVERRUN = int(CycleFlag.LATE), int(CycleFlag.OVERRUN)
+
+
+def quick(solver: Solver) -> Solver:
+    """Solver that answers until another one is compiled and prepared: itself, where that is soon.
+
+    Fits of contacts take half a minute to compile, once for a machine; linear answers do not.
+    """
+    return GaussianField() if isinstance(solver, Auto | ContactFit) else solver
 
 
 class EngineProcess:
@@ -207,7 +237,9 @@ class EngineProcess:
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
-        self.start = Start(settings, self.model_config, known, self.ring.status["tracks"])
+        first = replace(self.model_config, solver=quick(settings.solver))
+        self.start = Start(settings, first, known, self.ring.status["tracks"])
+        self.better: Preparation | None = None
         self.control = EngineControl(settings.name)
         self.updater: Updater | None = None
         self._go_by_tuning()
@@ -262,6 +294,8 @@ class EngineProcess:
             self._begin(wall)
         elif self.again is not None and self.again.take(intake.channels, wall):
             self._finish_tare(self.updater)
+        if self.better is not None:
+            self._improve(self.better)
         self._log()
         acquired = time.monotonic_ns()
         head[CycleHead.DUE_NS], head[CycleHead.WAKE_NS] = due, wake
@@ -324,8 +358,7 @@ class EngineProcess:
         start = self.start
         before = start.phase
         updater = start.take(self.intake.channels, wall)
-        if start.progress is not self.notes["progress"]:
-            self._note(progress=start.progress)
+        self._note_progress(start.progress)
         if start.phase != before:
             self.ring.set_state(State.CALIBRATING)
             self._note(phase=start.phase)
@@ -334,6 +367,25 @@ class EngineProcess:
                 self._note(tare=list(start.baseline.notes))
         if updater is not None:
             self._go(updater)
+            assert start.baseline is not None  # of which the updater was made
+            if updater.model_config.solver != self.model_config.solver:
+                self.better = Preparation(self.model_config, start.baseline)
+
+    def _improve(self, better: Preparation) -> None:
+        """Go over to the solver that was asked for, as soon as it is ready."""
+        self._note_progress(better.progress)
+        made, before = better.updater, self.updater
+        if made is None or before is None:
+            return
+        self.better = None
+        made.take_over(before, self.ring.status["calibration"])
+        made.tune(self.tuning)
+        self.updater, self.reset, self.began = made, True, True
+        self._note(progress={})
+
+    def _note_progress(self, progress: Mapping[str, float]) -> None:
+        if progress != self.notes["progress"]:
+            self._note(progress=dict(progress))
 
     def _go(self, updater: Updater) -> None:
         """From here on nothing may wait."""

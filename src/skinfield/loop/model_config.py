@@ -12,6 +12,7 @@ import numpy as np
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import CycleSlot
@@ -23,7 +24,7 @@ from skinfield.reconstruct.serialisation import plain_from_value, value_from_pla
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
 from skinfield.skin import Grid, Patch, Skin
-from skinfield.solve import Solution, Solver
+from skinfield.solve import Auto, ContactFit, NonNegative, Solution, Solver
 
 VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows")
 
@@ -283,9 +284,15 @@ class Models:
 
     @property
     def engine(self) -> Engine:
-        """An engine like the one that answers; takes seconds to prepare."""
+        """An engine like the one that answers, but for fits of contacts; takes seconds to prepare.
+
+        A reader has the contacts' rows, and needs of the rest what is known of a field.
+        """
         if self._engine is None:
-            self._engine = self.model_config.engine(self.noise_std)
+            known, solver = self.model_config, self.model_config.solver
+            if isinstance(solver, Auto | ContactFit):
+                known = replace(known, solver=getattr(solver, "field", NonNegative()))
+            self._engine = known.engine(self.noise_std)
         return self._engine
 
     @property
@@ -322,7 +329,7 @@ class Models:
         @cache
         def rest() -> dict[str, Callable[[], Any]]:  # for which an engine is prepared
             rungs, step = self._group(patch).rungs, self._rung(patch, nodes)
-            operator = step.operator if answer == Answer.FEASIBLE else step.start
+            operator = step.operator if answer >= Answer.FEASIBLE else step.start
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
             deformation = step.deformation.on(grid)
@@ -337,6 +344,10 @@ class Models:
         later: dict[str, Callable[[], Any]] = {
             name: partial(lambda name: rest()[name](), name) for name in names
         }
+        if answer == int(Answer.CONTACTS):
+            rows = slot.contacts[patch, : int(row["contacts"])].copy()
+            later["contacts"] = partial(contacts_of_rows, rows, grid, pressure)
+            later["pressure_std"] = partial(pressure_std_of_rows, rows, grid, pressure)
         later["traction"] = lambda: -pressure[:, None] * grid.normals
         return Estimate.later(
             later,
@@ -348,6 +359,7 @@ class Models:
             gap=gap,
             iterations=steps,
             deadline_met=not late,
+            is_field=answer != int(Answer.CONTACTS),
         )
 
     def _group(self, patch: int) -> Any:

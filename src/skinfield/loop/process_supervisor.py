@@ -267,27 +267,3 @@ class SupervisedProcess:
         elif failures == last:
             self._notices.append(f"{self.failure}; it is tried again every {pause:g} s")
         return pause
-
-
-class FitProcess(SupervisedProcess):
-    """The process that fits contacts of the live skin `name`, started again when it ends.
-
-    It need not be there: then the engine's own contacts are shown.
-    """
-
-    def __init__(self, name: str) -> None:
-        super().__init__("the contact fit")
-        self._name = name
-
-    def spawn(self) -> Child:
-        """See `SupervisedProcess`."""
-        words = (self._name, "--parent", str(os.getpid()))
-        return start_python("skinfield.loop.fit_process", *words, stderr=self.new_errors())
-
-    def __enter__(self) -> Self:
-        try:
-            self.begin()
-        except InputError as error:
-            self.failure = str(error)
-        self.watch()
-        return self

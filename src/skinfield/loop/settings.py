@@ -10,10 +10,9 @@ from skinfield.loop.realtime.setup import RealTime
 from skinfield.loop.runtime_parameters import HEAVIEST, SLOWEST, Tuning
 from skinfield.signal import Calibration, Convention, Source
 from skinfield.skin import Patch, Skin
-from skinfield.solve import ContactFit, NonNegative, Solver
+from skinfield.solve import Auto, Solver
 
 RUNGS = (10, 20, 40)
-LIVE_TOLERANCE = 1e-2  # relative gap: forces then differ by some thousandths, searches take 2/3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +28,7 @@ class LiveSettings:
         By which readers find the ring.
     layer : Layer
     mechanics, quantity, solver
-        As `Engine` takes them; by default a `NonNegative` that searches to a gap of 1e-2.
+        As `Engine` takes them; by default `Auto`.
     rungs : tuple of int
         Nodes along the sides of the grids, from coarse to fine.
     board : Convention, optional
@@ -41,7 +40,7 @@ class LiveSettings:
     rate : float, 1/s, or None
         Of cycles; None for a cycle whenever readings arrive.
     budget : float, s, optional
-        For the reconstruction within one cycle. Default 0.4 of a period, at most 5 ms.
+        For the reconstruction within one cycle. Default a quarter of a period, at most 5 ms.
     deadline : float, s, optional
         After the beginning of a cycle, when its estimates must be there: later is counted as late.
         Default one period, or 1 ms in event mode.
@@ -73,7 +72,7 @@ class LiveSettings:
     layer: Layer = field(default_factory=Layer)
     mechanics: Mechanics = field(default_factory=BondedLayer)
     quantity: Quantity = field(default_factory=Capacitance)
-    solver: Solver = field(default_factory=lambda: NonNegative(tolerance=LIVE_TOLERANCE))
+    solver: Solver = field(default_factory=Auto)
     rungs: tuple[int, ...] = RUNGS
     board: Convention | None = None
     gain: float | None = None
@@ -99,11 +98,6 @@ class LiveSettings:
             check_offers("sources", source, ("open",), "objects such as PacketUdp()")
         if not self.sources:
             raise InputError("sources is empty, expected one or more: where readings come from")
-        if isinstance(self.solver, ContactFit):  # told before its engine prepares itself
-            raise InputError(
-                "solver is ContactFit(), which finds contacts by itself, expected a solver of "
-                "fields: NonNegative() or GaussianField(); `skinfield run` fits contacts beside it"
-            )
         if self.rate is not None:
             check_positive("rate", self.rate, "cycles per second, or None: as readings arrive")
         for name in ("budget", "deadline", "stale_after"):
@@ -129,7 +123,7 @@ class LiveSettings:
         """For the reconstruction, s."""
         if self.budget is not None:
             return self.budget
-        return 500e-6 if self.rate is None else min(0.4 / self.rate, 5e-3)
+        return 500e-6 if self.rate is None else min(0.25 / self.rate, 5e-3)
 
     @property
     def tuning(self) -> Tuning:

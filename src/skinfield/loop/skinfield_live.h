@@ -2,7 +2,7 @@
  *
  *   cc -O2 -I"$(python -c 'import skinfield.loop as loop; print(loop.include_folder())')" own.c
  *
- * Version 2 of what `skinfield run` publishes, on top of skinfield_ring.h, which copies whole slots
+ * Version 3 of what `skinfield run` publishes, on top of skinfield_ring.h, which copies whole slots
  * and reads the log. Nothing here allocates, waits for the engine or can disturb it. All numbers
  * are SI units. Functions return 0 or a negative errno, unless they say otherwise. */
 #ifndef SKINFIELD_LIVE_H
@@ -19,12 +19,13 @@
 #endif
 #include <stddef.h>
 
-enum { SKINFIELD_LIVE_VERSION = 2 };
+enum { SKINFIELD_LIVE_VERSION = 3 };
 enum { /* how a patch was answered */
     SKINFIELD_MISSING = 0,  /* no reading that is young enough: nothing is known */
     SKINFIELD_IDLE = 1,     /* nothing stands out of the noise */
     SKINFIELD_LINEAR = 2,   /* by a linear solver, or the start of an iterative one */
-    SKINFIELD_FEASIBLE = 3  /* by an iterative solver, with its gap */
+    SKINFIELD_FEASIBLE = 3, /* a pressure field by an iterative solver, with its gap */
+    SKINFIELD_CONTACTS = 4  /* few contacts that explain the readings */
 };
 enum { /* bits of head[SKINFIELD_HEAD_FLAGS] */
     SKINFIELD_LATE = 2,     /* ready after its deadline */
@@ -62,6 +63,11 @@ typedef struct {
     double moments[3];     /* m2: second moments xx, yy, xy of the pressure */
     double age;            /* s since it was first seen */
     double speed;          /* m/s */
+    int32_t shape;         /* of what presses: 0 other, 1 sphere, 2 flat, 3 line */
+    int32_t maybe;         /* 1: two contacts explain the readings nearly as well */
+    double radius;         /* m: of the contact, or of the circle of equal area */
+    double covariance[6];  /* of x, y and the force: xx, xy, yy m2, xF, yF m N, FF N2; or NaN */
+    double area_std;       /* m2; NaN: not known */
 } skinfield_contact;
 
 typedef struct {
@@ -77,13 +83,15 @@ typedef struct {
     double force;          /* N, along the normals, of all its contacts */
     double peak_pressure;  /* Pa */
     int64_t tracks;        /* contacts numbered so far, on the whole skin */
+    int64_t readings;      /* that were averaged, as nothing moved */
 } skinfield_patch;
 
-typedef char skinfield_contact_is_160_bytes_[sizeof(skinfield_contact) == 160 ? 1 : -1];
+typedef char skinfield_contact_is_232_bytes_[sizeof(skinfield_contact) == 232 ? 1 : -1];
 typedef char skinfield_contact_place_[offsetof(skinfield_contact, position) == 16 &&
                                       offsetof(skinfield_contact, normal_force) == 80 &&
-                                      offsetof(skinfield_contact, speed) == 152 ? 1 : -1];
-typedef char skinfield_patch_is_72_bytes_[sizeof(skinfield_patch) == 72 ? 1 : -1];
+                                      offsetof(skinfield_contact, speed) == 152 &&
+                                      offsetof(skinfield_contact, area_std) == 224 ? 1 : -1];
+typedef char skinfield_patch_is_80_bytes_[sizeof(skinfield_patch) == 80 ? 1 : -1];
 typedef char skinfield_patch_place_[offsetof(skinfield_patch, gap) == 24 &&
                                     offsetof(skinfield_patch, tracks) == 64 ? 1 : -1];
 
@@ -102,7 +110,7 @@ typedef struct {
 
 static inline int skinfield_live_fields_(skinfield_live *live)
 {
-    static const char version[] = "{\"skinfield_live\": 2,";
+    static const char version[] = "{\"skinfield_live\": 3,";
     const skinfield_ring *ring = &live->ring;
     skinfield_field head, patches, contacts;
     if (ring->description_bytes < sizeof version ||

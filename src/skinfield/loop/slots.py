@@ -39,7 +39,7 @@ class CycleHead(IntEnum):
 
 PATCH = np.dtype(
     [
-        ("answer", "<i4"),  # an `Answer`: 0 missing, 1 idle, 2 linear, 3 searched
+        ("answer", "<i4"),  # an `Answer`: 0 missing, 1 idle, 2 linear, 3 a field, 4 contacts
         ("rung", "<i4"),  # nodes along the sides of the grid; 0: none
         ("fresh", "<i4"),  # taxels read since the cycle before; 0: the answer is an earlier one
         ("invalid", "<i4"),  # taxels that were left out
@@ -51,6 +51,7 @@ PATCH = np.dtype(
         ("force", "<f8"),  # N, along the normals, of all contacts
         ("peak_pressure", "<f8"),  # Pa
         ("tracks", "<i8"),  # contacts numbered so far, on the whole skin
+        ("readings", "<i8"),  # that were averaged, as nothing moved; 1: the newest alone
     ]
 )
 

@@ -103,24 +103,9 @@ class Snapshot(Mapping[str, Estimate]):
         """Prepare deformation and uncertainty, of this cycle and those after it; takes seconds."""
         _ = self._models.engine
 
-    def indentation(self, name: str, pressure: Floats | None = None) -> Floats | None:
-        """Displacement into the skin, (K,) m; None until it is prepared.
-
-        Parameters
-        ----------
-        name : str
-            Of the patch.
-        pressure : (K,) array, Pa, optional
-            On the finest grid, such as a fit's, in place of the engine's own answer.
-        """
-        if not self.prepared:
-            return None
-        if pressure is None:
-            return self[name].indentation
-        place, nodes = self._names.index(name), self.model_config.rungs[-1]
-        normals = self._models.grid(place, nodes).normals
-        moved = self._models.moved(place, nodes, pressure)
-        return np.asarray(-np.einsum("kc,kc->k", moved, normals))
+    def indentation(self, name: str) -> Floats | None:
+        """Displacement of a patch into the skin, (K,) m; None until it is prepared."""
+        return self[name].indentation if self.prepared else None
 
     def taxels(self, name: str) -> tuple[NDArray[Any], NDArray[np.bool_], Floats]:
         """Values, validity and noise of a patch's taxels, (L,) each, in the quantity's unit."""

@@ -1,183 +1,268 @@
-"""Stationary mean of a patch's readings: averaged for as long as nothing moves."""
+"""Stationary means of live readings: each patch's, for as long as what touches it rests.
 
-from typing import Any, NamedTuple
+Noise falls with the root of the readings that are averaged, as long as they are of the same touch.
+How many that are, the readings tell: they lie in blocks of 1, 1, 2, 4, ... of them, the newest
+ones first, and the mean ends before the first block that differs from all that is newer by more
+than noise (Bifet and Gavaldà 2007, Learning from time-changing data with adaptive windowing, with
+the tests below in place of Hoeffding's). So a touch that rests is weighed ever more finely, and one
+that moves is followed at once. A reading costs a few sums over the taxels, and allocates nothing.
+"""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.compiled import njit
-from skinfield.errors import Floats
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats, Ints
 
+BLOCKS = 20  # rows of sums of each taxel: enough for MOST readings
+MOST = 512  # readings that are averaged
+GAP_NS = 500_000_000  # between readings, after which those before do not count any more
 CLEAR = 5.0  # deviations from which a taxel reads something of a touch
+ODD = 5.2  # deviations of a normal number, as seldom as what ends a mean
+LEAST = 1e-12  # deviation of a reading
+BASELINE = 100.0  # readings that a baseline is the mean of, about
+HARMONICS = 20  # of what rounding does to a mean
+Flags = NDArray[np.bool_]
+
+
+class StationaryMeans:
+    """Means of the newest readings of each patch that agree with each other.
+
+    Parameters
+    ----------
+    starts : (P + 1,) int array
+        Where each patch's taxels begin.
+
+    Attributes
+    ----------
+    values : (N,) array
+        The means, in the unit of the readings.
+    noise_std : (N,) array
+        One standard deviation of each mean less its baseline.
+    readings : (P,) int array
+        How many were averaged.
+    """
+
+    def __init__(self, starts: Ints) -> None:
+        taxels, patches = int(starts[-1]), len(starts) - 1
+        self.values, self.noise_std = np.zeros(taxels), np.ones(taxels)
+        self.readings = np.ones(patches, np.int64)
+        self._starts, self._noise, self._rounding = starts, np.ones(taxels), np.zeros(taxels)
+        self._sums = np.zeros((2, BLOCKS, taxels), np.float64)
+        self._sizes, self._filled = np.zeros((patches, BLOCKS), np.int64), np.zeros_like(starts)
+        self._last_ns = np.zeros(patches, np.int64)
+        self._newer = np.zeros((2, taxels))
+
+    def calibrate(self, noise_std: Floats, rounding: Floats) -> None:
+        """Go by this noise of one reading (N,), and what rounding leaves of any mean (N,)."""
+        self._noise[:], self._rounding[:] = np.maximum(noise_std, LEAST), rounding
+        self.noise_std[:] = self._noise
+        self.reset()
+
+    def take(
+        self, values: Floats, valid: Flags, arrived: Ints, stamps_ns: Ints, touched: Flags
+    ) -> None:
+        """Add the newest readings (N,).
+
+        Parameters
+        ----------
+        values, valid : (N,) arrays
+        arrived, stamps_ns : (P,) arrays
+            Patches with an `arrived` of 0 have no new reading.
+        touched : (P,) bool array
+            Of the others, where nothing touches no mean is wanted: each reading stands for itself.
+        """
+        average(
+            values,
+            valid,
+            arrived,
+            stamps_ns,
+            touched,
+            self._starts,
+            self._noise,
+            self._rounding,
+            self._sums,
+            self._sizes,
+            self._filled,
+            self._last_ns,
+            self._newer,
+            self.values,
+            self.noise_std,
+            self.readings,
+        )
+
+    def reset(self) -> None:
+        """Forget all readings."""
+        self._filled[:] = 0
+        self.readings[:] = 1
 
 
 @njit
 def average(
-    values: Floats, valid: Floats, end: int, held: int, noise: Floats, bounds: Floats, out: Floats
+    values: Floats,
+    valid: Flags,
+    arrived: Ints,
+    stamps_ns: Ints,
+    touched: Flags,
+    starts: Ints,
+    noise: Floats,
+    rounding: Floats,
+    sums: Floats,
+    sizes: Ints,
+    filled: Ints,
+    last_ns: Ints,
+    newer: Floats,
+    means: Floats,
+    deviations: Floats,
+    readings: Ints,
+) -> None:
+    """See `StationaryMeans.take`; `sums` (2, B, N) of values and how many, `newer` (2, N) room."""
+    for patch in range(len(arrived)):
+        if arrived[patch] == 0:
+            continue
+        low, high = starts[patch], starts[patch + 1]
+        readings[patch] = 1
+        since = stamps_ns[patch] - last_ns[patch]
+        last_ns[patch] = stamps_ns[patch]
+        if not touched[patch]:
+            filled[patch] = 0
+            for taxel in range(low, high):
+                means[taxel], deviations[taxel] = values[taxel], noise[taxel]
+            continue
+        if since > GAP_NS or since <= 0:
+            filled[patch] = 0
+        filled[patch] = add(values, valid, low, high, sums, sizes[patch], filled[patch])
+        first = newest_alike(low, high, noise, sums, sizes[patch], filled[patch], newer)
+        for block in range(first, filled[patch]):
+            sizes[patch, block - first] = sizes[patch, block]
+            for taxel in range(low, high):
+                for part in range(2):
+                    sums[part, block - first, taxel] = sums[part, block, taxel]
+        filled[patch] -= first
+        total = 0
+        for block in range(filled[patch]):
+            total += sizes[patch, block]
+        readings[patch] = total
+        for taxel in range(low, high):
+            count = newer[1, taxel] if valid[taxel] else 0.0
+            if count > 0.0:
+                means[taxel] = newer[0, taxel] / count
+                variance = noise[taxel] * noise[taxel] * (1.0 / count + 1.0 / BASELINE)
+                deviations[taxel] = np.sqrt(variance + rounding[taxel] * rounding[taxel])
+            else:
+                means[taxel], deviations[taxel] = values[taxel], noise[taxel]
+        if total == 1:
+            for taxel in range(low, high):
+                deviations[taxel] = noise[taxel]
+
+
+@inner
+def add(
+    values: Floats, valid: Flags, low: int, high: int, sums: Floats, sizes: Ints, count: int
 ) -> int:
-    """Write the mean of the newest readings that agree; returns how many these are.
+    """Add a block of one reading; of three blocks of a size the older two are joined.
 
-    As many readings before them as there are by now are added if they agree, then half of these, a
-    quarter, ... They agree if the oldest 1, 2, 4, ... of them and all of them do.
-
-    Parameters
-    ----------
-    values, valid : (N, L) arrays
-        Readings, 0 where `valid` is 0, else that is 1.
-    end, held : int
-        The newest reading is row `end` - 1, and the oldest that counts `end` - `held`.
-    noise : (L,) array
-        Of one reading.
-    bounds : (3,) array
-        See `BOUNDS`.
-    out : (2, L) array
-        Receives the means, and of how many readings they are.
+    The oldest block goes where there are too many readings. Returns how many blocks there are.
     """
-    taxels = len(noise)
-    new, count = values[end - 1].copy(), valid[end - 1].copy()
-    old, before = np.empty(taxels), np.empty(taxels)
-    size = step = 1
-    growing = True
-    while step > 0:
-        good = size + step <= held
-        if good:
-            old[:] = 0.0
-            before[:] = 0.0
-            first, part = end - size - step, 1
-            for row in range(first, end - size):
-                for taxel in range(taxels):
-                    old[taxel] += values[row, taxel]
-                    before[taxel] += valid[row, taxel]
-                if row - first + 1 == part:
-                    part = 2 * part
-                    if not alike(new, count, old, before, noise, bounds):
-                        good = False
-                        break
-        if good:
-            good = alike(new, count, old, before, noise, bounds)
-        if good:
-            new += old
-            count += before
-            size += step
-        else:
-            growing = False
-        step = size if growing else step // 2
-    for taxel in range(taxels):
-        out[0, taxel] = new[taxel] / count[taxel] if count[taxel] > 0.0 else 0.0
-        out[1, taxel] = count[taxel]
-    return size
+    total = 1
+    for block in range(count):
+        total += sizes[block]
+    if total > MOST or count == len(sizes):
+        for block in range(1, count):
+            move(block, block - 1, low, high, sums, sizes)
+        count -= 1
+    sizes[count] = 1
+    for taxel in range(low, high):
+        good = valid[taxel]
+        sums[0, count, taxel] = values[taxel] if good else 0.0
+        sums[1, count, taxel] = 1.0 if good else 0.0
+    count += 1
+    newest = count - 1
+    while newest >= 2 and sizes[newest] == sizes[newest - 2]:
+        sizes[newest - 2] += sizes[newest - 1]
+        for taxel in range(low, high):
+            for part in range(2):
+                sums[part, newest - 2, taxel] += sums[part, newest - 1, taxel]
+        for block in range(newest, count):
+            move(block, block - 1, low, high, sums, sizes)
+        count -= 1
+        newest -= 2
+    return count
 
 
-@njit
-def alike(
-    new: Floats, count: Floats, old: Floats, before: Floats, noise: Floats, bounds: Floats
-) -> bool:
-    """Whether sums (L,) of so many readings each differ by no more than noise.
+@inner
+def move(source: int, target: int, low: int, high: int, sums: Floats, sizes: Ints) -> None:
+    """Copy a block's sums."""
+    sizes[target] = sizes[source]
+    for taxel in range(low, high):
+        for part in range(2):
+            sums[part, target, taxel] = sums[part, source, taxel]
+
+
+@inner
+def newest_alike(
+    low: int, high: int, noise: Floats, sums: Floats, sizes: Ints, count: int, newer: Floats
+) -> int:
+    """Oldest block that agrees with all that is newer; `newer` receives the sums from there on."""
+    first = count - 1
+    for taxel in range(low, high):
+        for part in range(2):
+            newer[part, taxel] = sums[part, first, taxel]
+    while first > 0 and alike(low, high, noise, newer, sums, first - 1):
+        first -= 1
+        for taxel in range(low, high):
+            for part in range(2):
+                newer[part, taxel] += sums[part, first, taxel]
+    return first
+
+
+@inner
+def alike(low: int, high: int, noise: Floats, newer: Floats, sums: Floats, block: int) -> bool:
+    """Whether a block and what is newer differ by no more than noise.
 
     Three things that noise seldom does: many taxels a little, one taxel much, and all that the new
-    ones read of a touch more or less, which finds a faint one that began or ended.
+    ones read of a touch more or less, which finds a faint one that began or ended. The bound of
+    the squares is Wilson and Hilferty's (1931) of chi-squared.
     """
     squares, largest, taxels = 0.0, 0.0, 0
     less, all_of_it = 0.0, 0.0
-    for i in range(len(noise)):
-        if count[i] > 0.0 and before[i] > 0.0:
-            mean, variance = new[i] / count[i], noise[i] * noise[i]
-            off = mean - old[i] / before[i]
-            expected = variance * (1.0 / count[i] + 1.0 / before[i])
-            squares += off * off / expected
-            largest = max(largest, off * off / expected)
+    for i in range(low, high):
+        count, before = newer[1, i], sums[1, block, i]
+        if count > 0.0 and before > 0.0:
+            total, weight = newer[0, i], 1.0 / (noise[i] * noise[i] * count * (count + before))
+            off = total * before - sums[0, block, i] * count
+            square = off * off * weight / before
+            squares += square
+            largest = max(largest, square)
             taxels += 1
-            if mean * mean * count[i] > CLEAR * CLEAR * variance:
-                less += off * mean / expected
-                all_of_it += mean * mean / expected
+            if total * total > CLEAR * CLEAR * count * noise[i] * noise[i]:
+                less += off * total * weight
+                all_of_it += total * total * before * weight
     if taxels == 0:
         return False
-    bound = taxels + bounds[0] * np.sqrt(2.0 * taxels)
-    same = less * less <= bounds[2] * bounds[2] * all_of_it
-    return bool(same and squares <= bound and largest <= bounds[1] * bounds[1])
+    share = 2.0 / (9.0 * taxels)
+    bound = taxels * (1.0 - share + ODD * np.sqrt(share)) ** 3
+    same = less * less <= ODD * ODD * all_of_it
+    return bool(same and squares <= bound and largest <= ODD * ODD)
 
 
-MOST = 128  # readings, a power of two
-GAP_NS = 500_000_000  # between readings, after which those before do not count any more
-# Deviations: by which the squares of all taxels may exceed their number, of a single taxel, and of
-# the touch as a whole.
-BOUNDS = np.array([6.0, 5.2, 5.0])
-Flags = NDArray[np.bool_]
+def rounding_of(calibration: Floats, noise_std: Floats) -> Floats:
+    """What rounding to whole counts leaves of an average (L,), in the unit of `noise_std` (L,).
 
-
-class Mean(NamedTuple):
-    """What the taxels read, of the newest readings that agree with each other.
-
-    Attributes
-    ----------
-    values : (L,) array, in the quantity's unit
-        0 where not valid.
-    valid : (L,) bool array
-    readings : int
-        That were averaged.
-    stamp_ns : int, ns
-        Of the newest of them.
-    """
-
-    values: Floats
-    valid: Flags
-    readings: int
-    stamp_ns: int
-
-
-class StationaryMean:
-    """The newest readings of a patch.
-
-    Noise falls with the root of the readings that are averaged, as long as they are of the same
-    touch. How many that are, the readings tell: the newest 1, 2, 4, ... are compared with as many
-    before them, and where the means differ by more than noise, the average ends there, or so much
-    before as half, a quarter, ... of those still agree (after Lepski 1990, On a problem of
-    adaptive estimation in Gaussian white noise). So a touch that rests is weighed ever more
-    finely, and one that moves is followed at once.
+    Of a count with normal noise of s before it is rounded, the mean is off by the sawtooth's
+    Fourier series, each term damped by the noise: up to exp(-2 pi² k² s²) / (pi k), k = 1, 2, ...
+    This is the root of the mean square over all levels, 1/12 of a count without noise.
 
     Parameters
     ----------
-    taxels : int
-
-    Attributes
-    ----------
-    stamp_ns : int, ns
-        Of the newest reading; 0 before the first.
+    calibration : (L, 4) array
+        As a tare has it: `calibration[:, 2]` is the noise in counts, rounding included.
     """
-
-    def __init__(self, taxels: int) -> None:
-        self._values, self._valid = np.zeros((2, 2 * MOST, taxels))
-        self._out = np.zeros((2, taxels))
-        self.stamp_ns = 0
-        self._end = 0  # of the newest reading; rows before it are older, without a break
-        self._held = 0
-
-    def take(self, values: NDArray[Any], valid: NDArray[Any], stamp_ns: int) -> None:
-        """Add a reading (L,); one that comes after a gap begins anew."""
-        if stamp_ns - self.stamp_ns > GAP_NS or stamp_ns < self.stamp_ns:
-            self._held = 0
-        if self._end == len(self._values):
-            kept = min(self._held, MOST)
-            for rows in (self._values, self._valid):
-                rows[:kept] = rows[self._end - kept : self._end]
-            self._end, self._held = kept, kept
-        self._values[self._end] = values
-        self._valid[self._end] = valid
-        self._values[self._end][self._valid[self._end] == 0.0] = 0.0
-        self.stamp_ns = stamp_ns
-        self._end += 1
-        self._held = min(self._held + 1, MOST)
-
-    def mean(self, noise: Floats) -> Mean | None:
-        """Average of the newest readings that agree; None before the first.
-
-        Parameters
-        ----------
-        noise : (L,) array, in the quantity's unit
-            Of one reading.
-        """
-        if not self._held:
-            return None
-        size = average(self._values, self._valid, self._end, self._held, noise, BOUNDS, self._out)
-        valid = (self._out[1] > 0) & (self._valid[self._end - 1] > 0)
-        return Mean(np.where(valid, self._out[0], 0.0), valid, int(size), self.stamp_ns)
+    counts: Any = np.maximum(calibration[:, 2], 1e-9)
+    before = np.maximum(counts**2 - 1.0 / 12.0, 0.0)
+    term = np.arange(1.0, HARMONICS + 1.0)[:, None]
+    squares = np.exp(-4.0 * np.pi**2 * term**2 * before) / (2.0 * np.pi**2 * term**2)
+    off = np.sqrt(squares.sum(axis=0))
+    return np.asarray(off / np.maximum(counts, np.sqrt(1.0 / 12.0)) * noise_std)

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError
+from skinfield.estimate.row_contacts import shape_name
 from skinfield.loop.model_config import configuration_of, state_of, tuning_of
 from skinfield.loop.realtime.system import values_of
 from skinfield.loop.realtime.timing import Timing
 from skinfield.loop.runtime_parameters import Limits
 from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status_text import read_notes
+from skinfield.reconstruct.engine.report import WORDS
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import RingReader
 from skinfield.ring.files import sidecar
@@ -59,8 +61,8 @@ class LiveStatus:
     sources_lately : dict of str to dict of str to int
         The same, since the earlier look.
     patches : list of dict
-        Name, answer, age (s), stale (whether the age is more than is usual), force (N), contacts,
-        invalid.
+        Name, answer ("missing", "idle", "linear", "field" or "contacts"), age (s), stale (whether
+        the age is more than is usual), force (N), contacts, readings (that were averaged), invalid.
     contacts : list of dict
     notes : dict
         What the engine says in words: phase, what was granted, how the baseline was taken.
@@ -190,11 +192,12 @@ def patch_rows(
     return [
         {
             "name": name,
-            "answer": Answer(int(row["answer"])).name.lower(),
+            "answer": WORDS[Answer(int(row["answer"]))],
             "age": (wall_ns - int(row["stamp_ns"])) * 1e-9 if row["stamp_ns"] else None,
             "stale": bool(0 < stale_ns < wall_ns - row["stamp_ns"]),
             "force": float(row["force"]),
             "contacts": int(row["contacts"]),
+            "readings": int(row["readings"]),
             "invalid": int(row["invalid"]),
             "rung": int(row["rung"]),
             "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
@@ -210,7 +213,8 @@ def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
         plain = {name: np.asarray(row[name]).tolist() for name in row.dtype.names}
         for name in [n for n, v in plain.items() if isinstance(v, float) and not np.isfinite(v)]:
             plain[name] = None
-        rows.append(plain | {"patch": patches[int(row["patch"])]})
+        own = {"patch": patches[int(row["patch"])], "shape": shape_name(row)}
+        rows.append(plain | own | {"maybe": bool(row["maybe"])})
     return rows
 
 

@@ -31,8 +31,11 @@ def write_notes(room: Octets, notes: Mapping[str, Any]) -> None:
 
 
 def start_in_words(notes: Mapping[str, Any]) -> str:
-    """What an engine does before it answers, from its notes; empty once it runs."""
+    """What an engine does before it answers as it will, from its notes; empty once it does."""
     phase, progress = notes.get("phase", ""), notes.get("progress") or {}
+    if phase == "running" and progress:
+        doing = start_in_words({**notes, "phase": "preparing"})
+        return f"linear answers until contacts are ready: {doing}"
     if phase == "taring":
         return "taking its baseline: leave the skin untouched"
     if phase not in ("loading", "preparing"):

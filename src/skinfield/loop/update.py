@@ -11,8 +11,10 @@ from skinfield.loop.baseline import TareBaseline, quantity_scale
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.runtime_parameters import AUTO, Tuning
 from skinfield.loop.slots import PATCH, CycleHead, CycleSlot, Sizes
+from skinfield.loop.stationary_mean import StationaryMeans, rounding_of
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
+from skinfield.reconstruct.engine.state import Answer
 from skinfield.signal import Channels, Convention
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
@@ -53,19 +55,14 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
 
     A replay that begins in the middle has no more than that.
     """
-    contacts.reset()
-    for row, its, memory in zip(slot.patches, slot.contacts, contacts.memory, strict=True):
-        count = int(row["contacts"])
-        for name in ("track", "x", "y"):
-            memory[name][:count] = its[name][:count]
-        memory["last_ns"][:count] = row["stamp_ns"]
-        ages = np.rint(its["age"][:count] * 1e9).astype(np.int64)
-        memory["first_ns"][:count] = row["stamp_ns"] - ages
+    for row, its, each in zip(slot.patches, slot.contacts, contacts.patches, strict=True):
+        each.begin_from(its[: row["contacts"]], int(row["stamp_ns"]))
 
 
-CONTACT_WORDS = CONTACT.itemsize // 8
+CONTACT_WORDS, IDLE = CONTACT.itemsize // 8, int(Answer.IDLE)
 
 
+DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 
@@ -98,14 +95,16 @@ class Updater:
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
-        self._given = np.zeros(taxels, np.bool_)
+        self._given, self._lacking = np.zeros(taxels, np.bool_), np.zeros(taxels)
+        self._plane = np.concatenate([patch.plane for patch in model_config.skin])
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
         self._conditioned: tuple[Any, ...] = (
             *(self._binding.starts, self._values, self._valid, self._given),
-            *(self._newest, self._arrived),
+            *(self._lacking, self._newest, self._arrived),
         )
-        self._touched = np.zeros(patches, np.int64)
+        self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
+        self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
         self._how, self._scale = quantity_scale(
             model_config.quantity, model_config.layer, self._binding.unit
         )
@@ -136,6 +135,11 @@ class Updater:
         limits = self._clamps, self._lowest_of(table[alive])
         how = self._how, self._scale
         self._calibrated: tuple[Any, ...] = baseline, per_gain, alive, *limits, *how
+        noise, least = self._noise_std, table.copy()
+        least[:, 2] /= DOUBT
+        counted = self._binding.unit == "count"
+        rounding = rounding_of(least, noise / DOUBT) if counted else np.zeros_like(noise)
+        self._means.calibrate(noise, rounding)
         self._smoothed_ns[:] = 0
 
     def _lowest_of(self, known: Floats) -> float:
@@ -164,9 +168,14 @@ class Updater:
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
-        self.tracks = self._contacts.ids = tracks
-        for each in self._contacts.patches:
-            each.ids = tracks
+        self.tracks = tracks
+        self._contacts.count_in(tracks)
+
+    def take_over(self, before: "Updater", calibration: Floats) -> None:
+        """Go on from what another updater of this skin published last."""
+        self.calibrate(calibration)
+        self._kept.copy_from(before._kept)
+        self.count_in(before.tracks)
 
     def resume(self, slot: CycleSlot) -> None:
         """Take over the newest cycle of an engine before, for the reset after."""
@@ -206,6 +215,7 @@ class Updater:
         """
         if reset:
             self.engine.reset()
+            self._means.reset()
             go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
@@ -216,13 +226,31 @@ class Updater:
         if fresh:
             if self._window is not None:
                 self._attend(*self._window)
-            self.engine.run(self._values, self._given, budget=budget)
+            self._run(budget)
         self._take_answers(now_ns)
         head[CycleHead.CONTACTS] = self._kernel.sum_up(
             kept.patches, kept.contacts, int(self.tracks[0])
         )
         self._publish(channels, slot)
         return fresh > 0
+
+    def _run(self, budget: float | None) -> None:
+        """Answer what was taken in; of a touch that rests, contacts by the mean of its readings."""
+        if self._smoothing or not self.engine.finds_contacts:
+            self.engine.run(self._values, self._given, budget=budget)
+            return
+        means = self._means
+        np.greater(self._kept.patches["answer"], IDLE, out=self._hot)
+        means.take(self._values, self._given, self._arrived, self._newest, self._hot)
+        self._kernel.doubt_neighbours(
+            self._lacking,
+            self._arrived,
+            self._plane,
+            self._binding.starts,
+            self.model_config.layer.thickness,
+            means.noise_std,
+        )
+        self.engine.run(means.values, self._given, means.noise_std, budget=budget)
 
     def _take(self, channels: Channels, now_ns: int) -> int:
         """Read the newest counts of all taxels; how many patches have new ones."""
@@ -253,11 +281,22 @@ class Updater:
         answers = results.answer, results.rung, results.gap, results.iterations, results.invalid
         when = now_ns, now_ns - self.stale_ns
         count = self._kernel.take_over(
-            self._arrived, self._newest, *answers, self._sides, *when, kept.patches, self._touched
+            self._arrived,
+            self._newest,
+            *answers,
+            self._sides,
+            self._means.readings,
+            self.engine.searches,
+            *when,
+            kept.patches,
+            self._contacts.followed,
+            self._touched,
         )
         for patch in self._touched[:count].tolist():
-            pressure, rows = results.pressure_of(patch), kept.contacts[patch]
-            kept.pressure[patch, : len(pressure)] = pressure
+            rows = kept.contacts[patch]
+            if results.answer[patch] > IDLE:
+                pressure = results.pressure_of(patch)
+                kept.pressure[patch, : len(pressure)] = pressure
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self._threshold:
@@ -291,6 +330,7 @@ class Updater:
     def forget(self) -> None:
         """Know of no reading and no contact."""
         self.engine.reset()
+        self._means.reset()
         self._smoothed_ns[:] = 0
         self._kept.patches[:] = np.zeros(1, PATCH)
         go_on_from(self._kept, self._contacts)

@@ -36,6 +36,7 @@ def condition(
     values: Floats,
     valid: Flags,
     given: Flags,
+    lacking: Floats,
     newest: Ints,
     arrived: Ints,
 ) -> int:
@@ -66,6 +67,8 @@ def condition(
         Receive readings in the quantity's unit, 0 where not valid.
     given : (L,) array
         Receives which of them to answer now: those that are valid, of patches with a whole reading.
+    lacking : (L,) array
+        Receives how much less than nothing a taxel reads that is left out for that; else 0.
     newest, arrived : (P,) arrays
         Receive each patch's newest stamp, and how many of its taxels are new; 0 as long as its
         reading is not whole.
@@ -77,6 +80,7 @@ def condition(
         for taxel in range(first, last):
             its = channel[taxel]
             stamp, number = stamps[its], counts[its]
+            lacking[taxel] = 0.0
             value, good, young = 0.0, False, alive[taxel] and stamp >= oldest_ns
             latest = max(latest, stamp)
             whole += young
@@ -89,6 +93,8 @@ def condition(
                     value = value / (1.0 + value)
                 value *= scale
                 good = lowest < value < np.inf
+                if value <= lowest:
+                    lacking[taxel] = -value
             values[taxel] = value if good else 0.0
             valid[taxel] = good
         complete = count > 0 and (count >= whole or now_ns - earliest >= patience_ns)
@@ -99,6 +105,43 @@ def condition(
                 fresh[channel[taxel]] = 0
         with_reading += 1 if complete else 0
     return with_reading
+
+
+BULGE, BULGE_REACH = 0.1, 4.0  # of a press, read beside it, and how far, in thicknesses
+
+
+@njit
+def doubt_neighbours(
+    lacking: Floats,
+    arrived: Ints,
+    plane: Floats,
+    starts: Ints,
+    thickness: float,
+    deviation: Floats,
+) -> None:
+    """Widen deviations (L,) beside taxels that read less than nothing.
+
+    Something pressed these while the baseline was taken, and what rose beside it then read less.
+
+    Parameters
+    ----------
+    lacking, arrived : (L,) and (P,) arrays
+        As `condition` writes them; patches without a new reading keep their deviations.
+    plane : (L, 2) array, m
+    starts : (P + 1,) array
+        Where each patch's taxels begin.
+    thickness : float, m
+        Of the layer.
+    """
+    for patch in range(len(arrived)):
+        for low in range(starts[patch], starts[patch + 1] if arrived[patch] > 0 else 0):
+            if lacking[low] <= 0.0:
+                continue
+            for taxel in range(starts[patch], starts[patch + 1]):
+                x, y = plane[taxel, 0] - plane[low, 0], plane[taxel, 1] - plane[low, 1]
+                apart = (x * x + y * y) / (BULGE_REACH * thickness) ** 2
+                doubt = BULGE * lacking[low] * np.exp(-apart)
+                deviation[taxel] = np.sqrt(deviation[taxel] ** 2 + doubt * doubt)
 
 
 NS = 1e-9
@@ -176,7 +219,7 @@ def presses_within(rows: Rows, count: int, x0: float, y0: float, x1: float, y1: 
     return found
 
 
-MISSING, IDLE = 0, 1  # as `Answer`
+MISSING, IDLE, LINEAR = 0, 1, 2  # as `Answer`
 
 
 @njit
@@ -189,9 +232,12 @@ def take_over(
     iterations: Ints,
     invalid: Ints,
     sides: Ints,
+    readings: Ints,
+    patient: bool,
     now_ns: int,
     oldest_ns: int,
     patches: Rows,
+    followed: Ints,
     touched: Ints,
 ) -> int:
     """Take over the answers of patches with a new reading; drop those that are too old.
@@ -204,12 +250,18 @@ def take_over(
         Of the engine's results.
     sides : (R,) array
         Nodes a side of each rung.
+    readings : (P,) array
+        That were averaged.
+    patient : bool
+        Whether a patch whose turn has not come keeps a searched answer, rather than a linear one.
     now_ns, oldest_ns : int, ns
         Of this cycle; stamp before which an answer is dropped.
     patches : (P,) array of PATCH
         What is kept.
+    followed : (P,) array
+        Not 0 where a patch has contacts that may come back.
     touched : (P,) array
-        Receives the patches with a new answer that something touches.
+        Receives the patches with a new answer that something touches, or whose contacts may.
 
     Returns
     -------
@@ -219,17 +271,19 @@ def take_over(
     count = 0
     for patch in range(len(patches)):
         row = patches[patch]
-        row.fresh = arrived[patch]
-        if arrived[patch] > 0:
+        waits = patient and answer[patch] == LINEAR and row.answer > LINEAR
+        row.fresh = 0 if waits and row.stamp_ns >= oldest_ns else arrived[patch]
+        if row.fresh > 0:
+            row.readings = readings[patch]
             row.answer, row.iterations = answer[patch], iterations[patch]
             row.invalid, row.gap = invalid[patch], gap[patch]
             row.rung = sides[rung[patch]] if rung[patch] >= 0 else 0
             row.stamp_ns, row.answered_ns = newest[patch], now_ns
-            if row.answer > IDLE:
+            if row.answer <= IDLE:
+                clear(row)
+            if row.answer > IDLE or (row.answer == IDLE and followed[patch]):
                 touched[count] = patch
                 count += 1
-            else:
-                clear(row)
         elif row.answer > MISSING and row.stamp_ns < oldest_ns:
             row.answer, row.rung, row.gap = MISSING, 0, np.nan
             clear(row)

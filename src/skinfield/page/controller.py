@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from skinfield.errors import InputError
-from skinfield.page.source import DataSource, EngineView, plain_view
+from skinfield.page.source import DataSource, EngineView
 
 if TYPE_CHECKING:
     from skinfield.page.presser import Presser
@@ -55,8 +55,8 @@ class Controller:
         return [self._notices.popleft() for _ in range(len(self._notices))]
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
-        """The newest cycle of each source, with the best contacts that are known of it."""
-        return [plain_view(source.latest()) for source in sources]
+        """The newest cycle of each source."""
+        return [EngineView(source.latest()) for source in sources]
 
     def hello(self) -> dict[str, Any]:
         """What the page must know of it: `press`, `record`, `recordings`."""

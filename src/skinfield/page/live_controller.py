@@ -58,7 +58,6 @@ def tune(live: Live, what: str, value: Any) -> None:
     live.tune(**{name: value})
 
 
-FIT = "contact fit"
 PATIENCE = 12.0  # times the asked time, after which a baseline is not waited for any more
 LIFTS, RESTS = 2.0, 0.1  # s, for a scene to let off, and for its last readings
 
@@ -79,8 +78,6 @@ class LiveController(Controller):
         The one in force.
     choose : function of a name, optional
         Takes another solver; returns when the engine is being made anew.
-    fit : bool
-        Whether contacts are fitted beside the engine.
     tare_seconds : float, s
         That a baseline takes.
     """
@@ -96,25 +93,23 @@ class LiveController(Controller):
         solvers: Sequence[str] = (),
         solver: str = "",
         choose: Callable[[str], None] = lambda name: None,
-        fit: bool = False,
         tare_seconds: float = 1.0,
     ) -> None:
         super().__init__()
         self._source, self.recordings, self._choose_solver = source, recordings, choose
         if virtual is not None:
             self.presser = Presser(virtual, self._waits_for, lambda text: self.say("warn", text))
-        self._fit = self._fitting = fit
         self._tare_seconds = tare_seconds
         self._taring = -1, 0.0  # baselines before the one that is taken, until when to wait
         self._preparing = ""  # name of a solver
         self._solvers = tuple(solvers)
-        self._first = self._solver = solver  # the fit goes with the first
+        self._solver = solver
 
     # what is seen
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
-        return [s.view(self._fitting) for s in sources if isinstance(s, LiveSource)]
+        return [EngineView(s.latest(), s.old) for s in sources if isinstance(s, LiveSource)]
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """See `Controller`."""
@@ -135,16 +130,10 @@ class LiveController(Controller):
         else:
             fields["scene"] = self.presser.playing
         if self._solvers:
-            value = FIT if self._fitting else self._solver
-            preparing = self._preparing or None
-            fields["solver"] = {"value": value, "options": self._names, "preparing": preparing}
+            value, preparing = self._solver, self._preparing or None
+            fields["solver"] = {"value": value, "options": self._solvers, "preparing": preparing}
         fields["recording"] = None if self.recordings is None else self.recordings.state()
         return fields
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        """Solvers to choose from, the fit beside the engine first."""
-        return (*([FIT] if self._fit else []), *self._solvers)
 
     def _busy(self) -> str:
         """What is being done, in words; nothing if nothing is."""
@@ -154,8 +143,7 @@ class LiveController(Controller):
             return waits
         if self.presser is not None and self.presser.preparing:
             return "the tool is being prepared"
-        rough = self._fitting and not self._source().fit_is_ready
-        return "forces rough until the fit is ready" if rough else ""
+        return ""
 
     def _waits_for(self) -> str:
         """What has to end before anything may press, in words."""
@@ -184,26 +172,23 @@ class LiveController(Controller):
         return {}
 
     def _choose(self, name: Any) -> dict[str, Any]:
-        """Take another solver, or the fit beside the engine."""
+        """Take another solver."""
         if not self._solvers:
             return super().set("solver", name)
-        check_choice("solver", name, self._names, "how readings become pressure")
+        check_choice("solver", name, self._solvers, "how readings become pressure")
         if self._preparing:
             raise InputError(f"{self._preparing} is being prepared, expected one at a time: wait")
-        engine = self._first if name == FIT else name
-        if engine == self._solver:
-            self._fitting = name == FIT
+        if name == self._solver:
             return {}
         self._preparing = str(name)
-        words = str(name), str(engine)
-        threading.Thread(target=self._change, args=words, name="solver", daemon=True).start()
+        threading.Thread(target=self._change, args=(name,), name="solver", daemon=True).start()
         return {"preparing": name}
 
-    def _change(self, name: str, engine: str) -> None:
+    def _change(self, name: str) -> None:
         """Take another solver, which takes seconds to prepare; the skin is answered meanwhile."""
         try:
-            self._choose_solver(engine)
-            self._solver, self._fitting = engine, name == FIT
+            self._choose_solver(name)
+            self._solver = name
         except SkinfieldError as error:
             self.say("error", f"solver {name}: {error}")
         finally:

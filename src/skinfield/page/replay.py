@@ -14,8 +14,7 @@ from skinfield.loop.realtime import Timing, TimingTable
 from skinfield.loop.slots import CycleSlot, say_nothing
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import LiveStatus, patch_rows, plain_contacts
-from skinfield.page.source import EngineView, merged_view
-from skinfield.record.replay import RecordedCycle, Replay, ReplayFit
+from skinfield.record.replay import RecordedCycle, Replay
 from skinfield.skin import Skin
 
 SPEEDS = 0.1, 10.0
@@ -80,8 +79,7 @@ class Clock:
 class RecordingSource:
     """A recording of a live skin as a `DataSource`.
 
-    A thread reads the cycles as they were recorded; what is shown is the newest one, with the
-    contacts that a fit had found beside the engine by then.
+    A thread reads the cycles as they were recorded; what is shown is the newest one.
 
     Parameters
     ----------
@@ -124,14 +122,13 @@ class RecordingSource:
         )
         spans = (((a - self._first_ns) * 1e-9, (b - self._first_ns) * 1e-9) for a, b in index.gaps)
         self.gaps = [(a, b) for a, b in spans if b - a > SHORTEST]
-        self._changed = threading.Condition()  # and lock of all that follows, but the fit
+        self._changed = threading.Condition()  # and lock of all that follows
         self._slot, self._number, self._wall_ns = CycleSlot.empty(self.replay.sizes), -1, 0
         self._time_ns = self._since = 0  # of the newest cycle; cycles since one was copied
         self._snapshot: Snapshot | None = None
         period = float(self.replay.recording.description.get("period", 1e-3))
         self._timing = TimingTable(max(int(period * 1e9), 1))
         self._marks: deque[tuple[int, Any, Any]] = deque()
-        self._fit, self._fit_lock = ReplayFit(self.replay), threading.Lock()
         self._clock = Clock(playing)
         self._target: int | None = self._first_ns  # time to go to, ns
         self._closed, self._at_end, self._failed = False, False, ""
@@ -176,14 +173,6 @@ class RecordingSource:
                 models = self.replay.models(self._wall_ns)
                 self._snapshot = Snapshot(own, self._number, models, self._wall_ns)
             return self._snapshot
-
-    def view(self) -> EngineView:
-        """The same with the best contacts that were known at that time, as the live page has it."""
-        with self._changed:
-            snapshot, time_ns = self.latest(), self._time_ns
-        with self._fit_lock:
-            found = None if snapshot is None else self._fit.at(time_ns)
-        return merged_view(snapshot, found)
 
     def look(self) -> LiveStatus:
         """Of the time that is shown; `state` is "playing", "paused" or "failed"."""

@@ -126,13 +126,10 @@ class HttpApi:
         for source, view in zip(
             layout.sources, state.controller.views(layout.sources), strict=True
         ):
-            names = [patch.name for patch in source.skin]
-            found = plain_contacts(names, view.contacts)
-            rows += [
-                row | {"engine": source.name, "by": by}
-                for row, by in zip(found, view.by, strict=True)
-                if not view.old
-            ]
+            if view.snapshot is not None and not view.old:
+                names = [patch.name for patch in source.skin]
+                found = plain_contacts(names, view.snapshot.contacts)
+                rows += [row | {"engine": source.name} for row in found]
         return {"contacts": rows}
 
 

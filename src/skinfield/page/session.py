@@ -212,7 +212,7 @@ class Session:
         views: list[EngineView]
         truth: Sequence[Command] = ()
         if replay is not None:
-            views = [replay.view()]
+            views = [EngineView(replay.latest())]
         else:
             views, truth = state.controller.views(layout.sources), state.truth
         numbers = [None if s.snapshot is None else s.snapshot.number for s in views]

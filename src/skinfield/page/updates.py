@@ -9,29 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.estimate.row_contacts import outline_of, shape_name
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import EngineView
 from skinfield.page.wire import packed, scaled
-from skinfield.skin import Patch
-
-POINTS = 32
-
-
-def outline_of(patch: Patch, row: Any) -> Floats:
-    """Circle of a contact's area around its place, closed, (POINTS + 1, 3) m in the patch's frame.
-
-    Of a row of CONTACT the place `x`, `y` in the patch's plane, m, and the `area`, m², count.
-    """
-    area = float(row["area"])
-    radius = math.sqrt(max(area, 0.0) / math.pi) if math.isfinite(area) else 0.0
-    angle = np.linspace(0.0, 2.0 * math.pi, POINTS + 1)
-    plane = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
-    plane += np.array([float(row["x"]), float(row["y"])])
-    return np.asarray(patch.surface.position_from_plane(plane))
-
+from skinfield.reconstruct.engine.report import WORDS
 
 NEAR = 1.5e-3  # m: from the place of a contact to that of its outline
 
@@ -74,7 +59,6 @@ QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels
 DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
-BY_FIT = "fit"
 
 
 @dataclass
@@ -171,11 +155,9 @@ class Updates:
         snapshot = its.snapshot
         assert snapshot is not None  # whoever calls has looked
         row, name = snapshot.patches[each.place], each.patch.name
-        fitted = None if its.fit is None else its.fit.get(name)
-        answer = Answer(int(row["answer"]))
-        rung = int(row["rung"]) if fitted is None else snapshot.model_config.rungs[-1]
-        key = (int(row["stamp_ns"]), int(answer), rung, fitted is not None)
-        if fitted is None and self._sent.get(number) == key:
+        answer, rung = Answer(int(row["answer"])), int(row["rung"])
+        key = (int(row["stamp_ns"]), int(answer), rung)
+        if self._sent.get(number) == key:
             return None
         self._sent[number] = key
         shown = rung if answer >= Answer.LINEAR else snapshot.model_config.rungs[-1]
@@ -186,7 +168,7 @@ class Updates:
         gap = float(row["gap"])
         fields: dict[str, Any] = {
             "i": number,
-            "answer": "searched" if answer == Answer.FEASIBLE else answer.name.lower(),
+            "answer": WORDS[answer],
             "rung": shown,
             "force": float(row["force"]),
             "age_s": finite(snapshot.ages()[name]),
@@ -197,20 +179,18 @@ class Updates:
         fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
         fields |= {"height": -1, "colour": -1, "height_scale": 0.0}
         if answer >= Answer.LINEAR:
-            fields |= self._fields(name, snapshot, fitted, parcel)
+            fields |= self._fields(name, snapshot, parcel)
         return fields
 
-    def _fields(
-        self, name: str, snapshot: Snapshot, fitted: Floats | None, parcel: Parcel
-    ) -> dict[str, Any]:
+    def _fields(self, name: str, snapshot: Snapshot, parcel: Parcel) -> dict[str, Any]:
         """Deformation and colours of a patch that is touched."""
         fields: dict[str, Any] = {}
-        heights = snapshot.indentation(name, fitted)
+        heights = snapshot.indentation(name)
         if heights is not None:
             scale = float(max(heights.max(initial=0.0), 1e-9)) / 65535.0
             fields["height_scale"] = scale
             fields["height"] = parcel.put("height", scaled(heights, 0.0, 65535.0 * scale))
-        values = self._values(name, snapshot, fitted, heights)
+        values = self._values(name, snapshot, heights)
         if values is not None:
             high = float(values.max(initial=0.0))
             parcel.highest = max(parcel.highest, high)
@@ -218,11 +198,9 @@ class Updates:
             fields["colour"] = parcel.put("colour", scaled(values, 0.0, high))
         return fields
 
-    def _values(
-        self, name: str, snapshot: Snapshot, fitted: Floats | None, heights: Floats | None
-    ) -> Floats | None:
+    def _values(self, name: str, snapshot: Snapshot, heights: Floats | None) -> Floats | None:
         if self.quantity == "pressure":
-            return snapshot[name].pressure if fitted is None else fitted
+            return snapshot[name].pressure
         if self.quantity == "deformation":
             return heights
         if self.quantity == "uncertainty" and snapshot.prepared:
@@ -242,19 +220,23 @@ class Updates:
         return np.where(valid, np.nan_to_num(shown), DEAD).astype(np.uint8)
 
     def _contacts(self, number: int, each: PlacedPatch, its: EngineView) -> list[dict[str, Any]]:
-        rows = []
-        for row, by in zip(its.contacts, its.by, strict=True):
-            if int(row["patch"]) != each.place:
-                continue
+        snapshot, rows = its.snapshot, []
+        assert snapshot is not None  # whoever calls has looked
+        patch = snapshot.patches[each.place]
+        for row in snapshot.contacts[snapshot.contacts["patch"] == each.place]:
             found = None
-            if by != BY_FIT and its.snapshot is not None and its.snapshot.prepared:
-                found = outline_near(its.snapshot[each.patch.name].contacts, row["position"])
-            border = outline_of(each.patch, row) if found is None else found
+            if snapshot.prepared and int(patch["answer"]) != Answer.CONTACTS:
+                found = outline_near(snapshot[each.patch.name].contacts, row["position"])
+            border = outline_of(each.patch.surface, row) if found is None else found
             alike = ("force_std", "place_std", "area", "speed")
             rows.append({name: finite(row[name]) for name in alike} | {
                 "track": int(row["track"]),
                 "patch": number,
-                "by": by,
+                "shape": shape_name(row),
+                "radius": finite(row["radius"]),
+                "maybe": bool(row["maybe"]),
+                "answer": WORDS[Answer(int(patch["answer"]))],
+                "readings": int(patch["readings"]),
                 "x": float(row["x"]),
                 "y": float(row["y"]),
                 "force": float(row["normal_force"]),

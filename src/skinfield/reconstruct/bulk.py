@@ -5,7 +5,7 @@ the BLAS (``OPENBLAS_NUM_THREADS=1``): a chunk is too small to share; more cores
 processes, as `skinfield reconstruct --workers` does.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from typing import Any
 
@@ -20,7 +20,8 @@ from skinfield.reconstruct.reconstructor import Reconstructor
 CHUNK = 512  # readings per product at most
 FEWEST = 64  # and at least
 CACHE_BYTES = 4 << 20  # of a chunk's outputs: more leave the cache before anybody looks at them
-RUN = 64  # readings that an iterative solver answers one from the other; the first starts anew
+RUN = 256  # readings that an iterative solver answers one from the other
+WARM = 32  # readings before a run, from which its first one starts
 MOST_SETS = 16  # of valid taxels that stay prepared
 OUTPUTS = {  # numbers per node; in the patch's frame, signs as in `Estimate`
     "pressure": 1,
@@ -42,12 +43,12 @@ class BulkFields:
         Of the answers. A sum of L products in single precision is off by about 1e-6 of the
         largest of them, far below the noise of any skin.
 
-    Attributes
-    ----------
-    run : int
-        Readings that belong together: a product's, or those that an iterative solver starts one
-        from the other. Runs begin at multiples of it, and each begins anew, so that what a reading
-        gives does not depend on which others are wanted.
+    Notes
+    -----
+    Runs of an iterative solver begin at multiples of `RUN`, from the `WARM` readings before, and
+    these from nothing, so that what a reading gives does not depend on which others are wanted.
+    Each output of a linear one is a product of its own,
+    so that it does not depend on what else is wanted, to the last bit.
     """
 
     def __init__(
@@ -64,10 +65,7 @@ class BulkFields:
             raise InputError(f"outputs is {self.outputs!r}, expected one name or more, each once")
         self.precision = precision
         self._linear = reconstructor.plans.linear
-        fitting = max(CACHE_BYTES // (self.width * np.dtype(precision).itemsize), 1)
-        chunk = min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
-        self.run = RUN if self._linear is None else chunk
-        self._matrix_of = lru_cache(MOST_SETS)(self._made_matrix)
+        self._matrix_of = lru_cache(len(OUTPUTS) * MOST_SETS)(self._made_matrix)
 
     @property
     def is_linear(self) -> bool:
@@ -79,11 +77,6 @@ class BulkFields:
         """Of each output of one reading: (K,), or (K, 3) for a vector field."""
         nodes = len(self.reconstructor.grid)
         return {name: (nodes, 3) if OUTPUTS[name] == 3 else (nodes,) for name in self.outputs}
-
-    @property
-    def width(self) -> int:
-        """Numbers that all outputs of one reading take."""
-        return len(self.reconstructor.grid) * sum(OUTPUTS[name] for name in self.outputs)
 
     def __call__(self, readings: Floats) -> Fields:
         """Fields of some readings.
@@ -100,43 +93,60 @@ class BulkFields:
         """
         check_shape("readings", readings, (None, len(self.reconstructor.patch)), "one per taxel")
         if self._linear is None:
-            parts = [
-                {name: np.asarray(getattr(one, name), self.precision) for name in self.outputs}
-                for one in self.estimates(readings)
-            ]
-            return {name: np.concatenate([part[name] for part in parts]) for name in self.outputs}
-        out = np.empty((len(readings), self.width), self.precision)
-        for first in range(0, len(readings), self.run):
-            part = slice(first, first + self.run)
-            self._into(self._linear, readings[part], out[part])
-        ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes.values()])[:-1]
-        tables = np.split(out, ends, axis=1)
-        return {
-            name: table.reshape(len(out), *shape)
-            for (name, shape), table in zip(self.shapes.items(), tables, strict=True)
-        }
+            each = self.estimates(readings)
+            return {
+                name: np.stack([getattr(one, name) for one in each], dtype=self.precision)
+                for name in self.outputs
+            }
+        found: Fields = {}
+        for name, shape in self.shapes.items():
+            width = int(np.prod(shape))
+            fitting = max(CACHE_BYTES // (width * np.dtype(self.precision).itemsize), 1)
+            chunk = min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
+            table = np.empty((len(readings), width), self.precision)
+            for first in range(0, len(readings), chunk):
+                part = slice(first, first + chunk)
+                self._into(self._linear, name, readings[part], table[part])
+            found[name] = table.reshape(len(table), *shape)
+        return found
 
-    def estimates(self, readings: Floats) -> Iterator[Estimate]:
-        """Everything of some readings, contacts too, as estimates of a run each."""
-        for first in range(0, len(readings), RUN):
+    def estimates(
+        self, readings: Floats, stamp_ns: Ints | None = None, before: int = 0
+    ) -> list[Estimate]:
+        """Everything of each of some readings (T, L), stamped (T,), run by run.
+
+        The first run begins after so many readings `before`, whose answers are left out.
+        """
+        stamps = np.zeros(len(readings), np.int64) if stamp_ns is None else stamp_ns
+        each: list[Estimate] = []
+        for first in range(before, len(readings), RUN):
             self.reconstructor.reset()
-            yield self.reconstructor(readings[first : first + RUN])
+            start = max(first - WARM, 0)
+            run = slice(start, first + RUN)
+            found = self.reconstructor(readings[run], stamp_ns=stamps[run])
+            each += (found[place] for place in range(first - start, len(found)))
+        return each
 
-    def estimate(self, readings: Floats, stamp_ns: Ints, skip: int = 0) -> Estimate:
+    def estimate(
+        self, readings: Floats, stamp_ns: Ints, skip: int = 0, before: int = 0
+    ) -> Estimate:
         """One estimate of some readings; its contacts are found when they are looked at.
 
         Parameters
         ----------
         readings : (T, L) array, in the quantity's unit
-        stamp_ns : (T - skip,) array, ns
+        stamp_ns : (T,) array, ns
         skip : int
-            Readings at the start that an iterative solver only starts from.
+            Readings at the start that are not wanted,
+        before : int
+            of which so many come before an iterative solver's first run.
         """
         if self._linear is not None:
-            readings, skip = readings[skip:], 0
+            readings, stamp_ns, skip, before = readings[skip:], stamp_ns[skip:], 0, 0
         same = self._same_valid(readings)
         if self._linear is None or same is None:
-            return self._joined(readings, skip, stamp_ns)
+            each = self.estimates(readings, stamp_ns, before)[skip - before :]
+            return Estimate.joined(each, stamp_ns=stamp_ns[skip:])
         fields, grid = self(readings), self.reconstructor.grid
         pressure = fields["pressure"]
         rest: dict[str, Callable[[], Any]] = {
@@ -149,19 +159,8 @@ class BulkFields:
             "residual": lambda: np.full(readings.shape, np.nan),
         }
         known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
-        return Estimate.later(rest, valid=~np.isnan(readings), **known)
-
-    def _joined(self, readings: Floats, skip: int, stamp_ns: Ints) -> Estimate:
-        each = list(self.estimates(readings))
-
-        def joined(name: str) -> Any:
-            return np.concatenate([getattr(one, name) for one in each])[skip:]
-
-        names = ("displacement", "pressure_std", "traction", "residual")
-        rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
-        rest["contacts"] = lambda: [found for one in each for found in one.contacts][skip:]
-        known = {"grid": each[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
-        return Estimate.later(rest, valid=joined("valid"), **known)
+        name = type(self.reconstructor.solver).__name__
+        return Estimate.later(rest, valid=~np.isnan(readings), gap=0.0, solver=name, **known)
 
     def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
         """Contacts of some readings (T, L), by the reconstructor's finder.
@@ -171,18 +170,17 @@ class BulkFields:
         """
         same = self._same_valid(readings)
         if self._linear is None or same is None:
-            return [each for estimate in self.estimates(readings) for each in estimate.contacts]
-        plans, intervals = self.reconstructor.plans, self.reconstructor.intervals
+            return [one.contacts for one in self.estimates(readings)]
+        plans = self.reconstructor.plans
         operator = plans.linear_of(same)
         linear, contacts = operator.filled(self._linearised(readings, same)), []
-        for first in range(0, len(linear), RUN):
-            for pressure in np.dot(linear[first : first + RUN], operator.matrix.T.astype(float)):
-                each = plans.find(operator, pressure)
-                contacts.append(each if intervals is None else intervals(each))
+        for first in range(0, len(linear), FEWEST):
+            for pressure in np.dot(linear[first : first + FEWEST], operator.matrix.T.astype(float)):
+                contacts.append(plans.find(operator, pressure))
         return contacts
 
-    def _into(self, operator: LinearFields, readings: Floats, out: NDArray[Any]) -> None:
-        """Write all outputs of some readings (T, L), one after the other, into `out` (T, R)."""
+    def _into(self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]) -> None:
+        """Write an output of some readings (T, L) into `out` (T, R)."""
         mask = ~np.isnan(readings)
         linear, every = self._linearised(readings, mask), np.ones(mask.shape[1], np.bool_)
         if not mask.all():
@@ -191,21 +189,21 @@ class BulkFields:
             if operator.gaussian is None:
                 for number, pattern in enumerate(patterns):
                     rows = np.flatnonzero(which == number)
-                    out[rows] = linear[rows].astype(self.precision) @ self._matrix(pattern)
+                    out[rows] = linear[rows].astype(self.precision) @ self._matrix(name, pattern)
                 return
             linear = operator.of_sets(patterns)[0].filled(linear, which)
-        np.dot(linear.astype(self.precision), self._matrix(every), out=out)
+        np.dot(linear.astype(self.precision), self._matrix(name, every), out=out)
 
     def _linearised(self, readings: Floats, valid: NDArray[np.bool_]) -> Floats:
         """Readings (T, L), 0 where not valid."""
         heard = readings if valid.all() else np.where(valid, readings, 0.0)
         return self.reconstructor.plan.linearised(heard)
 
-    def _matrix(self, valid: NDArray[np.bool_]) -> NDArray[Any]:
-        """From all taxels, of which some are valid, to all outputs (R): (L, R) of the precision."""
-        return self._matrix_of(valid.tobytes())
+    def _matrix(self, name: str, valid: NDArray[np.bool_]) -> NDArray[Any]:
+        """From all taxels, of which some are valid, to an output (R): (L, R) of the precision."""
+        return self._matrix_of(name, valid.tobytes())
 
-    def _made_matrix(self, key: bytes) -> NDArray[Any]:
+    def _made_matrix(self, name: str, key: bytes) -> NDArray[Any]:
         operator = self.reconstructor.plans.linear_of(np.frombuffer(key, np.bool_))
         fields, grid = operator.fields, self.reconstructor.grid
         pressure, moved = fields[: len(grid)], fields[len(grid) :].reshape(3, len(grid), -1)
@@ -214,8 +212,7 @@ class BulkFields:
             "indentation": lambda: -np.einsum("ckl,kc->kl", moved, grid.normals),
             "displacement": lambda: moved.transpose(1, 0, 2).reshape(3 * len(grid), -1),
         }
-        rows = np.concatenate([blocks[name]() for name in self.outputs])
-        return np.ascontiguousarray(rows.T, dtype=self.precision)
+        return np.ascontiguousarray(blocks[name]().T, dtype=self.precision)
 
     @staticmethod
     def _same_valid(readings: Floats) -> NDArray[np.bool_] | None:

@@ -146,22 +146,23 @@ class Rungs:
         """The linear answer on the finest rung."""
         return self.steps[-1].start
 
+    @cached_property
+    def offset_weights(self) -> Floats:
+        """Of readings (L,) in the mean of the offset that the linear answer takes them to share.
+
+        That is the mean of what the pressure leaves over, weighed by the noise, and drawn to 0.
+        """
+        known, explained = self.start.gaussian, self.start.explained
+        if known is None:
+            return np.zeros(len(explained))
+        odds = np.square(known.offset)
+        weights = odds / (1.0 + odds.sum())
+        return np.asarray(weights - weights @ explained)
+
     @property
     def linear(self) -> bool:
         """Whether the linear answer is the solver's own."""
         return self.steps[-1].operator is self.start
-
-    @cached_property
-    def unresolved(self) -> tuple[float, ...]:
-        """Part of the finest linear answer's squared norm that each rung averages away."""
-        noise, finest = self.start.model.noise_std, self.steps[-1].grid
-        kept = [_power(step.start.matrix * noise, step.grid) for step in self.steps]
-        whole = _power(self.start.matrix * noise, finest)
-        return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
-
-
-def _power(matrix: Floats, grid: Grid) -> float:
-    return float(np.square(matrix).sum()) * grid.cell_area
 
 
 def prepare_rungs(
@@ -188,7 +189,7 @@ def prepare_rungs(
     if top.linear is not None:
         start = top.linear
     elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
-        start = GaussianField(snr=solver.snr, length_scale=solver.length_scale).prepare(finest)
+        start = solver.unconstrained().prepare(finest)
     else:
         start = GaussianField().prepare(finest)
     steps = []
@@ -198,7 +199,9 @@ def prepare_rungs(
         if top.linear is None:
             operator = top
             if grid is not grids[-1]:
-                operator = solver.prepare(ObservationModel.of(patch, layer, grid, *physics))
+                model = ObservationModel.of(patch, layer, grid, *physics)
+                on = getattr(top, "on", None)  # what finds contacts needs no grid to find them
+                operator = solver.prepare(model) if on is None else on(model)
         steps.append(Rung(nodes, grid, Deformation(grid, layer, mechanics), mean, operator))
     return Rungs(tuple(steps))
 

@@ -2,16 +2,15 @@
 
 import time
 from collections.abc import Callable, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import Deformation
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import (
     Contact,
     ContactFinder,
@@ -19,10 +18,12 @@ from skinfield.estimate import (
     PressureError,
     PressureNoise,
 )
+from skinfield.estimate.live_contacts import LiveContacts, level_of
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin
 
+NO_SHIFT: Floats = np.zeros(2)
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 SETS = 16  # at once: their deviations stay in cache
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
@@ -65,7 +66,7 @@ class PatchAnswer:
 
 @dataclass(frozen=True, eq=False)
 class ResultArrays:
-    """Where T readings' answers are written.
+    """Where a linear solver's answers to T readings are written.
 
     Attributes
     ----------
@@ -74,21 +75,12 @@ class ResultArrays:
     pressure_std : (T, K) array, Pa
     residual : (T, L) array, in the quantity's unit
     contacts : list of T tuples of Contact
-    notes : list of str
-    gap : (T,) array
-        NaN where nothing is proved.
-    iterations : (T,) int array
-    in_time : (T,) bool array
     """
 
     fields: Floats
     pressure_std: Floats
     residual: Floats
     contacts: list[tuple[Contact, ...]]
-    notes: list[str]
-    gap: Floats
-    iterations: Ints
-    in_time: NDArray[np.bool_]
 
     @classmethod
     def empty(cls, readings: int, taxels: int, nodes: int) -> "ResultArrays":
@@ -98,23 +90,7 @@ class ResultArrays:
             np.empty((readings, nodes)),
             np.full((readings, taxels), np.nan),
             [()] * readings,
-            [],
-            np.zeros(readings),
-            np.zeros(readings, dtype=np.int64),
-            np.ones(readings, dtype=np.bool_),
         )
-
-    def take(self, row: int, answer: PatchAnswer) -> None:
-        """Write one reading's answer."""
-        nodes, rest = len(answer.pressure), answer.rest
-        self.fields[row, :nodes] = answer.pressure
-        self.fields[row, nodes:] = rest["displacement"]().T.ravel()
-        self.pressure_std[row] = rest["pressure_std"]()
-        self.residual[row] = rest["residual"]()
-        self.contacts[row] = rest["contacts"]()
-        solution = answer.solution
-        self.gap[row], self.iterations[row] = solution.gap, solution.steps
-        self.notes.extend(note for note in solution.notes if note not in self.notes)
 
 
 Finder = Callable[[Operator, Floats], tuple[Contact, ...]]
@@ -200,7 +176,9 @@ def estimate_of_solution(
         left = predicted
         rest["residual"] = lambda: np.where(valid, solution.readings - left(), np.nan)
     its = {"grid": grid, "pressure": solution.pressure, "valid": valid, "gap": solution.gap}
-    return Estimate.later(rest, iterations=solution.steps, **its, **known)
+    its |= {"iterations": solution.steps, "solver": solution.solver}
+    its["is_field"] = solution.fit is None
+    return Estimate.later(rest, **its, **known)
 
 
 def _inside(contacts: tuple[Contact, ...], here: Ints) -> tuple[Contact, ...]:
@@ -278,8 +256,6 @@ class Plan:
     finder : ContactFinder
     precision : numpy.float64 or numpy.float32
         Of products.
-    model_errors : bool
-        Whether contacts state the solver's own model error; not where intervals are learnt.
     """
 
     def __init__(
@@ -290,10 +266,9 @@ class Plan:
         grid: Grid,
         finder: ContactFinder,
         precision: type[np.floating[Any]] = np.float64,
-        model_errors: bool = True,
     ) -> None:
         self.deformation, self.grid, self.finder = deformation, grid, finder
-        self.model_errors, self._parts = model_errors, (deformation, nodes, precision)
+        self._parts = deformation, nodes, precision
         whole = len(nodes) == len(operator.model.grid)
         self._nodes = None if whole or operator.linear is not None else nodes
         self.linear: LinearFields | None = None
@@ -338,15 +313,46 @@ class Plan:
         parts = valid, self.grid, self.deformation, self.find, self._nodes
         return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
 
-    def answer_all(
-        self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays, deadline: float | None
-    ) -> None:
-        """Write the answers of readings (T, L), where `valid` (T, L), into `out`.
+    def write(
+        self, reading: Floats, out: NDArray[np.void], stamp_ns: int, deadline: float | None
+    ) -> int:
+        """Write the contacts of one reading (L,) into rows of `CONTACT`; how many there are."""
+        data, live, whitened, read = self._live
+        end = None if deadline is None else until(deadline, time.perf_counter_ns())
+        by = end if data.margin is None else data.margin.before(end)
+        solution = self.whole.solve(reading, data, by)
+        if data.rows is not None and data.count >= 0:
+            return int(live.take(data.rows, data.count, NO_SHIFT, stamp_ns, out))
+        np.multiply(solution.readings, whitened, out=read)
+        return int(live(0, solution.pressure, stamp_ns, out, read))
 
-        `deadline` is in seconds for each reading; what is linear is one product per chunk.
+    @cached_property
+    def _live(self) -> tuple[Data, LiveContacts, Floats, Floats]:
+        """Memory of `write`, how contacts become rows, one over the noise, and room."""
+        if self._nodes is not None:
+            raise InputError(
+                f"the grid has {len(self.grid)} nodes, a window of the patch, expected one over "
+                "all of it, such as Grid.square(patch): contacts are found where taxels are"
+            )
+        known, noise = self.whole, self.whole.model.noise_std
+        problem, signatures = getattr(known, "problem", None), None
+        if problem is not None:
+            signatures = (known.model.matrix / noise[:, None]).T
+        threshold = 0.0 if problem is None else problem.threshold
+        errors = known.noise, known.posterior, known.model_error
+        level = level_of(
+            self.grid, *errors, self.finder, signatures=signatures, threshold=threshold
+        )
+        return known.data(), LiveContacts([level]), 1.0 / noise, np.zeros_like(noise)
+
+    def multiply(self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays) -> None:
+        """Write a linear solver's answers to readings (T, L), where `valid` (T, L), into `out`.
+
+        One product per chunk.
         """
         rows, linear = np.arange(len(table)), self.linear
-        if linear is not None and linear.gaussian is not None:
+        assert linear is not None
+        if linear.gaussian is not None:
             full = valid.all(axis=1)
             rows, short = np.flatnonzero(full), np.flatnonzero(~full)
             patterns, which = distinct(valid[short])
@@ -359,15 +365,9 @@ class Plan:
         patterns, which = distinct(valid[rows])
         for index, pattern in enumerate(patterns):
             these = rows[which == index]
-            if linear is not None:
-                mask = np.broadcast_to(pattern, (len(these), len(pattern)))
-                one = [self.linear_of(pattern)], np.zeros(len(these), dtype=np.int64)
-                self._multiply(*one, table[these], mask, these, out)
-                continue
-            for row in these:
-                answer = self.answer(table[row], pattern, start := time.perf_counter_ns(), deadline)
-                out.in_time[row] = answer.met(start, deadline)
-                out.take(row, answer)
+            mask = np.broadcast_to(pattern, (len(these), len(pattern)))
+            one = [self.linear_of(pattern)], np.zeros(len(these), dtype=np.int64)
+            self._multiply(*one, table[these], mask, these, out)
 
     def _multiply(
         self,
@@ -399,20 +399,13 @@ class Plan:
         errors = operator.noise, operator.posterior
         if self._nodes is not None:
             errors = self._errors(operator)  # type: ignore[arg-type]
-        stated = operator.model_error if self.model_errors else EXACT
-        return self.finder(self.grid, pressure, *errors, stated)
+        return self.finder(self.grid, pressure, *errors, operator.model_error)
 
     def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
         """Noise and posterior of an operator, on the grid's nodes."""
         noise: Any = operator.noise
         posterior: Any = operator.posterior
         return noise.on(self._nodes), None if posterior is None else posterior.on(self._nodes)
-
-    def without_model_errors(self) -> "Plan":
-        """The same, whose contacts do not state the solver's own model error."""
-        other = copy(self)
-        other.model_errors, other._spare = False, []
-        return other
 
     def reset(self) -> None:
         """Forget the readings before."""

@@ -1,6 +1,5 @@
 """Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
 
-import copy
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -25,15 +24,14 @@ from skinfield.errors import (
     as_floats,
     check_offers,
     check_positive,
-    check_range,
     check_shape,
     check_type,
 )
 from skinfield.estimate import ContactFinder, Estimate
-from skinfield.reconstruct.intervals import Intervals
+from skinfield.estimate.live_contacts import CONTACT
 from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
-from skinfield.skin import Grid, Patch
-from skinfield.solve import GaussianField, Solver
+from skinfield.skin import Grid, Patch, Skin
+from skinfield.solve import Auto, Solver
 
 SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
 
@@ -87,7 +85,10 @@ def _check_sight(grid: Grid, layer: Layer) -> None:
 
 
 class Reconstructor:
-    """Prepared reconstruction of one patch; call it with readings.
+    """Prepared reconstruction of one patch, or of a whole skin; call it with readings.
+
+    Of a `Skin`, of grids from coarse to fine such as (10, 20, 40), or with a `budget`, it is an
+    `Engine`, whose parameters hold then: it answers all patches within one budget of time.
 
     Parameters
     ----------
@@ -102,21 +103,33 @@ class Reconstructor:
     quantity : Quantity, optional
         What a reading is: `Capacitance()` (default), `BaseStress()` or `Gap()`.
     solver : Solver, optional
-        How readings become pressure. Default `GaussianField()`.
+        What readings are explained by. Default `Auto()`: few contacts or a field, by evidence.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Standard deviation of one reading. Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
         Of the prepared matrix; float32 halves the time per reading.
-    intervals : Intervals, optional
-        Of `calibrated`, learnt before for such a reconstructor.
 
     Raises
     ------
     InputError
         For an argument that is something else, or that no skin can have.
     """
+
+    def __new__(
+        cls, patch: Any, layer: Any = None, grid: Any = None, **settings: Any
+    ) -> "Reconstructor":
+        """Make an engine where one is meant, see above."""
+        if not isinstance(patch, Skin) and "budget" not in settings and not _are_rungs(grid):
+            return super().__new__(cls)
+        from skinfield.reconstruct.engine import Engine
+
+        if grid is not None:
+            settings["rungs"] = grid
+        if settings.get("solver") is None:
+            settings["solver"] = Auto()
+        return Engine(patch, layer, **settings)  # type: ignore[return-value]
 
     def __init__(
         self,
@@ -130,16 +143,15 @@ class Reconstructor:
         noise_std: ArrayLike | None = None,
         finder: ContactFinder | None = None,
         precision: type[np.floating[Any]] = np.float64,
-        intervals: Intervals | None = None,
     ) -> None:
         self.patch = patch
         self.layer = Layer() if layer is None else layer
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
-        self.solver = GaussianField() if solver is None else solver
+        self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_skin(patch, self.layer, self.mechanics, self.quantity)
-        check_parts(self.solver, self.finder, grid, intervals)
+        check_parts(self.solver, self.finder, grid)
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
         noise = self.quantity.typical_noise if noise_std is None else noise_std
@@ -148,10 +160,7 @@ class Reconstructor:
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        self.intervals = intervals
-        if intervals is not None:
-            intervals.check(*self.kind)
-        parts = self.deformation, nodes, self.grid, self.finder, precision, intervals is None
+        parts = self.deformation, nodes, self.grid, self.finder, precision
         self.plans = Plan(self.solver.prepare(self.model), *parts)
         self._linear = np.empty(len(patch), precision)
         self._run_in()
@@ -163,7 +172,7 @@ class Reconstructor:
         if linear is None:
             raise InputError(
                 f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
-                "reconstructor with readings, or use a linear solver such as GaussianField()"
+                "reconstructor with readings, or make it with solver=GaussianField()"
             )
         return linear
 
@@ -222,10 +231,15 @@ class Reconstructor:
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            return self._answer(table[0], mask[0], stamps, start, deadline)
+            return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
+        if self.plans.linear is None:
+            rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
+            each = [self._answer(*row, None, deadline) for row in rows]
+            spent = (time.perf_counter_ns() - start) * 1e-9
+            return Estimate.joined(each, stamp_ns=stamps, latency=spent)
         out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
-        self.plans.answer_all(table, mask, out, deadline)
-        nodes, learnt = len(self.grid), self.intervals
+        self.plans.multiply(table, mask, out)
+        nodes = len(self.grid)
         pressure = out.fields[:, :nodes]
         return Estimate(
             grid=self.grid,
@@ -233,104 +247,78 @@ class Reconstructor:
             traction=-pressure[:, :, None] * self.grid.normals,
             displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
             pressure_std=out.pressure_std,
-            contacts=tuple(found if learnt is None else learnt(found) for found in out.contacts),
+            contacts=tuple(out.contacts),
             residual=out.residual,
             valid=mask,
             stamp_ns=stamps,
             latency=(time.perf_counter_ns() - start) * 1e-9,
-            notes=tuple(out.notes),
-            gap=out.gap,
-            iterations=out.iterations,
-            deadline_met=out.in_time,
+            gap=0.0,
+            solver=type(self.solver).__name__,
         )
+
+    def rows(self, most: int = 8) -> NDArray[np.void]:
+        """Room for so many contacts, for `into`: an array of `estimate.live_contacts.CONTACT`."""
+        return np.zeros(most, CONTACT)
+
+    def into(
+        self,
+        readings: Floats,
+        out: NDArray[np.void],
+        *,
+        stamp_ns: int = 0,
+        deadline: float | None = None,
+    ) -> int:
+        """Write the contacts of one reading into rows; allocates nothing.
+
+        For loops: nothing is checked, and contacts go on from those of the call before.
+
+        Parameters
+        ----------
+        readings : (L,) float64 array, in the quantity's unit
+            All taxels valid.
+        out : structured array of `CONTACT`, such as `rows()`
+            Receives the contacts by falling force; those after the last keep what they had.
+        stamp_ns : int, ns
+            By which contacts are known again.
+        deadline : float, s, optional
+
+        Returns
+        -------
+        int
+            How many contacts there are, which may be more than rows.
+        """
+        return self.plans.write(readings, out, stamp_ns, deadline)
 
     def _answer(
         self,
         reading: Floats,
         valid: NDArray[np.bool_],
-        stamps: NDArray[np.int64],
-        start: int,
+        stamp_ns: np.int64,
+        start: int | None,
         deadline: float | None,
     ) -> Estimate:
-        """Answer one reading with its pressure, the rest to be computed when asked for."""
-        answer, learnt = self.plans.answer(reading, valid, start, deadline), self.intervals
-        solution, rest = answer.solution, answer.rest
-        if learnt is not None:
-            found = rest["contacts"]
-            rest["contacts"] = lambda: learnt(found())
+        """Answer one reading with its pressure, the rest to be computed when asked for.
+
+        `start`, ns, is when the deadline began; by default now.
+        """
+        start = time.perf_counter_ns() if start is None else start
+        answer = self.plans.answer(reading, valid, start, deadline)
+        solution = answer.solution
         estimate = Estimate.later(
-            rest,
+            answer.rest,
             grid=self.grid,
             pressure=answer.pressure.copy(),  # what is computed later is of what was found
             valid=valid,
-            stamp_ns=stamps.ravel()[0],
+            stamp_ns=stamp_ns,
             gap=solution.gap,
             iterations=solution.steps,
             notes=solution.notes,
+            solver=solution.solver,
+            is_field=solution.fit is None,
         )
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         vars(estimate)["deadline_met"] = answer.met(start, deadline)
         return estimate
-
-    def calibrated(
-        self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
-    ) -> "Reconstructor":
-        """Learn from simulated presses how often contacts are how far off; some seconds.
-
-        Parameters
-        ----------
-        presses : int
-            Each at a place, with a load and with noise of its own; see
-            `reconstruct.interval_training`.
-        seed : int
-        bodies : sequence of Indenter, optional
-            Default balls, flats, a cone and a bar.
-
-        Returns
-        -------
-        Reconstructor
-            One that shares what is prepared. By the covariance of its contacts, 1.645 deviations
-            each way hold 90 % of the forces, and the ellipse of squared radius 4.605 as many
-            places; any level by `force_interval`, `place_radius` and `area_interval`. Its
-            `intervals` can be saved, and handed to a reconstructor that is made anew.
-
-        Raises
-        ------
-        InputError
-            For too few presses, or a quantity that the simulator does not know.
-        """
-        from skinfield.reconstruct.interval_training import BODIES, learn, rehearse
-
-        check_range("presses", presses, 1, 1_000_000, "simulated, with a truth to compare with")
-        bodies = BODIES if bodies is None else bodies
-        physics = self.layer, self.mechanics, self.quantity
-        rehearsal = rehearse(self.patch, *physics, presses, seed, bodies)
-        raw = self.with_intervals(None)
-
-        def solve(reading: Floats) -> Estimate:
-            raw.reset()
-            return raw(reading)
-
-        solver, quantity, _, _ = self.kind
-        noise = self.model.noise_std
-        intervals = learn(solve, self.patch, rehearsal, noise, solver, quantity, seed)
-        raw.reset()
-        return self.with_intervals(intervals)
-
-    def with_intervals(self, intervals: Intervals | None) -> "Reconstructor":
-        """Share what is prepared; with None, contacts state not even the solver's model error."""
-        if intervals is not None:
-            intervals.check(*self.kind)
-        other = copy.copy(self)
-        other.intervals = intervals
-        other.plans = self.plans.without_model_errors()
-        return other
-
-    @property
-    def kind(self) -> tuple[str, str, int, float]:
-        """What intervals are learnt for: solver, what is read, number of taxels, mean noise."""
-        name, noise = type(self.solver).__name__, float(self.model.noise_std.mean())
-        return name, self.quantity.symbol, len(self.patch), noise
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
@@ -343,15 +331,18 @@ class Reconstructor:
         self.plans.run_in()
 
 
-def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
+def _are_rungs(grid: object) -> bool:
+    """Whether these are numbers of nodes, of grids from coarse to fine."""
+    return isinstance(grid, Sequence) and not isinstance(grid, str)
+
+
+def check_parts(solver: object, finder: object, grid: object) -> None:
     """Raise InputError, with what to hand in, for a part that is something else."""
-    why = "a solver such as GaussianField() or ContactFit()"
+    why = "a solver such as Auto() or GaussianField()"
     check_offers("solver", solver, ("prepare",), why)
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:
         check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
-    if intervals is not None:
-        check_type("intervals", intervals, Intervals, "those of a calibrated reconstructor")
 
 
 def checked_readings(

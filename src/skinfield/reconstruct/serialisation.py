@@ -10,7 +10,6 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,15 +18,12 @@ from numpy.typing import ArrayLike
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import ContactFinder
-from skinfield.reconstruct.intervals import Group, Intervals, Ratio
 from skinfield.reconstruct.reconstructor import Reconstructor
 from skinfield.skin import Grid, Patch
 from skinfield.solve import Solver
 
-PARTS = (
-    *("patch", "layer", "mechanics", "quantity", "solver", "noise_std", "finder"),
-    "intervals",
-)  # all but the grid, which lies on the patch
+PARTS = "patch", "layer", "mechanics", "quantity", "solver", "noise_std", "finder"
+"""All but the grid, which lies on the patch."""
 
 
 @lru_cache(maxsize=1)
@@ -36,6 +32,7 @@ def _kinds() -> Mapping[str, type]:
     from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, HalfSpace
     from skinfield.signal import Calibration, CySkinCount, ICubByte, PlainCount
     from skinfield.solve import (
+        Auto,
         ContactFit,
         GaussianField,
         Inverse,
@@ -46,8 +43,8 @@ def _kinds() -> Mapping[str, type]:
 
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
-        *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit),
-        *(Calibration, ICubByte, CySkinCount, PlainCount, Intervals, Group, Ratio),
+        *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit, Auto),
+        *(Calibration, ICubByte, CySkinCount, PlainCount),
     )
     return {kind.__name__: kind for kind in known}
 
@@ -93,6 +90,9 @@ def plain_from_value(name: str, value: Any) -> Any:
     )
 
 
+OLDER = {"common_mode": 0.0, "model_error": 0.0}  # what files mean that do not have these
+
+
 def value_from_plain(name: str, plain: Any) -> Any:
     """Undo `plain_from_value`; raises FileError for what it never writes."""
     if isinstance(plain, list):
@@ -114,6 +114,7 @@ def value_from_plain(name: str, plain: Any) -> Any:
     parts = {key: value_from_plain(f"{name}.{key}", item) for key, item in plain.items()}
     del parts["is"]
     known = {each.name for each in fields(kind) if each.init}
+    parts = {key: value for key, value in OLDER.items() if key in known} | parts
     if parts.keys() != known:
         odd = ", ".join(sorted(str(key)[:40] for key in parts.keys() ^ known))
         raise FileError(
@@ -138,49 +139,6 @@ def _made(name: str, make: Any, plain: Any) -> Any:
         raise FileError(f"{name} cannot be made: {str(error)[:300]}; is the file whole?") from error
 
 
-INTERVALS = {"format": "skinfield-intervals", "version": 2}
-LONGEST = 100_000_000  # bytes of a file of intervals
-
-
-def save_intervals(intervals: Intervals, path: Path | str) -> None:
-    """Write intervals as JSON.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
-    content = INTERVALS | {"intervals": plain_from_value("intervals", intervals)}
-    try:
-        Path(path).write_text(json.dumps(content), encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
-
-
-def load_intervals(path: Path | str) -> Intervals:
-    """Read intervals that `save_intervals` wrote.
-
-    Raises
-    ------
-    FileError
-        If the file is missing, of another format or version, or broken.
-    """
-    try:
-        if Path(path).stat().st_size > LONGEST:
-            raise FileError(f"{path} has more than {LONGEST:_} bytes, expected intervals")
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON, expected that of save_intervals: {error}") from error
-    if not isinstance(content, dict) or content | INTERVALS != content:
-        raise FileError(f"{path} does not begin as {INTERVALS}, expected intervals: save it anew")
-    made = value_from_plain(f"{path}: intervals", content.get("intervals"))
-    if not isinstance(made, Intervals):
-        raise FileError(f"{path} holds a {type(made).__name__}, expected intervals")
-    return made
-
-
 @dataclass(frozen=True, eq=False)
 class ReconstructorConfig:
     """Arguments of a `Reconstructor`. They can be pickled, and mostly be written as text."""
@@ -193,7 +151,6 @@ class ReconstructorConfig:
     solver: Solver
     noise_std: ArrayLike
     finder: ContactFinder
-    intervals: Intervals | None = None
 
     @classmethod
     def of(cls, reconstructor: Reconstructor) -> "ReconstructorConfig":
@@ -218,6 +175,11 @@ class ReconstructorConfig:
         missing = {*PARTS, "grid"} - set(plain)
         if missing:
             raise FileError(f"settings lack {', '.join(sorted(missing))}: is the file whole?")
+        if plain.get("intervals") is not None:
+            raise FileError(
+                "settings have intervals that were learnt from presses, which there are no more, "
+                "expected none: reconstruct the recording anew"
+            )
         parts = {name: value_from_plain(name, plain[name]) for name in PARTS}
         if not isinstance(parts["patch"], Patch):
             raise FileError(f"patch is a {type(parts['patch']).__name__}, expected a Patch")

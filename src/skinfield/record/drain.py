@@ -17,19 +17,14 @@ from skinfield.files.mcap.schema import (
     CONFIGURATION,
     CYCLES,
     FIELDS,
-    FIT_HEAD,
-    FITS,
     TARE,
     Enclosed,
     FieldRecord,
-    FitRecord,
-    FitSizes,
 )
-from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
 from skinfield.loop.model_config import FIELD as SETTINGS
 from skinfield.loop.model_config import ModelConfig, configuration_of
-from skinfield.loop.slots import CONTACT, CycleHead, CycleSlot
 from skinfield.loop.slots import LAYOUT as CYCLE
+from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status import Observer
 from skinfield.loop.status_text import HEAD as CHECKED
 from skinfield.record.queue import Item, Queue, event_item
@@ -124,8 +119,6 @@ class StatusWatch:
 
 PIECE = 1 << 20  # bytes of the log in one message, about
 SPARE = 4  # a fourth of the slots, which the engine may write while the others are taken
-OLDEST_NS = 10_000_000_000  # of an answer of a fit that is taken: its own stamp is wrong beyond
-NOTHING = np.zeros(0, np.uint32)
 
 
 class RecordedPosition(NamedTuple):
@@ -221,8 +214,6 @@ class Drain:
         self._put_blocks(time.time_ns(), self._log.position, b"")
         self._first = self._log.position
         self._settings = b""
-        names = tuple(patch.name for patch in model_config.skin)
-        self.fit = FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
         self._lost: Counter[int] = Counter()
 
     def take(self) -> None:
@@ -251,11 +242,6 @@ class Drain:
             self._tell_missing(missing)
         if self._reader.generation != self.generation:
             self._restarted()
-        self.fit.take()
-
-    def close(self) -> None:
-        """Let go of the fit's ring; the engine's is the caller's."""
-        self.fit.close()
 
     def _show(self, number: int, time_ns: int) -> None:
         """Offer what the cycle read, and its pressure."""
@@ -312,8 +298,7 @@ class Drain:
             self._queue.tell(event_item(stamp, what, text, {"source": source}))
 
     def tell_lost(self) -> None:
-        """Tell what was lost since the last call: answers of the fit, and messages of a bad bus."""
-        self.fit.tell_missed()
+        """Tell the messages of a bad bus that were lost since the last call."""
         for source, number in self._lost.items():
             text = f"{self._name(source)}: {number} messages were lost"
             self._queue.event("messages_lost", text, source=source, messages=number)
@@ -328,113 +313,3 @@ class Drain:
         text = f"the engine was started again: process {pid} goes on with the ring"
         values = {"generation": self.generation, "before": before, "pid": pid}
         self._queue.event("engine_restarted", text, **values)
-
-
-class FitDrain:
-    """Reads the answers of a fit's ring into a queue; whatever is wrong with it, that goes on.
-
-    Parameters
-    ----------
-    name : str
-        Of the live skin.
-    queue : Queue
-    patches : tuple of str
-        Of the skin that is recorded: answers for another one are left out.
-    nodes : int
-        Of the finest grid of a patch.
-
-    Attributes
-    ----------
-    missed : int
-        That were overwritten unread, damaged, or too much for the disk.
-    """
-
-    def __init__(self, name: str, queue: Queue, patches: tuple[str, ...], nodes: int) -> None:
-        self._fit, self._queue = FitReader(name), queue
-        self._patches, self._nodes = patches, nodes
-        self._sizes = FitSizes(max(len(patches), 1), nodes, 1)
-        self._before = b""  # what the file says last, without its head
-        self.missed = self._told_missed = 0
-
-    def take(self) -> None:
-        """Take all that is new."""
-        try:
-            if self._fit.names == self._patches:
-                for number, found in self._fit.following():
-                    self._take(number, found)
-            elif self._before:  # there is no fit any more, and it knew of something
-                now, none = time.time_ns(), NOTHING
-                rows = np.zeros(0, PATCH), np.zeros(0, CONTACT), np.zeros(0, FORM)
-                field = none, np.zeros(0, np.float32)
-                self._put(LAYOUT.encode(FitRecord(now, 0, self._sizes, none, none, *rows, *field)))
-        except (SkinfieldError, ValueError, LookupError, OSError):  # of a ring that is damaged
-            self.missed += 1
-            self._fit.close()
-
-    def _take(self, number: int, found: FitSlot | None) -> None:
-        try:
-            if found is None or found.sizes.nodes != self._nodes:
-                raise InputError("it was overwritten, or is of another skin")
-            record = record_of(found, number)
-            data = LAYOUT.encode(record)
-        except InputError:  # or its numbers cannot be
-            self.missed += 1
-            return
-        self._sizes = record.sizes
-        self._put(data)
-
-    def _put(self, data: bytes) -> None:
-        """Hand it over unless it is what was said last; what is not taken is said with the next."""
-        said = data[FIT_HEAD.size :]
-        if said == self._before:
-            return
-        now = time.time_ns()
-        write = partial(RecordingWriter.write, topic=FITS, time_ns=now, data=data)
-        if self._queue.offer(Item(now, len(data), write)):
-            self._before = said
-        else:
-            self.missed += 1
-
-    def tell_missed(self) -> None:
-        """Tell of the answers that were missed since the last call."""
-        missed, self._told_missed = self.missed - self._told_missed, self.missed
-        if missed:
-            text = f"{missed} answers of the contact fit could not be recorded"
-            self._queue.event("fit_missed", text, answers=missed)
-
-    def close(self) -> None:
-        """Let go of the fit's ring."""
-        self._fit.close()
-
-
-def record_of(slot: FitSlot, number: int) -> FitRecord:
-    """What a recording keeps of an answer: of the patches that something touches, or may touch.
-
-    Raises
-    ------
-    InputError
-        If its counts of contacts are none.
-    """
-    now, told = time.time_ns(), int(slot.told_ns[0])
-    sizes, states, counts = slot.sizes, slot.patches["state"], slot.patches["contacts"]
-    if ((counts < 0) | (counts > sizes.rows)).any():
-        raise InputError(f"a fit has {counts} contacts, expected 0 to {sizes.rows} of each patch")
-    places = np.flatnonzero(states != int(Fitted.NOTHING))
-    kept = np.arange(sizes.rows) < counts[places][:, None]
-    fields = [
-        np.flatnonzero(slot.pressure[place].view(np.uint32)) if done else NOTHING
-        for place, done in zip(places, states[places] == int(Fitted.DONE), strict=True)
-    ]
-    pressure = [slot.pressure[place][nodes] for place, nodes in zip(places, fields, strict=True)]
-    return FitRecord(
-        told if 0 <= now - told <= OLDEST_NS else now,
-        number,
-        sizes,
-        places.astype(np.uint32),
-        np.array([len(nodes) for nodes in fields], np.uint32),
-        slot.patches[places],
-        slot.contacts[places][kept],
-        slot.forms[places][kept],
-        np.concatenate([NOTHING, *fields]).astype(np.uint32),
-        np.concatenate([np.zeros(0, np.float32), *pressure]),
-    )

@@ -23,7 +23,6 @@ from typing import Any
 from skinfield.errors import SkinfieldError, check_range
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.container import FileOutput
-from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.model_config import model_config_of
 from skinfield.loop.process_supervisor import end_with, stop_on
 from skinfield.loop.slots import LAYOUT as CYCLE
@@ -108,7 +107,7 @@ class Recorder:
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader, model_config)
         self._writer = RecordingWriter(
-            path, enclosed, layout=CYCLE, fit=FIT, overwrite=overwrite, output=output
+            path, enclosed, layout=CYCLE, overwrite=overwrite, output=output
         )
         self._queue = Queue(queue_bytes, live)
         self._watch = StatusWatch(self._reader, self._queue, model_config, tares)
@@ -176,7 +175,6 @@ class Recorder:
         try:
             self._disk.stop()
         finally:
-            self._drain.close()
             self._reader.close()
         self._live.ended = self._live.ended or "closed"
         self.state = self._state()

@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.files.mcap.live import LiveRecording, Newest
-from skinfield.files.mcap.schema import CYCLES, FIELDS, FITS, TARE, Cycle, FieldRecord, FitRecord
+from skinfield.files.mcap.live import LiveRecording, NewestField
+from skinfield.files.mcap.schema import CYCLES, TARE, Cycle, FieldRecord
 from skinfield.loop import Answer
-from skinfield.loop.fit_ring import LAYOUT, FitSlot
 from skinfield.loop.model_config import Configuration, ModelConfig, Models, write_configuration
 from skinfield.loop.realtime import TimingTable
 from skinfield.loop.ring_fields import describe, slots_for, status_fields
@@ -25,7 +24,6 @@ from skinfield.loop.slots import CycleHead, CycleSlot, Sizes
 from skinfield.loop.status_text import write_notes
 from skinfield.ring import Ring, State
 
-FAR = 1e15  # that no place (m), force (N) or pressure (Pa) comes near
 SOURCE = "replay"
 FIXED = "it is a replay, and goes by what was in force then"
 LINEAR, MISSING = int(Answer.LINEAR), int(Answer.MISSING)
@@ -107,7 +105,7 @@ class Replay:
                 "its estimates are; `skinfield export` still gives its readings"
             )
         self.model_config = ModelConfig.from_json(json.dumps(found.configuration))
-        if found.cycle_layout != CYCLE:
+        if found.cycle_layout.completed() != CYCLE:
             raise FileError(
                 f"{path}: the rows of contacts and patches are of another version, expected those "
                 "of this one; `skinfield reconstruct` makes its estimates anew"
@@ -123,7 +121,7 @@ class Replay:
         )
         self.settings = list(_config_history(found, self.model_config))
         self._tares = list(_tares(found, self.sizes.taxels))
-        self._fields = Newest(found, FIELDS, self._field_of)
+        self._fields = NewestField(found, self._is_sound)
         self._slot = CycleSlot.empty(self.sizes)
         self._field: FieldRecord | None = None
         self._models: tuple[tuple[int, int], Models] | None = None
@@ -135,7 +133,8 @@ class Replay:
     def from_time(self, time_ns: int) -> Iterator[RecordedCycle]:
         """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
         first = self.index.record_before(time_ns)
-        for _, at, cycle in self.recording.contents((CYCLES,), first):
+        for _, at, recorded in self.recording.contents((CYCLES,), first):
+            cycle = CYCLE.extend(recorded)
             if cycle.wall_ns < time_ns or not self._fits(at, cycle):
                 continue
             self._show_field(self._fields.before(cycle.wall_ns))
@@ -180,15 +179,16 @@ class Replay:
         )  # fmt: skip
         return False
 
-    def _field_of(self, at: int, found: FieldRecord) -> FieldRecord | None:
+    def _is_sound(self, at: int, found: FieldRecord) -> bool:
+        """Whether a field is of such a skin; else it is noted as damage."""
         sizes, its = self.sizes, (len(found.sides), len(found.counts), found.grid)
         if its == (sizes.patches, sizes.taxels, sizes.nodes):
-            return found
+            return True
         self.recording.note(
             at, f"a field of {its[0]} patches, {its[1]} taxels and {its[2]} nodes, expected "
             f"{sizes.patches}, {sizes.taxels} and {sizes.nodes}",
         )  # fmt: skip
-        return None
+        return False
 
     def _show_field(self, found: FieldRecord | None) -> None:
         """Put readings and pressure into the slot; without any, nothing is known of them."""
@@ -258,78 +258,6 @@ def _tares(recording: LiveRecording, taxels: int) -> Iterator[BaselineRecord]:
             yield BaselineRecord(time_ns, table.astype(np.float64), noise.astype(np.float64))
         except (OSError, ValueError, KeyError, EOFError, TypeError) as error:
             recording.note(0, f"{each.name} cannot be used, and is left out: {error}")
-
-
-class ReplayFit:
-    """Answers of the fit beside the engine at any time of a recording, for one thread at a time.
-
-    What cannot be read of them is told in the recording's `damage`, and the engine's own contacts
-    are left.
-    """
-
-    def __init__(self, replay: Replay) -> None:
-        self._recording, self._sizes = replay.recording, replay.sizes
-        self._newest: Newest[FitSlot] | None = None
-        try:
-            layout = self._recording.fit_layout
-            if layout is not None and layout != LAYOUT:
-                raise FileError("the rows of the contact fit are of another version, and left out")
-            if layout is not None:
-                self._newest = Newest(self._recording, FITS, self._slot_of)
-        except FileError as error:
-            self._recording.note(0, str(error))
-
-    def at(self, time_ns: int) -> FitSlot | None:
-        """What the fit had found by a time, ns since the epoch, as `FitReader.latest` gave it then.
-
-        None where there was no fit, or it knew of no touch.
-        """
-        try:
-            return None if self._newest is None else self._newest.before(time_ns)
-        except FileError as error:
-            self._recording.note(0, str(error))
-            return None
-
-    def _slot_of(self, at: int, record: FitRecord) -> FitSlot | None:
-        sizes = self._sizes
-        if not len(record.places):
-            return None
-        patches, nodes, _ = record.sizes
-        if (patches, nodes) != (sizes.patches, sizes.nodes):
-            self._recording.note(
-                at, f"a contact fit of {patches} patches with {nodes} nodes each, expected "
-                f"{sizes.patches} with {sizes.nodes}: it is damaged, or of another skin",
-            )  # fmt: skip
-            return None
-        if not is_sound(record):
-            self._recording.note(
-                at, f"answer {record.number} of the contact fit has contacts of other patches or "
-                f"numbers that cannot be, expected finite ones below {FAR:g}: it is damaged",
-            )  # fmt: skip
-            return None
-        return slot_of(record)
-
-
-def is_sound(record: FitRecord) -> bool:
-    """Whether numbers of an answer can be shown: finite, within reach, each on its own patch."""
-    rows = record.contacts
-    shown = [rows[name].ravel() for name in ("position", "normal", "x", "y", "normal_force")]
-    own = rows["patch"] == np.repeat(record.places, record.patches["contacts"])
-    numbers = np.concatenate([*shown, record.pressure])
-    return bool(own.all() and (np.abs(numbers) < FAR).all())  # false for NaN too
-
-
-def slot_of(record: FitRecord) -> FitSlot:
-    """The answer as it was in the fit's ring; of patches that it says nothing of, nothing."""
-    slot, places = FitSlot.empty(*record.sizes), record.places.astype(np.int64)
-    slot.told_ns[0] = record.time_ns
-    slot.patches[places] = record.patches
-    used = np.arange(record.sizes.rows) < record.patches["contacts"][:, None]
-    patch, row = np.nonzero(used)
-    slot.contacts[places[patch], row] = record.contacts
-    slot.forms[places[patch], row] = record.forms
-    slot.pressure[np.repeat(places, record.pressed), record.nodes] = record.pressure
-    return slot
 
 
 def paced(moments: Iterable[RecordedCycle], speed: float) -> Iterator[RecordedCycle]:

@@ -1,5 +1,6 @@
 """Solvers: from an observation model to an inverse operator; and whether anything touches."""
 
+from skinfield.solve.auto import Auto as Auto
 from skinfield.solve.contact_fit import ContactFit as ContactFit
 from skinfield.solve.gaussian_model import GaussianModel as GaussianModel
 from skinfield.solve.gaussian_model import TaxelSets as TaxelSets

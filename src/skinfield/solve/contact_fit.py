@@ -1,9 +1,8 @@
 """Contacts as few round or drawn-out loads: the most accurate answer on a thin skin."""
 
 import time
-from copy import copy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,32 +10,56 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
+from skinfield.solve.atoms.atom_fit import AtomFit
+from skinfield.solve.atoms.fitter import ContactFitter
+from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
-from skinfield.solve.dual.problem import DualProblem
-from skinfield.solve.non_negative import NonNegativeOperator
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
-
-if TYPE_CHECKING:
-    from skinfield.solve.atoms.fitter import ContactFitter
-
-LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 
 
 class ContactData(Data):
-    """Scratch memory of a `ContactOperator`, and its reading before."""
+    """Scratch memory of a `ContactOperator`, and its reading before.
+
+    Attributes
+    ----------
+    rows : (most,) array of CONTACT
+        Contacts of the last reading, by falling force; `patch`, `track`, `age` and `speed` are
+        left to others.
+    count : int
+        How many of the rows hold.
+    fit : FitData
+    """
+
+    rows: NDArray[np.void]
 
     def __init__(self, operator: "ContactOperator") -> None:
-        margin = DeadlineMargin(300_000, most=2_000_000)
-        super().__init__(operator, len(operator.model.grid), margin)
-        self.fitter = copy(operator.fitter)
-        self.field: Any = None if operator.field is None else operator.field.data()
-        self.reset()
+        super().__init__(operator, len(operator.model.grid), DeadlineMargin())
+        self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
+        self.fit, self._operator = operator.fitter.data(), operator
+
+    @property
+    def noise(self) -> Floats:
+        """Deviation (L,) of what is solved next, in the quantity's unit; may be written to.
+
+        Averages have less than the operator's. Taxels that are left out count as infinite.
+        """
+        return self.fit.noise
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self.fitter.reset()
-        if self.field is not None:
-            self.field.reset()
+        self.fit.reset()
+
+    def start_from(self, other: Data) -> None:
+        """Go on with the memory of another grid's fit, from now on with the same one."""
+        if isinstance(other, ContactData):
+            self.fit = other.fit
+
+    def keep(self) -> AtomFit:
+        """What was found in the last reading, which nothing overwrites."""
+        operator, rows = self._operator, self.rows[: self.count]
+        return operator.fitter.answer_of(self.fit, operator.renderer, rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,100 +71,80 @@ class ContactOperator:
     solver : ContactFit
     model : ObservationModel
     fitter : ContactFitter
-        Of which each memory has a copy.
-    noise_std : (L,) array, in the quantity's unit
-        Infinite of taxels that are left out.
-    field : NonNegativeOperator, optional
-        What answers the readings that no few contacts explain.
+        Shared by all grids of a patch.
+    renderer : AtomRenderer
+        For the grid.
     valid : (L,) bool array, optional
         Taxels that are used. Default all.
     """
 
     solver: "ContactFit"
     model: ObservationModel
-    fitter: "ContactFitter"
-    noise_std: Floats
-    field: NonNegativeOperator | None
+    fitter: ContactFitter
+    renderer: AtomRenderer
     valid: NDArray[np.bool_] | None = None
     linear = None  # no matrix
-
-    @property
-    def problem(self) -> DualProblem | None:
-        """Of the field that stands in: an engine's test of idle patches."""
-        return None if self.field is None else self.field.problem
+    posterior: ClassVar[PressureError | None] = None  # its contacts state their own
+    model_error: ClassVar[ModelError] = EXACT
 
     @property
     def noise(self) -> PressureError:
-        """Of the field that stands in."""
-        if self.field is None:
-            return PressureNoise(np.zeros(self.model.matrix.T.shape))
-        return self.field.noise
-
-    @property
-    def posterior(self) -> PressureError | None:
-        """Of the field that stands in."""
-        return None if self.field is None else self.field.posterior
-
-    @property
-    def model_error(self) -> ModelError:
-        """Of the field that stands in."""
-        return EXACT if self.field is None else self.field.model_error
+        """None: no contact is found in its pressure."""
+        return PressureNoise(np.zeros(self.model.matrix.T.shape))
 
     def data(self) -> ContactData:
         """Make its scratch memory."""
         return ContactData(self)
 
+    def on(self, model: ObservationModel) -> "ContactOperator":
+        """The same fit for another grid of the patch; all else is shared."""
+        physics = model.physics
+        assert physics is not None  # as it is that of the grid before
+        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        return replace(self, model=model, renderer=renderer)
+
     def solve(
         self, readings: Floats, data: ContactData, deadline_ns: int | None = None
     ) -> Solution:
-        """See `Operator.solve`; for the moment arrays are allocated."""
-        readings, solution = data.heard(readings, self.valid), data.solution
-        data.fitter.take_noise(self.noise_std)
-        fit = data.fitter.fit(readings, deadline_ns)
-        late = deadline_ns is not None and time.perf_counter_ns() >= deadline_ns
-        if not (fit.explained or late or self.field is None):
-            field = self.field.solve(readings - fit.offset, data.field, deadline_ns)
-            left = self._squares(readings - fit.predicted)
-            if self._squares(field.residual) < LESS * left:
-                note = "more than few contacts: a non-negative field answers"
-                solution.take(field)
-                solution.notes, solution.offset = (note, *fit.notes), fit.offset
-                return solution
-        name, nothing = type(self.solver).__name__, float("nan")
-        parts = fit.pressure, readings, name, self, nothing, nothing, nothing, 0
-        in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
-        solution.take(Solution(*parts, in_time, fit.notes, fit.offset, fit))
+        """See `Operator.solve`."""
+        readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
+        out = solution.pressure, data.rows
+        data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
+        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
+        solution.solver, solution.offset = type(self.solver).__name__, fit.offset
+        solution.gap = solution.objective = float("nan")
+        solution.evidence, solution.steps = float(fit.search.known[0]), 0
+        np.copyto(solution.readings, readings)
+        solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
-
-    def _squares(self, left: Floats) -> float:
-        """Of what is left over of readings (L,), over their noise."""
-        return float(np.square(left / self.noise_std).sum())
 
     def without(self, valid: NDArray[np.bool_]) -> "ContactOperator":
         """See `Operator.without`; nothing is prepared anew."""
-        noise = np.where(valid, self.model.noise_std, np.inf)
-        field = None if self.field is None else self.field.without(valid)
-        return replace(self, noise_std=noise, field=field, valid=np.array(valid, np.bool_))
+        return replace(self, valid=np.array(valid, np.bool_))
 
     def predicted(self, solution: Solution) -> Floats:
         """See `Operator.predicted`."""
         if solution.fit is not None:
-            return solution.fit.predicted
+            return solution.fit.keep().predicted
         return np.asarray(self.model.matrix @ solution.pressure)
 
     def contacts(self, solution: Solution) -> tuple[Contact, ...] | None:
-        """See `Operator.contacts`: None where the field answered."""
-        return None if solution.fit is None else solution.fit.contacts
+        """See `Operator.contacts`."""
+        if solution.fit is None:
+            return ()
+        fit = solution.fit.keep()
+        return contacts_of_rows(fit.rows, fit.grid, solution.pressure)
 
     def pressure_std(self, solution: Solution) -> Floats:
         """See `Operator.pressure_std`."""
-        if solution.fit is not None:
-            return solution.fit.pressure_std
-        return self.noise.std if self.field is None else self.field.pressure_std()
+        if solution.fit is None:
+            return self.noise.std
+        fit = solution.fit.keep()
+        return pressure_std_of_rows(fit.rows, fit.grid, solution.pressure)
 
     def displacement(self, solution: Solution) -> Floats | None:
         """See `Operator.displacement`."""
-        return None if solution.fit is None else solution.fit.displacement
+        return None if solution.fit is None else solution.fit.keep().displacement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +167,8 @@ class ContactFit(FitSettings):
     typical_radius : float, m
         Of curvature of what touches: the middle of a broad prior, within a factor of two.
     model_error : float
-        Of the readings, part of the highest: what no atom can explain.
+        What the model is wrong by, part of what taxels read: middle of a prior within a factor of
+        ten, from which it is inferred, reading by reading and press by press.
     starts : int
         Places from which each new contact is sought.
     warm : bool
@@ -172,15 +176,19 @@ class ContactFit(FitSettings):
     common_mode : float
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
         noise; it is integrated out. 0 for none.
-    extended : NonNegative or None
-        Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
-        `notes` say so. None leaves them to the best set of contacts.
+
+    See Also
+    --------
+    Auto : a field where one is more probable, such as of a whole palm.
     """
 
     def prepare(self, model: ObservationModel) -> ContactOperator:
         """Tabulate what single contacts are read as, and templates of them all over the patch."""
-        from skinfield.solve.atoms.fitter import ContactFitter
-
-        fitter = ContactFitter(self, model)
-        fitter.run_in()
-        return ContactOperator(self, model, fitter, model.noise_std, fitter.extended)
+        fitter, physics = ContactFitter(self, model), model.physics
+        assert physics is not None  # the fitter checks it
+        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        operator = ContactOperator(self, model, fitter, renderer)
+        data = operator.data()
+        for reading in fitter.touches():
+            operator.solve(reading, data)  # a first reading is as fast as the next
+        return operator

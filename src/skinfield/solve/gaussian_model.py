@@ -19,7 +19,8 @@ class TaxelSets:
     Leaving the taxels I out of H = (q G + 1)⁻¹ leaves, by the inverse of a block matrix (Golub and
     Van Loan, Matrix Computations, section 2.1.4), :math:`H - H_{:I} H_{II}^{-1} H_{I:}`, whose
     rows and columns of I are 0. Along the vectors V this is diag(d) - Bᵀ B with d = 1 / (q g + 1)
-    and as many rows of B as taxels are missing.
+    and as many rows of B as taxels are missing. The noise of an offset o that taxels share adds
+    o oᵀ to 1, which takes one more row: :math:`H o / \sqrt{1 + o^T H o}`.
 
     Attributes
     ----------
@@ -30,7 +31,8 @@ class TaxelSets:
     retained : (P, L) array
         d.
     lost : (P, M, L) array
-        B; M is the largest number of missing taxels, and the rows beyond a set's own are 0.
+        B; M is the largest number of missing taxels, and one more where they share an offset. The
+        rows beyond a set's own are 0.
     """
 
     model: "GaussianModel"
@@ -52,7 +54,14 @@ class TaxelSets:
         corner = np.arange(most)
         block[:, corner, corner] += ~missing
         lower = np.linalg.cholesky(block)
-        return cls(model, valid, variance, kept, np.linalg.solve(lower, rows * kept[:, None]))
+        lost = np.linalg.solve(lower, rows * kept[:, None])
+        if model.offset.any():
+            along = (valid * model.offset) @ model.vectors
+            less = (lost @ along[..., None])[..., 0]
+            seen = kept * along - np.einsum("pml,pm->pl", lost, less)  # V' H o
+            size = np.sqrt(1.0 + np.einsum("pl,pl->p", along, seen))
+            lost = np.concatenate([lost, (seen / size[:, None])[:, None]], axis=1)
+        return cls(model, valid, variance, kept, lost)
 
     def weights(self, readings: Floats, which: NDArray[np.int64]) -> Floats:
         """Vᵀ (q G + 1)⁻¹ y of linearised readings (T, L), each of the set `which` (T,): (T, L).
@@ -73,8 +82,11 @@ class TaxelSets:
         model = self.model
         whole = float(model.variance(np.ones((1, len(model.power)), np.bool_))[0])
         share = (self.variance[which] / whole)[:, None]
-        along = self.weights(readings, which) * (whole * model.spectrum + 1.0) * share
-        return np.asarray((along @ model.vectors.T) * model.noise_std)
+        weights = self.weights(readings, which) * share
+        along = weights * (whole * model.spectrum + 1.0)
+        offset = weights @ (model.offset @ model.vectors)
+        filled = along @ model.vectors.T + np.outer(offset, model.offset)
+        return np.asarray(filled * model.noise_std)
 
     @cached_property
     def stds(self) -> tuple[Floats, Floats]:
@@ -181,6 +193,8 @@ class GaussianModel:
     prior : PressurePosterior
         Q alone, of no readings.
     noise_std : (L,) array, unit of the reading
+    offset : (L,) array
+        o: deviation of an offset that all taxels share, in units of their noise.
     snr : float
     """
 
@@ -190,21 +204,29 @@ class GaussianModel:
     power: Floats
     prior: PressurePosterior
     noise_std: Floats
+    offset: Floats
     snr: float
 
     @classmethod
     def of(
-        cls, cross: Floats, gram: Floats, correlation: Floats, noise_std: Floats, snr: float
+        cls,
+        cross: Floats,
+        gram: Floats,
+        correlation: Floats,
+        noise_std: Floats,
+        offset: Floats,
+        snr: float,
     ) -> "GaussianModel":
-        """Split G (L, L), 1/Pa², A Q Aᵀ of whitened readings.
+        """Split G (L, L), 1/Pa², A Q Aᵀ of whitened readings; the rest is that of the attributes.
 
-        `cross` (K, L), 1/Pa, is Q Aᵀ of these, `correlation` (rows, columns) Q by the offset.
+        `cross` (K, L), 1/Pa, is Q Aᵀ of these, `correlation` (rows, columns) Q by what two nodes
+        lie apart.
         """
         spectrum, vectors = np.linalg.eigh(gram)
         prior = PressurePosterior.of_lattice(correlation, np.zeros((correlation.size, 0)))
         power = np.diagonal(gram).copy()
         spectrum = np.maximum(spectrum, 0.0)
-        return cls(cross @ vectors, spectrum, vectors, power, prior, noise_std, snr)
+        return cls(cross @ vectors, spectrum, vectors, power, prior, noise_std, offset, snr)
 
     def on(self, nodes: NDArray[np.int64]) -> "GaussianModel":
         """The pressure of some of the nodes, in their order."""

@@ -4,15 +4,10 @@ A contact is no Gaussian field, and between taxels a thin skin is nearly blind: 
 finds a part of the force, at the nearest taxel. The numbers are such that, on the hexagon of 72
 taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical noise, 1.645
 standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
-presses of `reconstruct.interval_training` (balls, flats, a cone, a bar; 0.1 to 3 N).
+simulated presses (balls, flats, a cone, a bar; 0.1 to 3 N), counted once and written down here.
 
-At other noises one number cannot do. With 2.5 times the typical noise 88 to 98 % of the forces are
-held. With a twentieth of it 70 to 82 %, but for capacitance 98 % (`NonNegative`) and 87 %
-(`Inverse`): weak presses between taxels are then found, of which a linear solver sees a tenth. Of
-the places 93 % are then held by the resampled solvers, 66 to 80 % by `GaussianField` and
-`NonNegative`, and 29 to 36 % by `Tikhonov`, whose prior is only wide where it is told much noise.
-On other layouts and layers nothing was measured: `Reconstructor.calibrated` learns what holds
-there.
+At other noises one number cannot do: docs/uncertainty.md has what then holds. On other layouts and
+layers nothing was measured.
 
 They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
 taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For
@@ -35,6 +30,11 @@ from skinfield.skin import Grid
 from skinfield.skin.geometry import nearest_distance
 from skinfield.solve.gaussian_model import GaussianModel
 from skinfield.solve.operator import LinearOperator, propagated_std
+
+
+def sees_sum(matrix: Floats) -> bool:
+    """Whether rows (L, K) see a uniform pressure; where no volume gives it cancels in each."""
+    return bool(np.abs(matrix.sum(axis=1)).sum() > 0.5 * np.abs(matrix).sum())
 
 
 class Errors(NamedTuple):
@@ -178,6 +178,8 @@ class Tikhonov:
     ----------
     snr : float, dimensionless
         Amplitude of the expected readings over their noise; lower is smoother.
+    common_mode : float, optional
+        As that of `GaussianField`: Wᵀ W below becomes the inverse covariance of noise and offset.
 
     Notes
     -----
@@ -190,15 +192,33 @@ class Tikhonov:
     """
 
     snr: float = 30.0
+    common_mode: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the penalty is proportional to 1 / snr**2")
+        check_common(self.common_mode)
 
     def prepare(self, model: ObservationModel) -> LinearOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
         white = np.zeros(model.grid.shape)
         white[0, 0] = 1.0
         return _conditioned(self, model, model.matrix, white, TIKHONOV)
+
+
+COMMON = 5.0  # standard deviations of the noise
+
+
+def check_common(common_mode: float | None) -> None:
+    """Raise InputError for no deviation of an offset that taxels may share."""
+    if common_mode is not None:
+        check_range("common_mode", common_mode, 0.0, 1e3, "in standard deviations of the noise")
+
+
+def shared_offset(common_mode: float | None, model: ObservationModel) -> Floats:
+    """Deviation of the offset that all taxels share, in the noise of each, (L,)."""
+    if common_mode is None:
+        common_mode = 0.0 if sees_sum(model.matrix) else COMMON
+    return np.asarray(common_mode * float(np.median(model.noise_std)) / model.noise_std)
 
 
 def _conditioned(
@@ -214,11 +234,13 @@ def _conditioned(
     cross = cross.T * white
     gram = (model.matrix @ cross) * white[:, None]
     variance = snr**2 * len(gram) / np.trace(gram)
-    lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
+    offset = shared_offset(solver.common_mode, model)
+    noise = np.eye(len(gram)) + np.outer(offset, offset)
+    lower = np.linalg.cholesky(gram * variance + noise)
     factor = solve_triangular(lower, variance * cross.T, lower=True)
     matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
     posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
-    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, snr)
+    gaussian = GaussianModel.of(cross, gram, near, model.noise_std, offset, snr)
     parts = matrix, posterior.std, posterior, known.of(model), gaussian
     return LinearOperator(solver, model, *parts)
 
@@ -236,25 +258,32 @@ class GaussianField:
         Amplitude of the expected readings over their noise; lower is smoother.
     length_scale : float, m, optional
         Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
+    common_mode : float, optional
+        Standard deviation of an offset that all taxels share, such as a drift, in those of the
+        noise; it is integrated out. Default 5; 0 where the sum of the pressure is seen (stress, or
+        a Poisson's ratio well below 0.5): part of a press would be taken for an offset.
 
     Notes
     -----
-    With the covariance :math:`Q_{ij} = q (1 + \sqrt3 d/\ell) e^{-\sqrt3 d/\ell}`, noise
-    :math:`\Sigma` and readings y = A p + noise, the posterior has
+    With the covariance :math:`Q_{ij} = q (1 + \sqrt3 d/\ell) e^{-\sqrt3 d/\ell}`, that of noise
+    and offset :math:`\Sigma = \mathrm{diag}(\sigma^2) + c^2 1 1^T`, and readings y = A p + both,
+    the posterior has
 
     .. math:: \hat p = Q A^T (A Q A^T + \Sigma)^{-1} y, \quad
               \mathrm{cov} = Q - Q A^T (A Q A^T + \Sigma)^{-1} A Q.
 
     q is such that the prior's readings have, over the taxels, `snr` times the noise's power:
-    tr(W A Q A^T W) = L snr². `pressure_std` is the posterior's, so between taxels, where a thin
-    skin is nearly blind, it says so.
+    tr(W A Q A^T W) = L snr², W = diag(1 / σ). `pressure_std` is the posterior's, so between taxels,
+    where a thin skin is nearly blind, it says so.
     """
 
     snr: float = 10.0
     length_scale: float | None = None
+    common_mode: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
+        check_common(self.common_mode)
         if self.length_scale is not None:
             check_positive("length_scale", self.length_scale, "in metres")
 

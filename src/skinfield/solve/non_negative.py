@@ -15,18 +15,31 @@ from skinfield.estimate import ModelError, PressureError
 from skinfield.skin import Grid
 from skinfield.solve.dual.problem import (
     COUNTS,
+    DROPPED,
     DUAL,
     GAP,
     IDLE,
+    NORM,
     OBJECTIVE,
+    SHARED,
     STARTED,
     STEPS,
     TYPICAL,
     UNSOLVED,
     DualProblem,
     Memory,
+    whitened,
 )
-from skinfield.solve.linear import NON_NEGATIVE, GaussianField, Tikhonov, convolved, taxel_distance
+from skinfield.solve.linear import (
+    NON_NEGATIVE,
+    GaussianField,
+    Tikhonov,
+    check_common,
+    convolved,
+    sees_sum,
+    shared_offset,
+    taxel_distance,
+)
 from skinfield.solve.operator import (
     Data,
     DeadlineMargin,
@@ -41,48 +54,56 @@ ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a du
 TILE_CUT = 5e-3  # of a taxel's column that stamps may lack: bounded, and computed where it matters
 SPARSE = 0.4  # share of the whole matrix up to which a pass by stamps is quicker
 LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read where caches are cold
+MODEL_ERROR = 0.01  # of the highest reading, where the sum of the pressure is not seen
 
 
 def problem_of(
-    solver: "NonNegative", grid: Grid, rows: Floats, bump: Floats, whitening: Floats
+    solver: "NonNegative", model: ObservationModel, rows: Floats, bump: Floats
 ) -> DualProblem:
-    """Problem of a solver on a grid.
+    """Problem of a solver for a model.
 
     Parameters
     ----------
     solver : NonNegative
-    grid : Grid
+    model : ObservationModel
     rows : (K, L) array
-        What each node's bump does to the whitened taxels.
+        What each node's bump does to the taxels, in units of their noise.
     bump : (2 n + 1, 2 n + 1) array, Pa
-    whitening : (L,) array, per unit of the reading
     """
     from scipy.special import ndtri
 
-    norms = np.linalg.norm(rows, axis=1)
-    chances = max(int(np.count_nonzero(norms)), 1)
+    chances = max(int(np.count_nonzero(rows.any(axis=1))), 1)
     threshold = float(-ndtri(solver.false_alarm_rate / chances))
     kind = np.dtype(solver.precision)
     lanes = LANES // kind.itemsize
-    filled = np.zeros((len(rows), -(-len(whitening) // lanes) * lanes), dtype=kind)
-    filled[:, : len(whitening)] = rows
-    stamps, dropped = np.zeros((0, SIDE**2), kind), np.zeros(len(rows))
+    grid, noise_std = model.grid, model.noise_std
+    taxels, nodes, typical = len(noise_std), np.zeros((3, len(rows)), kind), np.median(noise_std)
+    width = (0, -taxels % lanes)
+    offset = np.pad(shared_offset(solver.common_mode, model), width)
+    filled, root, nodes[NORM], nodes[SHARED] = whitened(np.pad(rows, ((0, 0), width)), offset)
+    stamps = np.zeros((0, SIDE**2), kind)
     places = np.zeros(0, np.int32)
     if min(grid.shape) >= SIDE and rows.size > LARGE:
         tiles = Tiles.of(rows, grid.shape, cut=TILE_CUT, dtype=kind)
         if tiles.share < SPARSE:
-            stamps, dropped = tiles.values.copy(), tiles.dropped * (1 + 1e-6)  # else read-only
+            stamps = tiles.values.copy()  # else read-only
+            nodes[DROPPED] = tiles.dropped * (1 + 1e-6)
             places = np.concatenate([tiles.taxels, tiles.firsts, tiles.cells])
     penalty, rounding = solver.shrinkage * threshold, ROUNDING[kind.itemsize]
     settings = threshold, penalty, solver.tolerance, rounding, solver.most_iterations
+    misfit = solver.model_error
+    if misfit is None:
+        misfit = 0.0 if sees_sum(model.matrix) else MODEL_ERROR
     return DualProblem(
-        rows=filled,
-        nodes=np.stack([norms, dropped]).astype(kind),
-        whitening=np.ascontiguousarray(whitening, dtype=np.float64),
+        rows=filled.astype(kind),
+        nodes=nodes,
+        whitening=1.0 / noise_std,
+        offset=offset,
+        root=root,
         bump=np.ascontiguousarray(bump, dtype=kind),
         stamps=stamps,
         places=places,
-        numbers=np.array([*settings, *grid.shape], dtype=np.float64),
+        numbers=np.array([*settings, *grid.shape, misfit / typical], dtype=np.float64),
     )
 
 
@@ -233,6 +254,7 @@ class NonNegativeOperator(FieldOperator):
         clear = data.solution.readings
         clear *= 4.0 * problem.threshold / max(float(np.linalg.norm(clear)), 1e-300)
         clear /= problem.whitening
+        problem.without(np.ones(len(clear), np.bool_))
         paces = []
         for lap in range(LAPS):
             data.memory.measures[:] = 0.0
@@ -338,11 +360,18 @@ class NonNegative:
         End it anyway after so many Newton steps.
     precision : numpy.float32 or numpy.float64
         Of the search. Rounding, of 1e-6 of the objective or so in float32, is part of the gap.
+    common_mode : float, optional
+        As that of `GaussianField`.
+    model_error : float, optional
+        What no pressure on the nodes explains, such as the gap's shape under a contact: part of the
+        highest reading, which all noise grows by where something is felt. Default 0.01; 0
+        where the sum of the pressure is seen.
 
     Notes
     -----
     The pressure is p = G z, where G are bumps that are nowhere negative (a root of the Matérn
-    covariance; see `bumps`) and z their amounts. With the whitened readings b = W y and B = W A G
+    covariance; see `bumps`) and z their amounts. With the whitened readings b = W y and B = W A G,
+    where Wᵀ W is the inverse covariance of noise and offset,
 
     .. math:: \min_{z \ge 0} \; P(z) = \tfrac12 |B z - b|^2 + \tfrac12 |z|^2 + \mu^T z,
               \qquad \mu_k = s z_* |B_k|,
@@ -380,6 +409,8 @@ class NonNegative:
     tolerance: float = 1e-4
     most_iterations: int = 100
     precision: type[np.floating[Any]] = np.float32
+    common_mode: float | None = None
+    model_error: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
@@ -388,6 +419,9 @@ class NonNegative:
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_range("shrinkage", self.shrinkage, 0.0, 1.0, "part of the detection threshold")
         check_range("tolerance", self.tolerance, 1e-12, 1.0, "a share of the objective")
+        check_common(self.common_mode)
+        if self.model_error is not None:
+            check_range("model_error", self.model_error, 0.0, 1.0, "part of the highest reading")
         if self.most_iterations < 1:
             raise InputError(f"most_iterations is {self.most_iterations}, expected 1 or more")
         if self.precision not in (np.float32, np.float64):
@@ -399,21 +433,23 @@ class NonNegative:
         """Whiten the taxels, look through the bumps and set the threshold, once."""
         length = self._length(model)
         bump = bump_of(model.grid, length)
-        whitening = 1.0 / model.noise_std
-        seen = seen_through(bump, model.matrix * whitening[:, None], model.grid)
+        seen = seen_through(bump, model.matrix / model.noise_std[:, None], model.grid)
         power = float(np.square(seen).sum())
         if not power > 0.0:
             raise InputError("no taxel sees any node: the matrix is 0; check grid and layout")
         scale = np.sqrt(self.snr**2 * len(seen) / power)
-        problem = problem_of(self, model.grid, seen.T * scale, bump * scale, whitening)
-        linear = (
-            Tikhonov(snr=self.snr)
-            if length == 0.0
-            else GaussianField(snr=self.snr, length_scale=length)
-        )
+        problem = problem_of(self, model, seen.T * scale, bump * scale)
+        linear = self.unconstrained(length)
         backing = cache(lambda: linear.prepare(model))
         error, paces = NON_NEGATIVE.of(model), np.zeros(TYPICAL + 3)
         return NonNegativeOperator(self, model, problem, backing, error, paces).run_in()
+
+    def unconstrained(self, length: float | None = None) -> GaussianField | Tikhonov:
+        """Its prior without the constraint, a linear solver; with a length scale of its model."""
+        length = self.length_scale if length is None else length
+        if length == 0.0:
+            return Tikhonov(snr=self.snr, common_mode=self.common_mode)
+        return GaussianField(snr=self.snr, length_scale=length, common_mode=self.common_mode)
 
     def _length(self, model: ObservationModel) -> float:
         if self.length_scale is None:

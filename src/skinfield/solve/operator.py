@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
+from skinfield.skin import Grid
 from skinfield.solve.gaussian_model import GaussianModel, TaxelSets
 
 EXACT = ModelError()
@@ -54,34 +55,44 @@ class DeadlineMargin:
         return now <= end
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """What a solver that finds contacts by itself makes of one reading.
+class Fit(Protocol):
+    """What a solver that finds contacts by itself makes of one reading."""
 
-    Attributes
-    ----------
-    pressure, pressure_std : (K,) arrays, Pa
-    displacement : (K, 3) array, m
-        In the patch's frame.
-    contacts : tuple of Contact
-        By falling normal force.
-    predicted : (L,) array, in the quantity's unit
-        What the taxels would read of them.
-    offset : float, in the quantity's unit
-        That all taxels are taken to share; it is part of what is predicted.
-    explained : bool
-        Whether noise accounts for what the contacts leave over.
-    notes : tuple of str
-    """
+    @property
+    def grid(self) -> Grid:
+        """On which they stand."""
+        ...
 
-    pressure: Floats
-    pressure_std: Floats
-    displacement: Floats
-    contacts: tuple[Contact, ...]
-    predicted: Floats
-    offset: float = 0.0
-    explained: bool = True
-    notes: tuple[str, ...] = ()
+    @property
+    def rows(self) -> NDArray[np.void]:
+        """Contacts, (N,) of CONTACT, by falling normal force."""
+        ...
+
+    @property
+    def displacement(self) -> Floats:
+        """(K, 3), m, in the patch's frame."""
+        ...
+
+    @property
+    def predicted(self) -> Floats:
+        """What the taxels would read of them, (L,), in the quantity's unit."""
+        ...
+
+    def keep(self) -> "Fit":
+        """Itself."""
+        ...
+
+    def on(self, grid: Grid, shift: Floats, /) -> "Fit":
+        """The same on a patch of equal geometry, whose plane is shifted by (2,) m."""
+        ...
+
+
+class FitSource(Protocol):
+    """A fit, or the memory that holds one until the next reading."""
+
+    def keep(self) -> Fit:
+        """The fit, which nothing overwrites."""
+        ...
 
 
 @dataclass(eq=False)
@@ -110,7 +121,7 @@ class Solution:
     notes : tuple of str
     offset : float, in the quantity's unit
         That all taxels are taken to share.
-    fit : Fit, optional
+    fit : FitSource, optional
         Of a solver that finds contacts by itself.
     """
 
@@ -125,7 +136,7 @@ class Solution:
     in_time: bool = True
     notes: tuple[str, ...] = ()
     offset: float = 0.0
-    fit: Fit | None = None
+    fit: FitSource | None = None
 
     @property
     def residual(self) -> Floats:
@@ -137,6 +148,7 @@ class Solution:
         other = object.__new__(Solution)  # several times as quick as `copy.copy`
         vars(other).update(vars(self))
         other.pressure, other.readings = self.pressure.copy(), self.readings.copy()
+        other.fit = None if self.fit is None else self.fit.keep()
         return other
 
     def take(self, other: "Solution") -> None:
@@ -164,7 +176,14 @@ class Data:
     ----------
     solution : Solution
         Of the last reading.
+    rows : structured array of `CONTACT`, or None
+        Of a solver that finds contacts by itself: those of the last reading, by falling force.
+    count : int
+        How many of the rows hold; -1 where a `ContactFinder` finds contacts in the pressure.
     """
+
+    rows: NDArray[np.void] | None = None
+    count = -1
 
     def __init__(
         self, operator: "Operator", nodes: int, margin: DeadlineMargin | None = None

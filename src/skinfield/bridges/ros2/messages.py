@@ -22,7 +22,6 @@ from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages
 from skinfield.files.ros.names import Topics
 from skinfield.loop import Answer, State
 from skinfield.loop.client import Live, NotRunning
-from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import LiveStatus, Observer
 from skinfield.skin import Skin
@@ -204,20 +203,14 @@ class Speaker:
         # another stamp, not a later one: the computer's clock may be set back
         return np.asarray(there & (stamps > 0) & (stamps != self._told[what]))
 
-    def of_snapshot(
-        self, snapshot: Snapshot, wanted: Collection[str], fit: FitReader | None = None
-    ) -> Iterator[Outgoing]:
+    def of_snapshot(self, snapshot: Snapshot, wanted: Collection[str]) -> Iterator[Outgoing]:
         """What a cycle says; of `SAID` but for the diagnostics.
 
         A patch without an answer, or without a reading since it was last asked for, says nothing.
-        Contacts are those of the fit beside the engine where it has recent ones.
         """
         stamps = snapshot.patches["stamp_ns"]
         there = snapshot.patches["answer"] != int(Answer.MISSING)
-        rows, by = best_contacts(snapshot, fit)
-        answered = there[rows["patch"]]
-        contacts = rows[answered]
-        fitted = (np.array(by, "U8")[answered] == "fit").tolist()
+        contacts = snapshot.contacts[there[snapshot.contacts["patch"]]]
         for what in wanted:
             fresh = self.news(snapshot, what)
             self._told[what] = np.where(fresh, stamps, self._told[what])
@@ -226,7 +219,7 @@ class Speaker:
             elif what in WHATS:
                 told = fresh.tolist()
                 stamped = stamps.tolist()
-                yield from self.make.of_contacts(stamped, contacts, told, (what,), fitted)
+                yield from self.make.of_contacts(stamped, contacts, told, (what,))
 
     def of_status(self, status: LiveStatus, stamp_ns: int) -> Outgoing:
         """The health, at a time."""
@@ -267,7 +260,6 @@ class Talker:
         self._every = {what: 1.0 / rate for what, rate in rates.items() if rate > 0}
         self._next = dict.fromkeys(self._every, 0.0)
         self._health = Observer(live.reader, window=1.0)
-        self._fit = FitReader(live.name)
         self._newest: Snapshot | None = None
 
     def wait(self) -> float:
@@ -279,10 +271,6 @@ class Talker:
         """It was done: the next is due on the beat, but what was missed is not made up for."""
         every, when = self._every[what], self._next[what]
         self._next[what] = (when if now < when + every else now) + every
-
-    def close(self) -> None:
-        """Let go of the fit; the skin runs on."""
-        self._fit.close()
 
     def step(self, timeout: float = 0.0) -> None:
         """Send what is due, as far as there is a new reading.
@@ -336,7 +324,7 @@ class Talker:
             if not self._speaker.news(self._newest, what).any():
                 left.append(what)
                 continue
-            for out in self._speaker.of_snapshot(self._newest, (what,), self._fit):
+            for out in self._speaker.of_snapshot(self._newest, (what,)):
                 self._send(out)
             self._mark(what, time.monotonic())
         return left

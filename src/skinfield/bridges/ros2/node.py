@@ -87,10 +87,9 @@ def main(arguments: list[str] | None = None) -> None:
     with connect(given[0] if given else None, timeout=10.0) as live:
         node = rclpy.create_node(token_of(f"skinfield_{live.name}"))
         robot = node.declare_parameter("robot", RosSettings().robot).value
-        skin = SkinNode(node, live, RosSettings(robot=robot))
+        SkinNode(node, live, RosSettings(robot=robot))
         with suppress(KeyboardInterrupt, ExternalShutdownException):
             rclpy.spin(node)
-        skin.talker.close()
         node.destroy_node()
         rclpy.try_shutdown()
 

@@ -172,6 +172,5 @@ def serve(name: str, settings: RosSettings, stop: threading.Event) -> None:
             listen=list(settings.meeting.listen),
         )
         talker = Talker(live, speaker, settings.rates, publisher.send)
-        ends.callback(talker.close)
         while not stop.wait(talker.wait()):
             talker.step(LOOKS)

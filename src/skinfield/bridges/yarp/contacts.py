@@ -32,15 +32,9 @@ class ContactList:
         self._patches = tuple(skin)
         self.parts = parts_of([patch.name for patch in skin], given)
 
-    def of(self, snapshot: Snapshot, rows: NDArray[Any]) -> list[SkinContact]:
-        """One contact for each row.
-
-        Parameters
-        ----------
-        snapshot : Snapshot
-        rows : array of CONTACT
-            On all patches.
-        """
+    def of(self, snapshot: Snapshot) -> list[SkinContact]:
+        """One for each contact of a snapshot."""
+        rows = snapshot.contacts
         return [self._contact(snapshot, rows[rows["patch"] == row["patch"]], row) for row in rows]
 
     def _contact(self, snapshot: Snapshot, beside: NDArray[Any], row: Any) -> SkinContact:

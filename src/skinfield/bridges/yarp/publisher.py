@@ -12,7 +12,6 @@ from skinfield.bridges.child import say_ready
 from skinfield.bridges.yarp.contacts import ContactList
 from skinfield.errors import InputError, check_range
 from skinfield.loop.client import Live, NotRunning, connect
-from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Patch
 from skinfield.wire.can.bus import host_and_port
@@ -91,7 +90,6 @@ class YarpPublisher:
     def __init__(self, live: Live, settings: YarpSettings) -> None:
         self._live, self._every = live, 1.0 / settings.rate
         self._list = ContactList(live.skin, settings.parts)
-        self._fit = FitReader(live.name)
         self._number, self._next = 0, 0.0
         prefix = settings.prefix(live.name)
         name = settings.port or f"{prefix}/skin_events:o"
@@ -132,8 +130,7 @@ class YarpPublisher:
         stamp = envelope(self._number, snapshot.stamp_ns * 1e-9)
         self._number = (self._number + 1) % NUMBERS
         if self.events.readers:
-            rows, _ = best_contacts(snapshot, self._fit)
-            self.events.write([each.values for each in self._list.of(snapshot, rows)], stamp)
+            self.events.write([each.values for each in self._list.of(snapshot)], stamp)
         for name, port in self.taxels.items():
             if port.readers:
                 port.write(compensated(snapshot, self._live.skin[name]), stamp)
@@ -142,7 +139,6 @@ class YarpPublisher:
         """Let go of the ports."""
         for port in self.ports:
             port.close()
-        self._fit.close()
 
 
 def compensated(snapshot: Snapshot, patch: Patch) -> list[float]:

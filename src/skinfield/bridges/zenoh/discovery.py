@@ -159,7 +159,6 @@ class ZenohSources:
                 sample.payload.to_bytes(),
             ),
             "status": lambda sample: source.take_status(sample.payload.to_bytes()),
-            "contacts": lambda sample: source.take_contacts(sample.payload.to_bytes()),
         }
         try:
             for what, take in takes.items():

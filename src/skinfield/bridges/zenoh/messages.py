@@ -13,11 +13,12 @@ from msgspec import Meta, Struct, field
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.estimate.row_contacts import shape_name
 from skinfield.files.layouts.load import save_layout
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Configuration, ModelConfig
 from skinfield.loop.realtime.timing import TIMES, TOTALS
-from skinfield.loop.slots import CONTACT, CycleSlot, Sizes, SlotLayout
+from skinfield.loop.slots import CycleSlot, Sizes, SlotLayout
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Patch, Skin
 
@@ -295,10 +296,6 @@ class RemoteCalibration(NamedTuple):
         return cls(message.tares, configuration, np.array(message.noise_std, np.float64))
 
 
-RECENT_NS = 250_000_000  # that contacts may be of another time than an estimate
-MOST = 4096  # contacts
-
-
 class ContactMessage(Struct):
     """A contact in plain values, SI units; None where something is not known."""
 
@@ -316,54 +313,14 @@ class ContactMessage(Struct):
     peak_pressure: Large | None = None
     age: Large | None = None
     speed: Large | None = None
-    by: Literal["engine", "fit"] = "engine"
+    shape: Literal["other", "sphere", "flat", "line"] = "other"
+    radius: Large | None = None
+    maybe: bool = False
 
 
-class _Contacts(Struct):
-    stamp_ns: Whole
-    contacts: Annotated[list[ContactMessage], Meta(max_length=MOST)]
-
-
-class Contacts(NamedTuple):
-    """Contacts of one cycle.
-
-    Attributes
-    ----------
-    stamp_ns : int, ns
-    rows : (N,) array of CONTACT
-        In the order in which they came; NaN where something is not known.
-    by : list of str
-        Who found each: "engine" or "fit".
-    """
-
-    stamp_ns: int
-    rows: NDArray[Any]
-    by: list[str]
-
-
-PLAIN = tuple(name for name in ContactMessage.__struct_fields__ if name not in ("patch", "by"))
-
-
-def contacts_from(data: bytes, skin: Skin) -> Contacts:
-    """Read the `contacts` of an engine with this skin.
-
-    Raises
-    ------
-    InputError
-        If they make no sense.
-    """
-    message = decoded(_Contacts, data, MOST_STATUS)
-    places = {patch.name: place for place, patch in enumerate(skin)}
-    rows = np.zeros(len(message.contacts), CONTACT)
-    for row, each in zip(rows, message.contacts, strict=True):
-        if each.patch not in places:
-            raise InputError(f"a contact is on patch {each.patch!r:.40}, expected one of the skin")
-        row["patch"] = places[each.patch]
-        for name in PLAIN:
-            row[name] = np.array(getattr(each, name), row[name].dtype)
-    return Contacts(message.stamp_ns, rows, [str(each.by) for each in message.contacts])
-
-
+PLAIN = tuple(
+    name for name in ContactMessage.__struct_fields__ if name not in ("patch", "shape", "maybe")
+)
 BLANK_TIMING = dict.fromkeys(TOTALS, 0) | {f"{name}_us": None for name in TIMES}
 
 
@@ -371,11 +328,12 @@ class PatchStatus(Struct):
     """Of one patch, as `Status.patches` has it."""
 
     name: str
-    answer: Literal["missing", "idle", "linear", "feasible"] = "missing"
+    answer: Literal["missing", "idle", "linear", "field", "contacts"] = "missing"
     age: float | None = None
     stale: bool = False
     force: float = 0.0
     contacts: Whole = 0
+    readings: Whole = 1
     invalid: Whole = 0
     rung: Whole = 0
     gap: float | None = None
@@ -464,12 +422,13 @@ def contacts_of(snapshot: Snapshot, plain: list[dict[str, Any]]) -> bytes:
     )
 
 
-def contact_plain(row: Any, patches: list[Patch], by: str) -> dict[str, Any]:
+def contact_plain(row: Any, patches: list[Patch]) -> dict[str, Any]:
     """A contact in plain values, SI units; force is a vector in the patch's frame."""
     plain = {name: row[name].tolist() for name in PLAIN}
+    plain |= {"shape": shape_name(row), "maybe": bool(row["maybe"])}
     patch = patches[int(row["patch"])]
     force = (-row["normal_force"] * row["normal"]).tolist()  # onto the skin, against its normal
-    return plain | {"patch": patch.name, "link": patch.link, "force": force, "by": by}
+    return plain | {"patch": patch.name, "link": patch.link, "force": force}
 
 
 def layout_text(skin: Skin | Patch) -> bytes:

@@ -24,7 +24,6 @@ from skinfield.bridges.zenoh.session import Keys, load_zenoh, open_session, zeno
 from skinfield.errors import InputError
 from skinfield.loop import State
 from skinfield.loop.client import Live, NotRunning, connect
-from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.model_config import configuration_of
 from skinfield.loop.slots import CycleHead, SlotLayout
 from skinfield.loop.snapshot import Snapshot
@@ -135,7 +134,7 @@ class ZenohPublisher:
 
     def __init__(self, session: Any, live: Live, part: Keys, rate: float = RATE) -> None:
         self._live, self._reader = live, live.reader
-        self._observer, self._fit = Observer(live.reader, window=RECENT), FitReader(live.name)
+        self._observer = Observer(live.reader, window=RECENT)
         layout = SlotLayout.of(live.reader.slot_fields)
         self._description = described(part.robot, part.name, live.reader.description, layout)
         self._fingerprint = fingerprint_of(self._description)
@@ -172,7 +171,6 @@ class ZenohPublisher:
             yield
         finally:
             self._outlets.close()
-            self._fit.close()
 
     def step(self) -> None:
         """Wait for a cycle, and send what is due."""
@@ -221,9 +219,8 @@ class ZenohPublisher:
         several = [p for p in self._patches if self._outlets.wanted("contacts", p)]
         if not several and not self._outlets.wanted("contacts"):
             return
-        rows, by = best_contacts(cycle, self._fit)
         head, skin = self._head(cycle), list(self._live.skin)
-        plain = [contact_plain(row, skin, who) for row, who in zip(rows, by, strict=True)]
+        plain = [contact_plain(row, skin) for row in cycle.contacts]
         self._outlets.put("contacts", contacts_of(cycle, plain), head)
         for patch in several:
             its = [each for each in plain if each["patch"] == skin[patch].name]

@@ -7,15 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import (
-    RECENT_NS,
-    Contacts,
     EstimateForm,
     EstimateHead,
     RemoteCalibration,
-    contacts_from,
     status_from,
 )
 from skinfield.bridges.zenoh.session import Keys
@@ -109,7 +105,6 @@ class ZenohSource:
         self._wanted = self._known
         self._received: ReceivedEstimate | None = None
         self._snapshot: Snapshot | None = None  # of what was received, once it was fetched
-        self._contacts: Contacts | None = None
         self._status = status_from(status, self.skin)
         self._heard = time.monotonic()
         self._delay = Delay()
@@ -165,13 +160,6 @@ class ZenohSource:
         with self._news:
             self._status, self._heard = status, time.monotonic()
 
-    def take_contacts(self, data: bytes) -> None:
-        """Keep the contacts that it tells, which may be of its fit."""
-        try:
-            self._contacts = contacts_from(data, self.skin)
-        except InputError as error:
-            self.refuse(error)
-
     def take_calibration(self, calibration: RemoteCalibration) -> None:
         """Take another noise of the taxels, or another solver."""
         configuration = calibration.configuration
@@ -210,24 +198,6 @@ class ZenohSource:
                 cycle = received.slot, received.head.number
                 self._snapshot = Snapshot(*cycle, self._models, received.wall_ns)
             return self._snapshot
-
-    def best(self, snapshot: Snapshot) -> tuple[NDArray[Any], list[str]]:
-        """Contacts (N,) of a snapshot, those of the engine's fit where it has one.
-
-        Returns
-        -------
-        (N,) array of CONTACT
-        list of str
-            Of each row who says it: "fit" or "engine".
-        """
-        contacts, own = self._contacts, snapshot.contacts
-        if (
-            contacts is None
-            or not snapshot.number
-            or abs(contacts.stamp_ns - snapshot.stamp_ns) > RECENT_NS
-        ):
-            return own, ["engine"] * len(own)
-        return contacts.rows, contacts.by
 
     def next(self, timeout: float) -> Snapshot | None:
         """Wait for a cycle that was not fetched yet; None if none came in time."""

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, Floats, Ints
+from skinfield.errors import Floats, Ints
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
-from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS, Cycle, FitRecord, Rows
+from skinfield.files.mcap.schema import BLOCKS, CYCLES, Cycle, Rows
 from skinfield.files.pending import Closing, write_bytes
 from skinfield.files.tables import TableFile, Values
 
@@ -151,7 +151,7 @@ class Export:
     units : tuple of str
         Of the patches' counts.
     tables : dict of str to rows
-        None yet of cycles, contacts, patch_cycles and, where there is a fit, fit_contacts.
+        None yet of cycles, contacts and patch_cycles.
     numbers : list of int
         Of the patches among all of the skin's.
     """
@@ -171,26 +171,15 @@ class Export:
             Scan(patch.channel + port.first) for patch, port in zip(self.patches, its, strict=True)
         ]
         self._held: list[Cycle] = []
-        self._before: dict[int, bytes] = {}  # the fit's rows of patches, by their places
+        self._layout = recording.cycle_layout.completed()
         self.tables = self._cycle_tables()
-        try:
-            fit = recording.fit_layout
-        except FileError as error:  # the rest is whole
-            recording.note(0, str(error))
-            fit = None
-        if fit is not None:
-            none = (np.zeros(0, rows) for rows in (fit.patch, fit.contact, fit.form))
-            self.tables["fit_contacts"] = _fit_rows(0, *none)
 
     def into(self, sink: LiveExport) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
         recording = self._recording
-        topics = (BLOCKS, CYCLES, FITS) if "fit_contacts" in self.tables else (BLOCKS, CYCLES)
-        for topic, at, what in recording.contents(topics):
-            if topic == FITS:
-                sink.add_rows({"fit_contacts": self._fit_contacts(what)})
-            elif topic == CYCLES:
-                self._held.append(what)
+        for topic, at, what in recording.contents((BLOCKS, CYCLES)):
+            if topic == CYCLES:
+                self._held.append(self._layout.extend(what))
                 if len(self._held) >= HELD:
                     self._put_cycles(sink)
             else:
@@ -220,7 +209,7 @@ class Export:
 
     def _cycle_tables(self) -> dict[str, Rows]:
         """Rows of the tables of the cycles that are held."""
-        cycles, layout = self._held, self._recording.cycle_layout
+        cycles, layout = self._held, self._layout
         heads = {"cycle": _ints([each.number for each in cycles])}
         heads |= {name: _ints([getattr(each, name) for each in cycles]) for name in TIMES}
         contacts, patches = (
@@ -240,30 +229,6 @@ class Export:
             "patch_cycles": _side_by_side(of_patches, patches),
         }
 
-    def _fit_contacts(self, found: FitRecord) -> Rows:
-        """What an answer of a fit says that was not said before."""
-        now = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
-        fresh = np.array([self._before.get(place) != row for place, row in now.items()], bool)
-        self._before = now
-        new = np.repeat(fresh, found.patches["contacts"])
-        parts = found.patches[fresh], found.contacts[new], found.forms[new]
-        return _fit_rows(found.time_ns, *parts)
-
-
-def _fit_rows(wall_ns: int, patches: Rows, contacts: Rows, forms: Rows) -> Rows:
-    """Rows of contacts of a fit.
-
-    `wall_ns`, when the fit published it; of its patch's answer the engine's `cycle`, `stamp_ns` of
-    the newest reading in it and `readings`, how many it is the mean of; and all fields of a contact
-    and of its form.
-    """
-    its = np.repeat(patches, patches["contacts"])
-    head: dict[str, Ints] = {"wall_ns": np.full(len(its), wall_ns)}
-    for name in ("cycle", "stamp_ns", "readings"):
-        if name in (its.dtype.names or ()):
-            head[name] = its[name]
-    return _side_by_side(head, contacts, forms)
-
 
 def _ints(values: Sequence[int]) -> Ints:
     return np.array(values, np.int64)
@@ -275,7 +240,6 @@ def _side_by_side(*parts: dict[str, Ints] | Rows) -> Rows:
     for part in parts:
         for name in part if isinstance(part, dict) else part.dtype.names or ():
             columns.setdefault(name, part[name])
-    columns.pop("spare", None)
     kinds = [(name, values.dtype, values.shape[1:]) for name, values in columns.items()]
     rows = np.zeros(len(next(iter(columns.values()))), kinds)
     for name, values in columns.items():

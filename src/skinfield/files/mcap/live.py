@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from struct import Struct
 from tempfile import TemporaryDirectory
-from typing import Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+from typing import Any, BinaryIO, NamedTuple, Self, TypeVar
 
 from mcap.records import Attachment, Channel
 
@@ -20,9 +20,8 @@ from skinfield.signal import Calibration
 from skinfield.skin import Skin
 
 T = TypeVar("T")
-L = TypeVar("L", schema.CycleLayout, schema.FitLayout)
 HEAD = Struct("<4xIq32xq")  # of a cycle's head: flags, number, wall_ns
-PUBLISHED = Struct("<8xq")  # of the head of a field and of a fit: when it was
+PUBLISHED = Struct("<8xq")  # of the head of a field: when it was
 
 
 class Logged(NamedTuple):
@@ -141,20 +140,15 @@ class LiveRecording:
     @cached_property
     def cycle_layout(self) -> schema.CycleLayout:
         """Fields of the cycles' rows; raises FileError if the channel does not state them."""
-        found = self._layout(schema.CYCLES, schema.CycleLayout)
-        if found is None:
-            raise FileError(
-                f"{self.path} has no channel {schema.CYCLES}, expected one: its head is damaged"
-            )
-        return found
-
-    @cached_property
-    def fit_layout(self) -> schema.FitLayout | None:
-        """Fields of the rows of fits; None of a recording without such a channel.
-
-        Raises FileError if the channel does not state them.
-        """
-        return self._layout(schema.FITS, schema.FitLayout)
+        for channel in self.channels.values():
+            if channel.topic == schema.CYCLES:
+                try:
+                    return schema.CycleLayout.from_metadata(channel.metadata)
+                except InputError as error:
+                    raise FileError(f"{self.path}: {schema.CYCLES}: {error}") from error
+        raise FileError(
+            f"{self.path} has no channel {schema.CYCLES}, expected one: its head is damaged"
+        )
 
     def messages(
         self, topics: Collection[str] = (), first: int = 0
@@ -186,10 +180,6 @@ class LiveRecording:
         """What some cycles read, and their pressure, in order."""
         return self._all(schema.FIELDS)
 
-    def fits(self) -> Iterator[schema.FitRecord]:
-        """Answers of the fit beside the engine, in order; raises as `fit_layout`."""
-        return self._all(schema.FITS)
-
     def timing(self) -> Iterator[dict[str, Any]]:
         """What was measured, second by second."""
         return self._all(schema.TIMING)
@@ -216,8 +206,6 @@ class LiveRecording:
             decode = schema.FieldRecord.decode
         elif topic == schema.CYCLES:
             decode = self.cycle_layout.decode
-        elif topic == schema.FITS and self.fit_layout is not None:
-            decode = self.fit_layout.decode
         try:
             return decode(data)
         except InputError as error:
@@ -269,15 +257,6 @@ class LiveRecording:
 
     def _has_channels(self) -> bool:
         return any(channel.topic == schema.BLOCKS for channel in self.channels.values())
-
-    def _layout(self, topic: str, kind: type[L]) -> L | None:
-        for channel in self.channels.values():
-            if channel.topic == topic:
-                try:
-                    return kind.from_metadata(channel.metadata)
-                except InputError as error:
-                    raise FileError(f"{self.path}: {topic}: {error}") from error
-        return None
 
     def _loaded(self, name: str, load: Callable[[Path], T]) -> T:
         """An attachment as a file's reader has it."""
@@ -347,8 +326,8 @@ class Index:
         Last cycle before and first behind each place where cycles are missing.
     starts : list of pair of int
         Where reading can begin: time of the first cycle in a record, and the record's number.
-    places : dict of str to list of MessagePlace
-        Of `FIELDS` and `FITS`, by time.
+    fields : list of MessagePlace
+        Of `FIELDS`, by time.
     events : list of dict
         See `LiveRecording.events`.
     """
@@ -358,9 +337,7 @@ class Index:
     last_ns: int = 0
     gaps: list[tuple[int, int]] = field(default_factory=list)
     starts: list[tuple[int, int]] = field(default_factory=list)
-    places: dict[str, list[MessagePlace]] = field(
-        default_factory=lambda: {schema.FIELDS: [], schema.FITS: []}
-    )
+    fields: list[MessagePlace] = field(default_factory=list)
     events: list[dict[str, Any]] = field(default_factory=list)
     _number: int = 0
 
@@ -382,11 +359,10 @@ class Index:
     def _add(self, topic: str, data: bytes, record: int, start: int) -> None:
         if topic == schema.CYCLES and len(data) >= schema.CYCLE_HEAD.size:
             self._add_cycle(record, *HEAD.unpack_from(data))
-        elif topic in self.places and len(data) >= PUBLISHED.size:
-            its, (time_ns,) = self.places[topic], PUBLISHED.unpack_from(data)
-            its.append(
-                MessagePlace(max(time_ns, its[-1].time_ns if its else time_ns), record, start)
-            )
+        elif topic == schema.FIELDS and len(data) >= PUBLISHED.size:
+            (time_ns,) = PUBLISHED.unpack_from(data)
+            latest = max(time_ns, self.fields[-1].time_ns if self.fields else time_ns)
+            self.fields.append(MessagePlace(latest, record, start))
         elif topic == schema.EVENTS:
             with suppress(InputError):
                 event = _object(data)
@@ -404,31 +380,28 @@ class Index:
         self.cycles, self.last_ns, self._number = self.cycles + 1, wall_ns, number
 
 
-class Newest(Generic[T]):
-    """The newest message of a topic up to any time, for one thread at a time.
+class NewestField:
+    """The newest message of `FIELDS` up to any time, for one thread at a time.
 
     Parameters
     ----------
     recording : LiveRecording
-    topic : str
-        `FIELDS` or `FITS`.
-    show : function of byte in the file and what a message there says, optional
-        What is wanted of it; None of what cannot be used.
+    sound : function of byte in the file and the record there, optional
+        Whether it can be used.
     """
 
     def __init__(
         self,
         recording: LiveRecording,
-        topic: str,
-        show: Callable[[int, Any], T | None] = lambda _, what: what,
+        sound: Callable[[int, schema.FieldRecord], bool] = lambda _, what: True,
     ) -> None:
-        self._recording, self._topic, self._show = recording, topic, show
-        self._places = recording.index.places[topic]
+        self._recording, self._sound = recording, sound
+        self._places = recording.index.fields
         self._times = [each.time_ns for each in self._places]
         self._content: tuple[int, dict[int, bytes]] = (-1, {})  # the record that was read last
-        self._newest: tuple[int, T | None] = (-1, None)
+        self._newest: tuple[int, schema.FieldRecord | None] = (-1, None)
 
-    def before(self, time_ns: int) -> T | None:
+    def before(self, time_ns: int) -> schema.FieldRecord | None:
         """Up to a time, ns since the epoch; None without one, or where it cannot be read.
 
         Raises
@@ -443,12 +416,12 @@ class Newest(Generic[T]):
             self._newest = place, self._at(self._places[place])
         return self._newest[1]
 
-    def _at(self, place: MessagePlace) -> T | None:
+    def _at(self, place: MessagePlace) -> schema.FieldRecord | None:
         recording, record = self._recording, self._recording.outline.records[place.record]
         if place.record != self._content[0]:
             with records.open_file(recording.path) as file:
-                found = recording.messages_in(file, record)
-                self._content = place.record, {start: each.data for _, each, start in found}
+                there = recording.messages_in(file, record)
+                self._content = place.record, {start: each.data for _, each, start in there}
         data = self._content[1].get(place.start, b"")
-        what = recording.decoded(self._topic, record.start, data)
-        return None if what is None else self._show(record.start, what)
+        found: schema.FieldRecord | None = recording.decoded(schema.FIELDS, record.start, data)
+        return found if found is not None and self._sound(record.start, found) else None

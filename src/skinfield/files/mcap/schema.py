@@ -1,4 +1,4 @@
-"""Layout of the messages of a live skin's recording: readings, cycles, pressure fields and fits.
+"""Layout of the messages of a live skin's recording: readings, cycles and pressure fields.
 
 Sinks write it and sources read it. All numbers are little-endian; stamps are ns.
 
@@ -23,21 +23,14 @@ nodes along the sides of its grid and how many of its nodes have pressure (uint3
 values (float32), and whether they are valid (uint8). Some are written each second, of cycles with
 new readings: the newest one before any moment holds.
 
-A message of `/skin/fit` tells all that the fit beside the engine knew of the skin at one time, so
-that the newest one before any moment is enough. Head `<HHIqqIIIIIIII`: version, bytes of the head,
-patches of the skin; when the fit published it, ns since the epoch; number of the answer, which each
-fit counts from 1 (0: there is none any more); nodes of the finest grid of a patch, contacts of a
-patch at most, patches in this message, bytes of a patch, contacts in this message, bytes of a
-contact, bytes of a form, nodes with pressure in this message. Then of each patch of which it knows
-something the place in the skin and how many nodes have pressure (uint32 each), rows of patches,
-contacts and forms of a layout that the channel's metadata states, then the nodes (uint32) and their
-pressure (float32, Pa) of one patch after the other. Patches that are not in it are left to the
-engine; a message without any ends what was before.
+Older files have a topic `/skin/fit` of contacts that a second process fitted, and rows of contacts
+without `shape`, `maybe` and `radius`, of patches without `readings`: the topic is passed over, and
+what the rows lack is not known (`ADDED`).
 """
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntFlag
 from struct import Struct
 from typing import Any, NamedTuple, Self
@@ -52,7 +45,6 @@ PROFILE = "skinfield"
 BLOCKS = "/skin/blocks"
 CYCLES = "/skin/cycles"
 FIELDS = "/skin/fields"
-FITS = "/skin/fit"
 TIMING = "/skin/timing"
 EVENTS = "/skin/events"
 LAYOUT = "layout.npz"  # names of attachments
@@ -63,8 +55,7 @@ TARE = "tare-{number}.npz"  # calibration (L, 4), noise_std (L,), stale_ns: as t
 POSITION = Struct("<q")  # before the blocks of a message
 CYCLE_HEAD = Struct("<HHI7q6IQ")
 FIELD_HEAD = Struct("<HHIqqIIII")
-FIT_HEAD = Struct("<HHIqqIIIIIIII")
-MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # whatever says more is damaged
+MOST_NODES = 1 << 20  # whatever says more is damaged
 MOST_BYTES = 1 << 16  # of a row, likewise
 Rows = NDArray[np.void]
 Words = NDArray[np.uint32]
@@ -117,30 +108,35 @@ class Cycle:
     patches: Rows
 
 
+ADDED: Mapping[str, Sequence[tuple[str, str, float]]] = {  # what older rows lack, and is then taken
+    "contact": (
+        ("shape", "<i4", 0),
+        ("maybe", "<i4", 0),
+        ("radius", "<f8", np.nan),
+        ("covariance", "(6,)<f8", np.nan),
+        ("area_std", "<f8", np.nan),
+    ),
+    "patch": (("readings", "<i8", 1),),
+}
+
+
 @dataclass(frozen=True)
-class RowLayout:
-    """Fields of the rows within a record: structured dtypes of plain numbers, without gaps."""
+class CycleLayout:
+    """Fields of the rows within a cycle's record.
+
+    Parameters
+    ----------
+    contact, patch : dtype
+        Structured, of plain numbers without gaps.
+    """
+
+    contact: np.dtype[Any]
+    patch: np.dtype[Any]
 
     def __post_init__(self) -> None:
         for name, rows in vars(self).items():
             if not _is_plain(rows):
                 raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
-
-    def check(self, *rows: Rows) -> None:
-        """Raise InputError unless rows are of these fields."""
-        found, expected = [part.dtype for part in rows], list(vars(self).values())
-        if found != expected:
-            raise InputError(
-                f"rows are {found}, expected {expected}: those that the recording began with"
-            )
-
-    def check_sizes(self, sizes: tuple[int, ...]) -> None:
-        """Raise InputError unless a record's rows have as many bytes."""
-        expected = tuple(rows.itemsize for rows in vars(self).values())
-        if sizes != expected:
-            raise InputError(
-                f"rows of a record have {sizes} bytes, expected {expected} as the recording states"
-            )
 
     def metadata(self) -> dict[str, str]:
         """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
@@ -158,27 +154,26 @@ class RowLayout:
         InputError
             If it states none that can be used.
         """
-        names = [each.name for each in fields(cls)]
         try:
-            return cls(*(_dtype_of(metadata[name]) for name in names))
+            return cls(_dtype_of(metadata["contact"]), _dtype_of(metadata["patch"]))
         except Exception as error:  # NumPy has many for what is no type
             raise InputError(
                 f"the channel states {dict(metadata)!r:.200}, expected the fields of "
-                f"{', '.join(names)} as JSON: {error}"
+                f"contact, patch as JSON: {error}"
             ) from error
 
+    def completed(self) -> Self:
+        """With the fields of `ADDED` that it lacks, as older recordings do."""
+        return replace(
+            self, **{name: _completed(rows, ADDED[name]) for name, rows in vars(self).items()}
+        )
 
-@dataclass(frozen=True)
-class CycleLayout(RowLayout):
-    """Fields of the rows within a cycle's record.
-
-    Parameters
-    ----------
-    contact, patch : dtype
-    """
-
-    contact: np.dtype[Any]
-    patch: np.dtype[Any]
+    def extend(self, cycle: Cycle) -> Cycle:
+        """The cycle with rows of this layout, which is `completed` of theirs."""
+        contacts = _extended(cycle.contacts, self.contact, ADDED["contact"])
+        return replace(
+            cycle, contacts=contacts, patches=_extended(cycle.patches, self.patch, ADDED["patch"])
+        )
 
     def encode(self, cycle: Cycle) -> bytes:
         """Record of a cycle; `decode` gives the same back.
@@ -188,7 +183,11 @@ class CycleLayout(RowLayout):
         InputError
             If its rows are of other fields.
         """
-        self.check(cycle.contacts, cycle.patches)
+        found, expected = (cycle.contacts.dtype, cycle.patches.dtype), (self.contact, self.patch)
+        if found != expected:
+            raise InputError(
+                f"rows are {found}, expected {expected}: those that the recording began with"
+            )
         head = CYCLE_HEAD.pack(
             VERSION, CYCLE_HEAD.size, int(cycle.flags), cycle.number, cycle.due_ns, cycle.wake_ns,
             cycle.acquired_ns, cycle.done_ns, cycle.wall_ns, cycle.log_position, 0, 0,
@@ -206,13 +205,35 @@ class CycleLayout(RowLayout):
         """
         size, flags, *numbers = _head_of("cycle", CYCLE_HEAD, data)
         rows, columns, contacts, contact_bytes, patches, patch_bytes, _ = numbers[7:]
-        self.check_sizes((contact_bytes, patch_bytes))
+        expected = self.contact.itemsize, self.patch.itemsize
+        if (contact_bytes, patch_bytes) != expected:
+            raise InputError(
+                f"rows of a record have {(contact_bytes, patch_bytes)} bytes, expected {expected} "
+                "as the recording states"
+            )
         parts = ("<i8", rows * columns), (self.contact, contacts), (self.patch, patches)
         _, *found = _parts("cycle", data, size, *parts)
         number, due, wake, acquired, done, wall, position = numbers[:7]
         return Cycle(
             number, CycleFlag(flags), due, wake, acquired, done, wall, position, *found
         )  # fmt: skip
+
+
+def _completed(kind: np.dtype[Any], added: Sequence[tuple[str, str, float]]) -> np.dtype[Any]:
+    lacking = [(name, its) for name, its, _ in added if name not in (kind.names or ())]
+    return np.dtype([*kind.descr, *lacking]) if lacking else kind
+
+
+def _extended(rows: Rows, kind: np.dtype[Any], added: Sequence[tuple[str, str, float]]) -> Rows:
+    if rows.dtype == kind:
+        return rows
+    made = np.zeros(len(rows), kind)
+    for name in rows.dtype.names or ():
+        made[name] = rows[name]
+    for name, _, value in added:
+        if name not in (rows.dtype.names or ()):
+            made[name] = value
+    return made
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:
@@ -371,146 +392,3 @@ class FieldRecord:
         """Write the pressure (P, K) of all nodes, 0 where there is none."""
         out[:] = 0.0
         out[np.repeat(np.arange(len(self.sides)), self.pressed), self.nodes] = self.pressure
-
-
-class FitSizes(NamedTuple):
-    """Of the skin that a fit is for.
-
-    Attributes
-    ----------
-    patches : int
-    nodes : int
-        Of the finest grid of a patch.
-    rows : int
-        Contacts of a patch, at most.
-    """
-
-    patches: int
-    nodes: int
-    rows: int
-
-
-@dataclass(frozen=True, eq=False)
-class FitRecord:
-    """What a fit had found of a whole skin.
-
-    Attributes
-    ----------
-    time_ns : int, ns
-        When it published that, since the epoch.
-    number : int
-        Of the answer, which each fit counts from 1; 0 where there is no fit any more.
-    sizes : FitSizes
-    places : (Q,) uint32 array
-        Patches that it says something of, rising.
-    pressed : (Q,) uint32 array
-        How many nodes of each have pressure.
-    patches : (Q,) structured array
-        With a field `contacts`: how many each has.
-    contacts, forms : (N,) structured arrays
-        Patch after patch.
-    nodes : (M,) uint32 array
-        With pressure, patch after patch.
-    pressure : (M,) float32 array, Pa
-        Of these.
-    """
-
-    time_ns: int
-    number: int
-    sizes: FitSizes
-    places: Words
-    pressed: Words
-    patches: Rows
-    contacts: Rows
-    forms: Rows
-    nodes: Words
-    pressure: Singles
-
-
-@dataclass(frozen=True)
-class FitLayout(RowLayout):
-    """Fields of the rows within a fit's record.
-
-    Parameters
-    ----------
-    patch, contact, form : dtype
-        `patch` with the integer field `contacts`.
-    """
-
-    patch: np.dtype[Any]
-    contact: np.dtype[Any]
-    form: np.dtype[Any]
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        counted = "contacts" in (self.patch.names or ()) and self.patch["contacts"].kind in "iu"
-        if not counted:
-            raise InputError(f"patch is {self.patch}, expected an integer field `contacts` in it")
-
-    def encode(self, record: FitRecord) -> bytes:
-        """Bytes of a record; `decode` gives the same back.
-
-        Raises
-        ------
-        InputError
-            If its rows are of other fields, or its parts do not go together.
-        """
-        rows = (record.patches, record.contacts, record.forms)
-        self.check(*rows)
-        _check(record)
-        sizes = record.sizes
-        head = FIT_HEAD.pack(
-            VERSION, FIT_HEAD.size, sizes.patches, record.time_ns, record.number, sizes.nodes,
-            sizes.rows, len(record.patches), self.patch.itemsize, len(record.contacts),
-            self.contact.itemsize, self.form.itemsize, len(record.nodes),
-        )  # fmt: skip
-        words = (np.asarray(each, "<u4") for each in (record.places, record.pressed))
-        field = (np.asarray(record.nodes, "<u4"), np.asarray(record.pressure, "<f4"))
-        return b"".join((head, *(each.tobytes() for each in (*words, *rows, *field))))
-
-    def decode(self, data: bytes | memoryview) -> FitRecord:
-        """Record of a message.
-
-        Raises
-        ------
-        InputError
-            If it is of another version or layout, its length is not what its head says, or its
-            parts do not go together.
-        """
-        head, whole, time_ns, number, grid, most, *counts = _head_of("fit", FIT_HEAD, data)
-        patches, patch_bytes, contacts, contact_bytes, form_bytes, nodes = counts
-        self.check_sizes((patch_bytes, contact_bytes, form_bytes))
-        record = FitRecord(
-            time_ns, number, FitSizes(whole, grid, most),
-            *_parts(
-                "fit", data, head, ("<u4", patches), ("<u4", patches), (self.patch, patches),
-                (self.contact, contacts), (self.form, contacts), ("<u4", nodes), ("<f4", nodes),
-            ),
-        )  # fmt: skip
-        _check(record)
-        return record
-
-
-def _check(record: FitRecord) -> None:
-    """Raise InputError unless the parts of a record go together."""
-    sizes, places, counts = record.sizes, record.places, record.patches["contacts"]
-    limits = (MOST_PATCHES, MOST_NODES, MOST_ROWS)
-    total, pressed = (int(each.sum(dtype=np.int64)) for each in (counts, record.pressed))
-    lengths = {
-        "patches": (len(places), len(record.pressed), len(record.patches)),
-        "contacts": (total, len(record.contacts), len(record.forms)),
-        "nodes": (pressed, len(record.nodes), len(record.pressure)),
-    }
-    if not (
-        all(0 < size <= most for size, most in zip(sizes, limits, strict=True))
-        and all(len(set(each)) == 1 for each in lengths.values())
-        and (np.diff(places.astype(np.int64)) > 0).all()
-        and (places < sizes.patches).all()
-        and ((counts >= 0) & (counts <= sizes.rows)).all()
-        and (record.nodes < sizes.nodes).all()
-    ):
-        raise InputError(
-            f"a fit's record has {lengths} of {tuple(sizes)} patches, nodes and contacts of each, "
-            f"expected one number of each kind, of sizes up to {limits}, and rising places: it is "
-            "damaged"
-        )

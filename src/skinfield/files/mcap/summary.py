@@ -10,7 +10,7 @@ import numpy as np
 from skinfield.errors import FileError, InputError, Ints
 from skinfield.files.mcap.live import LiveRecording, Logged
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
-from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
+from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, Cycle, CycleFlag
 
 Progress = Callable[[int, int], None]
 SHOWN = 200  # events and places of damage in a summary
@@ -33,7 +33,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
     """
     blocks, cycles = _Blocks(recording), _Cycles()
     first, last = 1 << 63, 0
-    sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
+    fields = {"messages": 0, "bytes": 0}
     for topic, at, message in recording.messages():
         first, last = min(first, message.time_ns), max(last, message.time_ns)
         what = None
@@ -42,10 +42,9 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
                 what = recording.decoded(topic, at, message.data)
         if what is not None:
             (blocks if topic == BLOCKS else cycles).add(what)
-        elif topic in sizes:
-            its = sizes[topic]
-            its["answers" if topic == FITS else "messages"] += 1
-            its["bytes"] += len(message.data)
+        elif topic == FIELDS:
+            fields["messages"] += 1
+            fields["bytes"] += len(message.data)
         if progress is not None:
             progress(at, recording.outline.size)
     seconds = max(last - first, 0) * 1e-9
@@ -63,8 +62,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         "patches": list(blocks.patches(seconds)),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
-        "fields": sizes[FIELDS],
-        "fit": sizes[FITS],
+        "fields": fields,
         "settings": [event for event in events if event.get("kind") == "settings"],
         "lost": _lost(events),
         "events": dict(Counter(str(event.get("kind")) for event in events)),

@@ -55,7 +55,6 @@ CHANNELS = {  # encoding of messages; name, encoding and text of their schema
     schema.EVENTS: (
         "json", "skinfield.Event", OBJECT, _object(wall_ns="integer", kind="string", text="string")
     ),
-    schema.FITS: ("x-skinfield-fit", "skinfield.Fit", TEXT, _MORE),
 }  # fmt: skip
 
 
@@ -70,8 +69,6 @@ class RecordingWriter:
         Layout, calibrations, configuration.
     layout : CycleLayout
         Of the cycles' rows.
-    fit : FitLayout, optional
-        Of the rows of contacts that are fitted beside the engine; topic `FITS`.
     overwrite : bool
         Whether a file of this name may be replaced.
     output : FileOutput, optional
@@ -95,7 +92,6 @@ class RecordingWriter:
         enclosed: Iterable[schema.Enclosed] = (),
         *,
         layout: schema.CycleLayout,
-        fit: schema.FitLayout | None = None,
         overwrite: bool = False,
         output: FileOutput | None = None,
     ) -> None:
@@ -104,15 +100,12 @@ class RecordingWriter:
         self.container = Container(
             self._output, schema.PROFILE, f"skinfield {version('skinfield')}"
         )
-        rows = {schema.CYCLES: layout, schema.FITS: fit}
         self._channels: dict[str, int] = {}
-        for topic, (encoding, name, kind, text) in CHANNELS.items():
-            fields = rows.get(topic)
-            if topic != schema.FITS or fields is not None:
-                number = self._channels[topic] = len(self._channels) + 1
-                self.container.put(Schema(number, text, kind, name))
-                metadata = {} if fields is None else fields.metadata()
-                self.container.put(Channel(number, topic, encoding, metadata, number))
+        for number, (topic, (encoding, name, kind, text)) in enumerate(CHANNELS.items(), 1):
+            self._channels[topic] = number
+            self.container.put(Schema(number, text, kind, name))
+            metadata = layout.metadata() if topic == schema.CYCLES else {}
+            self.container.put(Channel(number, topic, encoding, metadata, number))
         self._numbers: Counter[str] = Counter()
         self.open = True
         for each in enclosed:
@@ -154,7 +147,7 @@ class RecordingWriter:
         Parameters
         ----------
         topic : str
-            Such as `CYCLES`; `FITS` where the recording was made with a `fit`.
+            Such as `CYCLES`.
         time_ns : int, ns
             Since the epoch.
         data : bytes

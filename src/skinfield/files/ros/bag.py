@@ -88,7 +88,7 @@ class BagExport(LiveExport):
             self._put(self._make.taxels(patch, stamp, row, "counts"))
 
     def add_rows(self, tables: Mapping[str, Rows]) -> None:
-        """See `LiveExport`; those of the contact fit are left out."""
+        """See `LiveExport`."""
         if len(tables.get("patch_cycles", ())):
             for patches, its in _cycles(tables["patch_cycles"], tables["contacts"]):
                 self._put_cycle(patches, its)

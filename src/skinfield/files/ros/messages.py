@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from skinfield.errors import Floats
+from skinfield.estimate.row_contacts import shape_name
 from skinfield.files.ros import kinds as K
 from skinfield.files.ros.kinds import Kinds
 from skinfield.files.ros.names import Topics, frame_of
@@ -38,7 +39,6 @@ class Placed(NamedTuple):
     row: Any
     position: Floats
     normal: Floats
-    fitted: bool
 
     @property
     def force(self) -> Floats:
@@ -113,7 +113,6 @@ class SkinMessages:
         contacts: NDArray[Any],
         fresh: Sequence[bool],
         wanted: Collection[str] = WHATS,
-        fitted: Sequence[bool] = (),
     ) -> Iterator[Outgoing]:
         """What is said of the contacts of one cycle.
 
@@ -128,16 +127,14 @@ class SkinMessages:
             for `contacts`, which holds those of all patches.
         wanted : collection of str
             Of `WHATS`.
-        fitted : sequence of bool
-            Whether each contact is of the contact fit; default none.
         """
         placed, newest = [], max(stamps_ns, default=0)
-        for row, by_fit in zip(contacts, fitted or [False] * len(contacts), strict=True):
+        for row in contacts:
             patch = int(row["patch"])
             pose = self._poses[patch]
             position = pose[:3, :3] @ row["position"] + pose[:3, 3]
             normal = pose[:3, :3] @ row["normal"]
-            placed.append(Placed(patch, stamps_ns[patch], row, position, normal, bool(by_fit)))
+            placed.append(Placed(patch, stamps_ns[patch], row, position, normal))
         news = [each for each in placed if fresh[each.patch]]
         if "contacts" in wanted and any(fresh):
             message = self.kinds.make(
@@ -166,7 +163,7 @@ class SkinMessages:
 
     def _contact(self, contact: Placed) -> Any:
         row, track = contact.row, int(contact.row["track"])
-        same = ("normal_force", "force_std", "area", "peak_pressure", "age", "speed")
+        same = ("normal_force", "force_std", "area", "radius", "peak_pressure", "age", "speed")
         return self.kinds.make(
             K.CONTACT,
             header=self.header(contact.stamp_ns, self._frames[contact.patch]),
@@ -177,7 +174,8 @@ class SkinMessages:
             normal=self._of(K.VECTOR, contact.normal),
             wrench=self._wrench(contact.force, np.zeros(3)),
             position_std=float(row["place_std"]),
-            fitted=contact.fitted,
+            shape=shape_name(row),
+            maybe=bool(row["maybe"]),
             **{name: float(row[name]) for name in same},
         )
 

@@ -15,7 +15,7 @@ from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.lab.bench.machine import Watch
 from skinfield.loop.realtime import Quantiles, RealTime, RealTimeStatus, Timing
 from skinfield.skin import Skin
-from skinfield.solve import NonNegative, Solver
+from skinfield.solve import Auto, Solver
 
 Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
 Row = dict[str, Any]
@@ -45,7 +45,7 @@ class JitterSettings:
     duration: float = 20.0
     rate_hz: float = 1000.0
     busy: int = 2
-    solver: Solver = field(default_factory=NonNegative)
+    solver: Solver = field(default_factory=Auto)
     real_time: RealTime = field(default_factory=RealTime)
 
 
@@ -96,12 +96,26 @@ def run_jitter(settings: JitterSettings, say: Callable[[str], None], boards: Boa
         supervisor = stack.enter_context(Supervisor(live))
         reader = supervisor.wait(PATIENCE)
         stack.callback(reader.close)
+        _until_prepared(reader)
         play("slide")  # once it has its baseline
         granted = _granted(reader)
         stack.enter_context(_busy(settings))
         time.sleep(SETTLE)
         say(f"measuring for {settings.duration:g} s")
         return measure(settings, granted, reader, supervisor)
+
+
+def _until_prepared(reader: Any) -> None:
+    """Wait until the solver that was asked for answers, not a linear one in its place."""
+    from skinfield.loop.status_text import read_notes, start_in_words
+
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        notes = read_notes(reader.status["notes"])
+        if notes is not None and not start_in_words(notes):
+            return
+        time.sleep(0.05)
+    raise InputError(f"the solver was not prepared within {PATIENCE:g} s, expected it to be")
 
 
 def measure(settings: JitterSettings, granted: RealTimeStatus, reader: Any, supervisor: Any) -> Row:

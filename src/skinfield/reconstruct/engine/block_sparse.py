@@ -106,15 +106,15 @@ def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
 def idle_tests(groups: Sequence[PatchGroup]) -> list[Atlas]:
     """Tests of all patches on each rung; none where the answers are linear.
 
-    Products of its rows, the whole matrix's scaled to the length 1, with whitened readings are at
-    most the threshold if a patch is idle.
+    Products of its rows, the whole matrix's scaled to the length 1, with whitened readings without
+    their offset are at most the threshold if a patch is idle.
     """
     counts, tests = [group.count for group in groups], []
     for rung in range(len(groups[0].operators)):
         stamps = []
         for group in groups:
             problem = group.operators[rung].problem
-            rows = problem.rows[:, : len(group.kind.noise_std)]
+            rows = problem.unshared[:, : len(group.kind.noise_std)]
             scale = np.divide(
                 1.0, problem.norms, out=np.zeros_like(problem.norms), where=problem.norms > 0
             )
@@ -131,8 +131,10 @@ def linear_answers(groups: Sequence[PatchGroup]) -> list[Atlas]:
     for rung, step in enumerate(groups[0].rungs.steps):
         if min(step.grid.shape) < SIDE:
             return []
-        steps = [(group.rungs.steps[rung], group.kind.noise_std) for group in groups]
-        stamps = [_stamps(each.start.matrix * noise, each.grid.shape, CUT) for each, noise in steps]
+        stamps = [
+            _stamps(group.matrix_on(rung), group.rungs.steps[rung].grid.shape, CUT)
+            for group in groups
+        ]
         answers.append(Atlas.of(stamps, counts))
     return answers
 

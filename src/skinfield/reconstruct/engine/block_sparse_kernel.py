@@ -88,21 +88,49 @@ def idle_patches(
 
 
 @njit(fastmath=FAST)
-def idle_without(rows: Numbers, valid: NDArray[np.bool_], white: Numbers, threshold: float) -> bool:
-    """Whether no row (K, L or more) of the valid taxels alone sees more than the threshold.
+def idle_without(
+    rows: Numbers,
+    shared: Numbers,
+    root: Numbers,
+    offset: Numbers,
+    valid: NDArray[np.bool_],
+    white: Numbers,
+    threshold: float,
+) -> bool:
+    """Whether no row of the valid taxels alone sees more than the threshold.
 
-    `white` (L,) are readings in units of their noise; a row's length is that of its valid part.
+    The first four are of a `DualProblem`: rows B - (B s) s', B s, s, and an offset o that taxels
+    share. `white` b (L,) are readings in units of their noise. A row sees B C b / (B C B')^1/2, all
+    of the valid part, where C = 1 - o o' / (1 + |o|^2) is the inverse covariance.
     """
-    zero = rows.dtype.type(0)
+    power, along = 1.0, 0.0
+    for taxel in range(len(white)):
+        if valid[taxel]:
+            power += offset[taxel] * offset[taxel]
+            along += offset[taxel] * white[taxel]
     for node in range(len(rows)):
-        seen, square, row = zero, zero, rows[node]
+        seen, square, common = 0.0, 0.0, 0.0
+        row, level = rows[node], shared[node]
         for taxel in range(len(white)):
-            value = row[taxel] if valid[taxel] else zero
+            value = row[taxel] + level * root[taxel] if valid[taxel] else 0.0
             seen += value * white[taxel]
             square += value * value
-        if not seen <= threshold * np.sqrt(square):
+            common += value * offset[taxel]
+        square = max(square - common * common / power, 0.0)
+        if not seen - common * along / power <= threshold * np.sqrt(square):
             return False
     return True
+
+
+@njit
+def without_offset(white: Numbers, weights: Numbers, offset: Numbers, out: Numbers) -> None:
+    """Write into `out` readings (P, L) without what each patch's weights (L,) say of an offset."""
+    for patch in range(len(white)):
+        total = 0.0
+        for taxel in range(len(weights)):
+            total += weights[taxel] * white[patch, taxel]
+        for taxel in range(len(weights)):
+            out[patch, taxel] = white[patch, taxel] - total * offset[taxel]
 
 
 @inner

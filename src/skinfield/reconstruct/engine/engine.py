@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
 from skinfield.errors import Floats, check_count, check_offers, check_positive
 from skinfield.estimate import ContactFinder
-from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
 from skinfield.reconstruct.engine.intake import EngineReadings, Readings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport
@@ -24,6 +22,7 @@ from skinfield.reconstruct.engine.stages import (
     spend,
     test_all,
 )
+from skinfield.reconstruct.engine.step_times import measure, rehearsed_cycle
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid_levels import prepare_rungs
@@ -41,9 +40,9 @@ class Engine:
     """All patches of a skin, reading after reading, within one budget of time.
 
     Each cycle every patch first gets an idle test, and a coarse linear answer if it is touched.
-    What is left of the budget goes to the contacts, as iterations and as resolution, wherever they
-    gain most for their time. Times are predicted, and no step is begun that would not fit, but for
-    a contact that waited too long.
+    What is left of the budget goes to searches of the touched patches, by turns, what was searched
+    longest ago first. Times are predicted, and no step is begun that would not fit, but for a
+    contact that waited too long.
 
     Parameters
     ----------
@@ -70,7 +69,7 @@ class Engine:
     ------
     InputError
         For arguments that do not fit, and for a solver that has neither a linear operator nor a
-        search that can be cut short, such as `ContactFit`.
+        test of idle patches.
 
     Notes
     -----
@@ -114,8 +113,6 @@ class Engine:
         self.spent = self.first = 0.0
         places = self._work.places
         self._grid_of = lru_cache(KEPT)(lambda patch, rung: grid_on(*places[patch], rung))
-        self._shadow: Shadow | None = None
-        self._double: Engine | None = None
         self._run_in()
 
     def _prepared(
@@ -212,6 +209,7 @@ class Engine:
         self,
         readings: Floats,
         valid: NDArray[np.bool_] | None = None,
+        deviation: Floats | None = None,
         *,
         budget: float | None = None,
     ) -> None:
@@ -224,6 +222,9 @@ class Engine:
             mark taxels that did not answer; a patch without any other is missing.
         valid : (N,) bool array, optional
             False for further taxels to leave out.
+        deviation : (N,) float64 array, optional
+            Standard deviation of each reading, as of means of several, for solvers that find
+            contacts. Default the engine's `noise_std`, by which all else goes.
         budget : float, s, optional
 
         Raises
@@ -233,7 +234,7 @@ class Engine:
         """
         start = self._begin(budget)
         self._work.logging = False
-        self._work.intake.take_flat(readings, valid)
+        self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 
     def _begin(self, budget: float | None) -> int:
@@ -257,12 +258,12 @@ class Engine:
         if work.linear:
             answer_linearly(work, rung := finest_for_all(work))
             first = work.clock()
-            hot = refine_linearly(work, rung)
+            refine_linearly(work, rung)
         else:
             hot, first = test_all(work, first_tested(work)), work.clock()
-            hot = spend(work, hot)
+            spend(work, hot)
         before, left = work.clock(), work.left
-        work.close(hot, around)
+        work.close(around)
         self.cycle += 1
         self.results.update()
         end = work.clock()
@@ -271,29 +272,19 @@ class Engine:
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return left
 
-    def rehearse(self, budget: float | None = None) -> None:
-        """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.
+    @property
+    def searches(self) -> bool:
+        """Whether touched patches are searched by turns, rather than answered by a matrix."""
+        return not self._work.linear
 
-        What a processor has not used for some milliseconds it fetches anew, which may take longer
-        than a cycle. For loops with more time than readings; the first call prepares it.
-        """
-        if self._shadow is None:
-            self._shadow = Shadow(self._work, self.names, self._around, self)
-            self._double = self._twin(self._shadow.work, self._shadow.around)
-        assert self._double is not None
-        self._double.run(*self._shadow.next_touch(), budget=budget)
-        self._shadow.touch()
+    @property
+    def finds_contacts(self) -> bool:
+        """Whether the solver finds contacts by itself."""
+        return self._work.finds_contacts
 
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""
         self._work.reset()
-
-    def _twin(self, work: Clockwork, around: CostModel) -> "Engine":
-        """An engine that goes by the same settings, with other arrays."""
-        twin = copy(self)
-        twin.groups, twin._work, twin._around = list(work.groups), work, around
-        twin.results = PatchResults(work, [work.intake.names.index(name) for name in self.names])
-        return twin
 
     def _run_in(self) -> None:
         """Load what is compiled and time every step, so that the first cycle is as the next."""

@@ -1,7 +1,6 @@
 """Readings of all patches into one array: checked, linearised and in units of their noise."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -33,8 +32,8 @@ class EngineReadings:
     ----------
     starts : (P + 1,) list of int
         Where each patch's taxels begin.
-    given, wanted : (N,) arrays
-        What was handed in, in the skin's order, and whether to use it.
+    given, wanted, deviation : (N,) arrays
+        What was handed in, in the skin's order, whether to use it, and its standard deviation.
     places : (N,) int array
         Where in these each taxel stands.
     linear : (N,) array
@@ -59,6 +58,7 @@ class EngineReadings:
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
         self.linear, self.given = np.zeros((2, taxels))
+        self._noise_std = np.empty(taxels)
         self.white: Singles = np.zeros(taxels, np.float32)
         self.valid = np.ones(taxels, np.bool_)
         self.wanted: NDArray[np.bool_] = np.ones(taxels, np.bool_)
@@ -72,6 +72,8 @@ class EngineReadings:
         self._parts = {self.names[row]: part for row, part in zip(self._rows, parts, strict=True)}
         self._nothing = [np.zeros(size) for size in sizes]
         self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
+        self._noise_std[self.places] = noise_std
+        self.deviation = self._noise_std.copy()
         self.how = _linearised_how(quantity, self.given)
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
@@ -91,10 +93,13 @@ class EngineReadings:
         if not sized:
             self._blame(rows)
         self.wanted[:] = True
+        self.deviation[:] = self._noise_std
         if valid is not None:
             self._leave_out(valid)
 
-    def take_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
+    def take_flat(
+        self, readings: Floats, valid: NDArray[np.bool_] | None, deviation: Floats | None = None
+    ) -> None:
         """Take the readings (N,) of all taxels, patch by patch in the skin's order.
 
         Raises
@@ -106,7 +111,10 @@ class EngineReadings:
         self.given[:] = readings
         if valid is not None:
             _check_flat("valid", valid, self.wanted)
+        if deviation is not None:
+            _check_flat("deviation", deviation, self.deviation)
         self.wanted[:] = True if valid is None else valid
+        self.deviation[:] = self._noise_std if deviation is None else deviation
         self.present[:] = True
 
     def linearise(self) -> None:
@@ -120,9 +128,10 @@ class EngineReadings:
         """Taxels of a patch."""
         return slice(self.starts[place], self.starts[place + 1])
 
-    def raw_of(self, place: int) -> Floats:
-        """What was handed in of a patch, (L,): a view."""
-        return np.asarray(self.given[self._parts[self.names[place]]])
+    def raw_of(self, place: int) -> tuple[Floats, Floats]:
+        """What was handed in of a patch, (L,), and its standard deviation: views."""
+        part = self._parts[self.names[place]]
+        return self.given[part], self.deviation[part]
 
     def _each(self, readings: Readings) -> list[Any]:
         """Readings of each patch in the skin's order; zeros where there are none."""
@@ -165,13 +174,6 @@ class EngineReadings:
                     f"valid[{name!r}] has shape {mask.shape}, expected {part.shape}: one per taxel"
                 )
             part[:] = mask
-
-    def twin(self) -> "EngineReadings":
-        """Arrays of its own for the same patches."""
-        twin = copy(self)
-        for name in ("linear", "given", "white", "valid", "present", "wanted"):
-            setattr(twin, name, getattr(self, name).copy())
-        return twin
 
     def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
         """Rows (count, L) of patches of one size in an array (N,)."""

@@ -1,7 +1,6 @@
 """Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -148,22 +147,38 @@ class PatchGroup:
         That search; none where linear.
     data : R lists of P Data
         Memory of each patch's searches, and their answers.
+    offset : (2, L) array
+        Weights of whitened readings in the offset that the linear answer takes them to share, and
+        how far one moves them.
+    idle_offset : (2, L) array
+        As `offset`, where nothing touches; of searches.
     last : list of P Data
         Of the search that each patch used last, or None.
+    finds_contacts : bool
+        Whether searches find contacts by themselves, as rows of their data.
     """
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
+        from skinfield.reconstruct.engine.block_sparse_kernel import without_offset
+
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
-        self.products = [product_of(step.start.matrix * noise, step.grid) for step in steps]
+        self.offset = np.stack([rungs.offset_weights * noise, 1.0 / noise])
+        self.products = [product_of(self.matrix_on(rung), s.grid) for rung, s in enumerate(steps)]
+        self.level: Singles = np.zeros((count, len(noise)), np.float32)
+        self.without_offset: Any = without_offset
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
         self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
+        if self.operators:
+            offset = self.operators[0].problem.offset[: len(noise)]
+            self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
         self.data: list[list[Any]] = [
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
+        self.finds_contacts = bool(self.data) and self.data[0][0].rows is not None
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)
@@ -182,12 +197,20 @@ class PatchGroup:
 
     def answer_all(self, rung: int, white: Singles) -> None:
         """Linear answers of all patches from whitened readings (P, L)."""
-        self.products[rung].apply(white, self.fields[rung])
+        self.without_offset(white, *self.offset, self.level)
+        self.products[rung].apply(self.level, self.fields[rung])
 
     def answer_one(self, rung: int, place: int, white: Singles) -> None:
         """Linear answer of one patch, its readings among those (P, L) of all."""
         here = slice(place, place + 1)
-        self.products[rung].apply(white[here], self.fields[rung][here])
+        self.without_offset(white[here], *self.offset, self.level[here])
+        self.products[rung].apply(self.level[here], self.fields[rung][here])
+
+    def matrix_on(self, rung: int) -> Floats:
+        """Linear answer (K, L) to whitened readings without their offset: sparser than with it."""
+        matrix, weights = self.rungs.steps[rung].start.matrix, self.rungs.offset_weights
+        uniform = matrix.sum(axis=1) / (1.0 - weights.sum())
+        return np.asarray((matrix + np.outer(uniform, weights)) * self.kind.noise_std)
 
     def fill(self, white: Singles, valid: NDArray[np.bool_]) -> None:
         """Let readings of the noise 1 (L,), 0 where not `valid`, give the valid taxels' answer."""
@@ -213,18 +236,6 @@ class PatchGroup:
     def _prepared_without(self, rung: int, key: bytes) -> Operator:
         return self.operators[rung].without(np.frombuffer(key, np.bool_))  # type: ignore[no-any-return]
 
-    def twin(self) -> "PatchGroup":
-        """Arrays of its own, with the same matrices.
-
-        Of the searches only that of the first patch has a memory of its own.
-        """
-        twin = copy(self)
-        twin.fields = [np.zeros_like(each) for each in self.fields]
-        pairs = zip(self.operators, self.data, strict=True)
-        twin.data = [[operator.data(), *data[1:]] for operator, data in pairs]
-        twin.last = [None] * self.count
-        return twin
-
     def reset(self) -> None:
         """Forget the readings before."""
         for data in self.data:
@@ -237,6 +248,6 @@ def _search(operator: Operator) -> Any:
     if getattr(operator, "problem", None) is None:
         raise InputError(
             f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
-            "such as that of NonNegative() or of ContactFit(), or a linear solver"
+            "such as that of NonNegative() or of Auto(), or a linear solver"
         )
     return operator

@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, Ints
-from skinfield.reconstruct.engine.state import Answer, EngineState, Logged, LoggedStep, Step
+from skinfield.errors import Floats, InputError
+from skinfield.reconstruct.engine.state import ROW, TEST, Answer, EngineState, LoggedStep
 from skinfield.reconstruct.engine.workspace import Clockwork
 
 WORDS = {
     Answer.MISSING: "missing",
     Answer.IDLE: "idle",
     Answer.LINEAR: "linear",
-    Answer.FEASIBLE: "non-negative",
+    Answer.FEASIBLE: "field",
+    Answer.CONTACTS: "contacts",
 }
 
 
@@ -29,7 +30,7 @@ class PatchReport:
     answer : str
         ``"idle"``: nothing stands out of the noise at the solver's false-alarm rate, so that 0 is
         the exact minimum with the whole threshold as the penalty, see `NonNegative`; ``"linear"``:
-        of a linear solver, or the clipped start of an iterative one; ``"non-negative"``: searched,
+        of a linear solver, or the clipped start of an iterative one; ``"field"``: searched,
         with its gap; ``"missing"``: no reading.
     rung : int
         Nodes a side of the grid of the answer; 0 where there is none.
@@ -38,7 +39,7 @@ class PatchReport:
     iterations : int
     invalid : int
         Taxels that were left out.
-    spent, predicted : float, s
+    spent : float, s
         Of the steps for this patch alone.
     waited : int
         Cycles since it was last searched, where it has a contact.
@@ -53,7 +54,6 @@ class PatchReport:
     iterations: int
     invalid: int
     spent: float
-    predicted: float
     waited: int
     skipped: str
 
@@ -81,7 +81,7 @@ class CycleReport:
     started: int
     overrun: bool
     names: tuple[str, ...]
-    _log: tuple[Logged, ...]
+    _log: tuple[tuple[int, ...], ...]
     _state: EngineState
     _costs: Floats
     _left: float
@@ -114,8 +114,8 @@ class CycleReport:
 
     @cached_property
     def steps(self) -> tuple[LoggedStep, ...]:
-        """All steps; those of one plan's searches in the order in which they were taken."""
-        return tuple(done for each in self._log for done in steps_of(each, self._state.group))
+        """All steps."""
+        return tuple(LoggedStep(*each) for each in self._log)
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:
@@ -132,7 +132,6 @@ class CycleReport:
             iterations=int(state.iterations[place]),
             invalid=int(state.invalid[place]),
             spent=float(state.spent[place]),
-            predicted=float(state.predicted[place]),
             waited=int(state.age[place]),
             skipped=self._skipped(place, rung),
         )
@@ -158,11 +157,6 @@ class CycleReport:
         """What was left undone, and why, in sentences."""
         return tuple(f"{each.name}: {each.skipped}" for each in self if each.skipped)
 
-    @property
-    def predicted(self) -> float:
-        """What the steps that were taken were predicted to take, s."""
-        return sum(each.predicted for each in self.steps)
-
     def _named(self, answer: Answer) -> tuple[str, ...]:
         there = np.flatnonzero(self._state.answer == answer)
         return tuple(self.names[place] for place in there)
@@ -171,36 +165,17 @@ class CycleReport:
         answer, top = Answer(self._state.answer[place]), len(self._sides) - 1
         if answer == Answer.MISSING:
             return self._why_missing.get(place, "no reading")
-        step = Step(self._state.kind[place])
-        if answer == Answer.IDLE:
-            step, following, what = Step.TEST, rung + 1, "idle test on rung"
-        elif self._linear:
-            step, following, what = Step.ROW, rung + 1, "rung"
-        else:
-            done = answer == Answer.FEASIBLE and self._state.settled[place]
-            following = rung + 1 if done else max(rung, 0)
-            what = "search on rung" if answer == Answer.LINEAR else "rung"
-            what = what if done or answer == Answer.LINEAR else "more iterations on rung"
-        if following > top:
-            return ""
-        group = 0 if step == Step.TEST else self._state.group[place]  # one test of all
-        cost = float(self._costs[group, step, following])
-        return (
-            f"{what} {self._sides[following]}: {cost * 1e6:.0f} µs predicted, "
-            f"{max(self._left, 0.0) * 1e6:.0f} µs left"
-        )
-
-
-def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
-    """One step, or those of a plan's searches."""
-    if len(logged) == 7:
-        yield LoggedStep(*logged)
-        return
-    kinds, found = logged
-    for kind, row in zip(kinds.tolist(), found.tolist(), strict=True):
-        patch, rung, predicted, start, end = (row[i] for i in (0, 1, -3, -2, -1))
-        group = int(groups[int(patch)])
-        yield LoggedStep(kind, group, int(patch), int(rung), int(start), int(end), predicted)
+        left = f"{max(self._left, 0.0) * 1e6:.0f} µs left"
+        if answer == Answer.IDLE or self._linear:
+            if rung == top:
+                return ""
+            step, what = (ROW, "rung") if self._linear else (TEST, "idle test on rung")
+            group = 0 if step == TEST else self._state.group[place]  # one test of all
+            cost = float(self._costs[group, step, rung + 1])
+            return f"{what} {self._sides[rung + 1]}: {cost * 1e6:.0f} µs predicted, {left}"
+        if answer == Answer.LINEAR:
+            return f"search: no time, {left}"
+        return "" if self._state.settled[place] else f"more iterations: no time, {left}"
 
 
 def _why(work: Clockwork, place: int) -> str:

@@ -29,7 +29,7 @@ class PatchResults:
     Attributes
     ----------
     answer : int64 array
-        Of `Answer`: 0 missing, 1 idle, 2 linear, 3 non-negative.
+        Of `Answer`: 0 missing, 1 idle, 2 linear, 3 field, 4 contacts.
     rung : int64 array
         Of the answer, counted from the coarsest; -1 where there is none.
     gap : array
@@ -76,8 +76,19 @@ class PatchResults:
         row = self._rows[patch]
         linear, feasible, nothing = self._fields[patch]
         answer, rung = self._work.state.answer[row], int(self._work.state.rung[row])
-        fields = linear if answer == LINEAR else feasible if answer == FEASIBLE else nothing
+        fields = linear if answer == LINEAR else feasible if answer >= FEASIBLE else nothing
         return fields[rung]
+
+    def contacts_of(self, patch: int) -> tuple[NDArray[Any], int]:
+        """Contacts of a patch that a solver found by itself: rows, of equal geometry's first."""
+        work, row = self._work, self._rows[patch]
+        group, place = work.places[row]
+        data = group.data[int(work.state.rung[row])][place]
+        return data.rows, data.count
+
+    def shift_of(self, patch: int) -> Floats:
+        """From the plane of the first patch of its kind to that of a patch, (2,) m."""
+        return patch_shift(*self._work.places[self._rows[patch]])
 
     def whitened_of(self, patch: int) -> NDArray[Any]:
         """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
@@ -100,17 +111,15 @@ class PatchResults:
         return linear, [each[place].solution.pressure for each in group.data], zeros
 
 
+def patch_shift(group: PatchGroup, place: int) -> Floats:
+    """From the plane of the first patch of a group to that of another one, (2,) m."""
+    return np.array(group.kind.patches[place].plane[0] - group.kind.patches[0].plane[0])
+
+
 def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
     """Nodes of a rung on one of the patches, which lie where those of the first do."""
-    first, patch = group.kind.patches[0], group.kind.patches[place]
-    grid = group.rungs.steps[rung].grid
-    return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
-
-
-FOUND_IN_FIELD = (
-    "contacts were found in the fitted pressure, which states less: the solver's own hold for the "
-    "first of equal patches; for them, reconstruct this patch alone"
-)
+    grid, shift = group.rungs.steps[rung].grid, patch_shift(group, place)
+    return Grid(group.kind.patches[place], grid.shape, grid.pitch, grid.origin + shift)
 
 
 def estimate_of(
@@ -137,15 +146,15 @@ def estimate_of(
     operator: Operator = step.start if answer == LINEAR else step.operator
     name = type(operator.solver).__name__
     solution = Solution(pressure, intake.linear[rows].copy(), name, operator)
-    if answer == FEASIBLE:
+    if answer >= FEASIBLE:
         solution = group.data[rung][place].solution.keep()
-        if place and solution.fit is not None:  # its contacts are drawn on the first patch
-            solution.operator, solution.fit = operator, None
-            solution.notes = (*solution.notes, FOUND_IN_FIELD)
+        if place and solution.fit is not None:  # its contacts stand on the first patch
+            shift = patch_shift(group, place)
+            solution.fit = solution.fit.keep().on(grid, shift)
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
     return estimate_of_solution(
         *(solution, valid, grid, step.deformation.on(grid), finder),
-        predicted=None if answer == FEASIBLE else explained,
+        predicted=None if answer >= FEASIBLE else explained,
         latency=report.spent,
         stamp_ns=stamp_ns,
         deadline_met=not report.overrun,
@@ -156,7 +165,7 @@ def estimate_of(
 def _pressure(group: PatchGroup, answer: int, rung: int, place: int) -> Floats:
     if answer == LINEAR:
         return np.asarray(group.fields[rung][place], dtype=np.float64)
-    if answer == FEASIBLE:
+    if answer >= FEASIBLE:
         return np.array(group.data[rung][place].solution.pressure)
     return np.zeros(len(group.rungs.steps[rung].grid))
 
@@ -167,7 +176,7 @@ def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str,
         notes.append("no time to search: the clipped linear answer, without a certificate")
     if not valid.all():
         missing = int(len(valid) - valid.sum())
-        which = "" if answer == FEASIBLE else "; pressure_std is that of all taxels"
+        which = "" if answer >= FEASIBLE else "; pressure_std is that of all taxels"
         notes.append(f"{missing} taxels left out{which}")
     return tuple(notes)
 

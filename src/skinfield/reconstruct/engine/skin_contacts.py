@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints, check_shape
-from skinfield.estimate.live_contacts import CONTACT, GridLevel, Habits, LiveContacts, level_of
+from skinfield.estimate.live_contacts import CONTACT, GridLevel, LiveContacts, level_of
+from skinfield.estimate.track_memory import TOP
+from skinfield.estimate.tracker import Tracker
 from skinfield.reconstruct.engine.engine import Engine
 from skinfield.reconstruct.engine.results import grid_on
-from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
+from skinfield.reconstruct.engine.state import CONTACTS, FEASIBLE, IDLE, LINEAR
 
 
 class SkinContacts:
@@ -20,8 +22,8 @@ class SkinContacts:
     engine : Engine
     rows : int
         Contacts that are told of each patch, at most.
-    habits : Habits, optional
-        By which a contact is known again.
+    tracker : Tracker, optional
+        Whose settings count.
     ids : (1,) int64 array, optional
         See below; may lie where others see it.
 
@@ -29,9 +31,9 @@ class SkinContacts:
     ----------
     patches : P of LiveContacts
         In the skin's order.
-    memory : structured (P, M) array
-        Contacts of before. With `ids` it is all that lasts from cycle to cycle: what follows is the
-        same where both are put back.
+    followed : (P,) int64 array
+        Not 0 where a patch has contacts that may come back: `find` is to be called for readings of
+        it that nothing touches, too.
     ids : (1,) int64 array
         The last number that was given to a contact; they are unique over the skin.
     """
@@ -41,7 +43,7 @@ class SkinContacts:
         engine: Engine,
         *,
         rows: int = 8,
-        habits: Habits | None = None,
+        tracker: Tracker | None = None,
         ids: Ints | None = None,
     ) -> None:
         self._engine = engine
@@ -51,13 +53,15 @@ class SkinContacts:
         for index, patch in enumerate(engine.skin):
             levels = _levels(engine, patch.name)
             self.patches.append(
-                LiveContacts(levels, patch=index, rows=rows, habits=habits, ids=self.ids)
+                LiveContacts(levels, patch=index, rows=rows, tracker=tracker, ids=self.ids)
             )
-        self.memory: NDArray[np.void] = np.stack([each.memory for each in self.patches])
-        for each, memory in zip(self.patches, self.memory, strict=True):
-            each.memory = memory
+        words = np.stack([each.memory.words for each in self.patches])
+        for each, its in zip(self.patches, words, strict=True):
+            each.memory = each.memory._replace(words=its)
+        self.followed: Ints = words[:, TOP]
         self._doubles = [np.zeros(side * side) for side in engine.rungs]
         self._shape = (len(self.patches), rows)
+        self._shifts = [engine.results.shift_of(patch) for patch in range(len(self.patches))]
         self._run_in(rows)
 
     def __call__(self, stamp_ns: int, out: NDArray[np.void], counts: Ints) -> None:
@@ -77,12 +81,18 @@ class SkinContacts:
             check_shape("out", out, self._shape, "rows of contacts for each patch")
             check_shape("counts", counts, self._shape[:1], "one per patch")
         counts[:] = 0
-        for patch in (results.answer >= LINEAR).nonzero()[0].tolist():
+        missed = (results.answer == IDLE) & (self.followed > 0)
+        for patch in ((results.answer >= LINEAR) | missed).nonzero()[0].tolist():
             counts[patch] = self.find(patch, stamp_ns, out[patch])
 
     def find(self, patch: int, stamp_ns: int, out: NDArray[np.void]) -> int:
-        """Write the contacts of one patch that was touched in the last cycle; how many."""
+        """Write the contacts of one patch that was answered in the last cycle; how many."""
         results = self._engine.results
+        if results.answer[patch] < LINEAR:
+            return self.patches[patch].take(out, 0, self._shifts[patch], stamp_ns, out)
+        if results.answer[patch] == CONTACTS:
+            found, shift = results.contacts_of(patch), self._shifts[patch]
+            return self.patches[patch].take(*found, shift, stamp_ns, out)
         rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
         if results.answer[patch] == FEASIBLE:
             white = results.whitened_of(patch)
@@ -91,9 +101,16 @@ class SkinContacts:
         np.copyto(double, pressure)
         return self.patches[patch](rung, double, stamp_ns, out)
 
+    def count_in(self, ids: Ints) -> None:
+        """Number contacts in this array (1,) from now on."""
+        self.ids = ids
+        for each in self.patches:
+            each.memory = each.memory._replace(ids=ids)
+
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
-        self.memory[:] = 0
+        for each in self.patches:
+            each.reset()
 
     def _run_in(self, rows: int) -> None:
         """So that the first contact is as fast as the next."""
@@ -101,6 +118,8 @@ class SkinContacts:
         for each in self.patches:
             for level, known in enumerate(each.levels):
                 each(level, np.zeros(len(known.std)), 0, out)
+            each.take(out, 0, np.zeros(2), 0, out)
+            each.reset()
 
 
 def _levels(engine: Engine, name: str) -> list[GridLevel]:

@@ -4,9 +4,19 @@ import numpy as np
 
 from skinfield.errors import Ints
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import LINEAR, MASKED, PRODUCT, ROW, TEST
+from skinfield.reconstruct.engine.state import (
+    CONTACTS,
+    FEASIBLE,
+    LINEAR,
+    MASKED,
+    PRODUCT,
+    ROW,
+    ROWS,
+    SEARCH,
+    TEST,
+)
 from skinfield.reconstruct.engine.timing_model import NS
-from skinfield.reconstruct.engine.workspace import ROUNDS, Clockwork
+from skinfield.reconstruct.engine.workspace import Clockwork
 
 NOTHING: Ints = np.zeros(0, dtype=np.int64)
 ACTIVE = 4.0  # deviations of an idle patch's energy above which something is taken to touch it
@@ -59,38 +69,34 @@ def touched(work: Clockwork) -> Ints:
     return np.flatnonzero((state.answer == LINEAR) & (state.energy > idle))
 
 
-def refine_linearly(work: Clockwork, rung: int) -> Ints:
-    """Finer linear answers where something touches, as far as time goes; returns these patches."""
-    state = work.state
+def refine_linearly(work: Clockwork, rung: int) -> None:
+    """Finer linear answers where something touches, each within its share of the time."""
     hot = NOTHING if rung >= work.finest else touched(work)
-    if not len(hot):
-        return hot
-    state.kind[:] = ROW
-    state.excess[:] = state.energy * work.unresolved[state.group, np.maximum(state.at, 0)]
-    chosen, target = work.plan(hot, work.left)
-    for patch in chosen.tolist():
-        rung = int(target[patch])
-        if work.predict(ROW, int(state.group[patch]), rung) <= work.left:
-            refine_one(work, patch, rung)
-    return hot
+    waiting = len(hot)
+    for patch in work.in_turn(hot).tolist():
+        group, share = int(work.state.group[patch]), work.left
+        if patch != work.foremost:
+            share /= waiting
+        for finer in range(int(work.tops[patch]), rung, -1):
+            if work.predict(ROW, group, finer) <= share:
+                refine_one(work, patch, finer)
+                break
+        waiting -= 1
 
 
 def refine_one(work: Clockwork, patch: int, rung: int) -> None:
     """Linear answer of one patch on a finer rung."""
     state, group = work.state, work.groups[work.state.group[patch]]
-    state.predicted[patch] += work.predict(ROW, group.index, rung)
     start = work.clock()
     group.answer_one(rung, patch - group.first, work.white[group.index])
     state.spent[patch] += work.log_step(ROW, group.index, patch, rung, start)
-    state.rung[patch] = state.at[patch] = rung
+    state.rung[patch] = rung
 
 
 FIRST = 0.25  # of the time, for the first idle test
-Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `cycle_kernel`
-ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
-PATIENCE = 20  # cycles after which a contact is served even if there is no time for it
+PATIENCE = 20  # cycles after which a contact is searched even if there is no time for it
 SELDOM = 10  # cycles, at least, between two such
-ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
+LEAST, TURN = 60e-6, 150e-6  # s in which a search comes to something, and mostly to an end
 
 
 def test_all(work: Clockwork, rung: int) -> Ints:
@@ -150,15 +156,6 @@ def start_linearly(work: Clockwork) -> None:
     state.rung[rest] = 0
 
 
-def time_to_start(work: Clockwork, hot: Ints) -> float:
-    """What `start_linearly` will take, s, if no patch is searched beyond those that were."""
-    state = work.state
-    counts = np.bincount(state.group[hot[state.at[hot] < 0]], minlength=len(work.groups))
-    few = counts < ROWS
-    costs = np.where(few, work.costs[:, ROW, 0], work.costs[:, PRODUCT, 0])
-    return float(costs[counts > 0].sum())
-
-
 def first_tested(work: Clockwork) -> int:
     """Finest rung whose idle test takes little of the time: coarse cells overlook small touches."""
     return finest_within(work, FIRST * work.left, 0)
@@ -173,114 +170,70 @@ def finest_within(work: Clockwork, seconds: float, least: int) -> int:
     return least
 
 
-def spend(work: Clockwork, hot: Ints) -> Ints:
-    """Spend the time that is left where it gains most; returns the patches with a contact.
+def spend(work: Clockwork, hot: Ints) -> None:
+    """Search the touched patches, and answer those linearly whose turn does not come.
 
-    Contacts first. When all of them are settled on the finest rung, the idle test is made on
-    finer rungs as well, where what was too fine for the coarse one shows. A contact that was not
-    searched gets a linear answer in the end.
+    Finer rungs are tested as soon as there is time: coarse cells overlook small touches.
     """
-    serve_longest_waiting(work, hot)
-    for _ in range(ROUNDS):
-        served, settled = serve(work, hot) if len(hot) else (0, True)
-        if not (settled if served else is_settled(work, hot)):
-            if not served:
-                break
-            continue
+    while search_in_turn(work, hot):
         finer = finest_within(work, work.left, work.tested)
         if finer == work.tested:
             break
         hot = test_all(work, finer)
     start_linearly(work)
-    return hot
 
 
-def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
-    """Search the contact that waited longest, if that is too long, whether there is time or not.
+def search_in_turn(work: Clockwork, hot: Ints) -> bool:
+    """Search touched patches, each within its share of the time; whether that sufficed.
 
-    On the coarsest rung, and so seldom that most cycles stay within their budget.
+    What was searched longest ago comes first. A search goes on where the patch's last one ended, so
+    that a short time, cycle after cycle, comes to the same as a long one.
+    """
+    state, waiting = work.state, len(hot)
+    order, reserve = work.in_turn(hot), int(work.reserve / NS)
+    for patch in order.tolist():
+        if state.answer[patch] == LINEAR:
+            start = work.clock()
+            left = (work.end - reserve - start) * NS
+            if left < LEAST:
+                search_longest_waiting(work, hot)
+                return False
+            share = left if patch == work.foremost else left / waiting
+            allowance = max(min(left, TURN), share, LEAST)
+            search(work, patch, start, start + int(allowance / NS))
+        waiting -= 1
+    return True
+
+
+def search_longest_waiting(work: Clockwork, hot: Ints) -> None:
+    """Search the patch that waited longest, if that is too long, though there is no time for it.
+
+    So seldom that most cycles stay within their budget.
     """
     state = work.state
-    if work.waited < PATIENCE or state.unforced < SELDOM or not len(hot):
+    if work.waited < PATIENCE or state.unforced < SELDOM:
         return
     patch = int(hot[state.age[hot].argmax()])
-    if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
-        return
-    cost = float(work.costs[state.group[patch], state.kind[patch], 0])
-    now = work.clock()
-    allowance = max((work.end - now) * NS, 2.0 * cost)
-    take_in(work, [search(work, patch, 0, cost, allowance, now)], hot)
-    state.unforced = 0
+    if state.age[patch] >= PATIENCE and state.answer[patch] == LINEAR:
+        start, state.unforced = work.clock(), 0
+        search(work, patch, start, start + int(TURN / NS))
 
 
-def is_settled(work: Clockwork, hot: Ints) -> bool:
-    """Whether all contacts are solved on the finest rung that they may have."""
-    state = work.state
-    if not len(hot):
-        return True
-    return bool(work.kernel.all_settled(hot, state.settled, state.integers, work.tops))
-
-
-def serve(work: Clockwork, hot: Ints) -> tuple[int, bool]:
-    """Search the patches that a plan chooses, each within what the others leave it.
-
-    Returns how many, and whether all contacts are then solved on the finest rung.
-    """
-    state, found, now, reserve = work.state, [], work.clock(), 0.0
-    left = (work.end - now) * NS
-    chosen, target = work.plan(hot, left)
-    if len(chosen) < len(hot):
-        reserve = time_to_start(work, hot)
-        chosen, target = work.plan(hot, left - reserve)
-    patches, planned = chosen.tolist(), work.planned
-    rungs = target[chosen].tolist()
-    costs = [
-        float(planned[state.group[patch], state.kind[patch], rung])
-        for patch, rung in zip(patches, rungs, strict=True)
-    ]
-    committed = reserve + sum(costs)
-    for patch, rung, cost in zip(patches, rungs, costs, strict=True):
-        committed -= cost
-        allowance = (work.end - now) * NS - committed  # what is planned for the others is theirs
-        if cost > allowance:
-            rung, cost = cheaper(work, patch, rung, allowance)
-            if cost > allowance:
-                continue
-        found.append(search(work, patch, rung, cost, allowance, now))
-        now = found[-1][-1]  # what a search takes begins where the one before ended
-    return len(found), take_in(work, found, hot) if found else False
-
-
-def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
-    """Rung that fits, from the one that was planned downwards, and its cost."""
-    state = work.state
-    costs = work.planned[state.group[patch], state.kind[patch]]
-    while costs[rung] > allowance and rung > max(state.at[patch], 0):
-        rung -= 1
-    return rung, float(costs[rung])
-
-
-def search(
-    work: Clockwork, patch: int, rung: int, cost: float, allowance: float, start: int
-) -> Found:
-    """Search one patch on a rung from where its last search ended, on whichever rung that was."""
+def search(work: Clockwork, patch: int, start: int, deadline: int) -> None:
+    """Search one patch, by a deadline, on the finest rung it may have."""
+    state, rung = work.state, int(work.tops[patch])
     group, place = work.places[patch]
-    masked = not work.intake.all_valid and bool(work.state.invalid[patch])
+    masked = not work.intake.all_valid and bool(state.invalid[patch])
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
-    deadline = start + int(allowance / NS)
+    if work.finds_contacts:
+        data.noise[:] = work.deviation_rows[patch]
     solution = operator.solve(work.raw_rows[patch], data, deadline)
-    end, gap = work.clock(), solution.gap
-    settled = not gap > operator.problem.tolerance or (deadline - end) * NS > ENDED * allowance
-    missing = 0.0 if settled else solution.objective * gap
-    return patch, rung, gap, missing, settled, solution.steps, cost, 0.0, start, end
-
-
-def take_in(work: Clockwork, found: list[Found], hot: Ints) -> bool:
-    """Learn from searches, each of another patch, and keep their answers where they are better.
-
-    Whether all contacts are then solved on the finest rung.
-    """
-    start = work.clock()
-    settled = work.searched(found, hot)
-    work.times.after.observe(0, (work.clock() - start) * NS / len(found))
-    return settled
+    is_field = data.count < 0
+    if solution.gap < 1.0 if is_field else data.count or solution.in_time:
+        state.answer[patch] = FEASIBLE if is_field else CONTACTS
+        state.rung[patch] = rung
+        state.gap[patch], state.iterations[patch] = solution.gap, solution.steps
+        state.settled[patch] = (
+            solution.gap <= operator.problem.tolerance if is_field else solution.in_time
+        )  # else nothing is found yet: the linear answer stays
+    state.spent[patch] += work.log_step(SEARCH, group.index, patch, rung, start)

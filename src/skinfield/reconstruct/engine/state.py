@@ -5,9 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
-
-Logged = tuple[int, int, int, int, int, int, float] | tuple[Ints, Floats]
+from skinfield.errors import Ints
 
 
 class Answer(IntEnum):
@@ -17,6 +15,7 @@ class Answer(IntEnum):
     IDLE = 1  # nothing stands out of the noise on the rung that is told: 0 is the answer
     LINEAR = 2  # of a linear solver; or, of an iterative one, its clipped start
     FEASIBLE = 3  # of an iterative solver, with its certificate
+    CONTACTS = 4  # of a solver that finds contacts by itself, with the pressure below them
 
 
 class Step(IntEnum):
@@ -25,14 +24,16 @@ class Step(IntEnum):
     PRODUCT = 0  # linear answer of all patches of a kind
     TEST = 1  # idle test of all patches of a kind
     ROW = 2  # linear answer of one patch
-    COLD = 3  # search of a patch that had no contact in the cycle before
-    WARM = 4  # search of a patch that had
-    MASKED = 5  # idle test of one patch some of whose taxels are left out
+    SEARCH = 3  # of a patch
+    MASKED = 4  # idle test of one patch some of whose taxels are left out
 
 
 # as plain numbers: the members of an enumeration are slow to look up
-MISSING, IDLE, LINEAR, FEASIBLE = (int(each) for each in Answer)
-PRODUCT, TEST, ROW, COLD, WARM, MASKED = (int(each) for each in Step)
+MISSING, IDLE, LINEAR, FEASIBLE, CONTACTS = (int(each) for each in Answer)
+PRODUCT, TEST, ROW, SEARCH, MASKED = (int(each) for each in Step)
+
+
+ROWS = 4  # touched patches of one kind from which one linear product for all is quicker
 
 
 class LoggedStep(NamedTuple):
@@ -48,7 +49,6 @@ class LoggedStep(NamedTuple):
     rung : int
     start, end : int, ns
         Of the engine's clock.
-    predicted : float, s
     """
 
     step: int
@@ -57,7 +57,6 @@ class LoggedStep(NamedTuple):
     rung: int
     start: int
     end: int
-    predicted: float
 
     @property
     def kind(self) -> Step:
@@ -71,31 +70,28 @@ class EngineState:
     Attributes
     ----------
     group : which kind the patch is of
-    integers, numbers : (5, P) arrays, of which the others are rows; see `cycle_kernel`
+    integers, numbers : (3, P) and (2, P) arrays, of which the others are rows; see `cycle_kernel`
     answer : of `Answer`
     rung : of the answer; -1 where there is none
     gap : relative, of the answer
-    at : rung that further steps go on from; -1 before the first search
-    excess : by how much its objective may be above the finest rung's minimum, about
-    energy : objective of an answer of 0
+    energy : half the squared readings, in units of their noise; of linear solvers
     iterations : of the last search
     settled : whether the last search came to its end
-    was_hot : whether the patch had a contact in the cycle before
-    age : cycles since a patch with a contact was served
-    kind : step that the patch would take next
+    age : cycles since a patch with a contact was searched
     invalid : taxels that were left out
-    spent, predicted : s, of the steps for this patch alone
-    unforced : cycles since a patch was last served without the time for it (one number)
+    spent : s, of the steps for this patch alone
+    unforced : cycles since a patch was last searched without the time for it (one number)
     """
 
     def __init__(self, group: Ints) -> None:
         self.group, patches = group, len(group)
-        self.integers: Ints = np.zeros((5, patches), dtype=np.int64)
-        self.answer, self.rung, self.at, self.iterations, self.kind = self.integers
-        self.numbers = np.zeros((5, patches))
-        self.gap, self.excess, self.energy, self.spent, self.predicted = self.numbers
+        self.integers: Ints = np.zeros((3, patches), dtype=np.int64)
+        self.answer, self.rung, self.iterations = self.integers
+        self.numbers = np.zeros((2, patches))
+        self.gap, self.spent = self.numbers
+        self.energy = np.zeros(patches)
         self.age, self.invalid = np.zeros((2, patches), dtype=np.int64)
-        self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
+        self.settled = np.zeros(patches, dtype=np.bool_)
         self.reset()
 
     def copy(self) -> "EngineState":
@@ -111,9 +107,8 @@ class EngineState:
 
     def reset(self) -> None:
         """Forget the cycles before; the arrays stay where they are."""
-        self.was_hot[:] = self.settled[:] = False
+        self.settled[:] = False
         self.age[:] = self.invalid[:] = 0
         self.unforced = 0
         self.integers[:], self.numbers[:] = 0, 0.0
-        self.rung[:] = self.at[:] = -1
-        self.gap[:], self.kind[:] = np.nan, COLD
+        self.rung[:], self.gap[:] = -1, np.nan

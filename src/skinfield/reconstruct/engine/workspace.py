@@ -9,11 +9,8 @@ from skinfield.errors import Ints
 from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
 from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import EngineState, Logged
+from skinfield.reconstruct.engine.state import EngineState
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
-
-ROUNDS = 6  # of planning in a cycle, at most
-FOREMOST = 1e6  # weight of a patch that is served before all others
 
 
 class Clockwork:
@@ -24,14 +21,14 @@ class Clockwork:
     groups : sequence of PatchGroup
     intake : EngineReadings
     clock : function that returns ns
-    like : Clockwork, optional
-        Of the same patches, with which it shares what is prepared; costs begin as the other's.
 
     Attributes
     ----------
+    finds_contacts : bool
+        Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
-    raw_rows, valid_rows : lists of P arrays (L,)
+    raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
         Idle tests of all patches; none where linear.
@@ -41,19 +38,18 @@ class Clockwork:
         Rung of the last idle test.
     costs : (G, kinds of steps, R) array, s
         Of a step for all patches in the first row, the others 0.
-    unresolved : (G, R) array
-        Part of the energy that each rung leaves unresolved.
     end : int, ns
         When the cycle must be over.
-    planned : as `costs`
-        Of searches as the last plan took them to be.
     top, finest : int
         Finest rung of answers, but for a patch that is preferred; and with it.
-    tops, weights : (P,) arrays
-        Finest rung of each patch, and the weight of what it gains.
+    tops : (P,) array
+        Finest rung of each patch.
+    foremost : int
+        Patch that is preferred; -1: none.
+    reserve : float, s
+        What linear answers take of all patches that were last put in the order of their turns.
     log : list of tuples
-        Of the steps of this cycle, see `LoggedStep`; of searches their kinds, and what they came
-        to. Kept while `logging`.
+        Of the steps of this cycle, see `LoggedStep`. Kept while `logging`.
     """
 
     def __init__(
@@ -61,7 +57,6 @@ class Clockwork:
         groups: Sequence[PatchGroup],
         intake: EngineReadings,
         clock: Callable[[], int],
-        like: "Clockwork | None" = None,
     ) -> None:
         from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
 
@@ -71,21 +66,20 @@ class Clockwork:
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
-        if like is None:
-            self.tests = idle_tests(groups)
-            self.atlases = linear_answers(groups) if self.linear else []
-        else:
-            self.tests, self.atlases = like.tests, like.atlases
+        self.finds_contacts = groups[0].finds_contacts
+        self.tests = idle_tests(groups)
+        self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
         self.times = Times(len(groups), self.rungs, bool(self.atlases))
-        if like is not None:
-            self.times.start_as(like.times)
-        self.costs, self.planned = self.times.costs, self.times.costs.copy()
-        self.unresolved = np.array([group.rungs.unresolved for group in groups])
+        self.costs, self.reserve = self.times.costs, 0.0
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
+        self._level = np.zeros_like(intake.white)
+        parts = ((group.first, group.count) for group in groups)
+        self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
+        raw = [intake.raw_of(patch) for patch in range(len(self.places))]
+        self.raw_rows, self.deviation_rows = zip(*raw, strict=True)
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
@@ -93,22 +87,20 @@ class Clockwork:
             *(float(intake.quantity.lowest), intake.how),
             *(intake.per_noise, intake.valid, self.starts, first.start.gaussian is not None),
             *(intake.linear, intake.white, intake.present),
-            *(state.invalid, state.integers, state.numbers, state.settled, state.was_hot),
+            *(state.invalid, state.integers, state.numbers, state.settled),
         )
-        patches, self.end, self.log = len(self.places), 0, list[Logged]()
+        patches, self.end, self.log = len(self.places), 0, list[tuple[int, ...]]()
         self.tested, self.waited, self.logging = 0, 0, True
         self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
-        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
-        self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
-        self._found = np.zeros((patches + 1, 10))
-        self.weights, self.tops = np.ones(patches), np.zeros(patches, np.int64)
+        self._order, self.tops = np.zeros((2, patches), dtype=np.int64)
+        self._idle = np.zeros(patches, np.bool_)
         self.prefer(self.rungs - 1, -1)
 
     def prefer(self, top: int, first: int) -> None:
         """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
-        self.top, self.tops[:], self.weights[:] = top, top, 1.0
+        self.top, self.tops[:], self.foremost = top, top, first
         if first >= 0:
-            self.tops[first], self.weights[first] = self.rungs - 1, FOREMOST
+            self.tops[first] = self.rungs - 1
         self.finest = int(self.tops.max())
 
     def open(self) -> None:
@@ -119,17 +111,12 @@ class Clockwork:
             intake.linearise()
         intake.all_valid = self.kernel.open_cycle(*self._opened)
 
-    def close(self, hot: Ints, around: CostModel) -> None:
-        """Remember which patches had a contact, and let predictions come down a little."""
-        state = self.state
+    def close(self, around: CostModel) -> None:
+        """Remember which patches wait for a search, and let predictions come down a little."""
+        state, model = self.state, self.times.model
         self.waited = self.kernel.close_cycle(
-            hot,
-            state.integers,
-            state.age,
-            state.was_hot,
-            *self.times.relaxing,
-            around.steps,
-            around.base,
+            *(not self.linear, state.integers, state.age),
+            *(model.steps, model.base, around.steps, around.base),
         )
         state.unforced += 1
 
@@ -148,10 +135,12 @@ class Clockwork:
     def test_idle(self, rung: int) -> int:
         """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
         state = self.state
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.idle_offset, level)
         return int(
             self.kernel.test_idle(
                 *self.tests[rung].arrays,
-                self.intake.white,
+                self._level,
                 self._idle,
                 rung,
                 self.intake.present,
@@ -165,22 +154,21 @@ class Clockwork:
 
     def touched(self) -> Ints:
         """Patches with a contact: a view, until this is asked again."""
-        state = self.state
-        count = self.kernel.list_touched(
-            self.intake.white, self.starts, state.integers, state.numbers, self.hot
-        )
-        return self.hot[:count]
+        return self.hot[: self.kernel.list_touched(self.state.integers, self.hot)]
 
     def is_idle(self, patch: int, rung: int) -> bool:
         """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
         problem, valid = group.operators[rung].problem, self.valid_rows[patch]
+        rows = problem.rows, problem.shared, problem.root, problem.offset
         white = self.white[group.index][place]
-        return bool(self._idle_without(problem.rows, valid, white, problem.threshold))
+        return bool(self._idle_without(*rows, valid, white, problem.threshold))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
-        self.atlases[rung].apply(self.intake.white, self.fields[rung])
+        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
+            group.without_offset(white, *group.offset, level)
+        self.atlases[rung].apply(self._level, self.fields[rung])
 
     def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""
@@ -190,59 +178,13 @@ class Clockwork:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.times.which(step, group, rung)
         if self.logging:
-            predicted = self.times.model.predict(which)
-            self.log.append((step, group, patch, rung, start, end, predicted))
+            self.log.append((step, group, patch, rung, start, end))
         seconds = (end - start) * NS
-        self.times.observe(which, seconds)
+        self.times.model.observe(which, seconds)
         return seconds
 
-    def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
-        """As `done`, of searches, and keep their answers; see `cycle_kernel` for the columns.
-
-        Whether all of the patches in `hot` are then solved on the finest rung.
-        """
-        state, found = self.state, self._found[: len(each)]
-        for row, one in enumerate(each):
-            found[row] = one
-        kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
-        settled = self.kernel.take_in(
-            found,
-            state.group,
-            state.integers,
-            state.numbers,
-            state.settled,
-            self.unresolved,
-            self.times.both,
-            self.times.moves,
-            hot,
-            self.tops,
-        )
-        if kinds is not None:
-            self.log.append((kinds, found.copy()))
-        return bool(settled)
-
-    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
-        """Patches to serve, in order, and the rung of each patch; see `cycle_kernel.plan`.
-
-        Times are those of `planned`.
-        """
-        state = self.state
-        count = self.kernel.plan(
-            hot,
-            state.group,
-            state.integers,
-            state.numbers,
-            state.age,
-            self.tops,
-            self.weights,
-            self.times.both,
-            0.0 if self.linear else self.times.after.predict(0),
-            self.unresolved,
-            left,
-            self.planned,
-            self._target,
-            self._order,
-            self._rungs,
-            self._ratios,
-        )
-        return self._order[:count], self._target
+    def in_turn(self, hot: Ints) -> Ints:
+        """Patches with a contact in the order of their turns: a view, until this is asked again."""
+        state, where = self.state, (self.costs, self._order)
+        self.reserve = self.kernel.list_turns(hot, state.age, self.foremost, state.group, *where)
+        return self._order[: len(hot)]

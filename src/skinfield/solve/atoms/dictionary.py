@@ -1,111 +1,249 @@
-"""Dictionary of templates of single contacts all over a patch: where a search starts."""
+"""Dictionary of templates of single contacts all over a patch: where a search starts.
 
-from dataclasses import dataclass
-from typing import Any
+Templates stand in blocks of neighbouring places, each with the taxels that see any of them. A few
+of each block are scored first; the others only where one of these agrees with the readings, which
+of a skin at rest hardly any does.
+"""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.compiled import njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
+from skinfield.solve.atoms.fit_kernel import FitModel
 from skinfield.solve.atoms.table import Tables
 
 SPACING = 0.5  # thicknesses between places
+BLOCK = 4  # places along the side of a block
 RADII = (0.4, 0.8, 1.5, 2.6)  # thicknesses
 MARGIN = 1.5  # thicknesses beyond the outermost pads
 SHALLOW = 0.15  # strain of the gap at the axis at which templates are made
+LANES = 8  # numbers of a vector register
 SAME = 1e-5  # part of a score: what single precision cannot tell is the same, and the first counts
 FAINTEST = 0.02  # of the strongest template: below, a place is not seen
+UNSEEN = 0.02  # of a template's norm: taxels that read less of it are left out
+FIRST = 0.8  # thicknesses: radius of the templates that are scored first
+NEARLY = 0.9  # of the least score: what one of these must reach
+WORSE = 0.4  # of the best score: templates that agree less are no starts
 
 
-@dataclass(frozen=True, eq=False)
-class BallTemplates:
-    """Whitened templates of balls.
+class Templates(NamedTuple):
+    """Whitened templates of balls, in blocks.
 
     Attributes
     ----------
-    templates : (T, L) float32 array
-        Of norm 1.
+    taxels : (B, S) int array
+        That see a block; beyond their number the first, for which templates are 0.
+    firsts : (B + 1,) int array
+        First template of each block.
+    few : (B,) int array
+        How many of its first templates are scored first.
+    templates : (T, S) float32 array
+        Of norm 1 over the taxels of the block.
     norms : (T,) array
         Before that, per newton.
     atoms : (T, 6) array
         Parameters of each, with the force at which it was made.
     """
 
+    taxels: Ints
+    firsts: Ints
+    few: Ints
     templates: NDArray[np.float32]
     norms: Floats
     atoms: Floats
 
-    def starts(self, residual: Floats, most: int, least: float = 0.0) -> Floats:
-        """Atoms (S, 6) at the best places, each with the force that explains most.
 
-        None if no template agrees with the whitened residual (L,) by more than `least` standard
-        deviations.
-        """
-        scores = np.asarray(self.templates @ residual.astype(np.float32))
-        if not float(scores.max(initial=0.0)) > least:
-            return np.empty((0, PARAMETERS))
-        best = np.empty(most, np.int64)
-        best = best[: best_of(scores, self.atoms, 1.2 * SPACING, best)]
-        atoms = self.atoms[best]
-        atoms[:, 2] = np.log(np.maximum(scores[best] / self.norms[best], 1e-9))
-        return atoms
+class StartMemory(NamedTuple):
+    """Room in which starts are sought.
 
+    Attributes
+    ----------
+    scores : (T,) float32 array
+    listed : (T,) int array
+    local : (S,) float32 array
+    highest : (B,) array
+        Of the scores of each block's few.
+    starts : (most, 6) array
+        What was found.
+    """
 
-@njit
-def best_of(scores: Any, atoms: Floats, near: float, found: Ints) -> int:
-    """Write into `found` (S,) the best templates, none beside a better one; how many there are."""
-    for count in range(len(found)):
-        best, value = -1, 0.0
-        for t in range(len(scores)):
-            if scores[t] <= (1.0 + SAME) * value:
-                continue
-            beside = False
-            for k in range(count):
-                other = atoms[found[k]]
-                if (
-                    abs(atoms[t, 0] - other[0]) < near
-                    and abs(atoms[t, 1] - other[1]) < near
-                    and abs(atoms[t, 3] - other[3]) < 1.0
-                ):
-                    beside = True
-                    break
-            if not beside:
-                best, value = t, scores[t]
-        if best < 0:
-            return count
-        found[count] = best
-    return len(found)
+    scores: NDArray[np.float32]
+    listed: Ints
+    local: NDArray[np.float32]
+    highest: Floats
+    starts: Floats
+
+    @classmethod
+    def of(cls, bank: Templates, most: int) -> "StartMemory":
+        """Room for a dictionary, and so many starts."""
+        count = len(bank.norms)
+        return cls(
+            np.zeros(count, np.float32),
+            np.zeros(count, np.int64),
+            np.zeros(bank.templates.shape[1], np.float32),
+            np.zeros(len(bank.few)),
+            np.zeros((most, PARAMETERS)),
+        )
 
 
-def make_bank(taxels: Floats, white: Floats, tables: Tables) -> BallTemplates:
-    """Templates on a lattice over the taxels (L, 2), in thicknesses; `white` is 1/noise (L,)."""
+@inner(fastmath=True, forceinline=True, _nrt=False)
+def _product(one: NDArray[np.float32], other: NDArray[np.float32]) -> float:
+    total = np.float32(0.0)
+    for i in range(len(one)):
+        total += one[i] * other[i]
+    return float(total)
+
+
+@inner(forceinline=True, _nrt=False)
+def _take(bank: Templates, block: int, residual: Floats, local: NDArray[np.float32]) -> None:
+    """Copy what the taxels of a block read."""
+    for i in range(len(local)):
+        local[i] = residual[bank.taxels[block, i]]
+
+
+@inner(_nrt=False)
+def best_score(bank: Templates, memory: StartMemory, residual: Floats) -> float:
+    """Highest agreement of a whitened residual (L,) with the first templates of all blocks."""
+    local, highest, best = memory.local, memory.highest, 0.0
+    for block in range(len(bank.few)):
+        _take(bank, block, residual, local)
+        highest[block] = 0.0
+        first = bank.firsts[block]
+        for t in range(first, first + bank.few[block]):
+            highest[block] = max(highest[block], _product(bank.templates[t], local))
+        best = max(best, highest[block])
+    return best
+
+
+@inner(_nrt=False)
+def find_starts(
+    bank: Templates, memory: StartMemory, residual: Floats, most: int, least: float
+) -> int:
+    """Write atoms at the best places, each with the force that explains most; how many there are.
+
+    Parameters
+    ----------
+    residual : (L,) array
+        Whitened; 0 where a taxel is not heard.
+    most : int
+        Starts.
+    least : float
+        Standard deviations; where no template agrees with the residual by more, there is no start.
+    """
+    scores, listed, local, highest = memory.scores, memory.listed, memory.local, memory.highest
+    count, best = 0, best_score(bank, memory, residual)
+    if not best > NEARLY * least:
+        return 0
+    gate = max(NEARLY * least, WORSE * best)
+    for block in range(len(bank.few)):
+        if highest[block] < gate:
+            continue
+        _take(bank, block, residual, local)
+        for t in range(bank.firsts[block], bank.firsts[block + 1]):
+            score = _product(bank.templates[t], local)
+            if score > WORSE * best:
+                scores[count], listed[count] = score, t
+                count += 1
+                best = max(best, score)
+    found = 0
+    if not best > least:
+        return found
+    while found < most:
+        value, at = WORSE * best, -1
+        for i in range(count):
+            if scores[i] > (1.0 + SAME) * value:
+                value, at = scores[i], i
+        if at < 0:
+            break
+        start, chosen = memory.starts[found], bank.atoms[listed[at]]
+        for k in range(PARAMETERS):
+            start[k] = chosen[k]
+        start[2] = np.log(max(value / bank.norms[listed[at]], 1e-9))
+        found += 1
+        for i in range(count):  # none beside a better one
+            other = bank.atoms[listed[i]]
+            beside = abs(chosen[0] - other[0]) < NEAR and abs(chosen[1] - other[1]) < NEAR
+            if beside and abs(chosen[3] - other[3]) < 1.0:
+                scores[i] = 0.0
+    return found
+
+
+NEAR = 1.2 * SPACING
+
+
+def make_templates(model: FitModel, white: Floats) -> Templates:
+    """Templates on a lattice over the taxels; `white` (L,) is one over their noise."""
+    taxels = model.taxels
     low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
     columns, rows = (np.ceil((high - low) / SPACING).astype(int) + 1).tolist()
-    x, y = np.meshgrid(low[0] + SPACING * np.arange(columns), low[1] + SPACING * np.arange(rows))
-    places = np.column_stack([x.ravel(), y.ravel()])
-    every = []
-    for radius in RADII:
-        atoms = np.zeros((len(places), PARAMETERS))
-        atoms[:, :2] = places
-        atoms[:, 3] = np.log(radius)
-        atoms[:, 2] = _shallow_log_force(tables, float(np.log(radius)))
-        every.append(atoms)
-    atoms = np.concatenate(every)
-    templates = np.empty((len(atoms), len(taxels)))
-    family, jacobian = np.zeros(1, dtype=np.int64), np.empty((len(taxels), 1, PARAMETERS))
-    for index, atom in enumerate(atoms):
-        predict(atom[None], family, taxels, tables, templates[index], jacobian)
-    templates *= white
-    norms = np.linalg.norm(templates, axis=1)
-    seen = norms * np.exp(-atoms[:, 2])
-    kept = seen > FAINTEST * seen.max()
-    return BallTemplates(
-        np.ascontiguousarray(templates[kept] / norms[kept, None], dtype=np.float32),
-        norms[kept] * np.exp(-atoms[kept, 2]),
-        atoms[kept],
+    blocks = []
+    for row in range(0, rows, BLOCK):
+        for column in range(0, columns, BLOCK):
+            x, y = np.meshgrid(
+                low[0] + SPACING * np.arange(column, min(column + BLOCK, columns)),
+                low[1] + SPACING * np.arange(row, min(row + BLOCK, rows)),
+            )
+            blocks.append(_block(model, white, np.column_stack([x.ravel(), y.ravel()])))
+    faintest = FAINTEST * max(float(seen.max()) for _, _, seen in blocks)
+    kept = [_visible(atoms, rows, seen > faintest) for atoms, rows, seen in blocks]
+    kept = [block for block in kept if len(block[0])]
+    widest = LANES * -(-max(len(block[1]) for block in kept) // LANES)
+
+    def filled(rows: NDArray[Any]) -> NDArray[Any]:
+        return np.pad(rows, [(0, 0), (0, widest - rows.shape[1])])
+
+    return Templates(
+        taxels=np.concatenate([filled(near[None]) for _, near, _, _ in kept]).astype(np.int64),
+        firsts=np.cumsum([0, *(len(atoms) for atoms, _, _, _ in kept)]),
+        few=np.array([np.count_nonzero(_is_few(atoms)) for atoms, _, _, _ in kept]),
+        templates=np.ascontiguousarray(  # whatever order the parts have: rows are read
+            np.concatenate([filled(part) for _, _, part, _ in kept]), dtype=np.float32
+        ),
+        norms=np.concatenate([norms for _, _, _, norms in kept]),
+        atoms=np.concatenate([atoms for atoms, _, _, _ in kept]),
     )
+
+
+def _is_few(atoms: Floats) -> NDArray[np.bool_]:
+    """Which of a block's templates (T, 6) are scored first: at each second place each way."""
+    lowest = atoms[:, :2].min(axis=0, initial=np.inf)
+    place = np.rint((atoms[:, :2] - lowest) / SPACING).astype(int)
+    few = (place % 2 == 1).all(axis=1) & np.isclose(atoms[:, 3], np.log(FIRST))
+    return np.asarray(few if few.any() else np.ones(len(atoms), np.bool_))
+
+
+def _block(model: FitModel, white: Floats, places: Floats) -> tuple[Floats, Floats, Floats]:
+    """Atoms (T, 6) at some places, what they are read as (T, L), whitened, and how well per N."""
+    tables = model.tables
+    atoms = np.zeros((len(RADII) * len(places), PARAMETERS))
+    atoms[:, :2] = np.tile(places, (len(RADII), 1))
+    atoms[:, 3] = np.repeat(np.log(RADII), len(places))
+    logs = [_shallow_log_force(tables, float(np.log(radius))) for radius in RADII]
+    atoms[:, 2] = np.repeat(logs, len(places))
+    rows = np.zeros((len(atoms), len(white)))
+    family, jacobian = np.zeros(1, dtype=np.int64), np.empty((len(white), 1, PARAMETERS))
+    for atom, row in zip(atoms, rows, strict=True):
+        predict(atom[None], family, model.taxels, tables, row, jacobian)
+    rows *= white
+    return atoms, rows, np.linalg.norm(rows, axis=1) * np.exp(-atoms[:, 2])
+
+
+def _visible(
+    atoms: Floats, rows: Floats, seen: NDArray[np.bool_]
+) -> tuple[Floats, Ints, Floats, Floats]:
+    """Atoms that are seen, taxels that see them, templates over these and their norms per N."""
+    atoms, rows = atoms[seen], rows[seen]
+    order = np.argsort(~_is_few(atoms), kind="stable")
+    atoms, rows = atoms[order], rows[order]
+    norms = np.linalg.norm(rows, axis=1)
+    near = np.flatnonzero((np.abs(rows) > UNSEEN * norms[:, None]).any(axis=0))
+    part = rows[:, near]
+    size = np.linalg.norm(part, axis=1)
+    return atoms, near, part / size[:, None], size * np.exp(-atoms[:, 2])
 
 
 def _shallow_log_force(tables: Tables, log_radius: float) -> float:

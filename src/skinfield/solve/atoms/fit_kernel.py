@@ -1,164 +1,20 @@
-"""Least squares of atoms, compiled: predictions, costs and their refinement.
+"""Least squares of atoms, compiled: costs and their refinement.
 
-An atom has six parameters: x and y of its middle, ln(force/N), ln(radius/thickness), and the two
-components of its half-length, all lengths in thicknesses. A half-length of 0 is a round contact;
-else the contact is drawn out along a segment, a mixture of round ones.
-
-It is half the sum of squares of the whitened residuals and of the priors: for a ball, a normal one
-on the logarithm of its radius of curvature, which force and contact radius give; for a flat end or
-a ring, on that of its radius; and for all, on the half-length. An offset that all taxels share is
-integrated out, as its prior is normal and it enters linearly.
+The cost is half the sum of squares of the whitened residuals and of the priors: for a ball, a
+normal one on the logarithm of its radius of curvature, which force and contact radius give; for a
+flat end or a ring, on that of its radius; and for all, on the half-length. An offset that all
+taxels share is integrated out, as its prior is normal and it enters linearly.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.compiled import inner, njit
-from skinfield.errors import Floats
-from skinfield.solve.atoms.table import Tables, cubic, cubic_slopes
-
-PARAMETERS = 6
-NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
-WEIGHT = WEIGHT / 2.0
-
-
-@inner
-def along(coefficients: Floats, place: float) -> tuple[float, float]:
-    """Value and slope per node of a B-spline (N,) at a place inside."""
-    at = int(place)
-    b0, b1, b2, b3 = cubic(place - at)
-    d0, d1, d2, d3 = cubic_slopes(place - at)
-    c0, c1 = coefficients[at - 1], coefficients[at]
-    c2, c3 = coefficients[at + 1], coefficients[at + 2]
-    return b0 * c0 + b1 * c1 + b2 * c2 + b3 * c3, d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
-
-
-@inner
-def _radial(
-    grid: Floats, place: float, log_step: float, power: Floats, nodes: int, out: Floats
-) -> None:
-    """B-spline coefficients over distance alone of an atom of one radius and depth.
-
-    Of the polynomial in u, of its slope by ln radius, and of that by u, into `out` (3, nodes);
-    `grid` is the table (radii, terms, distances), `power` (2, terms) the powers of u and their
-    slopes.
-    """
-    i = int(place)
-    weight = np.empty((2, 4))
-    weight[0, 0], weight[0, 1], weight[0, 2], weight[0, 3] = cubic(place - i)
-    weight[1, 0], weight[1, 1], weight[1, 2], weight[1, 3] = cubic_slopes(place - i)
-    out[:, :nodes] = 0.0
-    for a in range(4):
-        for k in range(power.shape[1]):
-            row = grid[i - 1 + a, k]
-            value = weight[0, a] * power[0, k]
-            by_radius = weight[1, a] / log_step * power[0, k]
-            by_u = weight[0, a] * power[1, k]
-            for j in range(nodes):
-                out[0, j] += value * row[j]
-                out[1, j] += by_radius * row[j]
-                out[2, j] += by_u * row[j]
-
-
-@inner
-def _look_up(radial: Floats, distance: float, last: int, found: Floats) -> None:
-    """Value, slope by distance in nodes, and the other two slopes, at a distance in nodes."""
-    j = int(distance)
-    first, second, third = abs(j - 1), min(j + 1, last), min(j + 2, last)
-    w0, w1, w2, w3 = cubic(distance - j)
-    d0, d1, d2, d3 = cubic_slopes(distance - j)
-    c0, c1, c2, c3 = radial[0, first], radial[0, j], radial[0, second], radial[0, third]
-    found[0] = w0 * c0 + w1 * c1 + w2 * c2 + w3 * c3
-    found[1] = d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
-    for k in range(1, 3):
-        row = radial[k]
-        found[k + 1] = w0 * row[first] + w1 * row[j] + w2 * row[second] + w3 * row[third]
-
-
-@njit
-def predict(
-    atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
-) -> None:
-    """Write readings (L,) of atoms (N, 6) and derivatives (L, N, 6)."""
-    out[:] = 0.0
-    jacobian[:] = 0.0
-    radial = np.empty((3, tables.coefficients.shape[3]))
-    for n in range(atoms.shape[0]):
-        _add_atom(n, atoms[n], family[n], taxels, tables, radial, out, jacobian)
-
-
-@inner
-def _depth(
-    atom: Floats, family: int, slenderness: float, tables: Tables, power: Floats
-) -> tuple[float, float, float, float]:
-    """Factor of the table; strain u; slope of ln s by ln radius; how a longer contact is less deep.
-
-    Writes the powers of u and their slopes into `power` (2, terms).
-    """
-    force, scale, scale_slope, u, thinning = np.exp(atom[2]), 1.0, 0.0, 0.0, 0.0
-    if tables.strain.shape[0]:
-        place = (atom[3] - tables.first_log) / tables.log_step
-        value, slope = along(tables.strain[family], place)
-        scale, scale_slope = np.exp(value), slope / tables.log_step
-        thin = 4.0 * slenderness / np.pi  # area beside the round ends over theirs
-        thinning = thin / (1.0 + thin)
-        u = min(force * scale / (1.0 + thin), 0.95)
-    power[0, 0], power[1, 0] = 1.0, 0.0
-    for k in range(1, power.shape[1]):
-        power[0, k] = power[0, k - 1] * u
-        power[1, k] = k * power[0, k - 1]
-    return force * scale / (1.0 - u), u, scale_slope, thinning
-
-
-@inner
-def _add_atom(
-    n: int,
-    atom: Floats,
-    family: int,
-    taxels: Floats,
-    tables: Tables,
-    radial: Floats,
-    out: Floats,
-    jacobian: Floats,
-) -> None:
-    """Add the readings of one atom, and their derivatives at [:, n]."""
-    x, y, east, north = atom[0], atom[1], atom[4], atom[5]
-    radius, half = np.exp(atom[3]), np.hypot(east, north)
-    points = 1 if half == 0.0 else 7
-    power = np.empty((2, tables.coefficients.shape[2]))
-    gain, u, scale_slope, thinning = _depth(atom, family, half / radius, tables, power)
-    place = (atom[3] - tables.first_log) / tables.log_step
-    reach = radius + half + tables.pad_radius + tables.sight
-    last = min(int((reach + half) / tables.distance_step) + 4, radial.shape[1]) - 1
-    _radial(tables.coefficients[family], place, tables.log_step, power, last + 1, radial)
-    found = np.empty(4)
-    log_slope = scale_slope + thinning  # of u, by ln radius
-    stretch = thinning / (half * half) if points > 1 else 0.0  # of u, by the half-length
-    for taxel in range(taxels.shape[0]):
-        away_x, away_y = taxels[taxel, 0] - x, taxels[taxel, 1] - y
-        if away_x * away_x + away_y * away_y > reach * reach:
-            continue
-        for q in range(points):
-            share = gain if points == 1 else gain * WEIGHT[q]
-            node = 0.0 if points == 1 else NODE[q]
-            rx, ry = away_x - node * east, away_y - node * north
-            r = np.hypot(rx, ry)
-            if r > (last - 2) * tables.distance_step:
-                continue
-            _look_up(radial, r / tables.distance_step, last, found)
-            reading = share * found[0]
-            slope = share * found[1] / tables.distance_step / max(r, 1e-9)
-            by_u = u * (share * found[3] + reading / (1.0 - u))  # per d ln u
-            out[taxel] += reading
-            jacobian[taxel, n, 0] -= slope * rx
-            jacobian[taxel, n, 1] -= slope * ry
-            jacobian[taxel, n, 2] += reading + by_u
-            jacobian[taxel, n, 3] += share * found[2] + reading * scale_slope + by_u * log_slope
-            if points > 1:
-                jacobian[taxel, n, 4] -= slope * rx * node + by_u * stretch * east
-                jacobian[taxel, n, 5] -= slope * ry * node + by_u * stretch * north
+from skinfield.compiled import inner
+from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.atom_readings import PARAMETERS, TableRoom, add_atom, along
+from skinfield.solve.atoms.table import Tables
+from skinfield.solve.clock import now_ns
 
 
 class Priors(NamedTuple):
@@ -177,104 +33,256 @@ class Priors(NamedTuple):
     length_std: float
 
 
-class Inputs(NamedTuple):
-    """What atoms are to explain, and what is known beside; lengths in thicknesses.
+class FitModel(NamedTuple):
+    """All that needs no reading; lengths in thicknesses.
 
-    `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2). `shared` is the
-    posterior variance of an offset that all taxels share, about which the readings are silent;
-    `places` (2, 2) are the lowest and highest x and y that atoms may have.
+    Attributes
+    ----------
+    taxels : (L, 2) array
+    tables : Tables
+    priors : Priors
+    places : (2, 2) array
+        Lowest and highest x and y that atoms may have.
     """
 
-    readings: Floats
-    white: Floats
     taxels: Floats
     tables: Tables
     priors: Priors
-    shared: float
     places: Floats
 
 
-class Normal(NamedTuple):
-    """What N atoms predict, and the cost about them to second order.
+# Rows of `FitMemory.taxels`.
+READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WHITE, ROWS = 0, 1, 2, 3, 4, 5, 6
+# Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
+NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
+# Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
+REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
+# Places of `FitMemory.marks`, the first two of which are the clock's.
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST = 2, 3, 4, 5, 6, 7, 8  # MOST: steps, 0 for any
 
-    `predicted` (L,), and its derivatives twice: as `jacobian` (L, N, 6) and, the same memory, as
-    `flat` (L, 6 N); the cost's `gradient` (6 N,) and Gauss-Newton `hessian` (6 N, 6 N).
+
+class FitMemory(NamedTuple):
+    """What lasts from reading to reading, and room to work in, for M atoms at most.
+
+    Attributes
+    ----------
+    taxels : (6, L) array
+        Readings, one over their deviations, what is left of readings, what is scored; and, while
+        the model error is inferred, deviations without it, and one over those that are tried.
+    atoms : (sets, M, 6) array
+    family : (sets, M) int array
+    counts : (sets,) int array
+    costs : (sets,) array
+        Half the whitened squares of residuals and priors.
+    predicted : (sets, L) array
+    gradient : (sets, 6 M) array
+    hessian : (sets, 36 M M) array
+        Of N atoms the first 36 N N numbers, (6 N, 6 N) row by row.
+    jacobian : (6 M L,) array
+    steps : (3, 6 M) array
+    system : (36 M M,) array
+    near : (L,) int array
+        Taxels that some atom may be read by.
+    around : (M, 3) array
+        Circles within which atoms are read by those alone.
+    sums : (8,) array
+    marks : (16,) int array
+    room : TableRoom
     """
 
+    taxels: Floats
+    atoms: Floats
+    family: Ints
+    counts: Ints
+    costs: Floats
     predicted: Floats
-    jacobian: Floats
-    flat: Floats
     gradient: Floats
     hessian: Floats
+    jacobian: Floats
+    steps: Floats
+    system: Floats
+    near: Ints
+    around: Floats
+    sums: Floats
+    marks: Ints
+    room: TableRoom
+
+    @classmethod
+    def of(cls, model: FitModel, most: int) -> "FitMemory":
+        """Room for so many atoms."""
+        taxels, size = len(model.taxels), PARAMETERS * most
+        sums = np.zeros(8)
+        sums[PACE] = FIRST_PACE
+        return cls(
+            taxels=np.zeros((ROWS, taxels)),
+            atoms=np.zeros((SETS, most, PARAMETERS)),
+            family=np.zeros((SETS, most), np.int64),
+            counts=np.zeros(SETS, np.int64),
+            costs=np.zeros(SETS),
+            predicted=np.zeros((SETS, taxels)),
+            gradient=np.zeros((SETS, size)),
+            hessian=np.zeros((SETS, size * size)),
+            jacobian=np.zeros(size * taxels),
+            steps=np.zeros((3, size)),
+            system=np.zeros(size * size),
+            near=np.zeros(taxels, np.int64),
+            around=np.zeros((most, 3)),
+            sums=sums,
+            marks=np.zeros(16, np.int64),
+            room=TableRoom.of(model.tables),
+        )
 
 
-@inner
-def _prior(
-    atoms: Floats, n: int, family: int, tables: Tables, priors: Priors, normal: Normal
+FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
+FASTER, SLOWER = 0.98, 1.3  # how far one step may move what is known of that: nearly the slowest
+ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
+FEW = 24  # taxels: so few are looked at in any case
+
+
+@inner(forceinline=True, _nrt=False)
+def reach_of(atom: Floats, tables: Tables) -> float:
+    """How far from its middle an atom is read, in thicknesses."""
+    return float(np.exp(atom[3]) + np.hypot(atom[4], atom[5]) + tables.pad_radius + tables.sight)
+
+
+@inner(_nrt=False)
+def gather(model: FitModel, memory: FitMemory, which: int, row: int) -> None:
+    """List the taxels near a set of atoms; what the others add to the cost of reading nothing."""
+    count, atoms, near = memory.counts[which], memory.atoms[which], memory.near
+    readings, white = memory.taxels[row], memory.taxels[WHITE]
+    for n in range(count):
+        around = memory.around[n]
+        around[0], around[1] = atoms[n, 0], atoms[n, 1]
+        around[2] = reach_of(atoms[n], model.tables) + ROAM
+    listed, cost, total, taxels = 0, 0.0, 0.0, len(readings)
+    for taxel in range(taxels):
+        seen = taxels <= FEW
+        for n in range(count):
+            x, y = model.taxels[taxel, 0], model.taxels[taxel, 1]
+            x, y, reach = x - memory.around[n, 0], y - memory.around[n, 1], memory.around[n, 2]
+            seen = seen or x * x + y * y < reach * reach
+        if seen:
+            near[listed] = taxel
+            listed += 1
+        else:
+            weight = white[taxel] * white[taxel]
+            cost += 0.5 * readings[taxel] * readings[taxel] * weight
+            total += readings[taxel] * weight
+    memory.marks[NEAR] = listed
+    memory.sums[REST_COST], memory.sums[REST_TOTAL] = cost, total
+
+
+@inner(_nrt=False)
+def roamed(model: FitModel, memory: FitMemory, which: int) -> bool:
+    """Whether an atom may be read by taxels that are not listed."""
+    if len(model.taxels) <= FEW:
+        return False
+    for n in range(memory.counts[which]):
+        atom, around = memory.atoms[which, n], memory.around[n]
+        off = np.hypot(atom[0] - around[0], atom[1] - around[1])
+        if off + reach_of(atom, model.tables) > around[2]:
+            return True
+    return False
+
+
+@inner(_nrt=False)
+def add_prior(
+    n: int, atom: Floats, family: int, model: FitModel, gradient: Floats, hessian: Floats, size: int
 ) -> float:
-    """Cost of the n-th atom's prior; adds to gradient and Hessian."""
-    gradient, hessian, first = normal.gradient, normal.hessian, 6 * n
+    """Cost of the n-th atom's prior; adds to the gradient (size,) and the Hessian (size size,)."""
+    tables, priors, first = model.tables, model.priors, 6 * n
     if family == 0:
-        place = (atoms[n, 3] - tables.first_log) / tables.log_step
+        place = (atom[3] - tables.first_log) / tables.log_step
         value, slope = along(tables.curvature, place)
         slope /= tables.log_step
-        off = (value - atoms[n, 2] - priors.ball_log) / priors.ball_std
+        off = (value - atom[2] - priors.ball_log) / priors.ball_std
         by_force, by_radius = -1.0 / priors.ball_std, slope / priors.ball_std
     else:
         middle, std = priors.flat_log, priors.flat_std
         if family == 2:
             middle, std = priors.ring_log, priors.ring_std
-        off = (atoms[n, 3] - middle) / std
+        off = (atom[3] - middle) / std
         by_force, by_radius = 0.0, 1.0 / std
-    gradient[first + 2] += off * by_force
-    gradient[first + 3] += off * by_radius
-    hessian[first + 2, first + 2] += by_force * by_force
-    hessian[first + 2, first + 3] += by_force * by_radius
-    hessian[first + 3, first + 2] += by_force * by_radius
-    hessian[first + 3, first + 3] += by_radius * by_radius
+    force, radius = first + 2, first + 3
+    gradient[force] += off * by_force
+    gradient[radius] += off * by_radius
+    hessian[force * size + force] += by_force * by_force
+    hessian[force * size + radius] += by_force * by_radius
+    hessian[radius * size + force] += by_force * by_radius
+    hessian[radius * size + radius] += by_radius * by_radius
     cost = 0.5 * off * off
     weight = 1.0 / (priors.length_std * priors.length_std)
     for k in range(4, 6):
-        gradient[first + k] += atoms[n, k] * weight
-        hessian[first + k, first + k] += weight
-        cost += 0.5 * atoms[n, k] * atoms[n, k] * weight
+        gradient[first + k] += atom[k] * weight
+        hessian[(first + k) * size + first + k] += weight
+        cost += 0.5 * atom[k] * atom[k] * weight
     return float(cost)
 
 
-@inner
-def assemble(atoms: Floats, family: Any, given: Inputs, normal: Normal, sums: Floats) -> float:
-    """Cost of N atoms; writes all else into `normal`, and into `sums` (6 N,) what it likes."""
-    count, taxels = atoms.shape[0], given.taxels.shape[0]
-    gradient, hessian, flat = normal.gradient, normal.hessian, normal.flat
-    predict(atoms, family, given.taxels, given.tables, normal.predicted, normal.jacobian)
-    for i in range(6 * count):
+@inner(forceinline=True, _nrt=False)
+def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
+    """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
+    count = memory.counts[which]
+    size = 6 * count
+    atoms, family = memory.atoms[which], memory.family[which]
+    gradient, hessian = memory.gradient[which], memory.hessian[which]
+    predicted, jacobian, sums = memory.predicted[which], memory.jacobian, memory.steps[2]
+    readings, white = memory.taxels[row], memory.taxels[WHITE]
+    near = memory.near[: memory.marks[NEAR]]
+    for taxel in range(len(predicted)):
+        predicted[taxel] = 0.0
+    for i in range(size * len(near)):
+        jacobian[i] = 0.0
+    for n in range(count):
+        add_atom(
+            n,
+            count,
+            atoms[n],
+            family[n],
+            model.taxels,
+            near,
+            model.tables,
+            memory.room,
+            predicted,
+            jacobian,
+        )
+    for i in range(size):
         gradient[i] = 0.0
         sums[i] = 0.0  # how the weighted sum of the readings moves
-        for j in range(6 * count):
-            hessian[i, j] = 0.0
-    cost, total = 0.0, 0.0
-    for taxel in range(taxels):
-        weight = given.white[taxel] * given.white[taxel]
-        residual = given.readings[taxel] - normal.predicted[taxel]
+    for i in range(size * size):
+        hessian[i] = 0.0
+    cost, total = memory.sums[REST_COST], memory.sums[REST_TOTAL]
+    for k in range(len(near)):
+        taxel, first = near[k], size * k
+        weight = white[taxel] * white[taxel]
+        residual = readings[taxel] - predicted[taxel]
         cost += 0.5 * residual * residual * weight
         total += residual * weight
-        for i in range(6 * count):
-            slope = flat[taxel, i]
-            if slope == 0.0:
+        for n in range(0, size, 6):
+            if jacobian[first + n + 2] == 0.0:
                 continue
-            gradient[i] -= slope * residual * weight
-            sums[i] += slope * weight
-            for j in range(i + 1):
-                hessian[i, j] += slope * flat[taxel, j] * weight
-    cost -= 0.5 * given.shared * total * total
-    for i in range(6 * count):
-        gradient[i] += given.shared * sums[i] * total
+            for i in range(n, n + 6):
+                slope = jacobian[first + i] * weight
+                gradient[i] -= slope * residual
+                sums[i] += slope
+                for j in range(n, i + 1):
+                    hessian[i * size + j] += slope * jacobian[first + j]
+                for m in range(0, n, 6):
+                    if jacobian[first + m + 2] == 0.0:
+                        continue
+                    for j in range(m, m + 6):
+                        hessian[i * size + j] += slope * jacobian[first + j]
+    shared = memory.sums[SHARED]
+    cost -= 0.5 * shared * total * total
+    for i in range(size):
+        gradient[i] += shared * sums[i] * total
         for j in range(i + 1):
-            hessian[i, j] -= given.shared * sums[i] * sums[j]
-            hessian[j, i] = hessian[i, j]
+            value = hessian[i * size + j] - shared * sums[i] * sums[j]
+            hessian[i * size + j] = value
+            hessian[j * size + i] = value
     for n in range(count):
-        cost += _prior(atoms, n, family[n], given.tables, given.priors, normal)
-    return cost
+        cost += add_prior(n, atoms[n], family[n], model, gradient, hessian, size)
+    return float(cost)
 
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
@@ -284,54 +292,45 @@ FIRST_DAMPING = 1e-3
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
 
 
-class Refined(NamedTuple):
-    """What became of S sets of N atoms: `cost` (S,), and how many steps were `tried` (S,).
-
-    `predicted` (S, L) and the cost's `hessian` (S, 6 N, 6 N) are of where the atoms are then.
-    """
-
-    cost: Floats
-    tried: NDArray[np.int64]
-    predicted: Floats
-    hessian: Floats
-
-
-@inner
-def cholesky_solve(matrix: Floats, right: Floats) -> bool:
-    """Solve in place, the lower triangle becoming the factor; False if it is not positive."""
-    size = len(right)
+@inner(_nrt=False)
+def factor(matrix: Floats, size: int) -> bool:
+    """Replace the lower triangle of a matrix, its rows in one, by Cholesky's factor, if it can."""
     for j in range(size):
-        pivot = matrix[j, j]
+        pivot = matrix[j * size + j]
         for k in range(j):
-            pivot -= matrix[j, k] * matrix[j, k]
+            pivot -= matrix[j * size + k] * matrix[j * size + k]
         if not pivot > 0.0:
             return False
         pivot = np.sqrt(pivot)
-        matrix[j, j] = pivot
+        matrix[j * size + j] = pivot
         for i in range(j + 1, size):
-            value = matrix[i, j]
+            value = matrix[i * size + j]
             for k in range(j):
-                value -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] = value / pivot
-    for i in range(size):
-        for k in range(i):
-            right[i] -= matrix[i, k] * right[k]
-        right[i] /= matrix[i, i]
-    for i in range(size - 1, -1, -1):
-        for k in range(i + 1, size):
-            right[i] -= matrix[k, i] * right[k]
-        right[i] /= matrix[i, i]
+                value -= matrix[i * size + k] * matrix[j * size + k]
+            matrix[i * size + j] = value / pivot
     return True
 
 
-@inner
-def _hold(atoms: Floats, family: Any, given: Inputs) -> None:
+@inner(_nrt=False)
+def solve_factored(matrix: Floats, size: int, right: Floats) -> None:
+    """Solve in place by the factor of `factor`."""
+    for i in range(size):
+        for k in range(i):
+            right[i] -= matrix[i * size + k] * right[k]
+        right[i] /= matrix[i * size + i]
+    for i in range(size - 1, -1, -1):
+        for k in range(i + 1, size):
+            right[i] -= matrix[k * size + i] * right[k]
+        right[i] /= matrix[i * size + i]
+
+
+@inner(_nrt=False)
+def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
     """Bring atoms back to the patch and to where they are tabulated: radius and depth."""
-    tables = given.tables
-    for n in range(atoms.shape[0]):
+    tables, places = model.tables, model.places
+    for n in range(count):
         for axis in range(2):
-            low, high = given.places[0, axis], given.places[1, axis]
-            atoms[n, axis] = min(max(atoms[n, axis], low), high)
+            atoms[n, axis] = min(max(atoms[n, axis], places[0, axis]), places[1, axis])
         atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
         atoms[n, 2] = min(max(atoms[n, 2], -20.0), 12.0)
         if tables.strain.shape[0]:
@@ -342,108 +341,168 @@ def _hold(atoms: Floats, family: Any, given: Inputs) -> None:
             atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
 
 
-@inner
-def _damped_step(normal: Normal, free: Any, damping: float, factor: Floats, step: Floats) -> bool:
-    """Write Levenberg's step (6 N,) of the free parameters; False where there is none."""
-    size = len(step)
+@inner(forceinline=True, _nrt=False)
+def is_long(atom: Floats) -> bool:
+    """Whether an atom is drawn out: else its half-length stays 0."""
+    return bool(atom[4] != 0.0 or atom[5] != 0.0)
+
+
+@inner(_nrt=False)
+def free_system(memory: FitMemory, which: int, held: int, damping: float) -> None:
+    """Copy the Hessian of a set into `system`, damped; what does not move becomes the identity.
+
+    Of every atom the first `held` parameters do not move, and the half-length of round ones.
+    """
+    size = 6 * memory.counts[which]
+    hessian, system = memory.hessian[which], memory.system
+    for i in range(size * size):
+        system[i] = hessian[i]
     for i in range(size):
-        step[i] = -normal.gradient[i]
+        system[i * size + i] += damping * hessian[i * size + i] + 1e-9
+    for i in range(size):
+        n, k = i // 6, i % 6
+        if k >= held and (k < 4 or is_long(memory.atoms[which, n])):
+            continue
         for j in range(size):
-            factor[i, j] = normal.hessian[i, j]
-        factor[i, i] += damping * normal.hessian[i, i] + 1e-9
+            system[i * size + j] = 0.0
+            system[j * size + i] = 0.0
+        system[i * size + i] = 1.0
+
+
+@inner(_nrt=False)
+def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> bool:
+    """Write Levenberg's step into `steps[0]`; False where there is none."""
+    size, step = 6 * memory.counts[which], memory.steps[0]
+    free_system(memory, which, held, damping)
     for i in range(size):
-        if not free[i // 6, i % 6]:
-            step[i] = 0.0
-            for j in range(size):
-                factor[i, j] = 0.0
-                factor[j, i] = 0.0
-            factor[i, i] = 1.0
-    return cholesky_solve(factor, step)
+        n, k = i // 6, i % 6
+        moves = k >= held and (k < 4 or is_long(memory.atoms[which, n]))
+        step[i] = -memory.gradient[which, i] if moves else 0.0
+    if not factor(memory.system, size):
+        return False
+    solve_factored(memory.system, size, step[:size])
+    return True
 
 
-@inner
-def _keep(trial: Normal, normal: Normal) -> None:
-    """Copy all but the derivatives, element by element: quick to compile."""
-    for taxel in range(len(trial.predicted)):
-        normal.predicted[taxel] = trial.predicted[taxel]
-    for i in range(len(trial.gradient)):
-        normal.gradient[i] = trial.gradient[i]
-        for j in range(len(trial.gradient)):
-            normal.hessian[i, j] = trial.hessian[i, j]
+@inner(_nrt=False)
+def copy_set(memory: FitMemory, source: int, target: int) -> None:
+    """Have a set become another one, with all that is known of it."""
+    count = memory.counts[source]
+    size = 6 * count
+    memory.counts[target], memory.costs[target] = count, memory.costs[source]
+    for n in range(count):
+        memory.family[target, n] = memory.family[source, n]
+        for i in range(6):
+            memory.atoms[target, n, i] = memory.atoms[source, n, i]
+    for taxel in range(memory.predicted.shape[1]):
+        memory.predicted[target, taxel] = memory.predicted[source, taxel]
+    for i in range(size):
+        memory.gradient[target, i] = memory.gradient[source, i]
+    for i in range(size * size):
+        memory.hessian[target, i] = memory.hessian[source, i]
 
 
-@inner
-def _descend(
-    atoms: Floats,
-    family: Any,
-    free: Any,
-    given: Inputs,
-    iterations: int,
+@inner(_nrt=False)
+def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
+    """Whether a step of a set may end after a time of the clock, 0 for none, or is one too many.
+
+    How long a step takes is learnt from those before: nearly the slowest of late, per atom.
+    """
+    if memory.marks[STEPS] >= memory.marks[MOST] > 0:
+        memory.marks[LATE] = 1
+        return True
+    if deadline == 0:
+        return False
+    now, count = now_ns(memory.marks), max(memory.counts[which], 1)
+    if memory.marks[STEPPED]:
+        pace = memory.sums[PACE]
+        took = (now - memory.marks[BEGAN]) / count
+        memory.sums[PACE] = min(max(took, FASTER * pace), SLOWER * pace)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
+    if now + int(memory.sums[PACE] * count) > deadline:
+        memory.marks[LATE] = 1
+        return True
+    return False
+
+
+@inner(_nrt=False)
+def is_short(memory: FitMemory, steps: float, deadline: int) -> bool:
+    """Whether the time is too short for what takes as long as some steps of the answer."""
+    if deadline == 0 or memory.marks[LATE]:
+        return bool(memory.marks[LATE])
+    count = max(memory.counts[NOW], 1)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
+    if memory.marks[BEGAN] + int(memory.sums[PACE] * count * steps) > deadline:
+        memory.marks[LATE] = 1
+    return bool(memory.marks[LATE])
+
+
+@inner(_nrt=False)
+def descend(
+    model: FitModel,
+    memory: FitMemory,
+    which: int,
+    row: int,
+    held: int,
+    steps: int,
     tolerance: float,
-    normal: Normal,
-    trial: Normal,
-) -> tuple[float, int]:
-    """Refine one set of atoms (N, 6) in place; its cost, and the steps that were tried."""
-    count, size = atoms.shape[0], 6 * atoms.shape[0]
-    step, sums, factor = np.empty(size), np.empty(size), np.empty((size, size))
-    moved = np.empty((count, 6))
-    _hold(atoms, family, given)
-    cost = assemble(atoms, family, given, normal, sums)
+    deadline: int,
+) -> None:
+    """Move a set to the next minimum of its cost, by Levenberg's steps, until the time is up.
+
+    Parameters
+    ----------
+    which : int
+        Set of atoms.
+    row : int
+        Of the readings that it shall explain.
+    held : int
+        Parameters of each atom, the first ones, that do not move.
+    steps : int
+        That are tried at most.
+    tolerance : float
+        Gain of the last one.
+    deadline : int, ns
+    """
+    count = memory.counts[which]
+    size, step = 6 * count, memory.steps[0]
+    atoms, family = memory.atoms[which], memory.family[which]
+    hold(model, atoms, family, count)
+    gather(model, memory, which, row)
+    memory.costs[which] = evaluate(model, memory, which, row)
+    memory.counts[STEP] = count
+    for n in range(count):
+        memory.family[STEP, n] = family[n]
     damping = FIRST_DAMPING
-    for iteration in range(iterations):
-        if not _damped_step(normal, free, damping, factor, step):
+    memory.marks[SETTLED] = 0
+    memory.marks[STEPPED] = 0
+    for _ in range(steps):
+        if is_late(memory, which, deadline):
+            return
+        memory.marks[STEPPED] = 1
+        if not damped_step(memory, which, held, damping):
             damping *= RISE
+            if damping > 1e8:
+                break
             continue
         longest = 1e-300
         for i in range(size):
             longest = max(longest, abs(step[i]))
         share = min(1.0, LONGEST_STEP / longest)
-        for i in range(size):
-            moved[i // 6, i % 6] = atoms[i // 6, i % 6] + share * step[i]
-        _hold(moved, family, given)
-        gain = cost - assemble(moved, family, given, trial, sums)
+        for n in range(count):
+            for i in range(6):
+                memory.atoms[STEP, n, i] = atoms[n, i] + share * step[6 * n + i]
+        hold(model, memory.atoms[STEP], family, count)
+        memory.marks[STEPS] += 1
+        if roamed(model, memory, STEP):
+            gather(model, memory, STEP, row)
+        memory.costs[STEP] = evaluate(model, memory, STEP, row)
+        gain = memory.costs[which] - memory.costs[STEP]
         if gain > 0.0:
-            cost -= gain
-            for i in range(size):
-                atoms[i // 6, i % 6] = moved[i // 6, i % 6]
-            _keep(trial, normal)
+            copy_set(memory, STEP, which)
             damping = max(damping * FALL, 1e-9)
         else:
             damping *= RISE
-        settled = 0.0 < gain < tolerance
-        if settled or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
-            return cost, iteration + 1
-    return cost, iterations
-
-
-@inner
-def _room(taxels: int, atoms: int) -> Normal:
-    """Arrays for as many taxels and atoms."""
-    flat, size = np.empty((taxels, 6 * atoms)), 6 * atoms
-    jacobian = flat.reshape((taxels, atoms, 6))
-    return Normal(np.empty(taxels), jacobian, flat, np.empty(size), np.empty((size, size)))
-
-
-@njit
-def refined(
-    atoms: Floats, family: Any, free: Any, given: Inputs, iterations: int, tolerance: float
-) -> Refined:
-    """Move each of S sets of atoms (S, N, 6) in place to a minimum of its cost.
-
-    `family` (S, N); `free` (S, N, 6) says what may move. A set has settled when the last step
-    gains less than `tolerance`. One function for all that is refined: compiling it takes seconds.
-    """
-    sets, count, taxels = atoms.shape[0], atoms.shape[1], given.taxels.shape[0]
-    size, normal, trial = 6 * count, _room(taxels, count), _room(taxels, count)
-    cost, tried = np.empty(sets), np.empty(sets, np.int64)
-    predicted, hessian = np.empty((sets, taxels)), np.empty((sets, size, size))
-    for index in range(sets):
-        cost[index], tried[index] = _descend(
-            atoms[index], family[index], free[index], given, iterations, tolerance, normal, trial
-        )
-        for taxel in range(taxels):
-            predicted[index, taxel] = normal.predicted[taxel]
-        for i in range(size):
-            for j in range(size):
-                hessian[index, i, j] = normal.hessian[i, j]
-    return Refined(cost, tried, predicted, hessian)
+        if 0.0 < gain < tolerance or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
+            break
+    memory.marks[SETTLED] = 1

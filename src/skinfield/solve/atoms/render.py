@@ -1,6 +1,6 @@
-"""Rendering of atoms on a grid: pressure, displacement, deviations and contacts."""
+"""Rendering of atoms on a grid: pressure and displacement."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from functools import cached_property
 from typing import Any, cast
 
@@ -10,20 +10,15 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.elastic import Layer, Mechanics
 from skinfield.errors import Floats, InputError, check_finite
-from skinfield.estimate import Contact
-from skinfield.estimate.ranking import by_falling_force
 from skinfield.skin import Grid
-from skinfield.solve.atoms.contacts import contact_of
 from skinfield.solve.atoms.render_kernels import (
     NODE,
-    SIZE,
     WEIGHT,
     GridMesh,
     blend,
     held,
     mesh_of,
     points_along,
-    pressure_std,
     render,
 )
 from skinfield.solve.atoms.render_tables import (
@@ -35,7 +30,9 @@ from skinfield.solve.atoms.render_tables import (
     displacement_table,
     pressure_table,
 )
+from skinfield.solve.atoms.rows_kernel import GRID, RowGrid
 from skinfield.solve.atoms.table import BALL, FLAT
+from skinfield.solve.packed import Packed
 
 NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
 COUNT = OUTER * 4 + INNER  # coefficients of a displacement
@@ -182,7 +179,7 @@ Family = NDArray[np.int64]
 
 
 class AtomRenderer:
-    """Fields and contacts of atoms on one grid, prepared once.
+    """Fields of atoms on one grid, prepared once.
 
     Atoms are (N, 6) arrays of x m, y m (in the patch's plane), force N, radius m, half-length m
     and angle rad; their families are (N,) int arrays of `profiles.BALL` or `profiles.FLAT`. Radii
@@ -199,6 +196,13 @@ class AtomRenderer:
         self.grid, self._layer, self._mechanics = grid, layer, mechanics
         self._surface = pressure_table(layer, cast(Hashable, mechanics))
         self._mesh = mesh_of(grid)
+
+    @cached_property
+    def rows(self) -> Packed:
+        """What rows of contacts are written by."""
+        grid = self.grid
+        places = np.array(grid.positions, order="C"), np.array(grid.normals, order="C")
+        return Packed(RowGrid(self._mesh, *places, self._surface, self._layer.thickness), GRID)
 
     @cached_property
     def _moves(self) -> DisplacementTable:
@@ -225,37 +229,6 @@ class AtomRenderer:
         """Write the displacement of the nodes in the patch's frame into `out` (K, 3), m."""
         _check(atoms, family)
         displacement(atoms, family, self._surface, self._moves, self._mesh, self._frames, out)
-
-    def pressure_std(self, atoms: Floats, family: Family, covariance: Floats, out: Floats) -> None:
-        """Write one standard deviation of each cell's pressure into `out` (K,), Pa.
-
-        `covariance` (N, 6, 6) is of the parameters of each atom.
-        """
-        _check(atoms, family)
-        pressure_std(atoms, family, covariance, self._surface, self._mesh, out)
-
-    def contacts(
-        self, atoms: Floats, family: Family, covariance: Floats, groups: Sequence[Sequence[int]]
-    ) -> tuple[Contact, ...]:
-        """Contacts of atoms, by falling normal force.
-
-        Parameters
-        ----------
-        atoms : (N, 6) array
-        family : (N,) int array
-        covariance : (6 N, 6 N) array
-            Of the parameters of all atoms together.
-        groups : sequence of sequences of int
-            Atoms of each contact, such as those of `bodies`.
-        """
-        _check(atoms, family)
-        found = []
-        for group in groups:
-            rows = np.asarray(group)
-            each = (SIZE * rows[:, None] + np.arange(SIZE)).ravel()
-            own = covariance[np.ix_(each, each)]
-            found.append(contact_of(self.grid, self._surface, atoms[rows], family[rows], own))
-        return by_falling_force(found)
 
 
 def _check(atoms: Floats, family: Family) -> None:

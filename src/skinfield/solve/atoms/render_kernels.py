@@ -1,4 +1,4 @@
-"""Rendering of atoms, compiled: pressure, its deviation and displacement on nodes.
+"""Rendering of atoms, compiled: mean pressure on cells.
 
 A row of `atoms` (N, 6) has x m, y m, force N, radius m, half-length m, angle rad. The contact is
 drawn out along a segment where the half-length is not 0: a mixture of round ones.
@@ -233,7 +233,7 @@ def add_pressure(
 
 
 @inner
-def _pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
+def pressure_at(atoms: Floats, family: Any, surface: PressureTable, x: float, y: float) -> float:
     """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
     total, terms = 0.0, np.empty(TERMS)
     for n in range(len(atoms)):
@@ -272,98 +272,5 @@ def render(
     for k in range(len(out)):
         peak = max(peak, out[k])
     for n in range(len(atoms)):
-        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
+        peak = max(peak, pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
     return peak
-
-
-SIZE = 6  # parameters of an atom
-NEGLIGIBLE = 1e-12  # of a variance: what of it is left over by those before
-
-
-@inner
-def _root(covariance: Floats, factor: Floats) -> int:
-    """Lower triangle whose square is the covariance, in columns without zeros; their number."""
-    count = 0
-    for j in range(SIZE):
-        pivot = covariance[j, j]
-        for k in range(count):
-            pivot -= factor[j, k] * factor[j, k]
-        if not pivot > NEGLIGIBLE * covariance[j, j]:
-            continue
-        root = np.sqrt(pivot)
-        for i in range(SIZE):
-            value = covariance[i, j]
-            for k in range(count):
-                value -= factor[i, k] * factor[j, k]
-            factor[i, count] = value / root if i >= j else 0.0
-        count += 1
-    return count
-
-
-@inner
-def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
-    """Atom at the end of a step; the radius grows by its logarithm, so that it stays positive."""
-    for i in range(SIZE):
-        moved[i] = atom[i] + factor * step[i]
-    moved[3] = atom[3] * np.exp(min(max(factor * step[3] / atom[3], -3.0), 3.0))
-    moved[4] = abs(moved[4])
-
-
-@inner
-def _gather(
-    mesh: GridMesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
-) -> None:
-    """Add the squared difference in both boxes, and clear the second picture there."""
-    low_row, low_column = max(min(first[0], second[0]), 0), max(min(first[1], second[1]), 0)
-    high_row = min(max(first[0] + first[2], second[0] + second[2]), mesh.rows)
-    high_column = min(max(first[1] + first[3], second[1] + second[3]), mesh.columns)
-    for row in range(low_row, high_row):
-        for k in range(row * mesh.columns + low_column, row * mesh.columns + high_column):
-            out[k] += share * (moved[k] - plain[k]) ** 2
-            moved[k] = 0.0
-
-
-@inner
-def _clear(mesh: GridMesh, box: Any, out: Floats) -> None:
-    for row in range(max(box[0], 0), min(box[0] + box[2], mesh.rows)):
-        low, high = max(box[1], 0), min(box[1] + box[3], mesh.columns)
-        for k in range(row * mesh.columns + low, row * mesh.columns + high):
-            out[k] = 0.0
-
-
-@njit
-def pressure_std(
-    atoms: Floats,
-    family: Any,
-    covariance: Floats,
-    surface: PressureTable,
-    mesh: GridMesh,
-    out: Floats,
-) -> None:
-    """Write one standard deviation of each cell's pressure, (K,) Pa; atoms are independent.
-
-    The mean square of what changes at the ends of the axes of each covariance, drawn out by the
-    root of their number: to first order in the covariance the variance, and still in range where
-    the atom may be off by more than its size (spherical cubature; Arasaratnam and Haykin 2009).
-    """
-    out[:] = 0.0
-    plain, changed = np.empty(len(out)), np.empty(len(out))
-    plain[:], changed[:] = 0.0, 0.0
-    box, other = np.empty(4, np.int64), np.empty(4, np.int64)
-    factor, step, moved = np.empty((SIZE, SIZE)), np.empty(SIZE), np.empty(SIZE)
-    for n in range(len(atoms)):
-        count = _root(covariance[n], factor)
-        if not add_pressure(atoms[n], family[n], surface, mesh, plain, box):
-            box[2], box[3] = 0, 0
-        for j in range(count):
-            for i in range(SIZE):
-                step[i] = factor[i, j]
-            for side in (-1.0, 1.0):
-                _move(atoms[n], step, side * np.sqrt(count), moved)
-                if not add_pressure(moved, family[n], surface, mesh, changed, other):
-                    for i in range(4):
-                        other[i] = box[i]
-                _gather(mesh, box, other, plain, changed, 0.5 / count, out)
-        _clear(mesh, box, plain)
-    for k in range(len(out)):
-        out[k] = np.sqrt(out[k])

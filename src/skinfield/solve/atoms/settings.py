@@ -1,9 +1,8 @@
 """Settings of the fit of contacts, and what they may be."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from skinfield.errors import check_count, check_positive, check_range, check_type
-from skinfield.solve.non_negative import NonNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,18 +12,15 @@ class FitSettings:
     most_contacts: int = 8
     false_alarm_rate: float = 1e-3
     typical_radius: float = 6e-3
-    model_error: float = 0.002
+    model_error: float = 0.02
     starts: int = 8
     warm: bool = True
     common_mode: float = 5.0
-    extended: NonNegative | None = field(default_factory=NonNegative)
 
     def __post_init__(self) -> None:
         check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
         check_count("starts", self.starts, 1, 64, "places from which each is sought")
         check_type("warm", self.warm, bool, "whether to start from the reading before")
-        if self.extended is not None:
-            check_type("extended", self.extended, NonNegative, "or None, for no field")
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
         check_range(

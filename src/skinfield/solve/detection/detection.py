@@ -23,7 +23,7 @@ from skinfield.solve.detection.statistics import Lookback, Matches, Statistic, c
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Detection:
-    """Whether anything touches, and if so, where and how hard.
+    """Whether anything touches, and if so, where; how hard is said by a `Reconstructor`.
 
     ``statistic, detected = detection`` takes it apart.
 
@@ -43,9 +43,6 @@ class Detection:
         Root mean square distance of the touch from `position`, if there is one: along the surface,
         over all places and the spacing between them. A quarter of the taxels' distance is in it
         (as a squared deviation) for what no template is like.
-    force, force_std : float, N
-        Of the touch, if there is one: mean and standard deviation over all places and sizes; half
-        of the force is in it (as a squared deviation) for what no template is like.
     readings : int
         For how many readings the touch has most probably lasted, of the lengths that were tried.
     left_out : int
@@ -58,8 +55,6 @@ class Detection:
     probability: float
     position: Floats
     position_std: float
-    force: float
-    force_std: float
     readings: int
     left_out: int
 

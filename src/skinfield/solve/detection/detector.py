@@ -30,9 +30,7 @@ from skinfield.solve.detection.statistics import (
 )
 
 # What templates leave out: touches that are deep, or of other sizes. About the root mean square
-# errors of balls of 6 to 20 mm that press with 0.5 and 1.5 N, which noise does not explain. They
-# are skewed: between taxels, where less is felt, the force is taken for a smaller one.
-FORCE_ERROR = 0.5  # of the force
+# error of balls of 6 to 20 mm that press with 0.5 and 1.5 N, which noise does not explain.
 PLACE_ERROR = 0.25  # of the distance of two taxels
 
 
@@ -240,27 +238,13 @@ class Detector:
     def detection(
         self, lookback: Lookback, matches: Matches, threshold: float, valid: NDArray[np.bool_]
     ) -> Detection:
-        r"""What one row of matches says; `valid` (T, L) are the values that are there.
-
-        By template the posterior of the force is a normal distribution of mean
-        :math:`(d - \lambda)/g^2` and deviation 1/g, cut off at 0: with z = (d - lambda)/g and the
-        hazard r = phi(z)/Phi(z) it has the mean (z + r)/g and the variance (1 - z r - r²)/g².
-        """
+        """What one row of matches says; `valid` (T, L) are the values that are there."""
         templates, statistic = self.templates, float(self.statistic(matches)[0])
-        evidence, share, hazard = log_evidence(matches)
+        evidence, share = log_evidence(matches)
         by_length = share.reshape(len(lookback.lengths), -1).sum(axis=1)
         by_place = share.reshape(-1, len(self.positions)).sum(axis=0)
         best = first_largest(by_place)
         square = np.square(templates.places - templates.places[best]).sum(axis=1)
-        z = (matches.score[0] - matches.rate) * matches.spread
-        mean = (z + hazard) * matches.spread
-        variance = (1.0 - hazard * (z + hazard)) * matches.spread**2
-        unseen = matches.spread == 0.0  # the prior is all that is known there
-        if unseen.any():
-            mean = np.where(unseen, 1.0 / matches.rate, mean)
-            variance = np.where(unseen, mean**2, variance)
-        force = float(share @ mean)
-        spread = share @ (variance + (mean - force) ** 2)
         apart = by_place @ square + templates.spacing**2 / 6
         odds = np.log(self.touch_rate / (1.0 - self.touch_rate)) + evidence[0]
         return Detection(
@@ -270,8 +254,6 @@ class Detector:
             probability=float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0)))),
             position=self.positions[best],
             position_std=float(np.sqrt(apart + (PLACE_ERROR * self.patch.pitch) ** 2)),
-            force=force,
-            force_std=float(np.sqrt(max(spread, 0.0) + (FORCE_ERROR * force) ** 2)),
             readings=min(lookback.lengths[first_largest(by_length)], len(valid)),
             left_out=int(valid.size - np.count_nonzero(valid)),
         )

@@ -79,7 +79,7 @@ class LargestMatch:
         return np.asarray((matches.score * matches.spread).max(axis=1))
 
 
-def log_evidence(matches: Matches) -> tuple[Floats, Floats, Floats]:
+def log_evidence(matches: Matches) -> tuple[Floats, Floats]:
     """Logarithm (N,) of the mean likelihood ratio, and what its last row is made of.
 
     Returns
@@ -87,15 +87,11 @@ def log_evidence(matches: Matches) -> tuple[Floats, Floats, Floats]:
     evidence : (N,) array
     share : (J,) array
         Of each template in the last row's evidence; the shares add up to 1.
-    hazard : (J,) array
-        phi(z)/Phi(z) at z of the last row, by which the force's posterior has its moments.
     """
     rows, entries = matches.score.shape
-    evidence, share, hazard = np.empty(rows), np.empty(entries), np.empty(entries)
-    compiled(_marginal)(
-        matches.score, matches.spread, matches.rate, _table(), evidence, share, hazard
-    )
-    return evidence, share, hazard
+    evidence, share = np.empty(rows), np.empty(entries)
+    compiled(_marginal)(matches.score, matches.spread, matches.rate, _table(), evidence, share)
+    return evidence, share
 
 
 @cache
@@ -114,9 +110,8 @@ def _marginal(
     table: Floats,
     evidence: Floats,
     share: Floats,
-    hazard: Floats,
 ) -> None:
-    """Fill `evidence` row by row, `share` and `hazard` with what the last row had."""
+    """Fill `evidence` row by row, `share` with what the last row had."""
     entries = score.shape[1]
     for row in range(score.shape[0]):
         top = 0.0
@@ -130,7 +125,6 @@ def _marginal(
             if z > HIGH:
                 below = 1.0 - 0.5 * erfc(z * 0.7071067811865476)
                 ratio = 2.5066282746310002 * np.exp(0.5 * z * z - shift) * below
-                hazard[j] = 0.3989422804014327 * np.exp(-0.5 * z * z) / below
             else:
                 if z > LOW:
                     place = (z - LOW) * STEPS
@@ -140,7 +134,6 @@ def _marginal(
                     square = 1.0 / (z * z)
                     mills = (1.0 - square * (1.0 - 3.0 * square)) / -z
                 ratio = mills * down
-                hazard[j] = 1.0 / mills
             share[j] = ratio * rate[j] * spread[j] if spread[j] > 0.0 else down
             total += share[j]
         evidence[row] = np.log(total / entries) + shift

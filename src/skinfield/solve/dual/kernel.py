@@ -41,6 +41,14 @@ def project(rows: Floats, listed: Ints, count: int, values: Floats, out: Floats)
         out[i], out[j], out[k], out[m] = first, second, third, fourth
 
 
+@inner
+def take_out(root: Floats, values: Floats, out: Floats) -> None:
+    """Write into `out` (W,) the product of 1 - s s' with `values`; both may be one array."""
+    along = dot(root, values)
+    for taxel in range(len(values)):
+        out[taxel] = values[taxel] - along * root[taxel]
+
+
 @inner(fastmath=FAST)
 def product(row: Floats, values: Floats) -> float:
     """Sum of the products of two rows, in their own precision."""

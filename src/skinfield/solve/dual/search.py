@@ -1,13 +1,10 @@
 """Search of the dual, compiled as one piece so that it can look at the clock between steps."""
 
-import sys
-from typing import Any
-
 import numpy as np
-from numba import types
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
+from skinfield.solve.clock import now_ns
 from skinfield.solve.dual import problem as at
 from skinfield.solve.dual.kernel import (
     FAST,
@@ -20,6 +17,7 @@ from skinfield.solve.dual.kernel import (
     solve_factored,
     spread_bumps,
     step_length,
+    take_out,
 )
 from skinfield.solve.dual.problem import DualProblem, Memory
 from skinfield.solve.tiles_kernel import add_tile
@@ -37,38 +35,6 @@ MARGIN = 0.5  # standard deviations below a node's own penalty at which it is se
 UNITS = 8  # of a number's last place in the rounding of a dual value
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SMOOTH, SAFE = 0.1, 1.6  # of the mean of a pace, and times that is never gone below
-MONOTONIC = 1  # of Linux: what `time.perf_counter` reads there
-UPTIME_RAW = 8  # of macOS, likewise
-
-if sys.platform == "win32":
-    _ticks: Any = types.ExternalFunction("QueryPerformanceCounter", types.int32(types.voidptr))
-    _rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(types.voidptr))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; in the first two of `room`, int64, the system writes it."""
-        _ticks(room.ctypes)
-        ticks = room[0]
-        _rate(room.ctypes)
-        whole, part = ticks // room[0], ticks % room[0]
-        return int(whole * 1_000_000_000 + part * 1_000_000_000 // room[0])
-
-elif sys.platform == "darwin":
-    _uptime: Any = types.ExternalFunction("clock_gettime_nsec_np", types.int64(types.int32))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; `room` is not needed on this system."""
-        return int(_uptime(UPTIME_RAW))
-
-else:
-    _gettime: Any = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.voidptr))
-
-    @njit
-    def now_ns(room: Ints) -> int:
-        """Time now; in the first two of `room`, int64, the system writes it."""
-        _gettime(MONOTONIC, room.ctypes)
-        return int(room[0] * 1_000_000_000 + room[1])
 
 
 @njit(fastmath=FAST)
@@ -83,16 +49,26 @@ def answer(
     counts, measures, numbers = memory.lists[at.COUNTS], memory.measures, problem.numbers
     target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
     ascent = memory.taxels[at.ASCENT]
-    width, rows = len(target), problem.rows.size
+    width, rows, highest, shared = len(target), problem.rows.size, 0.0, 0.0
     for taxel in range(len(readings)):
-        weight = problem.whitening[taxel]
-        target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
+        weight, reading = problem.whitening[taxel], readings[taxel]
         if weight == 0.0:  # left out: stamps still hold what such a taxel sees
             dual[taxel] = 0.0
+            continue
+        shared += problem.root[taxel] * weight * reading
+        highest = max(highest, abs(reading))
+    for taxel in range(len(readings)):
+        weight = problem.whitening[taxel]
+        white = weight * readings[taxel] - shared * problem.root[taxel]
+        target[taxel] = white if weight > 0.0 else 0.0
     best = 0.5 * dot(target, target)  # nothing pressed is an answer, too
+    scale = np.sqrt(1.0 + (numbers[at.MISFIT] * highest) ** 2) if best < LARGEST else 1.0
+    for taxel in range(width):
+        target[taxel] /= scale
+    best /= scale * scale
     counts[at.STEPS] = counts[at.PRESSING] = counts[at.IDLE] = 0
     measures[at.GAP], measures[at.OBJECTIVE] = 0.0, best
-    lower = begin(problem, memory, best)
+    lower = begin(problem, memory, best, scale)
     going, tolerance, most = lower >= 0.0, numbers[at.TOLERANCE], int(numbers[at.MOST])
     local, passes, before, due = LOCAL * tolerance, 0, np.inf, PATIENCE
     while going:
@@ -135,21 +111,24 @@ def answer(
     start, pressing = now_ns(counts), counts[at.PRESSING]
     pressed, amounts = memory.lists[at.PRESSED], memory.nodes[at.AMOUNT]
     spread_bumps(pressed, amounts, pressing, problem.bump, int(numbers[at.WIDTH]), out)
+    if scale != 1.0:
+        for node in range(len(out)):
+            out[node] *= scale
     work = float(len(out) + pressing * problem.bump.size)
     learn_pace(measures, at.SPREAD_PACE, now_ns(counts) - start, work)
 
 
 @inner(inline="always")
-def begin(problem: DualProblem, memory: Memory, best: float) -> float:
+def begin(problem: DualProblem, memory: Memory, best: float, scale: float) -> float:
     """Choose where to start; returns a dual value, or -1 if there is nothing to search.
 
-    That is where the patch is idle, which is proved, and where `best`, half the squared readings,
-    is no number to search with.
+    That is where the patch is idle, which is proved by the noise without the model's error, `scale`
+    times less, and where `best`, half the squared readings, is no number to search with.
     """
     counts, target, dual = memory.lists[at.COUNTS], memory.taxels[at.TARGET], memory.taxels[at.DUAL]
     every, norms = memory.nodes[at.EVERY], problem.nodes[at.NORM]
-    usable, threshold = best < LARGEST, problem.numbers[at.THRESHOLD]
-    if usable and counts[at.STARTED] == 0 and goes_on(problem, memory):
+    usable, threshold = best < LARGEST, problem.numbers[at.THRESHOLD] / scale
+    if usable and counts[at.STARTED] == 0 and goes_on(problem, memory, threshold):
         return 0.0
     idle = usable
     if usable:
@@ -182,7 +161,7 @@ def begin(problem: DualProblem, memory: Memory, best: float) -> float:
 
 
 @inner(inline="always")
-def goes_on(problem: DualProblem, memory: Memory) -> bool:
+def goes_on(problem: DualProblem, memory: Memory, threshold: float) -> bool:
     """Whether to start from the dual of the reading before.
 
     Not where none of the nodes that were searched then is too significant for an idle patch, nor
@@ -191,7 +170,7 @@ def goes_on(problem: DualProblem, memory: Memory) -> bool:
     listed, count = memory.lists[at.LISTED], memory.lists[at.COUNTS, at.SEARCHED]
     target, dual = memory.taxels[at.TARGET], memory.taxels[at.DUAL]
     norms, slack, turn = problem.nodes[at.NORM], memory.nodes[at.SLACK], memory.nodes[at.TURN]
-    threshold, penalty = problem.numbers[at.THRESHOLD], problem.numbers[at.PENALTY]
+    penalty = problem.numbers[at.PENALTY]
     project(problem.rows, listed, count, target, turn)
     significant = False
     for i in range(count):
@@ -236,13 +215,14 @@ def see_all(problem: DualProblem, memory: Memory, values: Floats, least: float) 
         project(rows, memory.lists[at.ALL], len(every), values, every)
         return
     tiles = (len(places) - blocks - 1) // 2
-    sizes = int(problem.numbers[at.WIDTH]), 0, 0
+    sizes, flat = (int(problem.numbers[at.WIDTH]), 0, 0), memory.taxels[at.SCRATCH]
+    take_out(problem.root, values, flat)  # stamps are of the rows before that
     for node in range(len(every)):
         every[node] = 0.0
     for tile in range(blocks, blocks + tiles):
         cell, begin, end = places[tile + tiles + 1], places[tile], places[tile + 1]
-        add_tile(stamps, places, values, every, 0, cell, begin, end, sizes)
-    size = np.sqrt(dot(values, values))
+        add_tile(stamps, places, flat, every, 0, cell, begin, end, sizes)
+    size = np.sqrt(dot(flat, flat))
     for node in range(len(every)):
         every[node] += problem.nodes[at.DROPPED, node] * size
         if every[node] > least * problem.nodes[at.NORM, node]:

@@ -203,6 +203,7 @@ class Sheet:
         Of one reading; default typical of the quantity.
     solver : GaussianField or Tikhonov, optional
         The prior; default `GaussianField()`, whose smoothness is a quarter of the taxels' distance.
+        Its `common_mode` is not used: so many taxels hardly share an offset.
     finder : ContactFinder, optional
         How pressure becomes contacts. Its rate of false alarms is that of the whole sheet.
     tolerance : float
@@ -429,6 +430,7 @@ class Sheet:
             latency=latency,
             iterations=self.iterations,
             deadline_met=self.deadline_met,
+            solver=type(self).__name__,
         )
 
     def predict(self, pressure: NDArray[Any]) -> Floats:

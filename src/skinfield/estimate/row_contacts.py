@@ -1,0 +1,150 @@
+"""Contacts of rows of numbers: shape, outline, and `Contact` as an estimate has it."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.estimate.contact import Contact
+from skinfield.estimate.live_contacts import SHAPES
+from skinfield.skin import Grid
+from skinfield.skin.flattening import Surface
+
+POINTS = 32  # of an outline
+PLACES = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # of a covariance (3, 3) among a row's numbers
+LONGEST = 10.0  # times the radius of the circle of equal area, of an ellipse
+
+
+def shape_name(row: Any) -> str:
+    """What presses, of a row of `CONTACT`; "other" for a number that is none of `SHAPES`."""
+    number = int(row["shape"])
+    return SHAPES[number] if 0 <= number < len(SHAPES) else SHAPES[0]
+
+
+def ellipse_of(row: Any) -> tuple[Floats, float]:
+    """Semi-axes (2,) m, the longer first, and the angle to the longer one, rad, of a row.
+
+    Their ratio is that of the row's second moments, and the ellipse has its area.
+    """
+    area, (xx, yy, xy) = float(row["area"]), np.asarray(row["moments"]).tolist()
+    radius = math.sqrt(area / math.pi) if math.isfinite(area) and area > 0.0 else 0.0
+    half, mean = math.hypot(0.5 * (xx - yy), xy), 0.5 * (xx + yy)
+    if not half < mean < math.inf:  # not known
+        return np.full(2, radius), 0.0
+    stretch = min(((mean + half) / (mean - half)) ** 0.25, LONGEST)
+    return np.array([radius * stretch, radius / stretch]), 0.5 * math.atan2(2.0 * xy, xx - yy)
+
+
+def outline_of(surface: Surface, row: Any) -> Floats:
+    """Border of a row, closed, (POINTS + 1, 3) m in the patch's frame.
+
+    Its `ellipse_of`; of a line what lies as near to a segment as its area and moments say.
+    """
+    (a, b), angle = ellipse_of(row)
+    half = 0.0  # of the segment
+    if shape_name(row) == SHAPES[-1] and a > b:
+        xx, yy, xy = np.asarray(row["moments"]).tolist()
+        half = (6.0 * math.hypot(0.5 * (xx - yy), xy)) ** 0.5
+        a = b = (math.sqrt(4.0 * half**2 + math.pi**2 * a * b) - 2.0 * half) / math.pi
+    turn = np.linspace(0.0, 2.0 * math.pi, POINTS + 1)
+    u, v = a * np.cos(turn) + np.copysign(half, np.cos(turn)), b * np.sin(turn)
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = float(row["x"]), float(row["y"])
+    plane = np.column_stack([x + c * u - s * v, y + s * u + c * v])
+    return np.asarray(surface.position_from_plane(plane))
+
+
+def covariance_of(row: Any) -> Floats:
+    """Of a row's place x, y, m, and force, N: (3, 3). Diagonal where a row has deviations alone."""
+    covariance = np.asarray(row["covariance"])[PLACES]
+    if np.isfinite(covariance).all():
+        return np.array(covariance)
+    return np.diag(np.square([row["place_std"], row["place_std"], row["force_std"]]))
+
+
+def moved_rows(rows: NDArray[np.void], grid: Grid, shift: Floats) -> NDArray[np.void]:
+    """Copy of rows of `CONTACT`, moved in the plane by a shift (2,), m, onto another patch."""
+    from skinfield.estimate.live_contacts_kernel import move_rows
+
+    out = rows.copy()
+    if np.any(shift):
+        numbers = np.array([grid.shape[1], grid.pitch, *grid.origin])
+        places = np.array(grid.positions, order="C"), np.array(grid.normals, order="C")
+        move_rows(out, shift, *places, numbers)
+    return out
+
+
+def pressure_std_of_rows(rows: NDArray[np.void], grid: Grid, pressure: Floats) -> Floats:
+    """One standard deviation of the pressure of contacts, (K,) Pa, as their rows state them.
+
+    To first order in the place, the force and the area of the contact that is nearest to a node;
+    at most its peak pressure.
+    """
+    if not len(rows):
+        return np.zeros(len(grid))
+    nearest = _nearest(rows, grid.plane)
+    by_y, by_x = np.gradient(pressure.reshape(grid.shape), grid.pitch)
+    force = np.where(rows["normal_force"] > 0.0, rows["normal_force"], np.inf)[nearest]
+    moves = np.stack([-by_x.ravel(), -by_y.ravel(), pressure / force], axis=1)
+    known = np.stack([covariance_of(row) for row in rows])[nearest]
+    variance = np.einsum("ki,kij,kj->k", moves, known, moves)
+    area = np.nan_to_num(rows["area_std"] / rows["area"])[nearest]
+    variance = np.maximum(variance, 0.0) + np.square(area * pressure)
+    return np.asarray(np.minimum(np.sqrt(variance), rows["peak_pressure"][nearest]))
+
+
+def _nearest(rows: NDArray[np.void], plane: Floats) -> NDArray[np.int64]:
+    """Which of the rows is nearest to each of some places (K, 2), m."""
+    apart = [np.hypot(*(plane - [row["x"], row["y"]]).T) for row in rows]
+    return np.asarray(np.argmin(apart, axis=0))
+
+
+def contacts_of_rows(rows: NDArray[np.void], grid: Grid, pressure: Floats) -> tuple[Contact, ...]:
+    """Contacts of one patch, as its rows of `CONTACT` state them.
+
+    Parameters
+    ----------
+    rows : (N,) array of CONTACT
+    grid : Grid
+    pressure : (K,) array, Pa
+        Each node that is pressed belongs to the nearest contact.
+    """
+    pressed = np.flatnonzero(pressure > 0.0)
+    nearest = _nearest(rows, grid.plane[pressed]) if len(rows) else pressed
+    return tuple(_contact(grid, row, pressed[nearest == place]) for place, row in enumerate(rows))
+
+
+def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
+    area, radius = float(row["area"]), float(row["radius"])
+    axes, angle = ellipse_of(row)
+    return Contact.later(
+        Outline(grid.patch.surface, row),
+        position=np.array(row["position"]),
+        force=0.0 - float(row["normal_force"]) * np.array(row["normal"]),
+        moment=np.zeros(3),
+        normal=np.array(row["normal"]),
+        area=area,
+        peak_pressure=float(row["peak_pressure"]),
+        covariance=covariance_of(row),
+        area_std=float(row["area_std"]),
+        radius=radius if math.isfinite(radius) else math.sqrt(max(area, 0.0) / math.pi),
+        shape=shape_name(row),
+        axes=axes,
+        angle=angle,
+        cells=cells,
+        track_id=int(row["track"]) or None,
+    )
+
+
+class Outline(NamedTuple):
+    """What of a row's contact is dear, worked out when asked for; see `Contact.later`."""
+
+    surface: Surface
+    row: Any
+
+    @property
+    def outline(self) -> Floats:
+        """See `outline_of`."""
+        return outline_of(self.surface, self.row)

@@ -1,0 +1,366 @@
+"""Model error of a reading, compiled: the evidence of its atoms for each size of the error.
+
+A taxel reads s σ of noise and m A of model error: σ is its stated noise, A the amplitude that the
+atoms have around it, and m what the model is wrong by. Residuals alone say little of m, as atoms
+fit part of it away; their marginal likelihood (MacKay 2003, chapters 27 and 28) knows how much.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner
+from skinfield.errors import Floats
+from skinfield.solve.atoms.alternatives_kernel import prior_evidence
+from skinfield.solve.atoms.fit_kernel import (
+    DEVIATION,
+    NEAR,
+    NOW,
+    READINGS,
+    SHARED,
+    STEP,
+    TRIED_WHITE,
+    WHITE,
+    FitMemory,
+    FitModel,
+    add_prior,
+    evaluate,
+    factor,
+    gather,
+    is_long,
+)
+from skinfield.solve.atoms.posterior_kernel import KNOWN, STALE, UNKNOWN
+from skinfield.solve.atoms.reading_memory import (
+    ERRORS,
+    HERE,
+    LAST,
+    LEARNT,
+    MEAN_NOISE,
+    MISFIT,
+    OFFSET,
+    PLACE_X,
+    PLACE_Y,
+    PRESSES,
+    ROOM,
+    SCALE,
+    SPREAD,
+    TOTAL,
+    WEIGHED,
+    Fit,
+)
+
+QUIETEST = 1e-3  # of the stated noise, that is believed
+QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
+CALM = 0.7  # the same, where more noise than was stated had been assumed
+UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
+CLIPPED = 9.0  # squares of residuals count no more: they may be touches
+LOUD = 1.2  # times the stated noise, from which it is more: less may be weak touches
+LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
+ERROR_STD = 1.4  # of the logarithm of the model error, before any reading
+AROUND = 4.5  # thicknesses over which a model error reaches
+BESIDE, WIDER = 0.2, 4.0  # how much of it does, and times the error
+ELSEWHERE = 1.0  # thicknesses from one press to another one
+FORGET = 0.98  # of what presses before say of the model error, at each other one
+TABULATED = 0.002  # of the highest reading, to which what atoms are read as is known
+MOST_SAID = 20.0  # by one press, in logarithms
+WIDENESS: Floats = np.minimum(np.hypot(BESIDE, WIDER * ERRORS), 1.0)
+NEW_NOISE = 1.1  # times: a noise that differs by less leaves what is open as it is
+
+
+@inner(_nrt=False)
+def evidence_of_errors(
+    model: FitModel,
+    memory: FitMemory,
+    amplitude: Floats,
+    common: float,
+    errors: Floats,
+    beside: Floats,
+    out: Floats,
+) -> None:
+    """Write the logarithm of the marginal likelihood of the atoms of NOW for each model error.
+
+    The atoms stay where they are. The row DEVIATION has the noise, infinite of taxels that are not
+    heard.
+
+    Parameters
+    ----------
+    amplitude : (2, L) array
+        Squares of what a taxel reads around the atoms, and of what its neighbours do.
+    common : float
+        Standard deviation of an offset that all taxels share.
+    errors : (N,) array
+    beside : (N,) array
+        How much neighbours count.
+    out : (N,) array
+    """
+    count = memory.counts[NOW]
+    size, readings, white = 6 * count, memory.taxels[READINGS], memory.taxels[TRIED_WHITE]
+    noise = memory.taxels[DEVIATION]
+    atoms, predicted, jacobian = memory.atoms[NOW], memory.predicted[NOW], memory.jacobian
+    system, sums = memory.system, memory.steps[2]
+    prior, known = 0.0, 0.0
+    memory.marks[NEAR] = 0
+    hessian, gradient = memory.hessian[STEP], memory.gradient[STEP]
+    if count:
+        gather(model, memory, NOW, READINGS)
+        memory.costs[NOW] = evaluate(model, memory, NOW, READINGS)  # the slopes are in `jacobian`
+        for i in range(size * size):
+            hessian[i] = 0.0
+        for n in range(count):
+            prior += add_prior(n, atoms[n], memory.family[NOW, n], model, gradient, hessian, size)
+        known = prior_evidence(model, memory, NOW)
+    else:
+        for taxel in range(len(predicted)):
+            predicted[taxel] = 0.0
+    near = memory.near[: memory.marks[NEAR]]
+    for k in range(len(errors)):
+        if k and not count:
+            out[k] = out[0]
+            continue
+        for i in range(size * size):
+            system[i] = hessian[i]
+        for i in range(size):
+            sums[i] = 0.0
+        weights, total, squares, volume = 0.0, 0.0, 0.0, 0.0
+        for taxel in range(len(white)):
+            if not noise[taxel] < np.inf:
+                continue
+            share = amplitude[0, taxel] + beside[k] * beside[k] * amplitude[1, taxel]
+            share *= (errors[k] / noise[taxel]) ** 2
+            white[taxel] = 1.0 / (noise[taxel] * np.sqrt(1.0 + share))
+            weight, residual = white[taxel] * white[taxel], readings[taxel] - predicted[taxel]
+            weights += weight
+            total += weight * residual
+            squares += weight * residual * residual
+            volume += np.log1p(share)
+        for at in range(len(near)):
+            first, weight = size * at, white[near[at]] * white[near[at]]
+            for n in range(0, size, 6):
+                if jacobian[first + n + 2] == 0.0:
+                    continue
+                for i in range(n, n + 6):
+                    slope = jacobian[first + i] * weight
+                    sums[i] += slope
+                    for j in range(i + 1):
+                        system[i * size + j] += slope * jacobian[first + j]
+        shared = common * common / (1.0 + common * common * weights)
+        determinant = 0.0
+        for i in range(size):
+            for j in range(i + 1):
+                system[i * size + j] -= shared * sums[i] * sums[j]
+            system[i * size + i] += 1e-9
+        for i in range(size):
+            if i % 6 >= 4 and not is_long(atoms[i // 6]):
+                for j in range(size):
+                    system[i * size + j] = 0.0
+                    system[j * size + i] = 0.0
+                system[i * size + i] = 1.0
+        out[k] = -np.inf
+        if factor(system, size):
+            for i in range(size):
+                determinant += np.log(system[i * size + i])
+            cost = prior + 0.5 * (squares - shared * total * total)
+            volume += np.log1p(common * common * weights)
+            out[k] = known - cost - 0.5 * volume - determinant
+
+
+@inner(_nrt=False)
+def take_noise(fit: Fit, valid: NDArray[np.bool_]) -> float:
+    """Take the stated noise of valid taxels; its mean."""
+    own, post, changed, total, count = fit.own, fit.post, False, 0.0, 0
+    for taxel in range(len(own.noise)):
+        now = own.noise[taxel] if valid[taxel] else np.inf
+        changed = changed or (now < np.inf) != (own.heard[taxel] < np.inf)
+        own.heard[taxel] = now
+        if now < np.inf:
+            total += now
+            count += 1
+    mean = total / max(count, 1)
+    ratio = mean / own.numbers[MEAN_NOISE]
+    if changed or not 1.0 / NEW_NOISE < ratio < NEW_NOISE:
+        own.numbers[MEAN_NOISE] = mean
+        for index in range(len(post.known)):
+            post.known[index] = STALE if post.known[index] >= KNOWN else UNKNOWN
+    return mean
+
+
+@inner(_nrt=False)
+def square_readings(fit: Fit) -> None:
+    """Write the squares of what taxels around the atoms of NOW read, and of what is beside them.
+
+    Of all taxels, where there are no atoms.
+    """
+    model, memory, near, squares = fit.model, fit.memory, fit.near, fit.own.squares
+    count = memory.counts[NOW]
+    for taxel in range(squares.shape[1]):
+        squares[0, taxel], squares[1, taxel] = 0.0, 0.0
+    for taxel in range(squares.shape[1]):
+        touched = count == 0
+        for n in range(count):
+            atom = memory.atoms[NOW, n]
+            x, y = model.taxels[taxel, 0] - atom[0], model.taxels[taxel, 1] - atom[1]
+            reach = AROUND + np.exp(atom[3]) + np.hypot(atom[4], atom[5])
+            touched = touched or x * x + y * y < reach * reach
+        if touched:
+            value = memory.taxels[READINGS, taxel] * memory.taxels[READINGS, taxel]
+            squares[0, taxel] = value
+            for at in range(near.first[taxel], near.first[taxel + 1]):
+                squares[1, near.taxels[at]] += near.weights[at] * value
+
+
+@inner(_nrt=False)
+def table_error(memory: FitMemory) -> float:
+    """What the readings of atoms are off by where the model holds."""
+    highest, readings = 0.0, memory.taxels[READINGS]
+    for taxel in range(len(readings)):
+        highest = max(highest, abs(readings[taxel]))
+    return TABULATED * highest
+
+
+@inner(_nrt=False)
+def weigh(fit: Fit, error: float, common: float) -> None:
+    """Weigh the taxels for a model error, in parts of what the taxels around each read."""
+    memory, own = fit.memory, fit.own
+    square_readings(fit)
+    white, squares, total = memory.taxels[WHITE], own.squares, 0.0
+    wideness = min(np.hypot(BESIDE, WIDER * error), 1.0)
+    table, scale = table_error(memory), own.numbers[SCALE]
+    for taxel in range(len(white)):
+        noise = scale * own.heard[taxel]
+        share = error * error * (squares[0, taxel] + wideness * wideness * squares[1, taxel])
+        white[taxel] = 1.0 / np.sqrt(noise * noise + table * table + share)
+        total += white[taxel] * white[taxel]
+    memory.sums[SHARED] = common * common / (1.0 + common * common * total)
+    own.numbers[WEIGHED] = error
+
+
+@inner(_nrt=False)
+def take_offset(fit: Fit) -> None:
+    """Write the offset that all taxels share, with the atoms of NOW."""
+    memory, total = fit.memory, 0.0
+    white, predicted = memory.taxels[WHITE], memory.predicted[NOW]
+    for taxel in range(len(white)):
+        left = memory.taxels[READINGS, taxel] - predicted[taxel]
+        total += white[taxel] * white[taxel] * left
+    fit.own.numbers[OFFSET] = memory.sums[SHARED] * total
+
+
+@inner(_nrt=False)
+def parameters_of(memory: FitMemory) -> int:
+    """Numbers that were fitted: four of each atom, six of a drawn-out one."""
+    number = 4 * memory.counts[NOW]
+    for n in range(memory.counts[NOW]):
+        number += 2 if is_long(memory.atoms[NOW, n]) else 0
+    return int(number)
+
+
+@inner(_nrt=False)
+def explains(fit: Fit) -> bool:
+    """Whether noise and model error account for what is left over, but for one in 1e4."""
+    memory, squares, heard = fit.memory, 0.0, 0
+    take_offset(fit)
+    white, predicted = memory.taxels[WHITE], memory.predicted[NOW]
+    for taxel in range(len(white)):
+        left = memory.taxels[READINGS, taxel] - predicted[taxel] - fit.own.numbers[OFFSET]
+        squares += (left * white[taxel]) ** 2
+        heard += white[taxel] > 0.0
+    freedom = max(heard - parameters_of(memory), 1)
+    return bool(squares <= fit.near.limits[freedom])
+
+
+@inner(_nrt=False)
+def noise_scale(fit: Fit) -> float:
+    """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
+
+    It is less where the squares are far fewer than the taxels: of all taxels, and of those that
+    see a contact, the larger of the two, so that taxels that always read zero do not speak for
+    the others. It is more where the atoms do not explain the readings and taxels that see none
+    of them are as restless: what they read is no touch. Where as many atoms as there may be do
+    not explain the readings, all taxels tell it.
+    """
+    memory, scale = fit.memory, fit.own.numbers[SCALE]
+    white, predicted, count = memory.taxels[WHITE], memory.predicted[NOW], memory.counts[NOW]
+    explained, offset = explains(fit), fit.own.numbers[OFFSET]
+    everywhere = not explained and count >= fit.rules.most
+    if everywhere:
+        offset = 0.0
+        for taxel in range(len(white)):
+            reading = memory.taxels[READINGS, taxel]
+            offset += memory.sums[SHARED] * white[taxel] * white[taxel] * reading
+    squares, own, clipped, heard, see, blind = 0.0, 0.0, 0.0, 0, 0, 0
+    for taxel in range(len(white)):
+        if not white[taxel] > 0.0:
+            continue
+        its = 0.0 if everywhere else predicted[taxel]
+        left = ((memory.taxels[READINGS, taxel] - its - offset) * white[taxel]) ** 2
+        heard += 1
+        squares += left
+        if abs(its) * white[taxel] > 1.0:
+            see += 1
+            own += left
+        else:
+            blind += 1
+            clipped += min(left, CLIPPED)
+    if not explained:
+        typical = np.sqrt(clipped / blind) if blind >= UNSEEN else 1.0
+        return float(typical) if LOUD < typical <= LOUDEST / scale else 1.0
+    if not count:
+        return 1.0
+    parameters = parameters_of(memory)
+    share = squares / max(heard - parameters, 1)
+    if see > parameters + 2:
+        share = max(share, own / (see - parameters))
+    enough = QUIET if scale <= 1.0 else CALM
+    return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
+
+
+@inner(_nrt=False)
+def infer(fit: Fit, common: float) -> None:
+    """Infer the model error from what the atoms leave and presses before; their evidence."""
+    memory, own, errors = fit.memory, fit.own, fit.own.errors
+    if memory.counts[NOW]:
+        square_readings(fit)
+    else:
+        for taxel in range(own.squares.shape[1]):
+            own.squares[0, taxel], own.squares[1, taxel] = 0.0, 0.0
+    room, learnt, here = errors[ROOM], errors[LEARNT], errors[HERE]
+    noise, table, known = memory.taxels[DEVIATION], table_error(memory), 0.0
+    for taxel in range(len(noise)):
+        noise[taxel] = np.hypot(own.numbers[SCALE] * own.heard[taxel], table)
+        if own.heard[taxel] < np.inf:
+            known += np.log(noise[taxel] / own.heard[taxel])
+    evidence_of_errors(fit.model, memory, own.squares, common, ERRORS, WIDENESS, room)
+    highest, most, above = -np.inf, -np.inf, -np.inf
+    for k in range(len(ERRORS)):
+        off = np.log(ERRORS[k] / fit.rules.model_error) / ERROR_STD
+        prior = learnt[k] - 0.5 * off * off
+        above, highest = max(above, prior), max(highest, prior + room[k])
+        most = max(most, room[k])
+    total, before, middle, square = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(ERRORS)):
+        off = np.log(ERRORS[k] / fit.rules.model_error) / ERROR_STD
+        prior = learnt[k] - 0.5 * off * off
+        share = np.exp(prior + room[k] - highest)
+        total += share
+        before += np.exp(prior - above)
+        middle += share * np.log(ERRORS[k])
+        square += share * ERRORS[k] * ERRORS[k]
+        here[k] = max(room[k] - most, -MOST_SAID)
+    own.numbers[MISFIT] = np.exp(middle / total)
+    own.numbers[SPREAD] = np.sqrt(square / total)
+    own.numbers[TOTAL] = np.log(total / before) + highest - above - known
+
+
+@inner(_nrt=False)
+def learn(fit: Fit) -> None:
+    """Count what the press before says of the model error, where this is another one."""
+    own, errors = fit.own, fit.own.errors
+    if not fit.memory.counts[NOW]:
+        return
+    x, y = fit.memory.atoms[NOW, 0, 0], fit.memory.atoms[NOW, 0, 1]
+    if not np.hypot(x - own.numbers[PLACE_X], y - own.numbers[PLACE_Y]) <= ELSEWHERE:
+        for k in range(len(ERRORS)):
+            errors[LEARNT, k] = FORGET * (errors[LEARNT, k] + errors[LAST, k])
+        own.marks[PRESSES] += 1
+        own.numbers[PLACE_X], own.numbers[PLACE_Y] = x, y
+    for k in range(len(ERRORS)):
+        errors[LAST, k] = errors[HERE, k]

@@ -1,0 +1,182 @@
+"""Memory of a patch's contact fit from reading to reading, and all that compiled functions take."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from skinfield.compiled import inner
+from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.alternatives_kernel import SearchMemory
+from skinfield.solve.atoms.dictionary import Templates
+from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
+from skinfield.solve.atoms.rows_kernel import Drawing
+from skinfield.solve.atoms.table import Tables
+from skinfield.solve.packed import PackedType, unpacking
+
+ERRORS: Floats = 1e-3 * np.exp2(np.arange(9.0))  # of the model: parts of what is read
+DRAWING = 12_000.0  # ns, at first: it takes about so long to draw an answer
+
+# Stages of the comparison: atoms of a changed reading; more, by a better model; fewer; none left.
+SEEKING, REFINING, DROPPING, RESTING = range(4)
+# Places of `ReadingMemory.numbers`: times the stated noise; energy of the readings when they were
+# compared; the model error in the middle and in the mean square, and that by which taxels are
+# weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
+# vain; what drawing takes, ns; of the other set its scale, two model errors and evidence; the model
+# error that is searched by; the noise when it last changed; the least worth of atoms when compared.
+(
+    SCALE,
+    COMPARED,
+    MISFIT,
+    SPREAD,
+    WEIGHED,
+    PLACE_X,
+    PLACE_Y,
+    TOTAL,
+    OFFSET,
+    IN_VAIN,
+    DRAWN,
+    OTHER_SCALE,
+    OTHER_MISFIT,
+    OTHER_SPREAD,
+    OTHER_TOTAL,
+    SEARCHED_BY,
+    MEAN_NOISE,
+    LEAST_WORTH,
+) = range(18)
+# Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
+# left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
+# open was; whether the answer
+# explains the readings; how many atoms the other set has; whether readings are strong; and how many
+# atoms there were where only more of them are sought, or -1.
+PRESSES, STAGE, TURN, INDEX, HALFWAY, OPEN_HALFWAY, EXPLAINED, OTHERS, IS_STRONG, ONLY = range(10)
+# Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
+HERE, LAST, LEARNT, ROOM = range(4)
+
+
+class Neighbours(NamedTuple):
+    """Taxels beside each, as a sparse matrix: those of taxel i from `first[i]` on.
+
+    Attributes
+    ----------
+    first : (L + 1,) int array
+    taxels : (N,) int array
+    weights : (N,) array
+    limits : (L + 1,) array
+        Squares of as many normal numbers as the place that all but one in 1e4 stay below.
+    """
+
+    first: Ints
+    taxels: Ints
+    weights: Floats
+    limits: Floats
+
+
+class ReadingRules(NamedTuple):
+    """What the fit of a reading goes by; see `ContactFit`.
+
+    `threshold` is the gain in cost that a contact must bring.
+    """
+
+    threshold: float
+    most: int
+    starts: int
+    warm: int
+    model_error: float
+    common_mode: float
+
+
+class ReadingMemory(NamedTuple):
+    """What lasts from reading to reading beside the atoms.
+
+    Attributes
+    ----------
+    numbers : (18,) array
+    marks : (16,) int array
+    errors : (4, 9) array
+        Logarithms of the likelihood of each of `ERRORS`.
+    noise, heard : (L,) arrays
+        Stated deviations, and those without the taxels that are left out, which have infinite ones.
+    squares : (2, L) array
+        Of what taxels around the atoms read, and of what is read beside them.
+    atoms : (M, 6) array
+        Of another set, whose families are `family` (M,): the answer, while others are compared.
+    """
+
+    numbers: Floats
+    marks: Ints
+    errors: Floats
+    noise: Floats
+    heard: Floats
+    squares: Floats
+    atoms: Floats
+    family: Ints
+
+    @classmethod
+    def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
+        """Room for so many atoms."""
+        numbers = np.zeros(LEAST_WORTH + 1)
+        numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
+        made = cls(
+            numbers,
+            np.zeros(16, np.int64),
+            np.zeros((4, len(ERRORS))),
+            noise.copy(),
+            noise.copy(),
+            np.zeros((2, len(noise))),
+            np.zeros((most, 6)),
+            np.zeros(most, np.int64),
+        )
+        forget.py_func(made, model_error)  # type: ignore[attr-defined]
+        return made
+
+
+class Fit(NamedTuple):
+    """All that a reading's fit needs, prepared and remembered."""
+
+    model: FitModel
+    bank: Templates
+    near: Neighbours
+    rules: ReadingRules
+    memory: FitMemory
+    search: SearchMemory
+    post: PosteriorMemory
+    own: ReadingMemory
+    drawing: Drawing
+
+
+@inner(_nrt=False)
+def forget(own: ReadingMemory, error: float) -> None:
+    """Have the next reading be the first one, of a model with some error."""
+    own.numbers[MISFIT] = own.numbers[SPREAD] = error
+    own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
+    own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
+    for k in range(len(own.marks)):
+        own.marks[k] = 0
+    own.marks[STAGE], own.marks[EXPLAINED] = RESTING, 1
+    for row in range(3):
+        for k in range(own.errors.shape[1]):
+            own.errors[row, k] = 0.0
+
+
+def smallest_fit() -> Fit:
+    """Of no size: what kinds of arrays it has."""
+    tables = Tables(np.zeros((3, 1, 1, 1)), np.zeros((3, 1)), np.zeros(1), *np.zeros(5).tolist())
+    model = FitModel(np.zeros((1, 2)), tables, Priors(*np.zeros(7).tolist()), np.zeros((2, 2)))
+    whole, single = np.zeros(1, np.int64), np.zeros((1, 1), np.float32)
+    bank = Templates(whole[None], whole, whole, single, np.zeros(1), np.zeros((1, 6)))
+    return Fit(
+        model,
+        bank,
+        Neighbours(whole, whole, np.zeros(1), np.zeros(1)),
+        ReadingRules(0.0, 1, 1, 1, 0.0, 0.0),
+        FitMemory.of(model, 1),
+        SearchMemory.of(bank, 1, 1),
+        PosteriorMemory.of(1),
+        ReadingMemory.of(np.ones(1), 1, 0.0),
+        Drawing.of(1),
+    )
+
+
+FIT = PackedType(smallest_fit())
+unpack_fit = unpacking(FIT)

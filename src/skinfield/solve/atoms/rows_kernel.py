@@ -1,0 +1,476 @@
+"""Contacts of atoms as rows of numbers, compiled: place, force, deviations, area and moments.
+
+Atoms become what is drawn: in SI, at the posterior's mean, rings as rows of small balls. Those that
+overlap are one contact. See `skinfield.estimate.live_contacts` for the rows.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skinfield.compiled import inner
+from skinfield.errors import Floats, Ints
+from skinfield.estimate.live_contacts import SHAPES
+from skinfield.estimate.live_contacts_kernel import (
+    FORCE_FORCE,
+    X_FORCE,
+    XX,
+    XY,
+    Y_FORCE,
+    YY,
+    put_on,
+    state_deviations,
+)
+from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
+from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
+from skinfield.solve.atoms.render_kernels import (
+    GridMesh,
+    held,
+    pressure_at,
+    pressure_terms,
+    render,
+)
+from skinfield.solve.atoms.render_tables import TERMS, PressureTable
+from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
+from skinfield.solve.packed import PackedType, unpacking
+
+PEARLS = 64  # small balls that all rings together become
+FEWEST, MOST = 8, 32  # of one ring
+SHARE = 0.5  # thicknesses between them
+# What no residual shows, in thicknesses, and part of the force: scale of the modulus and of the
+# thickness, a body that is no perfect ball, flat end, line or ring; and more per model error.
+ROUND, ODD = np.array([0.05, 0.07]), np.array([0.25, 0.1])
+HIDDEN = np.array([3.0, 1.5])
+OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
+LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
+AROUND = 16  # places around an atom, of which its border's share in that of its body is counted
+FINE = 48  # places along the sides of a body of several atoms, of which its area is counted
+OUTSIDE = 1.0 + 1e-6  # radii: just outside an atom
+TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
+
+
+class Drawing(NamedTuple):
+    """Atoms as they are drawn, N of W.
+
+    Attributes
+    ----------
+    atoms : (W, 6) array
+        Of x m, y m, force N, radius m, half-length m and angle rad.
+    family : (W,) int array
+        Balls and flat ends.
+    covariance : (W, 6, 6) array
+        Of each alone; of a ring, at its first small ball.
+    owner : (W,) int array
+        Number of the body of each.
+    order : (W,) int array
+        Bodies by falling force.
+    sums : (3, W) array
+        Of bodies: their force, N, and their radius as a ring, m, else 0; and of the model: what it
+        is wrong by.
+    by : (2, 6, 6) array
+        Room.
+    drawn : (1,) int array
+        N.
+    """
+
+    atoms: Floats
+    family: Ints
+    covariance: Floats
+    owner: Ints
+    order: Ints
+    sums: Floats
+    by: Floats
+    drawn: Ints
+
+    @classmethod
+    def of(cls, most: int) -> "Drawing":
+        """Room for so many atoms, and the small balls of rings."""
+        room = most + PEARLS
+        return cls(
+            np.zeros((room, 6)),
+            np.zeros(room, np.int64),
+            np.zeros((room, 6, 6)),
+            np.zeros(room, np.int64),
+            np.zeros(room, np.int64),
+            np.zeros((3, room)),
+            np.zeros((2, 6, 6)),
+            np.zeros(1, np.int64),
+        )
+
+
+class RowGrid(NamedTuple):
+    """Grid on which contacts stand.
+
+    Attributes
+    ----------
+    mesh : GridMesh
+    positions, normals : (K, 3) arrays
+    surface : PressureTable
+    thickness : float, m
+    """
+
+    mesh: GridMesh
+    positions: Floats
+    normals: Floats
+    surface: PressureTable
+    thickness: float
+
+
+def smallest_grid() -> RowGrid:
+    """Of no size: what kinds of arrays it has."""
+    surface, places = PressureTable(np.zeros((2, 1, 1)), 0.0, 0.0), np.zeros((1, 3))
+    return RowGrid(GridMesh(0.0, 0.0, 0.0, 1, 1), places, places, surface, 0.0)
+
+
+GRID = PackedType(smallest_grid())
+unpack_grid = unpacking(GRID)
+
+
+@inner(_nrt=False)
+def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None:
+    """Write by covariance by^T, all (6, 6)."""
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += by[i, k] * covariance[k, j]
+            room[i, j] = total
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += room[i, k] * by[j, k]
+            out[i, j] = total
+
+
+@inner(_nrt=False)
+def draw_atom(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    index: int,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+    place: int,
+) -> None:
+    """Draw one atom of NOW into a place."""
+    atom, mean = drawing.atoms[place], memory.atoms[NOW, index]
+    long, ring = is_long(mean), memory.family[NOW, index] == RING
+    by, room = drawing.by[0], drawing.by[1]
+    for i in range(6):
+        atom[i] = mean[i] + (post.offsets[index, i] if at_mean else 0.0)
+        for j in range(6):
+            by[i, j] = 0.0
+    east, north = atom[4], atom[5]
+    half, angle = np.hypot(east, north), np.arctan2(north, east)
+    atom[0], atom[1] = atom[0] * thickness, atom[1] * thickness
+    atom[2], atom[3] = np.exp(atom[2]), np.exp(atom[3]) * thickness
+    atom[4], atom[5] = half * thickness, angle
+    by[0, 0], by[1, 1], by[2, 2], by[3, 3] = thickness, thickness, atom[2], atom[3]
+    if half > 0.0:
+        by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
+        by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
+    covariance = drawing.covariance[place]
+    error, hidden = ODD if long or ring else ROUND, drawing.sums[1, 0]
+    for i in range(6):
+        for j in range(6):
+            covariance[i, j] = post.covariance[index, i, j]
+        if i < 4:
+            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
+    transform(covariance, by, room, covariance)
+    drawing.family[place] = memory.family[NOW, index]
+
+
+@inner(_nrt=False)
+def draw(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+) -> int:
+    """Draw the atoms of NOW and number their bodies; how many atoms are drawn."""
+    count = 0
+    for index in range(memory.counts[NOW]):
+        if memory.family[NOW, index] != RING:
+            draw_atom(memory, post, index, thickness, at_mean, drawing, count)
+            join(drawing, count)
+            count += 1
+    for index in range(memory.counts[NOW]):
+        if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
+            count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
+    return count
+
+
+@inner(_nrt=False)
+def join(drawing: Drawing, place: int) -> None:
+    """Number the body of an atom, after those before: the lowest of those that it overlaps."""
+    drawing.owner[place], drawing.sums[2, place] = place, 0.0
+    for other in range(place):
+        one, its = drawing.atoms[place], drawing.atoms[other]
+        if square_apart(one, its) < (one[3] + its[3]) ** 2:
+            first, second = drawing.owner[place], drawing.owner[other]
+            for k in range(place + 1):
+                if drawing.owner[k] == first or drawing.owner[k] == second:
+                    drawing.owner[k] = min(first, second)
+
+
+@inner(_nrt=False)
+def draw_ring(
+    memory: FitMemory,
+    post: PosteriorMemory,
+    index: int,
+    thickness: float,
+    at_mean: bool,
+    drawing: Drawing,
+    first: int,
+) -> int:
+    """Draw a ring as small balls from a place on; the place after the last."""
+    draw_atom(memory, post, index, thickness, at_mean, drawing, first)
+    x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
+    radius = drawing.sums[2, first] = drawing.atoms[first, 3]
+    number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
+    number = min(number, len(drawing.atoms) - first)
+    for pearl in range(number):
+        place, turn = first + pearl, 2 * np.pi * pearl / number
+        atom = drawing.atoms[place]
+        atom[0], atom[1] = x + radius * np.cos(turn), y + radius * np.sin(turn)
+        atom[2], atom[3], atom[4], atom[5] = force / number, RIM * thickness, 0.0, 0.0
+        drawing.family[place], drawing.owner[place] = BALL, first
+    return first + number
+
+
+@inner(_nrt=False)
+def square_apart(one: Floats, other: Floats) -> float:
+    """Squared distance in m² of the segments of two atoms."""
+    east, north = one[4] * np.cos(one[5]), one[4] * np.sin(one[5])
+    its_east, its_north = other[4] * np.cos(other[5]), other[4] * np.sin(other[5])
+    x, y = other[0] - one[0], other[1] - one[1]
+    cross = east * its_north - north * its_east
+    if cross != 0.0:
+        along, its_along = (x * its_north - y * its_east) / cross, (x * north - y * east) / cross
+        if abs(along) <= 1.0 and abs(its_along) <= 1.0:
+            return 0.0
+    nearest = np.inf
+    for side in (-1.0, 1.0):  # else an end is nearest
+        away = square_from(x + side * its_east, y + side * its_north, east, north)
+        back = square_from(side * east - x, side * north - y, its_east, its_north)
+        nearest = min(nearest, away, back)
+    return nearest
+
+
+@inner(_nrt=False)
+def square_from(x: float, y: float, east: float, north: float) -> float:
+    """Squared distance of a point from a segment to both sides of the origin."""
+    square = east * east + north * north
+    share = min(max((x * east + y * north) / square, -1.0), 1.0) if square > 0.0 else 0.0
+    return float((x - share * east) ** 2 + (y - share * north) ** 2)
+
+
+@inner(_nrt=False)
+def is_inside(drawing: Drawing, count: int, body: int, x: float, y: float) -> bool:
+    """Whether a place lies in an atom of a body."""
+    for n in range(count):
+        atom = drawing.atoms[n]
+        if drawing.owner[n] != body:
+            continue
+        away_x, away_y = x - atom[0], y - atom[1]
+        if atom[4] > 0.0:
+            east, north = np.cos(atom[5]), np.sin(atom[5])
+            along = min(max(away_x * east + away_y * north, -atom[4]), atom[4])
+            away_x, away_y = away_x - along * east, away_y - along * north
+        if away_x * away_x + away_y * away_y <= atom[3] * atom[3]:
+            return True
+    return False
+
+
+@inner(_nrt=False)
+def profile_spread(family: int, radius: float, surface: PressureTable, terms: Floats) -> float:
+    r"""Second moment along x of a round atom's pressure over its force, m².
+
+    With t² = 1 - r²/a² it is :math:`a^2 \sum_j c_j (1/(e_j+2) - 1/(e_j+4))`, e the powers of t.
+    """
+    pressure_terms(radius, family, surface, terms)
+    total = 0.0
+    for j in range(len(terms)):
+        power = 2.0 * j + (1.0 if family == BALL else -1.0)
+        total += terms[j] * (1.0 / (power + 2.0) - 1.0 / (power + 4.0))
+    return radius * radius * total
+
+
+@inner(_nrt=False)
+def free_border(drawing: Drawing, count: int, body: int, n: int) -> float:
+    """Share of an atom's border that lies in no other atom of its body."""
+    atom, free = drawing.atoms[n], 0
+    for k in range(AROUND):
+        turn = 2.0 * np.pi * (k + 0.5) / AROUND
+        along, across = atom[3] * OUTSIDE * np.cos(turn), atom[3] * OUTSIDE * np.sin(turn)
+        along += atom[4] if along > 0.0 else -atom[4]
+        east, north = np.cos(atom[5]), np.sin(atom[5])
+        x, y = atom[0] + east * along - north * across, atom[1] + north * along + east * across
+        free += not is_inside(drawing, count, body, x, y)
+    return free / AROUND
+
+
+@inner(_nrt=False)
+def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
+    """Write the covariance of a body's place and force, and the deviation of its area.
+
+    Atoms are independent; the small balls of a ring move as one.
+    """
+    total, ring, variance, out = row.normal_force, drawing.sums[2, body], 0.0, row.covariance
+    for number in range(6):
+        out[number] = 0.0
+    for n in range(body, body + 1 if ring > 0.0 else count):
+        if drawing.owner[n] != body:
+            continue
+        atom, known = drawing.atoms[n], drawing.covariance[n]
+        share, off_x, off_y = atom[2] / total, (atom[0] - row.x) / total, (atom[1] - row.y) / total
+        wider, longer = 2.0 * np.pi * atom[3] + 4.0 * atom[4], 4.0 * atom[3]  # m² per m
+        if ring > 0.0:
+            share, off_x, off_y, wider, longer = 1.0, 0.0, 0.0, row.area / ring, 0.0
+        elif row.shape == OTHER:
+            free = free_border(drawing, count, body, n)
+            wider, longer = free * wider, free * longer
+        force, x_force, y_force = known[2, 2], share * known[0, 2], share * known[1, 2]
+        out[XX] += share * share * known[0, 0] + off_x * (off_x * force + 2.0 * x_force)
+        out[YY] += share * share * known[1, 1] + off_y * (off_y * force + 2.0 * y_force)
+        out[XY] += share * share * known[0, 1] + off_x * off_y * force
+        out[XY] += off_x * y_force + off_y * x_force
+        out[X_FORCE] += x_force + off_x * force
+        out[Y_FORCE] += y_force + off_y * force
+        out[FORCE_FORCE] += force
+        variance += wider * wider * known[3, 3] + longer * longer * known[4, 4]
+        variance += 2.0 * wider * longer * known[3, 4]
+    row.area_std = np.sqrt(max(variance, 0.0))
+    state_deviations(row)
+
+
+@inner
+def describe_body(
+    grid: RowGrid, drawing: Drawing, count: int, body: int, pressure: Floats, row: Any
+) -> None:
+    """Write the row of one body but for its track."""
+    total, members = drawing.sums[0, body], 0
+    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
+    x, y, area, peak = 0.0, 0.0, 0.0, 0.0
+    for n in range(count):
+        atom = drawing.atoms[n]
+        if drawing.owner[n] != body:
+            continue
+        share = atom[2] / total
+        x, y, members = x + share * atom[0], y + share * atom[1], members + 1
+        wide = abs(atom[4] * np.cos(atom[5])) + atom[3]
+        high = abs(atom[4] * np.sin(atom[5])) + atom[3]
+        low_x, high_x = min(low_x, atom[0] - wide), max(high_x, atom[0] + wide)
+        low_y, high_y = min(low_y, atom[1] - high), max(high_y, atom[1] + high)
+        here = pressure_at(
+            drawing.atoms[:count], drawing.family[:count], grid.surface, atom[0], atom[1]
+        )
+        area, peak = np.pi * atom[3] ** 2 + 4.0 * atom[3] * atom[4], max(peak, here)
+    if members > 1:
+        inside = 0
+        for i in range(FINE):
+            for j in range(FINE):
+                u, v = (i + 0.5) / FINE, (j + 0.5) / FINE
+                at_x, at_y = low_x + u * (high_x - low_x), low_y + v * (high_y - low_y)
+                inside += is_inside(drawing, count, body, at_x, at_y)
+        area = (high_x - low_x) * (high_y - low_y) * inside / FINE**2
+    row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
+    if members == 1:
+        atom = drawing.atoms[body]
+        row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
+        if atom[4] > LINE * atom[3]:
+            row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
+    row.area, row.normal_force, row.x, row.y = area, total, x, y
+    write_covariance(drawing, count, body, row)
+    spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
+    stand(grid, row)
+
+
+@inner
+def spread(
+    grid: RowGrid,
+    drawing: Drawing,
+    count: int,
+    body: int,
+    pressure: Floats,
+    heights: tuple[float, float],
+    peak: float,
+    row: Any,
+) -> None:
+    """Write the cells of a body, their peak, and the second moments of its pressure."""
+    mesh, cells, moments, terms = grid.mesh, 0, row.moments, np.empty(TERMS)
+    low = max(int(np.ceil((heights[0] - mesh.y) / mesh.pitch)), 0)
+    high = min(int(np.floor((heights[1] - mesh.y) / mesh.pitch)), mesh.rows - 1)
+    for i in range(low, high + 1):
+        for j in range(mesh.columns):
+            x, y = mesh.x + j * mesh.pitch, mesh.y + i * mesh.pitch
+            if not is_inside(drawing, count, body, x, y):
+                continue
+            cells, peak = cells + 1, max(peak, pressure[i * mesh.columns + j])
+    moments[0], moments[1], moments[2] = 0.0, 0.0, 0.0
+    for n in range(count):
+        if drawing.owner[n] != body:
+            continue
+        atom, share = drawing.atoms[n], drawing.atoms[n, 2] / row.normal_force
+        x, y = atom[0] - row.x, atom[1] - row.y
+        own = profile_spread(drawing.family[n], held(atom[3], grid.surface), grid.surface, terms)
+        square = atom[4] * atom[4] / 3.0  # of even points on a segment
+        east, north = np.cos(atom[5]), np.sin(atom[5])
+        moments[0] += share * (own + square * east * east + x * x)
+        moments[1] += share * (own + square * north * north + y * y)
+        moments[2] += share * (square * east * north + x * y)
+    row.cells, row.peak_pressure = max(cells, 1), peak
+
+
+@inner(_nrt=False)
+def stand(grid: RowGrid, row: Any) -> None:
+    """Write the place and the outward normal on the skin, between four nodes."""
+    mesh = grid.mesh
+    x, y = (row.x - mesh.x) / mesh.pitch, (row.y - mesh.y) / mesh.pitch
+    put_on(row, x, y, grid.positions, grid.normals, mesh.columns)
+
+
+@inner
+def write_rows(
+    grid: RowGrid,
+    memory: FitMemory,
+    post: PosteriorMemory,
+    at_mean: bool,
+    error: float,
+    drawing: Drawing,
+    pressure: Floats,
+    rows: Any,
+) -> int:
+    """Write the pressure (K,), Pa, and the contacts of NOW, by falling force; how many there are.
+
+    Rows beyond their number keep what they had; where there are more contacts, the strongest count.
+    `error` is what the model is wrong by, part of what taxels read.
+    """
+    drawing.sums[1, 0] = error
+    count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
+    return write_bodies(grid, drawing, count, pressure, rows)
+
+
+@inner
+def write_bodies(grid: RowGrid, drawing: Drawing, count: int, pressure: Floats, rows: Any) -> int:
+    """Write the pressure and the contacts of drawn atoms; see `write_rows`."""
+    render(drawing.atoms[:count], drawing.family[:count], grid.surface, grid.mesh, pressure)
+    found, forces, order = 0, drawing.sums[0], drawing.order
+    for n in range(count):
+        forces[n] = 0.0
+    for n in range(count):
+        forces[drawing.owner[n]] += drawing.atoms[n, 2]
+    for n in range(count):
+        if drawing.owner[n] != n:
+            continue
+        place = found
+        while place > 0 and forces[order[place - 1]] < forces[n] * (1.0 - TIE):
+            order[place] = order[place - 1]
+            place -= 1
+        order[place] = n
+        found += 1
+    for place in range(min(found, len(rows))):
+        describe_body(grid, drawing, count, order[place], pressure, rows[place])
+    return min(found, len(rows))
