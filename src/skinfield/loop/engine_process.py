@@ -370,10 +370,12 @@ class EngineProcess:
             assert start.baseline is not None  # of which the updater was made
             if updater.model_config.solver != self.model_config.solver:
                 self.better = Preparation(self.model_config, start.baseline)
+                self._note_progress({"patches": 0, "of": len(self.model_config.skin)})
 
     def _improve(self, better: Preparation) -> None:
         """Go over to the solver that was asked for, as soon as it is ready."""
-        self._note_progress(better.progress)
+        if better.progress:
+            self._note_progress(better.progress)
         made, before = better.updater, self.updater
         if made is None or before is None:
             return
