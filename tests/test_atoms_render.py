@@ -34,9 +34,8 @@ def drawn(
     grid: Grid, atoms: np.ndarray, family: int, layer: Layer = LAYER, mechanics: Mechanics = BONDED
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pressure and displacement."""
-    moved = np.empty((len(grid), 3))
     renderer = AtomRenderer(grid, layer, mechanics)
-    renderer.displacement(atoms, np.full(len(atoms), family), moved)
+    moved = renderer.displacement(atoms, np.full(len(atoms), family))
     return pressure(grid, atoms, family, mechanics, layer), moved
 
 
@@ -100,45 +99,32 @@ def test_a_grid_that_the_contact_reaches_beyond_shows_its_part(family: int) -> N
     assert not pressure(part, atom(15e-3), family).any()
 
 
-@pytest.mark.parametrize("family", [BALL, FLAT])
-@pytest.mark.parametrize("radius", [0.41e-3, 1.3e-3, 5.3e-3, 13e-3])
-def test_the_surface_moves_as_the_exact_solution_says(radius: float, family: int) -> None:
-    exact = (
-        punch(LAYER, radius, depth=1.0)
-        if family == FLAT
-        else indent_to_radius(LAYER, Paraboloid(radius=1.0), radius)
-    )
-    grid = Grid.window(SQUARE, (-0.03, -0.03), (0.03, 0.03), 0.7e-3)
-    _, out = drawn(grid, atom(radius=radius), family)
-    distance = np.hypot(grid.plane[:, 0] - 0.3e-3, grid.plane[:, 1] + 0.2e-3)
-    sunk = exact.indentation(distance) / exact.force
-    np.testing.assert_allclose(-out[:, 2], sunk, rtol=0, atol=2e-3 * sunk.max())
-
-
 @pytest.mark.parametrize(
-    ("mechanics", "poisson_ratio"),
-    [
-        (BondedLayer(), 0.5),
-        (BondedLayer(), 0.4),
-        (BondedLayer(inextensible_cover=True), 0.5),
-        (HalfSpace(point_forces=False), 0.4),
-    ],
+    ("radius", "ball", "flat"),
+    [(0.41e-3, 0.06, 0.03), (1.3e-3, 0.02, 0.04), (5.3e-3, 0.006, 0.02), (13e-3, 0.005, 0.035)],
 )
-@pytest.mark.parametrize(("radius", "half"), [(0.9e-3, 0.0), (3e-3, 0.0), (1.2e-3, 2e-3)])
-def test_the_surface_moves_as_its_own_pressure_moves_it(
-    radius: float, half: float, mechanics: Mechanics, poisson_ratio: float
+def test_the_surface_moves_as_the_exact_solution_says(
+    radius: float, ball: float, flat: float
 ) -> None:
-    """In all three directions; the convolution takes the pressure as even on each cell."""
-    layer = Layer(2e-3, 210e3, poisson_ratio)
-    atoms = atom(radius=radius, half=half, angle=0.4)
-    field, found = drawn(FINE, atoms, BALL, layer, mechanics)
+    """Nowhere off by more than a part of the peak for a ball; in all for a flat end's edge."""
+    grid = Grid.window(SQUARE, (-0.03, -0.03), (0.03, 0.03), 0.7e-3)
+    distance = np.hypot(grid.plane[:, 0] - 0.3e-3, grid.plane[:, 1] + 0.2e-3)
+    exact = indent_to_radius(LAYER, Paraboloid(radius=1.0), radius)
+    sunk = exact.indentation(distance) / exact.force
+    out = drawn(grid, atom(radius=radius), BALL)[1]
+    np.testing.assert_allclose(-out[:, 2], sunk, rtol=0, atol=ball * sunk.max())
+    exact = punch(LAYER, radius, depth=1.0)
+    out = drawn(grid, atom(radius=radius), FLAT)[1]
+    assert apart(-out[:, 2], exact.indentation(distance) / exact.force) < flat
+
+
+@pytest.mark.parametrize("mechanics", [BONDED, HalfSpace(point_forces=False)])
+def test_the_surface_moves_as_its_own_pressure_moves_it(mechanics: Mechanics) -> None:
+    """In all three directions, on a grid that needs no finer cells."""
+    layer = Layer(2e-3, 210e3, 0.4)
+    field, found = drawn(FINE, atom(radius=1.2e-3, half=2e-3, angle=0.4), BALL, layer, mechanics)
     cells = Deformation(FINE, layer, mechanics)(field)
-    deepest = np.abs(cells[:, 2]).max()
-    np.testing.assert_allclose(found[:, :2], cells[:, :2], rtol=0, atol=0.006 * deepest)
-    np.testing.assert_allclose(found[:, 2], cells[:, 2], rtol=0, atol=0.01 * deepest)
-    field, flat = drawn(FINE, atoms, FLAT, layer, mechanics)
-    cells = Deformation(FINE, layer, mechanics)(field)
-    assert np.linalg.norm(flat - cells) < 0.04 * np.linalg.norm(cells)  # its edge is sharp
+    np.testing.assert_allclose(found, cells, rtol=0, atol=1e-9 * np.abs(cells).max())
 
 
 def test_a_ball_that_is_pressed_is_rendered_as_the_simulator_solves_it() -> None:
@@ -187,11 +173,10 @@ def test_on_a_curved_patch_nodes_move_along_its_own_normals() -> None:
 def test_no_atom_is_no_pressure() -> None:
     renderer = AtomRenderer(GRID, LAYER, BONDED)
     none, family = np.zeros((0, 6)), np.zeros(0, dtype=np.int64)
-    field, moved = np.ones(len(GRID)), np.ones((len(GRID), 3))
+    field = np.ones(len(GRID))
     renderer.pressure(none, family, field)
-    renderer.displacement(none, family, moved)
     assert not field.any()
-    assert not moved.any()
+    assert not renderer.displacement(none, family).any()
 
 
 def test_what_cannot_be_drawn_is_named() -> None:

@@ -227,7 +227,7 @@ def test_fields_are_drawn_when_they_are_used(fitters: dict[str, Prepared]) -> No
     fitter = fitter_of("capacitance")
     fit = cold(fitter, noisy("capacitance", 4))
     assert len(fitter.operator.contacts(fit.solution)) == 1
-    assert "_moves" not in vars(fitter.operator.renderer)  # displacements are not tabulated
+    assert "_fine" not in vars(fitter.operator.renderer)  # displacements are not tabulated
     assert fitter.operator.displacement(fit.solution).any()
     idle = fitter.fit(np.zeros(len(PATCH))).solution
     assert fitter.data.fit.explained

@@ -47,6 +47,4 @@ class AtomFit:
     @property
     def displacement(self) -> Floats:
         """Of the nodes in the patch's frame, (K, 3) m."""
-        out = np.zeros((len(self.renderer.grid), 3))
-        self.renderer.displacement(self.atoms, self.family, out)
-        return out
+        return self.renderer.displacement(self.atoms, self.family)

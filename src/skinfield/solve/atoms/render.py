@@ -2,178 +2,24 @@
 
 from collections.abc import Hashable
 from functools import cached_property
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.compiled import inner, njit
 from skinfield.elastic import Layer, Mechanics
+from skinfield.elastic.lattice import displacement_kernel
 from skinfield.errors import Floats, InputError, check_finite
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_kernels import (
-    NODE,
-    WEIGHT,
-    GridMesh,
-    blend,
-    held,
-    mesh_of,
-    points_along,
-    render,
-)
-from skinfield.solve.atoms.render_tables import (
-    FOLD,
-    INNER,
-    OUTER,
-    DisplacementTable,
-    PressureTable,
-    displacement_table,
-    pressure_table,
-)
+from skinfield.solve.atoms.render_kernels import GridMesh, mesh_of, render
+from skinfield.solve.atoms.render_tables import pressure_table
 from skinfield.solve.atoms.rows_kernel import GRID, RowGrid
 from skinfield.solve.atoms.table import BALL, FLAT
 from skinfield.solve.packed import Packed
 
-NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
-COUNT = OUTER * 4 + INNER  # coefficients of a displacement
-FAR_POINTS = 4  # along the segment, for nodes farther away
-
-
-@inner
-def _near(atom: Floats, radius: float, surface: PressureTable, mesh: GridMesh, box: Any) -> None:
-    """First row and column and those behind the last, of the nodes near an atom."""
-    wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
-    high = abs(atom[4] * np.sin(atom[5])) + radius + NEAR * surface.thickness
-    box[0] = int(np.ceil((atom[1] - high - mesh.y) / mesh.pitch))
-    box[1] = int(np.ceil((atom[0] - wide - mesh.x) / mesh.pitch))
-    box[2] = int(np.floor((atom[1] + high - mesh.y) / mesh.pitch)) + 1
-    box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch)) + 1
-
-
-@inner
-def _radial_terms(
-    radius: float,
-    force: float,
-    family: int,
-    surface: PressureTable,
-    moves: DisplacementTable,
-    terms: Floats,
-) -> None:
-    """Coefficients (2, COUNT) of one radius and force."""
-    first, b0, b1, b2, b3 = blend(radius, surface)
-    scale = force / radius
-    b0, b1, b2, b3 = scale * b0, scale * b1, scale * b2, scale * b3
-    for part in range(2):
-        t0 = moves.displacement[family, first, part]
-        t1 = moves.displacement[family, first + 1, part]
-        t2 = moves.displacement[family, first + 2, part]
-        t3 = moves.displacement[family, first + 3, part]
-        for j in range(COUNT):
-            terms[part, j] = b0 * t0[j] + b1 * t1[j] + b2 * t2[j] + b3 * t3[j]
-
-
-@njit(inline="always")
-def _response(
-    normal: Floats, radial: Floats, r2: float, square: float, fold: float
-) -> tuple[float, float]:
-    """Displacement outwards, and away from the axis over the distance, at a squared distance."""
-    if r2 < square:
-        t = np.sqrt(1.0 - r2 / square)
-        up, away = normal[INNER - 1], radial[INNER - 1]
-        for j in range(INNER - 2, -1, -1):
-            up = up * t + normal[j]
-            away = away * t + radial[j]
-    else:
-        s = np.sqrt(r2 - square)
-        place = OUTER * s / (s + fold)
-        i = min(int(place), OUTER - 1)
-        t = place - i
-        c = INNER + 4 * i
-        up = ((normal[c] * t + normal[c + 1]) * t + normal[c + 2]) * t + normal[c + 3]
-        away = ((radial[c] * t + radial[c + 1]) * t + radial[c + 2]) * t + radial[c + 3]
-    return up, away
-
-
-@inner
-def _add_round(
-    x: float,
-    y: float,
-    radius: float,
-    share: float,
-    terms: Floats,
-    thickness: float,
-    reach: float,
-    mesh: GridMesh,
-    box: Any,
-    inside: bool,
-    out: Floats,
-) -> None:
-    """Add a round atom's displacement along the axes of the plane and outwards, (K, 3).
-
-    To the nodes inside the box, or to those outside.
-    """
-    far = min(radius + reach, 1e9)
-    pitch = mesh.pitch
-    first_row = max(int(np.ceil((y - far - mesh.y) / pitch)), 0)
-    first_column = max(int(np.ceil((x - far - mesh.x) / pitch)), 0)
-    end_row = min(int(np.floor((y + far - mesh.y) / pitch)) + 1, mesh.rows)
-    end_column = min(int(np.floor((x + far - mesh.x) / pitch)) + 1, mesh.columns)
-    if inside:
-        first_row, first_column = max(first_row, box[0]), max(first_column, box[1])
-        end_row, end_column = min(end_row, box[2]), min(end_column, box[3])
-    square, limit, fold = radius * radius, far * far, FOLD * thickness
-    normal, radial = terms[0], terms[1]
-    for row in range(first_row, end_row):
-        away_y = mesh.y + row * pitch - y
-        skipped = end_column, end_column  # columns that are left out
-        if not inside and box[0] <= row < box[2]:
-            skipped = max(box[1], first_column), max(box[3], first_column)
-        for start, end in ((first_column, min(skipped[0], end_column)), (skipped[1], end_column)):
-            for column in range(start, end):
-                away_x = mesh.x + column * pitch - x
-                r2 = away_x * away_x + away_y * away_y
-                if r2 <= limit:
-                    up, away = _response(normal, radial, r2, square, fold)
-                    k = row * mesh.columns + column
-                    out[k, 0] += share * away * away_x
-                    out[k, 1] += share * away * away_y
-                    out[k, 2] += share * up
-
-
-@njit
-def displacement(
-    atoms: Floats,
-    family: Any,
-    surface: PressureTable,
-    moves: DisplacementTable,
-    mesh: GridMesh,
-    frames: Floats,
-    out: Floats,
-) -> None:
-    """Write the displacement of the nodes in the patch's frame, (K, 3) m.
-
-    `frames` (K, 3, 3), or (1, 3, 3) where all are the same.
-    """
-    out[:] = 0.0
-    thickness, reach = surface.thickness, moves.reach
-    box, terms = np.empty(4, np.int64), np.empty((2, COUNT))
-    for n in range(len(atoms)):
-        radius = held(atoms[n, 3], surface)
-        _radial_terms(radius, atoms[n, 2], family[n], surface, moves, terms)
-        _near(atoms[n], radius, surface, mesh, box)
-        east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
-        near = points_along(radius, atoms[n, 4])
-        for inside, count in ((True, near), (False, min(near, FAR_POINTS))):
-            for q in range(count):
-                x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north
-                share = WEIGHT[count, q]
-                _add_round(x, y, radius, share, terms, thickness, reach, mesh, box, inside, out)
-    for k in range(len(out)):
-        frame = frames[k if len(frames) > 1 else 0]
-        u, v, w = out[k, 0], out[k, 1], out[k, 2]
-        for i in range(3):
-            out[k, i] = frame[i, 0] * u + frame[i, 1] * v + frame[i, 2] * w
-
+FINENESS = 8.0  # cells to a thickness, of pressure that moves the surface
+MOST_FINE = 400  # of them along a side of the patch
+MARGIN = 2.0  # thicknesses around the nodes in which pressure moves them
 
 Family = NDArray[np.int64]
 
@@ -205,15 +51,22 @@ class AtomRenderer:
         return Packed(RowGrid(self._mesh, *places, self._surface, self._layer.thickness), GRID)
 
     @cached_property
-    def _moves(self) -> DisplacementTable:
-        """What displacements are made of: tabulated when the first one is asked for."""
-        return displacement_table(self._layer, cast(Hashable, self._mechanics))
+    def _fine(self) -> tuple[GridMesh, int, int, Floats]:
+        """Cells finer than the grid's, that have its nodes among their middles.
 
-    @cached_property
-    def _frames(self) -> Floats:
-        """Of all nodes (K, 3, 3), or (1, 3, 3) where all are the same."""
-        flat = self.grid.patch.surface.is_flat
-        return np.array(self.grid.frames[:1] if flat else self.grid.frames)
+        As a mesh; how many lie from node to node, and on each side beyond the nodes; and the
+        displacement of what is so many rows and columns away from one of 1 Pa,
+        (3, 2 rows - 1, 2 columns - 1) m.
+        """
+        mesh, thickness = self._mesh, self._layer.thickness
+        wanted = FINENESS * mesh.pitch / thickness
+        step = max(int(np.ceil(min(wanted, MOST_FINE / max(mesh.rows, mesh.columns)))), 1)
+        pitch = mesh.pitch / step
+        beyond = int(np.ceil(MARGIN * thickness / pitch))
+        rows, columns = (step * (n - 1) + 1 + 2 * beyond for n in (mesh.rows, mesh.columns))
+        kernel = displacement_kernel(self._mechanics, self._layer, pitch, rows - 1, columns - 1)
+        first = mesh.x - beyond * pitch, mesh.y - beyond * pitch
+        return GridMesh(*first, pitch, rows, columns), step, beyond, -kernel
 
     def pressure(self, atoms: Floats, family: Family, out: Floats) -> None:
         """Write the mean pressure on each cell into `out` (K,), Pa.
@@ -225,10 +78,24 @@ class AtomRenderer:
         _check(atoms, family)
         render(atoms, family, self._surface, self._mesh, out)
 
-    def displacement(self, atoms: Floats, family: Family, out: Floats) -> None:
-        """Write the displacement of the nodes in the patch's frame into `out` (K, 3), m."""
+    def displacement(self, atoms: Floats, family: Family) -> Floats:
+        """Displacement of the nodes in the patch's frame, (K, 3) m.
+
+        That of their mean pressure on fine cells: within some per cent of the deepest, but at the
+        edge of a flat end.
+        """
         _check(atoms, family)
-        displacement(atoms, family, self._surface, self._moves, self._mesh, self._frames, out)
+        mesh, step, beyond, kernel = self._fine
+        cells = np.empty(mesh.rows * mesh.columns)
+        render(atoms, family, self._surface, mesh, cells)
+        local = np.zeros((3, *self.grid.shape))
+        last = [step * (n - 1) + 1 for n in self.grid.shape]
+        for cell in np.flatnonzero(cells):
+            row, column = divmod(int(cell), mesh.columns)
+            down, right = mesh.rows - 1 + beyond - row, mesh.columns - 1 + beyond - column
+            moved = kernel[:, down : down + last[0] : step, right : right + last[1] : step]
+            local += cells[cell] * moved
+        return np.asarray(np.einsum("kij,jk->ki", self.grid.frames, local.reshape(3, -1)))
 
 
 def _check(atoms: Floats, family: Family) -> None:
