@@ -4,9 +4,8 @@ Run: python benchmarks/bench_contacts.py [--nodes 20 40 80] [--laps 1000] [--jso
 
 One table in one run, on one thread, p50 and p99 in µs. Domes of 6 mm radius press a hexagon of 72
 taxels; the field is `GaussianField`'s answer to their readings with noise, and contacts are found
-as a reconstructor finds them. `found`: the finder's call, with place, force, moment, area and axes.
-`all`: also covariance, deviation of the area and outline of each contact, which otherwise wait
-until they are asked for. `definition`: the same contacts step by step with NumPy, as in
+as a reconstructor finds them. `found`: with place, force, area, axes and their covariance. `all`:
+also the outline of each contact, which otherwise waits until it is asked for. `definition`: the same contacts step by step with NumPy, as in
 tests/contacts_reference.py, with its loop over cells compiled. `floor`: one pass over the field
 that only adds it up.
 """
@@ -49,7 +48,7 @@ def domes(grid: sf.Grid, count: int) -> np.ndarray:
 def ask_for_all(contacts: tuple[Contact, ...]) -> None:
     """Work out what waits."""
     for contact in contacts:
-        _ = contact.covariance, contact.area_std, contact.outline
+        _ = contact.outline
 
 
 def row(rec: sf.Reconstructor, count: int, laps: int) -> dict[str, object]:
@@ -61,7 +60,7 @@ def row(rec: sf.Reconstructor, count: int, laps: int) -> dict[str, object]:
     pressure = np.ascontiguousarray(rec.operator[: len(grid)] @ readings)
 
     def find() -> tuple[Contact, ...]:
-        return finder(grid, pressure, plan.noise, plan.posterior, plan.model_error)
+        return rec.plans.find(plan, pressure)
 
     work: dict[str, tuple[Callable[[], object], int]] = {
         "found": (find, laps),

@@ -11,7 +11,7 @@ from skinfield.estimate import regions_kernel as kernel
 from skinfield.skin import Grid, Patch
 from skinfield.skin.generators import cylinder, hexagon72, sphere_cap
 
-KNOWN = ModelError(force=0.2, place=1e-4, area=0.05)
+KNOWN = ModelError(force=0.2, place=1e-4)
 FINDERS = (
     ContactFinder(),
     ContactFinder(relative_height=0.05, prominence=0.1, edge=0.0),
@@ -148,8 +148,8 @@ def regions(values: np.ndarray, prominence: float, height: float, edge: float) -
     """Split a picture into the regions of its peaks, each as rising flat cells; by falling peak."""
     flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
     work = kernel.room_for(len(flat), values.shape[1])
-    limits = 1.0, height, prominence, edge
-    count = kernel.find(flat, np.zeros(len(flat)), values.shape[1], *limits, *work)
+    limits = np.array([1.0, height, prominence, edge])
+    count = kernel.find(flat, np.zeros(len(flat)), values.shape[1], limits, *work)
     assert (work[0] == -1).all()
     starts, cells = work[2][kernel.STARTS], work[2][kernel.REGIONS]
     return [cells[starts[n] : starts[n + 1]].copy() for n in range(count)]

@@ -13,8 +13,6 @@ from skinfield.estimate import (
 )
 from skinfield.skin import Grid
 
-ROUNDING = 0.0572  # cells of variance per side of a border
-
 
 def contacts(
     finder: ContactFinder,
@@ -36,7 +34,7 @@ def contacts(
     found = [cells for cells in found if (pressure > needed)[cells].any()]
     stated = noise if error is None else error
     beside = ModelError() if model_error is None else model_error
-    made = [contact_of(grid, pressure, cells, stated, beside, finder.edge) for cells in found]
+    made = [contact_of(grid, pressure, cells, stated, beside) for cells in found]
     return by_force(made)
 
 
@@ -95,7 +93,6 @@ def contact_of(
     cells: np.ndarray,
     error: PressureError,
     model_error: ModelError,
-    edge: float,
 ) -> Contact:
     """Contact of a region."""
     weight = pressure[cells] * grid.cell_area
@@ -111,21 +108,21 @@ def contact_of(
     area = len(cells) * grid.cell_area
     moves = np.stack([*(away / total).T, np.ones(len(cells))]) * grid.cell_area
     known = np.diag([model_error.place**2, model_error.place**2, (model_error.force * total) ** 2])
-    around, shifts, rounding = area_moves(grid, pressure, cells, edge)
-    moved = covariance_of_sums(error, around, shifts[None])[0, 0]
+    stretch = np.sqrt(variance[1] / variance[0]) ** 0.5
+    radius = float(np.sqrt(area / np.pi))
     return Contact(
         position=position,
         force=forces.sum(axis=0),
-        moment=np.cross(grid.positions[cells] - position, forces).sum(axis=0),
+        moment=np.zeros(3),
         normal=surface.frame_from_plane(centre[None])[0, :, 2],
         area=area,
         peak_pressure=float(pressure[cells].max()),
         covariance=covariance_of_sums(error, cells, moves) + known,
-        area_std=float(np.sqrt(max(moved, 0.0) + rounding**2 + (area * model_error.area) ** 2)),
-        radius=float(np.sqrt(area / np.pi)),
+        area_std=np.nan,
+        radius=radius,
         shape="other",
-        outline=surface.position_from_plane(grid.origin + border(cells, grid.shape) * grid.pitch),
-        axes=2.0 * np.sqrt(variance[::-1]),
+        outline=np.zeros((0, 3)),
+        axes=np.array([radius * stretch, radius / stretch]),
         angle=(angle + np.pi / 2) % np.pi - np.pi / 2,
         cells=cells,
     )
@@ -138,55 +135,3 @@ def covariance_of_sums(error: PressureError, cells: np.ndarray, weights: np.ndar
         row, column = (np.abs(axis[:, None] - axis[None]) for axis in error.steps[cells].T)
         part = error.prior[row, column] - part
     return weights @ part @ weights.T
-
-
-def area_moves(
-    grid: Grid, pressure: np.ndarray, cells: np.ndarray, edge: float
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Cells around the border, m²/Pa of each, and one deviation of the counted area."""
-    rows, columns = grid.shape
-    picture = pressure.reshape(grid.shape)
-    slope = np.gradient(picture) if min(grid.shape) > 1 else [np.zeros_like(picture)] * 2
-    inside = np.isin(np.arange(len(grid)), cells)
-    row, column = np.divmod(cells, columns)
-    peak = int(cells[np.argmax(pressure[cells])])
-    level = edge * pressure[peak]
-    around, weights, sides = [], [], 0
-    for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-        r, c = row + down, column + right
-        on = (r >= 0) & (r < rows) & (c >= 0) & (c < columns)
-        here, beside = cells[on], r[on] * columns + c[on]
-        outer = ~inside[beside]
-        sides += int(outer.sum()) + int((~on).sum())
-        crossed = outer & (pressure[beside] < level) & (pressure[here] > level)
-        here, beside = here[crossed], beside[crossed]
-        across = pressure[here] - pressure[beside]
-        tangent = slope[1 if down else 0].ravel()
-        along = (tangent[here] + tangent[beside]) / 2
-        share = (pressure[here] - level) / across
-        per_pascal = grid.cell_area * across / (across**2 + along**2)
-        around += [here, beside]
-        weights += [per_pascal * (1 - share), per_pascal * share]
-    moves = np.concatenate(weights)
-    cells_around = np.concatenate([*around, [peak]])
-    rounding = float(grid.cell_area * np.sqrt(ROUNDING * sides))
-    return cells_around, np.append(moves, -edge * moves.sum()), rounding
-
-
-def border(cells: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Corners around a region, counter-clockwise from the lower left one of its first cell."""
-    inside = {divmod(int(cell), shape[1]) for cell in cells}
-    row, column = divmod(int(cells[0]), shape[1])
-    x, y, dx, dy = column, row, 1, 0
-    way = [(x, y)]
-    while True:
-        x, y = x + dx, y + dy
-        way.append((x, y))
-        if (x, y) == (column, row):
-            return np.array(way) - 0.5
-        right = y + (dy - dx - 1) // 2, x + (dx + dy - 1) // 2
-        left = y + (dy + dx - 1) // 2, x + (dx - dy - 1) // 2
-        if right in inside:
-            dx, dy = dy, -dx
-        elif left not in inside:
-            dx, dy = -dy, dx

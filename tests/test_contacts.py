@@ -5,6 +5,7 @@ import pickle
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, fields, replace
+from itertools import pairwise
 
 import contacts_reference as reference
 import numpy as np
@@ -18,7 +19,7 @@ from skinfield.errors import InputError
 from skinfield.estimate import Contact, ContactFinder, Estimate, ModelError, PressureNoise
 from skinfield.estimate.estimate import REQUIRED
 from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
-from skinfield.estimate.regions_kernel import border
+from skinfield.estimate.row_contacts import Outline
 from skinfield.skin import Grid, Patch
 
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
@@ -41,8 +42,7 @@ def test_a_dome_gives_one_contact_with_its_resultant() -> None:
     assert contact.moment == pytest.approx(0, abs=1e-12)
     assert contact.area == pytest.approx(np.pi * 6e-3**2, rel=0.03)
     assert contact.peak_pressure == pressure.max()
-    # A paraboloid has a third of the squared radius as second moment about the axis, on both axes.
-    assert contact.axes == pytest.approx(2 * 6e-3 / np.sqrt(6), rel=0.02)
+    assert contact.axes == pytest.approx(6e-3, rel=0.02)
 
 
 def test_the_edge_cuts_a_region_at_a_share_of_its_peak() -> None:
@@ -101,22 +101,6 @@ def test_false_alarms_stay_at_the_stated_rate() -> None:
     assert 0.05 <= seen / 400 <= 0.16  # binomial, three standard deviations
 
 
-@settings(max_examples=60, deadline=None)
-@given(hnp.arrays(bool, (5, 6)))
-def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> None:
-    from scipy.ndimage import binary_fill_holes, label
-
-    labels, count = label(picture, np.ones((3, 3)))
-    for region in range(1, count + 1):
-        mask = labels == region
-        loop = border(np.flatnonzero(mask), *mask.shape) - 0.5
-        assert (loop[0] == loop[-1]).all()
-        assert np.abs(np.diff(loop, axis=0)).sum(axis=1).tolist() == [1.0] * (len(loop) - 1)
-        x, y = loop.T
-        area = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
-        assert area == binary_fill_holes(mask).sum()  # cells join by corners, holes by sides
-
-
 def test_fractions_are_checked() -> None:
     with pytest.raises(ValueError, match="edge is 2, expected a number from 0 to 1"):
         ContactFinder(edge=2)
@@ -147,29 +131,42 @@ def test_mirror_images_come_by_their_cells(rounding: float) -> None:
 
 
 NAMES = [field.name for field in fields(Contact)]
-LATE = {"covariance", "area_std", "outline"}
-CLOSE = 1e-9  # of the largest entry of an attribute
+THINNED = 96  # cells of a region beyond which its covariance is that of a sample
+
+
+def check_defined(found: Contact, expected: Contact, grid: Grid) -> None:
+    """Compare with the definition; a curved skin is interpolated between its nodes."""
+    flat, pitch = grid.patch.surface.is_flat, grid.pitch
+    assert found.cells.tolist() == expected.cells.tolist()
+    near = 1e-9 if flat else 0.05
+    assert np.linalg.norm(found.position - expected.position) < near * pitch
+    assert found.normal @ expected.normal > (1 - 1e-12 if flat else 0.995)
+    force = pytest.approx(expected.normal_force, rel=1e-9 if flat else 0.01)
+    assert found.normal_force == force
+    assert found.force == pytest.approx(-found.normal_force * found.normal)
+    assert (found.area, found.radius) == pytest.approx((expected.area, expected.radius))
+    assert found.peak_pressure == expected.peak_pressure
+    assert found.axes == pytest.approx(expected.axes, rel=1e-6, abs=1e-6 * pitch)
+    assert (found.shape, found.track_id) == ("other", None)
+    assert not found.moment.any()
+    assert np.isnan(found.area_std)  # of a part of a field
+    if expected.axes[1] < (1 - 1e-6) * expected.axes[0]:  # a round one has no angle
+        assert np.sin(found.angle - expected.angle) == pytest.approx(0.0, abs=1e-3)
+    if len(found.cells) > THINNED:
+        for name in ("place_std", "force_std"):
+            assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=0.35)
+        return
+    scale = np.sqrt(np.diag(expected.covariance)) + np.array([1e-9, 1e-9, 1.0]) * pitch
+    off = (found.covariance - expected.covariance) / np.outer(scale, scale)
+    assert np.abs(off).max() < 1e-4
 
 
 def check_same(found: Contact, expected: Contact) -> None:
-    """Compare all attributes, each with the scale on which its error is seen."""
-    assert found.cells.tolist() == expected.cells.tolist()
-    reach, force = expected.axes[0], float(np.linalg.norm(expected.force))
-    place = np.hypot(expected.place_std, 1e-3 * reach)
-    size = np.array([place, place, np.hypot(expected.force_std, 1e-3 * force)])
-    scales = {"position": reach, "moment": force * reach, "covariance": np.outer(size, size)}
+    """To the last bit."""
     for name in NAMES:
         mine, other = getattr(found, name), getattr(expected, name)
         assert type(mine) is type(other), name
-        assert np.shape(mine) == np.shape(other), name
-        if name in ("shape", "track_id", "spread", "cells"):
-            assert np.array_equal(mine, other), name
-        elif name == "angle":  # a round region has none
-            minor = expected.axes[1]
-            assert abs(np.sin(mine - other)) * (1 - (minor / reach) ** 2) < CLOSE
-        else:
-            scale = scales.get(name, np.abs(other).max())
-            assert np.max(np.abs(mine - other) / scale) < CLOSE, name
+        np.testing.assert_array_equal(mine, other, err_msg=name)
 
 
 def of_note(contacts: tuple[Contact, ...]) -> list[Contact]:
@@ -186,8 +183,11 @@ def test_all_is_as_defined(kind: str) -> None:
             scene.finder, scene.grid, scene.pressure, scene.noise, scene.error, scene.model_error
         )
         assert len(found) == len(expected), scene.name
-        for mine, other in zip(of_note(found), of_note(expected), strict=True):
-            check_same(mine, other)
+        forces = [each.normal_force for each in found]
+        assert all(b < 1.01 * a for a, b in pairwise(forces))
+        by_cell = [sorted(of_note(each), key=lambda c: c.cells[0]) for each in (found, expected)]
+        for mine, other in zip(*by_cell, strict=True):
+            check_defined(mine, other, scene.grid)
         counts.append(len(found))
     assert 0 in counts
     assert max(counts) >= (1 if kind == "node" else 3)
@@ -253,7 +253,7 @@ def test_shapes_are_checked() -> None:
         noise.covariance_of_sums(np.array([0, 1]), np.ones((1, 3)))
 
 
-@pytest.mark.parametrize("count", [0, 1, 30, 499, 501])
+@pytest.mark.parametrize("count", [0, 1, 30, 199, 201])
 def test_covariances_of_sums_are_those_of_the_dense_matrix(count: int) -> None:
     grid, rng = grids()["hexagon"], np.random.default_rng(count)
     noise, posterior = errors_on(grid, rng)
@@ -277,9 +277,8 @@ def eager(contact: Contact) -> Contact:
 
 def test_what_is_dear_is_worked_out_once_and_when_asked_for() -> None:
     contact = one_contact()
-    assert not LATE & vars(contact).keys()
-    assert contact.covariance is contact.covariance
-    assert LATE & vars(contact).keys() == {"covariance"}
+    assert "outline" not in vars(contact)
+    assert contact.outline is contact.outline
     assert contact.force_std == np.sqrt(contact.covariance[2, 2])
     with pytest.raises(AttributeError, match="'Contact' object has no attribute 'weight'"):
         contact.weight  # noqa: B018
@@ -288,8 +287,6 @@ def test_what_is_dear_is_worked_out_once_and_when_asked_for() -> None:
 
 
 def test_copies_and_pickles_hold_all_and_nothing_else() -> None:
-    import skinfield.estimate.finder as resultant
-
     for made in (
         copy.copy(one_contact()),
         copy.deepcopy(one_contact()),
@@ -301,7 +298,7 @@ def test_copies_and_pickles_hold_all_and_nothing_else() -> None:
         check_same(made, eager(one_contact()))
     assert repr(one_contact()) == repr(eager(one_contact()))
     assert asdict(one_contact()).keys() == set(NAMES)
-    assert resultant.Details.__name__.encode() not in pickle.dumps(one_contact())
+    assert Outline.__name__.encode() not in pickle.dumps(one_contact())
 
 
 def test_a_contact_lends_what_another_does_not_have() -> None:
@@ -327,7 +324,7 @@ def test_what_comes_later_does_not_see_what_is_written_into_the_field() -> None:
 
 def test_an_error_of_ones_own_is_asked() -> None:
     class Flat:
-        std = np.zeros(0)
+        std, felt = np.zeros(144), 0
 
         def covariance_of_sums(self, cells: np.ndarray, weights: np.ndarray) -> np.ndarray:
             return np.eye(len(weights)) * len(cells)

@@ -7,7 +7,6 @@ from non_negative_reference import small_model
 from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
 from skinfield.estimate import ContactFinder, ModelError, PressureNoise, PressurePosterior
-from skinfield.estimate.finder import area_moves
 from skinfield.estimate.uncertainty import normal_interval, normal_radius
 from skinfield.skin import Grid
 from skinfield.solve import GaussianField, PseudoInverse, Tikhonov
@@ -89,41 +88,6 @@ def test_place_and_force_of_drawn_fields_scatter_as_the_contact_says() -> None:
     assert contact.place_std == pytest.approx(np.hypot(size[0], size[1]))
 
 
-def test_area_of_drawn_fields_scatters_as_the_contact_says() -> None:
-    """The region is found anew in each field: its border moves by the error over the slope."""
-    grid = Grid.square(square_patch(side=9), nodes=26)
-    pressure = 1e4 * np.exp(-((grid.plane - (2e-3, -1e-3)) ** 2).sum(axis=1) / 72e-6)
-    posterior, errors = small_spread(pressure, grid)
-    quiet = PressureNoise(np.full((len(grid), 1), 1.0))
-    finder = ContactFinder(prominence=0.9)
-    (contact,) = finder(grid, pressure, quiet, posterior)
-    areas = [finder(grid, pressure + error, quiet)[0].area for error in errors[:500]]
-    assert np.std(areas) == pytest.approx(contact.area_std, rel=0.2)
-
-
-def test_a_counted_area_is_rounded_as_stated() -> None:
-    """A disc at random between the nodes, without any noise."""
-    grid, rng = Grid.square(square_patch(side=9), nodes=26), np.random.default_rng(3)
-    missing, stated = [], []
-    for radius in rng.uniform(5e-3, 12e-3, 600):
-        square = ((grid.plane - rng.uniform(-grid.pitch, grid.pitch, 2)) ** 2).sum(axis=1)
-        pressure = np.maximum(0.0, 1 - square / radius**2)
-        cells = np.flatnonzero(pressure > 0.4)
-        missing.append(len(cells) * grid.cell_area - np.pi * 0.6 * radius**2)
-        stated.append(area_moves(grid, pressure, cells, 0.4)[2])
-    assert np.std(np.divide(missing, stated)) == pytest.approx(1.0, abs=0.15)
-
-
-def test_area_moves_as_that_of_a_disc() -> None:
-    """A paraboloid p = P (1 - r²/R²) ends at e P; raising all by dp adds pi R² (1 - e) dp / P."""
-    grid = Grid.square(square_patch(side=9), nodes=101)
-    pressure = 1e4 * np.maximum(0.0, 1 - (grid.plane**2).sum(axis=1) / 10e-3**2)
-    cells = np.flatnonzero(pressure > 0.2e4)
-    around, weights, _ = area_moves(grid, pressure, cells, 0.2)
-    assert weights.sum() == pytest.approx(np.pi * 10e-3**2 * 0.8 / 1e4, rel=0.01)
-    assert pressure[around[weights.argmin()]] == pressure.max()
-
-
 def test_without_a_prior_contacts_scatter_by_the_readings_noise() -> None:
     whole, rng = model(), np.random.default_rng(2)
     truth = 2e4 * np.maximum(0.0, 1 - ((whole.grid.plane - 1e-3) ** 2).sum(axis=1) / 36e-6)
@@ -143,12 +107,11 @@ def test_model_errors_add_in_square_and_scale_with_the_contact() -> None:
     grid = Grid.square(square_patch(side=9), nodes=26)
     pressure = 1e4 * np.maximum(0.0, 1 - (grid.plane**2).sum(axis=1) / 64e-6)
     quiet = PressureNoise(np.full((len(grid), 1), 1.0))
-    known = ModelError(force=0.3, place=2e-4, area=0.1)
+    known = ModelError(force=0.3, place=2e-4)
     (bare,) = ContactFinder()(grid, pressure, quiet)
     (contact,) = ContactFinder()(grid, pressure, quiet, None, known)
     added = np.diag([2e-4, 2e-4, 0.3 * bare.normal_force]) ** 2
     assert contact.covariance == pytest.approx(bare.covariance + added)
-    assert contact.area_std == pytest.approx(np.hypot(bare.area_std, 0.1 * bare.area))
     with pytest.raises(InputError, match="force is -1"):
         ModelError(force=-1.0)
 

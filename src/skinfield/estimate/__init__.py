@@ -3,8 +3,8 @@
 from skinfield.estimate.contact import Contact as Contact
 from skinfield.estimate.estimate import Estimate as Estimate
 from skinfield.estimate.finder import ContactFinder as ContactFinder
+from skinfield.estimate.finder import level_of as level_of
 from skinfield.estimate.live_contacts import LiveContacts as LiveContacts
-from skinfield.estimate.live_contacts import level_of as level_of
 from skinfield.estimate.tracked import ContactEvent as ContactEvent
 from skinfield.estimate.tracked import Gate as Gate
 from skinfield.estimate.tracked import Motion as Motion

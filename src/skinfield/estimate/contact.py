@@ -21,7 +21,7 @@ class Contact:
     force : (3,) array, N
         Resultant of the traction on the skin: it points into the skin in compression.
     moment : (3,) array, N m
-        Resultant moment of the traction about `position`.
+        Resultant moment of the traction about `position`, 0: what presses is no torque there.
     normal : (3,) array
         Outward normal of the skin at `position`.
     area : float, m²
@@ -32,15 +32,17 @@ class Contact:
         Of the place along the surface's two tangents at `position`, m (x and y of a flat patch),
         and of the normal force, N: how sure the solver is of one reading's answer.
     area_std : float, m²
-        One standard deviation of `area`.
+        One standard deviation of `area`; NaN where it is not known, as of a part of a field.
     radius : float, m
         Of the contact, where it is round; else of the circle of equal area.
     shape : "sphere", "flat", "line" or "other"
         What presses, as far as the readings tell: "other" for all that was not fitted.
     outline : (N, 3) array, m
-        Border of the region, closed: the last point is the first.
+        Border, closed: the last point is the first. That of the ellipse of `axes`; of a line what
+        is near to a segment.
     axes : (2,) array, m
-        Semi-axes of the ellipse of equal second moments, the longer first.
+        Semi-axes of the ellipse of equal area whose axes are as those of the second moments, the
+        longer first.
     angle : float, rad
         From the first tangent of the surface to the longer axis, -pi/2 to pi/2.
     cells : (N,) int array

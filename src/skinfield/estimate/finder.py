@@ -1,161 +1,118 @@
 """Contact finder: regions of pressure that stand out of the noise, and what they amount to."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, Ints, check_range, check_shape
 from skinfield.estimate.contact import Contact
-from skinfield.estimate.ranking import falling_order
-from skinfield.estimate.uncertainty import ModelError, PressureError
-from skinfield.estimate.uncertainty import compiled as load_covariances
+from skinfield.estimate.row_contacts import CONTACT, contacts_of_rows
+from skinfield.estimate.uncertainty import (
+    ModelError,
+    PressureError,
+    PressureNoise,
+    PressurePosterior,
+)
 from skinfield.skin import Grid
 
-# Variance, in cells, of the count in a disc at random per side of its border: 0.4576 R over 8 R
-# (Kendall, On the number of lattice points inside a random oval, Quart. J. Math. 19, 1948).
-SIDE_VARIANCE = 0.0572
+EXACT = ModelError()
+FEW = 16  # rows that are tried first
 
 
-@lru_cache(maxsize=8)
-def loads_per_pressure(grid: Grid) -> Floats:
-    """What a pressure of 1 Pa on each cell adds to the sums over a region, (K, 12).
-
-    Of the force N: its first moments x, y in the plane and itself; then the force in the patch's
-    frame and its moment about the origin; then its second moments xx, xy, yy.
-    """
-    (x, y), area = grid.plane.T, grid.cell_area
-    plane = area * np.stack([x, y, np.ones(len(grid)), x * x, x * y, y * y], axis=1)
-    forces = -area * grid.normals
-    return np.hstack([plane[:, :3], forces, np.cross(grid.positions, forces), plane[:, 3:]])
-
-
-def area_moves(
-    grid: Grid, pressure: Floats, cells: Ints, edge: float
-) -> tuple[Ints, Floats, float]:
-    """How the area of a region moves with the pressure of cells: these, and their m²/Pa.
-
-    Also one standard deviation of an area counted in whole cells, m².
-    """
-    moves, sides = kernels().area_moves(pressure, grid.shape[1], edge, cells)
-    around = np.flatnonzero(moves)
-    rounding = grid.cell_area * float(np.sqrt(SIDE_VARIANCE * sides))
-    return around, grid.cell_area * moves[around], rounding
-
-
-@dataclass(frozen=True, eq=False)
-class FieldRegions:
-    """Regions of a field, with what is needed to say more of them.
+class GridLevel(NamedTuple):
+    """What is known of the answers on one grid: a prepared finder of contacts.
 
     Attributes
     ----------
-    grid : Grid
-    pressure : (K,) array, Pa
-    error : PressureError
-        Of the pressure.
-    model_error : ModelError
-        What is wrong with contacts beside.
-    edge : float
-        Share of its peak at which a region ends.
-    starts, cells : (R + 1,) and (N,) int arrays
-        Flat cells: those of region n from starts[n] on.
+    std : (K,) array, Pa
+        By which contacts stand out.
+    positions, normals : (K, 3) arrays
+    factor : (K, L) float32 array, Pa
+    prior : array, Pa²
+        Of a posterior: see `PressurePosterior`.
+    signatures : (K, L) float32 array, 1/Pa
+    numbers : (13,) array
+        As `live_contacts_kernel` names them, from `HEIGHTS` on the finder's limits.
     """
 
-    grid: Grid
-    pressure: Floats
-    error: PressureError
-    model_error: ModelError
-    edge: float
-    starts: Ints
-    cells: Ints
+    std: Floats
+    positions: Floats
+    normals: Floats
+    factor: NDArray[np.float32]
+    prior: Floats
+    signatures: NDArray[np.float32]
+    numbers: Floats
 
-    def contacts(self) -> Iterator[Contact]:
-        """One contact for each region, by falling force; some of it comes when asked for."""
-        kernel, grid, starts, cells = kernels(), self.grid, self.starts, self.cells
-        loads, surface = loads_per_pressure(grid), grid.patch.surface
-        table = kernel.sum_regions(self.pressure, loads, grid.cell_area, starts, cells)
-        centre = table[:, : kernel.TOTAL]
-        positions = surface.position_from_plane(centre)
-        normals = grid.normals[:1]  # on a flat skin one for all
-        if not surface.is_flat:
-            normals = surface.frame_from_plane(centre)[:, :, 2]
-        along = kernel.move_moments(table, positions, normals).tolist()
-        numbers, ends = table.tolist(), starts.tolist()
-        for index in falling_order(along, cells[starts[:-1]].tolist()):
-            row, mine = table[index], cells[ends[index] : ends[index + 1]]
-            area = len(mine) * grid.cell_area
-            yield Contact.later(
-                Details(self, mine, centre[index], numbers[index][kernel.TOTAL]),
-                position=positions[index],
-                force=row[kernel.FORCE : kernel.MOMENT],
-                moment=row[kernel.MOMENT : kernel.AXES],
-                normal=normals[index if len(normals) > 1 else 0],
-                area=area,
-                peak_pressure=numbers[index][kernel.PEAK],
-                radius=(area / np.pi) ** 0.5,
-                shape="other",
-                axes=row[kernel.AXES : kernel.ANGLE],
-                angle=numbers[index][kernel.ANGLE],
-                cells=mine,
-                track_id=None,
-            )
+    def room(self) -> tuple[Any, ...]:
+        """Where `find_rows` works on fields of this grid, again and again."""
+        from skinfield.estimate.regions_kernel import room_for
+
+        taxels = self.signatures.shape[1]
+        moved = np.zeros((4, max(taxels, self.factor.shape[1])))
+        return *room_for(len(self.std), int(self.numbers[0])), moved, np.zeros(taxels)
 
 
-@dataclass(frozen=True, eq=False)
-class Details:
-    """What of a region's contact is dear, worked out when asked for; see `Contact.later`."""
+def level_of(
+    grid: Grid,
+    noise: PressureError,
+    error: PressureError | None = None,
+    model_error: ModelError = EXACT,
+    finder: "ContactFinder | None" = None,
+    *,
+    signatures: ArrayLike | None = None,
+    threshold: float = 0.0,
+) -> GridLevel:
+    """What is known of the answers on one grid; other arguments as of a `ContactFinder`'s call.
 
-    field: FieldRegions
-    cells: Ints
-    centre: Floats
-    total: float
+    Parameters
+    ----------
+    signatures : (K, L) array, 1/Pa, optional
+        What each cell's pressure reads on the taxels, in units of their noise.
+    threshold : float
+        Standard deviations that each further contact must stand out of the noise by; 0: it is as
+        the regions say, as for linear answers, whose noise is in their heights.
 
-    @property
-    def covariance(self) -> Floats:
-        """That of sums over the region's cells.
-
-        Of the pressure for the force and, to first order, of the pressure's first moments about the
-        centre for the place. Which cells make up the region is taken as given.
-        """
-        field, grid = self.field, self.field.grid
-        loads, (x, y) = loads_per_pressure(grid), self.centre.tolist()
-        moves = kernels().place_moves(loads, grid.cell_area, self.cells, x, y, self.total)
-        noise = field.error.covariance_of_sums(self.cells, moves)
-        return noise + field.model_error.covariance(self.total)
-
-    @property
-    def area_std(self) -> float:
-        """By how the border moves, by the rounding to whole cells, and by the model's error."""
-        field, grid = self.field, self.field.grid
-        around, moves, rounding = area_moves(grid, field.pressure, self.cells, field.edge)
-        variance = field.error.covariance_of_sums(around, moves[None])[0, 0]
-        beside = len(self.cells) * grid.cell_area * field.model_error.area
-        return float(np.sqrt(max(variance, 0.0) + rounding**2 + beside**2))
-
-    @property
-    def outline(self) -> Floats:
-        """Border of the region on the skin."""
-        grid = self.field.grid
-        corners = grid.origin + (kernels().border(self.cells, *grid.shape) - 0.5) * grid.pitch
-        return grid.patch.surface.position_from_plane(corners)
-
-
-@lru_cache(maxsize=1)
-def kernels() -> Any:
-    """The kernels, loaded when first needed; those that wait to be asked for, too."""
-    from skinfield.estimate import regions_kernel
-
-    load_covariances()
-    one, cell = np.ones(1), np.zeros(1, np.int64)
-    regions_kernel.area_moves(one, 1, 0.5, cell)
-    regions_kernel.place_moves(np.ones((1, 3)), 1.0, cell, 0.0, 0.0, 1.0)
-    regions_kernel.border(cell, 1, 1)
-    return regions_kernel
+    Raises
+    ------
+    InputError
+        For a noise of another number of nodes.
+    """
+    check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
+    known = ContactFinder() if finder is None else finder
+    factor, prior, sign = _covariance(grid, noise if error is None else error)
+    read = np.zeros((1, 1)) if signatures is None else signatures
+    least = 0.0 if signatures is None else threshold
+    numbers = [grid.shape[1], grid.pitch, *grid.origin]
+    numbers += [model_error.force, model_error.place, sign, least]
+    return GridLevel(
+        std=_as_compiled(noise.std),
+        positions=_as_compiled(grid.positions),
+        normals=_as_compiled(grid.normals),
+        factor=factor,
+        prior=_as_compiled(prior),
+        signatures=np.array(read, np.float32, order="C"),
+        numbers=np.array([*numbers, known.sigmas(noise), *known.shares]),
+    )
 
 
-EXACT = ModelError()
+def _as_compiled(array: Floats) -> Floats:
+    """As the kernels are compiled for: others would be compiled for anew."""
+    return np.require(array, np.float64, ("C", "W"))
+
+
+def _covariance(grid: Grid, error: PressureError) -> tuple[NDArray[np.float32], Floats, float]:
+    """Factor (K, L), prior by offset, and the sign of what the factor tells; 0 if not known."""
+    if isinstance(error, PressureNoise):
+        return error.single, np.zeros((1, 1)), 1.0
+    if isinstance(error, PressurePosterior):
+        steps = np.stack(np.divmod(np.arange(len(grid)), grid.shape[1]), axis=1)
+        covers = min(len(error.prior) - grid.shape[0], error.prior.shape[1] - grid.shape[1]) >= 0
+        if covers and np.array_equal(error.steps, steps):
+            return error.single, error.prior, -1.0
+    return np.zeros((len(grid), 1), np.float32), np.zeros((1, 1)), 0.0
 
 
 @lru_cache(maxsize=256)
@@ -198,9 +155,10 @@ class ContactFinder:
         """Standard deviations by which a peak must exceed the noise of the cells that feel it."""
         return _significance(self.false_alarm_rate, max(noise.felt, 1))
 
-    def heights(self, noise: PressureError) -> tuple[float, float, float, float]:
-        """`sigmas`, relative height, prominence and edge: as the kernel takes them."""
-        return self.sigmas(noise), self.relative_height, self.prominence, self.edge
+    @property
+    def shares(self) -> tuple[float, float, float]:
+        """Relative height, prominence and edge."""
+        return self.relative_height, self.prominence, self.edge
 
     def __call__(
         self,
@@ -227,26 +185,60 @@ class ContactFinder:
         -------
         tuple of Contact
             By falling normal force; of equal ones (to 1e-9), the one with the smallest cell first.
-            Their covariance, deviation of the area and outline are worked out when they are first
-            asked for.
 
         Raises
         ------
         InputError
             If the pressure or the noise is not one number for each node.
         """
-        flat = np.require(pressure, np.float64, ("C", "W"))  # others would be compiled for anew
+        flat = _as_compiled(pressure)
         if not flat.shape == noise.std.shape == (len(grid),):
             check_shape("pressure", flat, (len(grid),), "one per node of the grid")
             check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
-        kernel, heights, columns = kernels(), self.heights(noise), grid.shape[1]
-        if not kernel.stands_out(flat, noise.std, heights[0]):  # as in most readings
-            return ()
-        work = kernel.room_for(len(flat), columns)
-        count = kernel.find(flat, noise.std, columns, *heights, *work)
-        starts = work[2][kernel.STARTS, : count + 1].copy()
-        cells = work[2][kernel.REGIONS, : starts[-1]].copy()
-        stated = noise if error is None else error
-        own = flat.copy()  # what is worked out later is of these
-        regions = FieldRegions(grid, own, stated, model_error, self.edge, starts, cells)
-        return tuple(regions.contacts())
+        level = level_of(grid, noise, error, model_error, self)
+        return contacts_on(level, grid, flat, noise if error is None else error, model_error)
+
+
+def contacts_on(
+    level: GridLevel,
+    grid: Grid,
+    pressure: Floats,
+    error: PressureError,
+    model_error: ModelError,
+    whitened: Floats | None = None,
+) -> tuple[Contact, ...]:
+    """All contacts of a field (K,) Pa on a level of this grid, as `LiveContacts` has the strongest.
+
+    An error of another kind than the compiled ones states its covariance of sums over cells.
+    `whitened` (L,) are the readings in units of their noise, for a level with signatures.
+    """
+    from skinfield.estimate import live_contacts_kernel as kernel
+    from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
+
+    if not (pressure > level.numbers[kernel.HEIGHTS] * level.std).any():  # as in most readings
+        return ()
+    find_rows: Any = kernel.find_rows
+    room, rows, count = level.room(), np.zeros(0, CONTACT), FEW
+    while count > len(rows):
+        rows = np.zeros(count, CONTACT)
+        if whitened is not None:
+            room[-1][:] = whitened
+        count = int(find_rows(pressure, *level, *room, 0, rows))
+    rows, (starts, cells, listed) = rows[:count], room[2][[STARTS, REGIONS, SPARE]]
+    parts = [cells[starts[region] : starts[region + 1]].copy() for region in listed[:count]]
+    if not level.numbers[kernel.SIGN]:
+        for row, part in zip(rows, parts, strict=True):
+            row["covariance"] = _stated(grid, pressure, part, error, model_error)
+    return contacts_of_rows(rows, grid, pressure, parts)
+
+
+def _stated(
+    grid: Grid, pressure: Floats, cells: Ints, error: PressureError, model_error: ModelError
+) -> Floats:
+    """Covariance of a region's place and force as a row has it, to first order, (6,)."""
+    total = float(pressure[cells].sum())
+    away = grid.plane[cells] - pressure[cells] @ grid.plane[cells] / total
+    moves = grid.cell_area * np.vstack([away.T / (total * grid.cell_area), np.ones(len(cells))])
+    known = error.covariance_of_sums(cells, moves)
+    known = known + model_error.covariance(total * grid.cell_area)
+    return np.asarray(known[np.tril_indices(3)])

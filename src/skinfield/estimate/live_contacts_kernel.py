@@ -1,7 +1,7 @@
-"""Contacts of a live loop, compiled: what regions amount to.
+"""Contacts of a field as rows, compiled: what regions amount to.
 
-Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.live_contacts`
-for the rows.
+Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.estimate.row_contacts` for
+the rows.
 """
 
 from typing import Any
@@ -11,24 +11,25 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS
+from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS, find
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
-COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD = range(8)  # of a level's numbers
+COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD, HEIGHTS = range(9)  # of a level's numbers
 XX, XY, YY, X_FORCE, Y_FORCE, FORCE_FORCE = range(6)  # of a row's covariance
 
 
 @njit
-def tell(
+def find_rows(
     pressure: Floats,
-    count: int,
+    std: Floats,
     positions: Floats,
     normals: Floats,
     factor: NDArray[np.float32],
     prior: Floats,
     signatures: NDArray[np.float32],
     numbers: Floats,
+    wet: Ints,
     values: Floats,
     tables: Ints,
     taxels: Floats,
@@ -36,11 +37,13 @@ def tell(
     patch: int,
     out: Any,
 ) -> int:
-    """Write the strongest of `count` regions into `out`, by falling force; how many count.
+    """Write the strongest contacts of a field into `out`, by falling force; how many there are.
 
-    `positions` to `numbers` are a level's, `values` and `tables` those in which its regions were
-    found; `taxels` (4, L) is room to work in. `residual` (L,) holds whitened readings.
+    `std` to `numbers` are a level's, `wet` to `residual` its room: `residual` (L,) holds whitened
+    readings. Which regions the rows are of is left in `SPARE` of the tables.
     """
+    columns, heights = int(numbers[COLUMNS]), numbers[HEIGHTS:]
+    count = find(pressure, std, columns, heights, wet, values, tables)
     starts, cells, listed = tables[STARTS], tables[REGIONS], tables[SPARE]
     many = list_strongest(pressure, count, starts, cells, listed, values[0], len(out))
     if many > 1 and numbers[THRESHOLD] > 0.0:

@@ -1,6 +1,7 @@
 """Contacts of rows of numbers: shape, outline, and `Contact` as an estimate has it."""
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,10 +9,34 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.estimate.contact import Contact
-from skinfield.estimate.live_contacts import SHAPES
 from skinfield.skin import Grid
 from skinfield.skin.flattening import Surface
 
+CONTACT = np.dtype(
+    [
+        ("track", np.int64),
+        ("patch", np.int32),
+        ("cells", np.int32),
+        ("position", np.float64, (3,)),
+        ("normal", np.float64, (3,)),
+        ("x", np.float64),
+        ("y", np.float64),
+        ("normal_force", np.float64),
+        ("force_std", np.float64),
+        ("place_std", np.float64),
+        ("area", np.float64),
+        ("peak_pressure", np.float64),
+        ("moments", np.float64, (3,)),
+        ("age", np.float64),
+        ("speed", np.float64),
+        ("shape", np.int32),
+        ("maybe", np.int32),
+        ("radius", np.float64),
+        ("covariance", np.float64, (6,)),
+        ("area_std", np.float64),
+    ]
+)
+SHAPES = ("other", "sphere", "flat", "line")  # what `shape` is an index into
 POINTS = 32  # of an outline
 PLACES = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # of a covariance (3, 3) among a row's numbers
 LONGEST = 10.0  # times the radius of the circle of equal area, of an ellipse
@@ -101,7 +126,12 @@ def _nearest(rows: NDArray[np.void], plane: Floats) -> NDArray[np.int64]:
     return np.asarray(np.argmin(apart, axis=0))
 
 
-def contacts_of_rows(rows: NDArray[np.void], grid: Grid, pressure: Floats) -> tuple[Contact, ...]:
+def contacts_of_rows(
+    rows: NDArray[np.void],
+    grid: Grid,
+    pressure: Floats,
+    cells: Sequence[NDArray[np.int64]] | None = None,
+) -> tuple[Contact, ...]:
     """Contacts of one patch, as its rows of `CONTACT` state them.
 
     Parameters
@@ -109,11 +139,14 @@ def contacts_of_rows(rows: NDArray[np.void], grid: Grid, pressure: Floats) -> tu
     rows : (N,) array of CONTACT
     grid : Grid
     pressure : (K,) array, Pa
-        Each node that is pressed belongs to the nearest contact.
+    cells : N int arrays, optional
+        Nodes of each. Default those that are pressed, each of the nearest contact.
     """
-    pressed = np.flatnonzero(pressure > 0.0)
-    nearest = _nearest(rows, grid.plane[pressed]) if len(rows) else pressed
-    return tuple(_contact(grid, row, pressed[nearest == place]) for place, row in enumerate(rows))
+    if cells is None:
+        pressed = np.flatnonzero(pressure > 0.0)
+        nearest = _nearest(rows, grid.plane[pressed]) if len(rows) else pressed
+        cells = [pressed[nearest == place] for place in range(len(rows))]
+    return tuple(_contact(grid, row, its) for row, its in zip(rows, cells, strict=True))
 
 
 def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:

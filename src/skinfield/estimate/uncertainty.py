@@ -1,8 +1,8 @@
 """Uncertainty of pressure and contacts: noise, posterior and model errors of a patch."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,16 +59,13 @@ class ModelError:
         One standard deviation, part of the contact's normal force.
     place : float, m
         One standard deviation along each tangent.
-    area : float
-        One standard deviation, part of the contact's area.
     """
 
     force: float = 0.0
     place: float = 0.0
-    area: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("force", "place", "area"):
+        for name in ("force", "place"):
             check_range(name, getattr(self, name), 0.0, ENOUGH, "one standard deviation")
 
     def covariance(self, force: float) -> Floats:
@@ -118,15 +115,11 @@ class FactoredError:
         """`factor` in single precision, for loops that have half the time to read it."""
         return np.require(self.factor, np.float32, ("C", "W"))
 
-    @cached_property
-    def _rows(self) -> Floats:
-        return np.ascontiguousarray(self.factor, dtype=np.float64)
-
     def explained(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of sums with weights (M, N) of rows `cells` of the factor."""
         check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        return np.asarray(compiled().of_factor(self._rows, cells, weights))
+        moved = weights @ self.factor[cells]
+        return np.asarray(moved @ moved.T, np.float64)
 
 
 class PressureNoise(FactoredError):
@@ -147,17 +140,6 @@ class PressureNoise(FactoredError):
         return self.explained(cells, weights)
 
 
-@lru_cache(maxsize=1)
-def compiled() -> Any:
-    """The kernels, loaded when first needed, and both at once."""
-    from skinfield.estimate import covariance_kernel
-
-    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
-    covariance_kernel.of_factor(one, cell, one)
-    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
-    return covariance_kernel
-
-
 def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
     """Raise InputError unless weights (M, N) are of N cells out of `count`."""
     if weights.ndim != 2 or weights.shape[1:] != cells.shape:
@@ -170,7 +152,7 @@ def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
         )
 
 
-DENSE = 500  # cells up to which going over all pairs is quicker than a Fourier transform
+DENSE = 200  # cells up to which going over all pairs is quicker than a Fourier transform
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -217,15 +199,10 @@ class PressurePosterior(FactoredError):
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         explained = self.explained(cells, weights)
-        if len(cells) <= DENSE:
-            cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-            return np.asarray(compiled().of_lattice(*self._lattice, cells, weights) - explained)
-        return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
-
-    @cached_property
-    def _lattice(self) -> tuple[Floats, NDArray[np.int64]]:
-        prior = np.ascontiguousarray(self.prior, dtype=np.float64)
-        return prior, np.ascontiguousarray(self.steps, dtype=np.int64)
+        if len(cells) > DENSE:
+            return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
+        down, right = (np.abs(axis[:, None] - axis) for axis in self.steps[cells].T)
+        return np.asarray(weights @ self.prior[down, right] @ weights.T - explained)
 
     def _prior_of_sums(self, steps: NDArray[np.int64], weights: Floats) -> Floats:
         """By Fourier transforms of the box that holds all."""

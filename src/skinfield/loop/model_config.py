@@ -11,7 +11,7 @@ import numpy as np
 
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate import Estimate
 from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
@@ -19,7 +19,7 @@ from skinfield.loop.slots import CycleSlot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.plan import details, finder_of
+from skinfield.reconstruct.plan import details
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
@@ -276,7 +276,6 @@ class Models:
         typical = model_config.quantity.typical_noise
         self.model_config = model_config
         self.noise_std: Floats = np.where(noise_std > 0, noise_std, typical)
-        self.finder = ContactFinder()
         self._engine: Engine | None = None
         self._grids: dict[tuple[int, int], Grid] = {}
         sizes = [len(patch) for patch in model_config.skin]
@@ -332,21 +331,19 @@ class Models:
             operator = step.operator if answer >= Answer.FEASIBLE else step.start
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
-            deformation = step.deformation.on(grid)
-            find = finder_of(self.finder, grid)
-            found = details(solution, pressure, valid, grid, deformation, find)
+            found = details(solution, pressure, valid, grid, step.deformation.on(grid))
             if not rungs.linear:
                 matrix = step.operator.model.matrix
                 found["residual"] = lambda: np.where(valid, linear - matrix @ pressure, np.nan)
             return found
 
-        names = ("displacement", "pressure_std", "contacts", "residual")
+        names = ("displacement", "pressure_std", "residual")
         later: dict[str, Callable[[], Any]] = {
             name: partial(lambda name: rest()[name](), name) for name in names
         }
+        rows = slot.contacts[patch, : int(row["contacts"])].copy()
+        later["contacts"] = partial(contacts_of_rows, rows, grid, pressure)
         if answer == int(Answer.CONTACTS):
-            rows = slot.contacts[patch, : int(row["contacts"])].copy()
-            later["contacts"] = partial(contacts_of_rows, rows, grid, pressure)
             later["pressure_std"] = partial(pressure_std_of_rows, rows, grid, pressure)
         later["traction"] = lambda: -pressure[:, None] * grid.normals
         return Estimate.later(

@@ -18,10 +18,11 @@ from skinfield.estimate import (
     PressureError,
     PressureNoise,
 )
-from skinfield.estimate.live_contacts import LiveContacts, level_of
+from skinfield.estimate.finder import GridLevel, contacts_on, level_of
+from skinfield.estimate.live_contacts import LiveContacts
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
-from skinfield.solve.operator import EXACT, Data, DeadlineMargin
+from skinfield.solve.operator import Data, DeadlineMargin
 
 NO_SHIFT: Floats = np.zeros(2)
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
@@ -93,7 +94,60 @@ class ResultArrays:
         )
 
 
-Finder = Callable[[Operator, Floats], tuple[Contact, ...]]
+@dataclass(frozen=True, eq=False)
+class FieldContacts:
+    """How contacts are found in the fields of one grid, the same for every door.
+
+    Attributes
+    ----------
+    finder : ContactFinder
+    grid : Grid
+    nodes : (K,) int array, optional
+        The grid's, among those of the operators. Default all.
+    """
+
+    finder: ContactFinder
+    grid: Grid
+    nodes: Ints | None = None
+
+    @cached_property
+    def level(self) -> Any:
+        """`GridLevel` of an operator's answers, of those that came last."""
+        return lru_cache(MOST_SETS + 1)(self._level_of)
+
+    def _level_of(self, operator: Operator) -> GridLevel:
+        errors = *self._errors(operator), operator.model_error, self.finder
+        problem = None if self.nodes is not None else getattr(operator, "problem", None)
+        if problem is None:
+            return level_of(self.grid, *errors)
+        signatures = (operator.model.matrix / operator.model.noise_std[:, None]).T
+        threshold = problem.threshold
+        return level_of(self.grid, *errors, signatures=signatures, threshold=threshold)
+
+    def _errors(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
+        """Noise and posterior on the grid's nodes."""
+        noise: Any = operator.noise
+        posterior: Any = operator.posterior
+        if self.nodes is None:
+            return noise, posterior
+        return noise.on(self.nodes), None if posterior is None else posterior.on(self.nodes)
+
+    def __call__(
+        self, operator: Operator, pressure: Floats, readings: Floats | None = None
+    ) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa; `readings` (L,) are linearised, 0 where left out."""
+        level, (noise, posterior) = self.level(operator), self._errors(operator)
+        white = None
+        if readings is not None and len(level.signatures) == len(pressure):
+            white = readings / operator.model.noise_std
+        error = noise if posterior is None else posterior
+        return contacts_on(level, self.grid, pressure, error, operator.model_error, white)
+
+
+@lru_cache(maxsize=64)
+def field_contacts(finder: ContactFinder, grid: Grid) -> FieldContacts:
+    """How contacts are found on a grid that is an operator's own."""
+    return FieldContacts(finder, grid)
 
 
 def details(
@@ -102,7 +156,7 @@ def details(
     valid: NDArray[np.bool_],
     grid: Grid,
     deformation: Deformation,
-    find: Finder,
+    find: FieldContacts | None = None,
     nodes: Ints | None = None,
 ) -> dict[str, Callable[[], Any]]:
     """What an estimate of a solution holds beside its pressure, to be worked out when asked for.
@@ -117,8 +171,8 @@ def details(
     grid : Grid
     deformation : Deformation
         Of the solution's nodes.
-    find : function of an operator and a pressure (K,)
-        Finds the contacts, where the operator does not.
+    find : FieldContacts, optional
+        Where the operator finds none by itself. Default: there are none.
     nodes : int array, optional
         Those of the solution's nodes that are the grid's. Default all.
     """
@@ -128,7 +182,7 @@ def details(
     def contacts() -> tuple[Contact, ...]:
         found = operator.contacts(solution)
         if found is None:
-            return find(operator, pressure)
+            return () if find is None else find(operator, pressure, solution.readings)
         return found if nodes is None else _inside(found, nodes)
 
     def moved() -> Floats:
@@ -144,11 +198,6 @@ def details(
         "contacts": contacts,
         "residual": lambda: np.where(valid, solution.residual, np.nan),
     }
-
-
-def finder_of(finder: ContactFinder, grid: Grid) -> Finder:
-    """Finder of contacts on a grid that is an operator's own."""
-    return lambda by, pressure: finder(grid, pressure, by.noise, by.posterior, by.model_error)
 
 
 def estimate_of_solution(
@@ -170,7 +219,7 @@ def estimate_of_solution(
     **known
         Further attributes of the estimate.
     """
-    find = finder_of(finder, grid)
+    find = field_contacts(finder, grid)
     rest = details(solution, solution.pressure, valid, grid, deformation, find)
     if predicted is not None:
         left = predicted
@@ -267,7 +316,7 @@ class Plan:
         finder: ContactFinder,
         precision: type[np.floating[Any]] = np.float64,
     ) -> None:
-        self.deformation, self.grid, self.finder = deformation, grid, finder
+        self.deformation, self.grid = deformation, grid
         self._parts = deformation, nodes, precision
         whole = len(nodes) == len(operator.model.grid)
         self._nodes = None if whole or operator.linear is not None else nodes
@@ -276,7 +325,7 @@ class Plan:
             operator = self.linear = LinearFields.of(operator.linear, *self._parts)
         self.whole: Operator = operator
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
-        self._errors = lru_cache(MOST_SETS + 1)(self._errors_on)
+        self.find = FieldContacts(finder, grid, self._nodes)
         self._spare: list[Data] = []  # of threads that are not at work
 
     def of(self, valid: NDArray[np.bool_]) -> Operator:
@@ -335,15 +384,8 @@ class Plan:
                 "all of it, such as Grid.square(patch): contacts are found where taxels are"
             )
         known, noise = self.whole, self.whole.model.noise_std
-        problem, signatures = getattr(known, "problem", None), None
-        if problem is not None:
-            signatures = (known.model.matrix / noise[:, None]).T
-        threshold = 0.0 if problem is None else problem.threshold
-        errors = known.noise, known.posterior, known.model_error
-        level = level_of(
-            self.grid, *errors, self.finder, signatures=signatures, threshold=threshold
-        )
-        return known.data(), LiveContacts([level]), 1.0 / noise, np.zeros_like(noise)
+        live = LiveContacts([self.find.level(known)])
+        return known.data(), live, 1.0 / noise, np.zeros_like(noise)
 
     def multiply(self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays) -> None:
         """Write a linear solver's answers to readings (T, L), where `valid` (T, L), into `out`.
@@ -394,19 +436,6 @@ class Plan:
             out.pressure_std[row] = operators[place].pressure_std()
             out.contacts[row] = self.find(operators[place], out.fields[row, :nodes])
 
-    def find(self, operator: Operator, pressure: Floats) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, of an operator's nodes that are the grid's."""
-        errors = operator.noise, operator.posterior
-        if self._nodes is not None:
-            errors = self._errors(operator)  # type: ignore[arg-type]
-        return self.finder(self.grid, pressure, *errors, operator.model_error)
-
-    def _errors_on(self, operator: Operator) -> tuple[PressureError, PressureError | None]:
-        """Noise and posterior of an operator, on the grid's nodes."""
-        noise: Any = operator.noise
-        posterior: Any = operator.posterior
-        return noise.on(self._nodes), None if posterior is None else posterior.on(self._nodes)
-
     def reset(self) -> None:
         """Forget the readings before."""
         for data in self._spare:
@@ -417,7 +446,7 @@ class Plan:
         operator, grid = self.whole, self.whole.model.grid if self.linear is None else self.grid
         if operator.contacts(operator.data().solution) is not None:
             return
-        noise, peak = operator.noise, np.zeros(len(grid))
-        peak[len(peak) // 2] = 1e3 * max(float(noise.std.max()), 1.0)
-        self.finder(grid, peak, noise, operator.posterior, EXACT)
+        peak = np.zeros(len(grid))
+        peak[len(peak) // 2] = 1e3 * max(float(operator.noise.std.max()), 1.0)
+        FieldContacts(self.find.finder, grid)(operator, peak)
         self.deformation(np.zeros(len(operator.model.grid)))

@@ -40,27 +40,27 @@ def sees_sum(matrix: Floats) -> bool:
 class Errors(NamedTuple):
     """One standard deviation by what taxels read; for the gap that of the capacitance.
 
-    Of the force and the area as parts of them, of the place in pitches: (force, place, area).
+    Of the force as a part of it, of the place in pitches: (force, place).
     """
 
-    stress: tuple[float, float, float]
-    capacitance: tuple[float, float, float]
+    stress: tuple[float, float]
+    capacitance: tuple[float, float]
 
     def of(self, model: ObservationModel) -> ModelError:
         """For a model; none is known of a matrix that was built by hand."""
         if model.physics is None:
             return ModelError()
         read = isinstance(model.physics.quantity, BaseStress)
-        force, place, area = self.stress if read else self.capacitance
-        return ModelError(force=force, place=place * model.grid.patch.pitch, area=area)
+        force, place = self.stress if read else self.capacitance
+        return ModelError(force=force, place=place * model.grid.patch.pitch)
 
 
-GAUSSIAN_FIELD = Errors((1.2, 0.20, 0.30), (1.4, 0.22, 0.22))
-NON_NEGATIVE = Errors((1.4, 0.13, 0.18), (0.54, 0.14, 0.23))
-TIKHONOV = Errors((1.9, 0.13, 0.0), (1.8, 0.14, 0.0))
-PSEUDO_INVERSE = Errors((2.2, 0.29, 0.46), (2.6, 0.29, 0.64))
-RESAMPLED_PSEUDO_INVERSE = Errors((0.92, 0.29, 0.53), (0.60, 0.37, 0.58))
-INVERSE = Errors((0.82, 0.29, 0.55), (0.60, 0.44, 0.59))
+GAUSSIAN_FIELD = Errors((1.2, 0.20), (1.4, 0.22))
+NON_NEGATIVE = Errors((1.4, 0.13), (0.54, 0.14))
+TIKHONOV = Errors((1.9, 0.13), (1.8, 0.14))
+PSEUDO_INVERSE = Errors((2.2, 0.29), (2.6, 0.29))
+RESAMPLED_PSEUDO_INVERSE = Errors((0.92, 0.29), (0.60, 0.37))
+INVERSE = Errors((0.82, 0.29), (0.60, 0.44))
 
 
 def resampled(model: ObservationModel) -> tuple[Floats, Floats, NDArray[np.bool_]]:

@@ -1,17 +1,17 @@
 """Contacts of all patches of an engine's cycle, as rows of numbers."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints, check_shape
-from skinfield.estimate.live_contacts import CONTACT, GridLevel, LiveContacts, level_of
+from skinfield.estimate.finder import GridLevel
+from skinfield.estimate.live_contacts import CONTACT, LiveContacts
 from skinfield.estimate.track_memory import TOP
 from skinfield.estimate.tracker import Tracker
 from skinfield.reconstruct.engine.engine import Engine
 from skinfield.reconstruct.engine.results import grid_on
 from skinfield.reconstruct.engine.state import CONTACTS, FEASIBLE, IDLE, LINEAR
+from skinfield.reconstruct.plan import field_contacts
 
 
 class SkinContacts:
@@ -132,15 +132,9 @@ def _levels(engine: Engine, name: str) -> list[GridLevel]:
     )
     levels = []
     for rung, step in enumerate(group.rungs.steps):
-        grid = grid_on(group, place, rung)
-        known: Any = step.start
+        find = field_contacts(engine.finder, grid_on(group, place, rung))
         if group.rungs.linear or rung == 0:
-            told = grid, known.noise, known.posterior, known.model_error, engine.finder
-            levels.append(level_of(*told))
+            levels.append(find.level(step.start))
         if not group.rungs.linear:
-            known = step.operator
-            signatures = (known.model.matrix / group.kind.noise_std[:, None]).T
-            told = grid, known.noise, known.posterior, known.model_error, engine.finder
-            threshold = group.operators[rung].problem.threshold
-            levels.append(level_of(*told, signatures=signatures, threshold=threshold))
+            levels.append(find.level(step.operator))
     return levels

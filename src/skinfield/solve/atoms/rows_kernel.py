@@ -10,7 +10,6 @@ import numpy as np
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
-from skinfield.estimate.live_contacts import SHAPES
 from skinfield.estimate.live_contacts_kernel import (
     FORCE_FORCE,
     X_FORCE,
@@ -21,6 +20,7 @@ from skinfield.estimate.live_contacts_kernel import (
     put_on,
     state_deviations,
 )
+from skinfield.estimate.row_contacts import SHAPES
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
