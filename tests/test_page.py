@@ -56,7 +56,7 @@ def look(opened: Look, skin: Served) -> Iterator[Look]:
     opened.page.keyboard.press("Escape")
     opened.until("skinfield.state.truth.length === 0")
     assert opened.wrong == [], "\n".join(skin.said)
-    assert opened.value("skinfield.state.malformed") == 0
+    assert opened.value("skinfield.state.malformed") == []
 
 
 @pytest.fixture

@@ -62,7 +62,7 @@ def opened(browser: Any, view: Served) -> Iterator[Look]:
 def look(opened: Look) -> Iterator[Look]:
     yield opened
     assert opened.wrong == []
-    assert opened.value("skinfield.state.malformed") == 0
+    assert opened.value("skinfield.state.malformed") == []
 
 
 def one_within(low: float, high: float, rows: list[dict[str, str]]) -> bool:

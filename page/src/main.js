@@ -21,6 +21,7 @@ import { checkGeometry, checkUpdate, decode, WIRE, WireError } from "./wire.js";
 
 const LOST = "connection lost, trying again …";
 const STUCK_MS = 2000; // after bytes that say nothing, until the connection is made anew
+const KEPT = 20; // reasons why messages were passed over
 
 /** All that the page knows; tests look at it too. */
 const state = {
@@ -33,7 +34,7 @@ const state = {
   connections: 0,
   updates: 0,
   bytes: 0,
-  malformed: 0,
+  malformed: [], // why messages were passed over, the newest
 };
 
 const socket = new PageSocket({
@@ -169,7 +170,7 @@ function passOver(head) {
 }
 
 function malformed(why) {
-  state.malformed += 1;
+  state.malformed = [...state.malformed, String(why)].slice(-KEPT);
   notice("warn", `a message from the server was passed over: ${why}`);
 }
 

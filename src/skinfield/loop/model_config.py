@@ -18,7 +18,9 @@ from skinfield.loop.settings import LiveSettings
 from skinfield.loop.slots import CycleSlot
 from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
+from skinfield.reconstruct.engine.patch_kinds import kinds_of
 from skinfield.reconstruct.engine.state import Answer
+from skinfield.reconstruct.multigrid_levels import Rung, Rungs, prepare_rungs
 from skinfield.reconstruct.plan import details
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
@@ -276,28 +278,47 @@ class Models:
         typical = model_config.quantity.typical_noise
         self.model_config = model_config
         self.noise_std: Floats = np.where(noise_std > 0, noise_std, typical)
-        self._engine: Engine | None = None
+        self._made: dict[str, Rungs] | None = None
         self._grids: dict[tuple[int, int], Grid] = {}
         sizes = [len(patch) for patch in model_config.skin]
         self.starts = np.concatenate([[0], np.cumsum(sizes)]).tolist()
 
     @property
-    def engine(self) -> Engine:
-        """An engine like the one that answers, but for fits of contacts; takes seconds to prepare.
+    def rungs(self) -> dict[str, Rungs]:
+        """Grids, deformation and linear answer of each patch by name; some seconds, once.
 
-        A reader has the contacts' rows, and needs of the rest what is known of a field.
+        A reader has the contacts' rows, and needs no search of them: the uncertainty of a field is
+        that of the linear answer it starts from.
         """
-        if self._engine is None:
-            known, solver = self.model_config, self.model_config.solver
-            if isinstance(solver, Auto | ContactFit):
-                known = replace(known, solver=getattr(solver, "field", NonNegative()))
-            self._engine = known.engine(self.noise_std)
-        return self._engine
+        if self._made is None:
+            known, made = self.model_config, {}
+            physics = known.mechanics, known.quantity, self._linear
+            typical = known.quantity.typical_noise
+            for kind in kinds_of(known.skin, known.layer, self._noise(), typical):
+                patch = kind.patches[0]
+                rungs = prepare_rungs(patch, kind.layer, known.rungs, *physics, kind.noise_std)
+                made.update({patch.name: rungs for patch in kind.patches})
+            self._made = made
+        return self._made
+
+    @property
+    def _linear(self) -> Solver:
+        """Solver whose linear answer tells how uncertain a field is."""
+        solver = self.model_config.solver
+        if isinstance(solver, Auto | ContactFit):
+            solver = getattr(solver, "field", NonNegative())
+        return solver.unconstrained() if isinstance(solver, NonNegative) else solver
+
+    def _noise(self) -> dict[str, Floats]:
+        """Noise of each patch's taxels, by its name."""
+        parts = np.split(self.noise_std, self.starts[1:-1])
+        names = [patch.name for patch in self.model_config.skin]
+        return dict(zip(names, parts, strict=True))
 
     @property
     def prepared(self) -> bool:
         """Whether deformation and uncertainty cost no preparation any more."""
-        return self._engine is not None
+        return self._made is not None
 
     def moved(self, patch: int, nodes: int, pressure: Floats) -> Floats:
         """Displacement of a patch's nodes under a pressure (K,) Pa, (K, 3) m."""
@@ -326,15 +347,14 @@ class Models:
         gap, steps = float(row["gap"]), int(row["iterations"])
 
         @cache
-        def rest() -> dict[str, Callable[[], Any]]:  # for which an engine is prepared
-            rungs, step = self._group(patch).rungs, self._rung(patch, nodes)
-            operator = step.operator if answer >= Answer.FEASIBLE else step.start
+        def rest() -> dict[str, Callable[[], Any]]:  # for which a patch is prepared
+            step = self._rung(patch, nodes)
+            operator = step.operator
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
             found = details(solution, pressure, valid, grid, step.deformation.on(grid))
-            if not rungs.linear:
-                matrix = step.operator.model.matrix
-                found["residual"] = lambda: np.where(valid, linear - matrix @ pressure, np.nan)
+            if answer >= Answer.FEASIBLE:
+                found["residual"] = lambda: np.where(valid, linear - step.matrix @ pressure, np.nan)
             return found
 
         names = ("displacement", "pressure_std", "residual")
@@ -359,12 +379,9 @@ class Models:
             is_field=answer != int(Answer.CONTACTS),
         )
 
-    def _group(self, patch: int) -> Any:
-        name = self.model_config.skin[patch].name
-        return next(g for g in self.engine.groups if name in [p.name for p in g.kind.patches])
-
-    def _rung(self, patch: int, nodes: int) -> Any:
-        return self._group(patch).rungs.steps[self.model_config.rungs.index(nodes)]
+    def _rung(self, patch: int, nodes: int) -> Rung:
+        rungs = self.rungs[self.model_config.skin[patch].name]
+        return rungs.steps[self.model_config.rungs.index(nodes)]
 
 
 LEAVE = 5.0  # s that the next process of an engine may take to go on with its ring

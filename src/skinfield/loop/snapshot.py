@@ -101,7 +101,7 @@ class Snapshot(Mapping[str, Estimate]):
 
     def prepare(self) -> None:
         """Prepare deformation and uncertainty, of this cycle and those after it; takes seconds."""
-        _ = self._models.engine
+        _ = self._models.rungs
 
     def indentation(self, name: str) -> Floats | None:
         """Displacement of a patch into the skin, (K,) m; None until it is prepared."""

@@ -18,8 +18,6 @@ from skinfield.page.source import EngineView
 from skinfield.page.wire import packed, scaled
 from skinfield.reconstruct.engine.report import WORDS
 
-NEAR = 1.5e-3  # m: from the place of a contact to that of its outline
-
 
 def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
     """Numbers of the cycle with the newest reading."""
@@ -37,15 +35,6 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
         "ready_us": took * 1e-3,
         "latency_us": (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None,
     }
-
-
-def outline_near(contacts: Any, position: Floats) -> Floats | None:
-    """Border of the contact that stands there."""
-    for each in contacts:
-        if float(np.linalg.norm(each.position - position)) < NEAR:
-            border: Floats = each.outline
-            return border if len(border) else None
-    return None
 
 
 def finite(value: Any) -> float | None:
@@ -224,10 +213,7 @@ class Updates:
         assert snapshot is not None  # whoever calls has looked
         patch = snapshot.patches[each.place]
         for row in snapshot.contacts[snapshot.contacts["patch"] == each.place]:
-            found = None
-            if snapshot.prepared and int(patch["answer"]) != Answer.CONTACTS:
-                found = outline_near(snapshot[each.patch.name].contacts, row["position"])
-            border = outline_of(each.patch.surface, row) if found is None else found
+            border = outline_of(each.patch.surface, row)
             alike = ("force_std", "place_std", "area", "speed")
             rows.append({name: finite(row[name]) for name in alike} | {
                 "track": int(row["track"]),

@@ -129,6 +129,16 @@ class Rung:
     start: LinearOperator
     operator: Operator
 
+    @cached_property
+    def matrix(self) -> Floats:
+        """Readings of a pressure on this grid, (L, K), unit of the reading per Pa."""
+        model = self.operator.model
+        physics = model.physics
+        if model.grid.shape == self.grid.shape or physics is None:
+            return model.matrix
+        places = self.grid, model.taxels, physics.pad_diameter
+        return physics.quantity.matrix(physics.mechanics, physics.layer, *places)
+
 
 @dataclass(frozen=True, eq=False)
 class Rungs:
