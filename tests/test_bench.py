@@ -214,14 +214,20 @@ def drawn_bench(tiny: scene.BenchScene) -> dict:
 
 
 def test_costs_and_errors_are_drawn_with_their_units(tiny: scene.BenchScene) -> None:
-    figure = picture(drawn_bench(tiny))
-    left, right = figure.axes
-    assert {axes.get_xscale() + axes.get_yscale() for axes in figure.axes} == {"loglog"}
+    bench = drawn_bench(tiny)
+    figure = picture(bench)
+    left, right, true = figure.axes
+    assert [axes.get_xscale() + axes.get_yscale() for axes in figure.axes] == [
+        *("loglog", "loglog", "loglinear")
+    ]
     assert [tick.get_text() for tick in left.get_xticklabels()] == ["10", "20"]
     assert left.get_lines()[0].get_ydata() == pytest.approx([10.0, 20.0])  # ms
     errors = [line.get_ydata()[0] for line in right.get_lines()]
     assert errors == pytest.approx([FLOOR, 50.0, 100.0])
-    assert right.get_lines()[2].get_color() == left.get_lines()[0].get_color()  # the paper's
+    for panel in (right, true):
+        assert panel.get_lines()[2].get_color() == left.get_lines()[0].get_color()  # the paper's
+    off = [100 * row["force"]["p50"] for row in bench["points"]]
+    assert [line.get_ydata()[0] for line in true.get_lines()] == pytest.approx(off)
     (legend,) = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
     assert len(names) == len(set(names))

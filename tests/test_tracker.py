@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.estimate import ContactEvent, Motion, TrackedContact
+from skinfield.estimate.tracking_kernel import track
 from skinfield.skin.generators import cylinder
 
 PATCH = sf.Patch(np.array([(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 0.03)]))
@@ -89,7 +90,7 @@ def test_a_contact_that_stays_keeps_its_number_and_gets_surer() -> None:
 
 def test_the_filter_is_the_textbooks() -> None:
     """Against the matrices of a constant-velocity Kalman filter, written out."""
-    motion = Motion(surprise=1e9)
+    motion = Motion(false_onsets=0.0)
     tracker = sf.Tracker(motion=motion)
     rng = np.random.default_rng(0)
     noise = np.array([[4e-8, 1e-8, 2e-6], [1e-8, 9e-8, -3e-6], [2e-6, -3e-6, 4e-3]])
@@ -121,7 +122,7 @@ def test_the_filter_is_the_textbooks() -> None:
 
 
 def test_the_force_follows_a_sudden_touch_within_a_reading() -> None:
-    slow = sf.Tracker(motion=Motion(surprise=1e9))
+    slow = sf.Tracker(motion=Motion(false_onsets=0.0))
     for tracker, low, high in ((sf.Tracker(), 1.95, 2.05), (slow, 1.0, 1.9)):
         found, _ = follow(tracker, [[(0.0, 0.0, 0.3)]] * 20 + [[(0.0, 0.0, 2.0)]])
         assert low < found[-1][0].normal_force < high
@@ -141,6 +142,25 @@ def test_a_sliding_contact_moves_and_then_rests() -> None:
     after = found[-1][0]
     assert not after.is_slipping
     assert 15 * STEP < after.since_slip <= 25 * STEP
+
+
+@pytest.mark.parametrize("rate", [100, 1000])
+def test_noise_is_taken_for_an_onset_as_seldom_at_any_rate(rate: int) -> None:
+    rng, rest, slide = np.random.default_rng(3), 60 * rate, rate // 2
+    memory = sf.Tracker()._memory
+    measured, bursts, fast, moving = memory.contacts[0], 0, False, []
+    for index in range(rest + slide):
+        x = 40e-3 * max(index - rest, 0) / rate
+        measured["mean"] = rng.normal((x, 0.0, 1.0), (2e-4, 2e-4, 0.05))
+        measured["covariance"] = np.diag([4e-8, 4e-8, 2.5e-3])
+        track(memory, 1, round(1e9 * index / rate))
+        known = memory.tracks[0]
+        before, fast = fast, bool(np.hypot(*known["mean"][3:5]) > 20e-3)
+        bursts += fast and not before and index < rest
+        moving.append(bool(known["slips"]))
+    assert bursts <= 9  # 3 are due, and less than one in a thousand has more than 9
+    assert sum(moving[:rest]) < 0.1 * rate
+    assert 0 < moving[rest:].index(True) < 0.1 * rate
 
 
 def test_a_contact_that_is_not_seen_coasts_and_is_then_lost() -> None:

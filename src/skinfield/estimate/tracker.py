@@ -122,7 +122,7 @@ class Tracker:
         motion, gate = self.motion, self.gate
         pushes = motion.acceleration**2 * HOLD, motion.force_rate**2 / HOLD
         rates = motion.first_speed**2, motion.first_force_rate**2, motion.top_speed
-        gates = motion.surprise, gate.distance, gate.floor, gate.reach
+        gates = motion.false_onsets, gate.distance, gate.floor, gate.reach
         times = (round(1e9 * each) for each in (self.period, self.coast, self.memory))
         rest = self.strong, self.weak_readings, self.near, self.slip_speed, self.slip_sigmas
         return np.array([(*pushes, *rates, *gates, *times, *rest)], RULES)

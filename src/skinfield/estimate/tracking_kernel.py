@@ -3,6 +3,7 @@
 Nothing is allocated. One function is called per reading of a patch, see `track`.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -178,13 +179,15 @@ def push(covariance: Floats, variances: Three, place: float, both: float, rate: 
 def update(memory: TrackMemory, known: Any, contact: Any) -> None:
     """Take up a contact, in a track's mean and covariance.
 
-    Where that is a surprise, the rates may have changed at once when the track was seen last.
+    Where that is a surprise, the rates may have changed at once when the track was seen last. What
+    is one follows from the time between readings, so that noise is taken for an onset as seldom
+    however often the skin is read.
     """
     mean, covariance, value, rule = known.mean, known.covariance, contact.mean, memory.rules[0]
     off = (value[0] - mean[0], value[1] - mean[1], value[2] - mean[2])
     white, parts = memory.work, factors(known, contact, 0.0, 0.0)
-    if square(parts, off) > rule.surprise:
-        since = NS * (memory.words[NOW] - known.last)
+    since = NS * (memory.words[NOW] - known.last)
+    if chance_beyond(square(parts, off)) < rule.false_onsets * since:
         variances = rule.speed_variance, rule.speed_variance, rule.force_rate_variance
         push(covariance, variances, since**2, since, 1.0)
         parts = factors(known, contact, 0.0, 0.0)
@@ -292,6 +295,13 @@ def square(parts: Parts, off: Three) -> float:
     """Squared Mahalanobis distance."""
     first, second, third = whitened(parts, off)
     return first * first + second * second + third * third
+
+
+@inner
+def chance_beyond(distance: float) -> float:
+    """Chance of a larger squared distance of three normal numbers: chi-squared with 3 of them."""
+    root = math.sqrt(0.5 * distance)
+    return math.erfc(root) + 2.0 / math.sqrt(math.pi) * root * math.exp(-0.5 * distance)
 
 
 @inner
