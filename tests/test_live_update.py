@@ -14,12 +14,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
 from skinfield.errors import InputError
+from skinfield.estimate.row_contacts import CONTACT
 from skinfield.loop.baseline import unrounded
 from skinfield.loop.control import order_of
 from skinfield.loop.intake import Intake
 from skinfield.loop.model_config import Configuration, ModelConfig, bind
 from skinfield.loop.runtime_parameters import AUTO, Focus, Limits, Tuning
 from skinfield.loop.slots import CycleHead, CycleSlot
+from skinfield.loop.status import plain_contacts
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.reconstruct.engine.engine import prefer
@@ -107,6 +109,17 @@ def test_a_patch_whose_turn_has_not_come_keeps_its_searched_answer() -> None:
         found.append((slot.patches["answer"][0], slot.patches["stamp_ns"][0]))
     assert found == [(Answer.FEASIBLE, NOW)] * 2
     assert made.engine.results.answer[0] == Answer.LINEAR
+
+
+def test_rows_of_contacts_are_json_whatever_is_not_known() -> None:
+    rows = np.zeros(2, CONTACT)
+    for name in rows.dtype.names or ():
+        if rows.dtype[name].base.kind == "f":
+            rows[name][1] = np.nan
+    first, second = json.loads(json.dumps(plain_contacts(["a"], rows), allow_nan=False))
+    assert first["covariance"] == [0.0] * 6
+    assert second["covariance"] == [None] * 6
+    assert second["force_std"] is None
 
 
 def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError
 from skinfield.estimate.row_contacts import shape_name
+from skinfield.files.pending import plain_json
 from skinfield.loop.model_config import configuration_of, state_of, tuning_of
 from skinfield.loop.realtime.system import values_of
 from skinfield.loop.realtime.timing import Timing
@@ -207,12 +208,10 @@ def patch_rows(
 
 
 def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
-    """Rows of contacts as plain values, with the names of their patches."""
+    """Rows of contacts as JSON has them, None for what is not finite, with their patches' names."""
     rows = []
     for row in contacts:
-        plain = {name: np.asarray(row[name]).tolist() for name in row.dtype.names}
-        for name in [n for n, v in plain.items() if isinstance(v, float) and not np.isfinite(v)]:
-            plain[name] = None
+        plain = plain_json({name: row[name] for name in row.dtype.names}, "contact")
         own = {"patch": patches[int(row["patch"])], "shape": shape_name(row)}
         rows.append(plain | own | {"maybe": bool(row["maybe"])})
     return rows

@@ -139,7 +139,7 @@ def _response(
     from websockets.datastructures import Headers
     from websockets.http11 import Response
 
-    data = body if isinstance(body, bytes) else json.dumps(body).encode()
+    data = body if isinstance(body, bytes) else json.dumps(body, allow_nan=False).encode()
     headers = Headers(HEADERS | {"Content-Type": kind, "Content-Length": str(len(data))} | more)
     headers["Connection"] = "close"
     return Response(status.value, status.phrase, headers, data)

@@ -140,14 +140,14 @@ class Session:
         await self._socket.send(message)
 
     async def _send_kind(self, kind: str, **more: Any) -> None:
-        await self._send(json.dumps({"kind": kind, **more}))
+        await self._send(json.dumps({"kind": kind, **more}, allow_nan=False))
 
     async def _talk(self) -> None:
         """Whatever is due."""
         state = self._state
         if self._replay is state.controller.shared and self._updates.layout is not state.layout:
             await self._begin(state.layout, self._replay)
-        controls = json.dumps(self._controls_now())
+        controls = json.dumps(self._controls_now(), allow_nan=False)
         if controls != self._controls:
             self._controls = controls
             await self._send(controls)
