@@ -5,9 +5,9 @@ Run: python benchmarks/bench_contacts.py [--nodes 20 40 80] [--laps 1000] [--jso
 One table in one run, on one thread, p50 and p99 in µs. Domes of 6 mm radius press a hexagon of 72
 taxels; the field is `GaussianField`'s answer to their readings with noise, and contacts are found
 as a reconstructor finds them. `found`: with place, force, area, axes and their covariance. `all`:
-also the outline of each contact, which otherwise waits until it is asked for. `definition`: the same contacts step by step with NumPy, as in
-tests/contacts_reference.py, with its loop over cells compiled. `floor`: one pass over the field
-that only adds it up.
+also the outline of each contact, which otherwise waits until it is asked for. `definition`: the
+same contacts step by step with NumPy, as in tests/contacts_reference.py, with its loop over cells
+compiled. `floor`: one pass over the field that only adds it up.
 """
 
 import argparse

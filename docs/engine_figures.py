@@ -110,7 +110,7 @@ def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:
 
 def main() -> None:
     """Run the cycles, print what they came to, and draw them."""
-    engine, cycles = sf.Engine(skin(), noise_std=NOISE), recorded()
+    engine, cycles = sf.Engine(skin(), solver=sf.NonNegative(), noise_std=NOISE), recorded()
     reports = {budget: run(engine, cycles, budget) for budget in BUDGETS}
     chosen = [typical(each) for each in reports.values()]
     with style():

@@ -21,7 +21,10 @@ def bench() -> ModuleType:
 
 def test_contacts_are_certified_where_time_is_no_matter(bench: ModuleType) -> None:
     skin = bench.hexagons(3)
-    engine, scene = sf.Engine(skin, rungs=(10, 40)), bench.Scene(skin, {}, 2, 12)
+    engine, scene = (
+        sf.Engine(skin, rungs=(10, 40), solver=bench.SEARCH),
+        bench.Scene(skin, {}, 2, 12),
+    )
     row = bench.run("small", "2 contacts", engine, scene, 60.0)
     assert row.taxels == 216
     assert row.certified == 1.0
@@ -38,4 +41,4 @@ def test_the_page_of_whole_robots_runs(
     text, page = (ROOT / "docs" / "whole-robot.md").read_text(), tmp_path / "whole-robot.md"
     page.write_text(text.replace("budget=500e-6", "budget=60.0"))  # on a machine that is busy
     assert follow(page) == (1, 0)
-    assert capsys.readouterr().out == "5 field\n"
+    assert capsys.readouterr().out == "5 contacts\n"

@@ -1,6 +1,7 @@
 """An engine's answers against those of one reconstructor for each patch, also without taxels."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.reconstruct.engine import Engine, MissingPatch
+from skinfield.reconstruct.engine.state import IDLE
 
 
 @pytest.fixture(scope="module")
@@ -203,9 +205,21 @@ def test_equal_patches_state_the_same() -> None:
         np.testing.assert_allclose(getattr(first, name), getattr(shifted, name), atol=1e-12)
 
 
+def test_a_fit_of_contacts_alone_answers_what_is_not_idle() -> None:
+    engine = engine_of(sf.ContactFit(), TRIANGLE, rungs=(8, 16))
+    readings = touched(TRIANGLE, 0, taxel=4)
+    grid = sf.Grid.square(TRIANGLE, 16)
+    rec = sf.Reconstructor(TRIANGLE, LAYER, grid, solver=sf.ContactFit(), noise_std=NOISE)
+    (found,), (alone,) = engine([readings])[TRIANGLE.name].contacts, rec(readings).contacts
+    assert found.normal_force == pytest.approx(alone.normal_force, rel=1e-6)
+    assert engine([0.0 * readings])[TRIANGLE.name].contacts == ()
+    assert engine.results.answer[0] == IDLE
+
+
 def test_arguments_that_do_not_fit() -> None:
-    with pytest.raises(InputError, match=r"ContactOperator has no test of idle patches"):
-        engine_of(sf.ContactFit(), TRIANGLE)
+    fit = SimpleNamespace(linear=None, on=lambda model: fit)
+    with pytest.raises(InputError, match=r"SimpleNamespace has no test of idle patches"):
+        engine_of(SimpleNamespace(prepare=lambda model: fit), TRIANGLE)
     with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
         engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))
     with pytest.raises(InputError, match="budget is -1, expected a finite number above 0"):

@@ -21,7 +21,6 @@ if _typing.TYPE_CHECKING:
     from skinfield.files.layouts.load import load_layout as load_layout
     from skinfield.files.layouts.load import save_layout as save_layout
     from skinfield.loop import connect as connect
-    from skinfield.reconstruct import Ladder as Ladder
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.engine import Engine as Engine
     from skinfield.skin import Grid as Grid
@@ -57,7 +56,6 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Grid": "skinfield.skin:Grid",
     "HalfSpace": "skinfield.elastic:HalfSpace",
     "Inverse": "skinfield.solve:Inverse",
-    "Ladder": "skinfield.reconstruct:Ladder",
     "Layer": "skinfield.elastic:Layer",
     "layouts": "skinfield.skin.generators",
     "load_layout": "skinfield.files.layouts.load:load_layout",

@@ -20,7 +20,7 @@ from skinfield.loop.status_text import Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.patch_kinds import kinds_of
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.multigrid_levels import Rung, Rungs, prepare_rungs
+from skinfield.reconstruct.multigrid import Rung, Rungs, prepare_rungs
 from skinfield.reconstruct.plan import details
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State

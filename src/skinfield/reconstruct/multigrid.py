@@ -1,186 +1,236 @@
-"""Multigrid reconstruction: one patch at several resolutions, from coarse to fine."""
+"""Multigrid levels: one patch prepared at several resolutions."""
 
-import time
 from collections.abc import Sequence
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
-from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
-from skinfield.errors import Floats, InputError, check_offers, check_positive
-from skinfield.estimate import ContactFinder, Estimate
-from skinfield.reconstruct.multigrid_levels import averaged, prepare_rungs
-from skinfield.reconstruct.plan import estimate_of_solution, until
-from skinfield.reconstruct.reconstructor import checked_readings
+from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
+from skinfield.errors import Floats, InputError, check_count
+from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
-from skinfield.solve import GaussianField, Operator, Solution, Solver
-
-SETS = 16  # of valid taxels, on one rung each, that stay prepared
+from skinfield.solve import GaussianField, LinearOperator, NonNegative, Operator, Solver
 
 
-class Ladder:
-    """Prepared reconstruction of one patch on grids from coarse to fine.
+@dataclass(frozen=True, eq=False)
+class Restriction:
+    r"""Pressure on coarse cells as the average of what lies on fine cells below.
 
-    Parameters
+    .. math:: p_c = \sum_f \frac{|c \cap f|}{|c|} \, p_f
+
+    Coarse cells that hold all fine ones conserve the force: the sum of pressure times cell area.
+    The area of an intersection is a product of two lengths, so two small matrices do it.
+
+    Attributes
     ----------
-    patch : Patch
-    layer : Layer, optional
-        Default `Layer()`.
-    rungs : sequence of int
-        Nodes along the sides of the grids, from coarse to fine.
-    mechanics : Mechanics, optional
-        Default `BondedLayer()`.
-    quantity : Quantity, optional
-        Default `Capacitance()`.
-    solver : Solver, optional
-        Default `GaussianField()`.
-    noise_std : float or (L,) array, in the quantity's unit, optional
-        Default the quantity's `typical_noise`.
-    finder : ContactFinder, optional
+    down : (coarse rows, fine rows) array
+    across : (coarse columns, fine columns) array
+        Parts of a coarse cell's side that each fine cell covers.
+    """
+
+    down: Floats
+    across: Floats
+
+    @classmethod
+    def between(cls, fine: Grid, coarse: Grid) -> "Restriction":
+        """Of two grids in one plane."""
+        parts = [
+            _parts(fine.origin[axis], fine.pitch, count, coarse.origin[axis], coarse.pitch, wanted)
+            for axis, count, wanted in zip(
+                (1, 0), fine.shape, coarse.shape, strict=True
+            )  # rows lie along y
+        ]
+        return cls(*parts)
+
+    def __call__(self, fields: Floats) -> Floats:
+        """Fields (..., K fine) on the coarse cells, (..., K coarse)."""
+        pictures = fields.reshape(*fields.shape[:-1], self.down.shape[1], self.across.shape[1])
+        coarse = self.down @ pictures @ self.across.T
+        return np.asarray(coarse.reshape(*fields.shape[:-1], -1))
+
+    def transposed(self, weights: Floats) -> Floats:
+        """Weights (..., K coarse) of a sum, as those of fine cells, (..., K fine)."""
+        pictures = weights.reshape(*weights.shape[:-1], len(self.down), len(self.across))
+        fine = self.down.T @ pictures @ self.across
+        return np.asarray(fine.reshape(*weights.shape[:-1], -1))
+
+
+@dataclass(frozen=True, eq=False)
+class RestrictedPosterior:
+    """Covariance of coarse cells, exactly: that of the sums of fine cells that they are.
+
+    Attributes
+    ----------
+    fine : PressureError
+    restriction : Restriction
+    """
+
+    fine: PressureError
+    restriction: Restriction
+
+    @cached_property
+    def std(self) -> Floats:
+        """Standard deviation of each coarse cell, (K,) Pa."""
+        count, one = len(self.restriction.down) * len(self.restriction.across), np.ones((1, 1))
+        each = np.arange(count)[:, None]
+        variance = [self.covariance_of_sums(cell, one)[0, 0] for cell in each]
+        return np.sqrt(np.maximum(variance, 0.0))
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells of which anything is left open."""
+        return int(np.count_nonzero(self.std))
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        restriction = self.restriction
+        count = len(restriction.down) * len(restriction.across)
+        sums = [np.bincount(cells, weight, count) for weight in weights]  # cells may come again
+        coarse = np.asarray(sums, dtype=np.float64)
+        fine = restriction.transposed(coarse)
+        used = np.flatnonzero(fine.any(axis=0))
+        return self.fine.covariance_of_sums(used, fine[:, used])
+
+
+def _parts(fine: float, step: float, count: int, coarse: float, side: float, wanted: int) -> Floats:
+    """Parts of coarse cells of one axis that fine cells cover, (wanted, count)."""
+    low = fine + (np.arange(count) - 0.5) * step
+    start = coarse + (np.arange(wanted) - 0.5) * side
+    last = np.minimum(low + step, (start + side)[:, None])
+    return np.asarray(np.maximum(last - np.maximum(low, start[:, None]), 0.0) / side)
+
+
+FINEST = 400  # nodes a side: beyond, one matrix of 72 taxels holds 46 MB
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One resolution of a patch.
+
+    Attributes
+    ----------
+    nodes : int
+        Along each side of the grid.
+    grid : Grid
+    deformation : Deformation
+    start : LinearOperator
+        The linear answer: that of the finest rung, averaged over this one's cells.
+    operator : Operator
+        That answers on this grid: `start` where the solver is linear.
+    """
+
+    nodes: int
+    grid: Grid
+    deformation: Deformation
+    start: LinearOperator
+    operator: Operator
+
+    @cached_property
+    def matrix(self) -> Floats:
+        """Readings of a pressure on this grid, (L, K), unit of the reading per Pa."""
+        model = self.operator.model
+        physics = model.physics
+        if model.grid.shape == self.grid.shape or physics is None:
+            return model.matrix
+        places = self.grid, model.taxels, physics.pad_diameter
+        return physics.quantity.matrix(physics.mechanics, physics.layer, *places)
+
+
+@dataclass(frozen=True, eq=False)
+class Rungs:
+    """All resolutions of one patch, from coarse to fine.
+
+    Attributes
+    ----------
+    steps : tuple of Rung
+    """
+
+    steps: tuple[Rung, ...]
+
+    @property
+    def start(self) -> LinearOperator:
+        """The linear answer on the finest rung."""
+        return self.steps[-1].start
+
+    @cached_property
+    def offset_weights(self) -> Floats:
+        """Of readings (L,) in the mean of the offset that the linear answer takes them to share.
+
+        That is the mean of what the pressure leaves over, weighed by the noise, and drawn to 0.
+        """
+        known, explained = self.start.gaussian, self.start.explained
+        if known is None:
+            return np.zeros(len(explained))
+        odds = np.square(known.offset)
+        weights = odds / (1.0 + odds.sum())
+        return np.asarray(weights - weights @ explained)
+
+    @property
+    def linear(self) -> bool:
+        """Whether the linear answer is the solver's own."""
+        return self.steps[-1].operator is self.start
+
+
+def prepare_rungs(
+    patch: Patch,
+    layer: Layer,
+    sides: Sequence[int],
+    mechanics: Mechanics,
+    quantity: Quantity,
+    solver: Solver,
+    noise_std: Any,
+) -> Rungs:
+    """Prepare the finest grid, and derive the others from it.
 
     Raises
     ------
     InputError
-        For arguments that do not fit.
-
-    Notes
-    -----
-    Of a linear solver, only the finest grid is inverted. The answer on a coarser one is that
-    answer's average over each coarse cell, so that all rungs state the same force, and its
-    uncertainty is exactly that of these averages. A solver that searches is prepared on each grid;
-    its dual variables belong to the taxels, so each rung goes on where another one ended.
+        For rungs out of order.
     """
+    check_sides(sides)
+    grids = [Grid.square(patch, nodes) for nodes in sides]
+    physics = mechanics, quantity, noise_std
+    finest = ObservationModel.of(patch, layer, grids[-1], *physics)
+    top = solver.prepare(finest)
+    if top.linear is not None:
+        start = top.linear
+    elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
+        start = solver.unconstrained().prepare(finest)
+    else:
+        start = GaussianField().prepare(finest)
+    steps = []
+    for nodes, grid in zip(sides, grids, strict=True):
+        mean = averaged(start, grid)
+        operator: Operator = mean
+        if top.linear is None:
+            operator = top
+            if grid is not grids[-1]:
+                model = ObservationModel.of(patch, layer, grid, *physics)
+                on = getattr(top, "on", None)  # what finds contacts needs no grid to find them
+                operator = solver.prepare(model) if on is None else on(model)
+        steps.append(Rung(nodes, grid, Deformation(grid, layer, mechanics), mean, operator))
+    return Rungs(tuple(steps))
 
-    def __init__(
-        self,
-        patch: Patch,
-        layer: Layer | None = None,
-        rungs: Sequence[int] = (10, 20, 40, 80),
-        *,
-        mechanics: Mechanics | None = None,
-        quantity: Quantity | None = None,
-        solver: Solver | None = None,
-        noise_std: ArrayLike | None = None,
-        finder: ContactFinder | None = None,
-    ) -> None:
-        self.patch, self.rungs = patch, tuple(rungs)
-        self.layer = Layer() if layer is None else layer
-        self.mechanics = BondedLayer() if mechanics is None else mechanics
-        self.quantity = Capacitance() if quantity is None else quantity
-        self.solver = GaussianField() if solver is None else solver
-        self.finder = ContactFinder() if finder is None else finder
-        check_skin(patch, self.layer, self.mechanics, self.quantity)
-        check_offers("solver", self.solver, ("prepare",), "one such as GaussianField()")
-        noise = self.quantity.typical_noise if noise_std is None else noise_std
-        self.prepared = prepare_rungs(
-            patch, self.layer, self.rungs, self.mechanics, self.quantity, self.solver, noise
-        )
-        steps = self.prepared.steps
-        self._steps = {each.nodes: each for each in steps}
-        self._step = steps[-1]
-        self._data: dict[int, Any] = {each.nodes: each.operator.data() for each in steps}
-        self._before: Any = None  # memory of the last answer
-        self._without = lru_cache(SETS)(self._prepared_without)
 
-    @property
-    def rung(self) -> int:
-        """Nodes along the sides of the grid that the next reading is answered on; may be set.
-
-        A change costs nothing: every rung is prepared.
-        """
-        return self._step.nodes
-
-    @rung.setter
-    def rung(self, nodes: int) -> None:
-        if nodes not in self._steps:
-            raise InputError(f"rung is {nodes!r}, expected one of {self.rungs}")
-        self._step = self._steps[nodes]
-
-    @property
-    def grid(self) -> Grid:
-        """Nodes of the next answer."""
-        return self._step.grid
-
-    def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
-        """Write into `out` (K,), Pa, the pressure on `grid`; allocates nothing of its own.
-
-        Parameters
-        ----------
-        readings : (L,) array, in the quantity's unit
-            All taxels valid: nothing is checked here.
-        out : (K,) array
-        deadline_ns : int, optional
-            Of `time.perf_counter_ns`, for a solver that searches.
-        """
-        np.copyto(out, self._solve(self._step.operator, readings, deadline_ns).pressure)
-
-    def __call__(
-        self,
-        readings: ArrayLike,
-        *,
-        valid: ArrayLike | None = None,
-        stamp_ns: int = 0,
-        deadline: float | None = None,
-    ) -> Estimate:
-        """Answer one reading on the present rung.
-
-        Parameters
-        ----------
-        readings : (L,) array, in the quantity's unit
-            NaN marks a taxel that did not answer.
-        valid : (L,) bool array, optional
-            False for further taxels to leave out.
-        stamp_ns : int, ns
-        deadline : float, s, optional
-
-        Raises
-        ------
-        InputError
-            For a wrong number of taxels, an impossible reading, or none that is valid.
-        """
-        start = time.perf_counter_ns()
-        if deadline is not None:
-            check_positive("deadline", deadline, "seconds for the reading")
-        table, mask = checked_readings(readings, valid, self.patch, self.quantity)
-        if np.ndim(readings) != 1:
-            raise InputError(
-                f"readings has shape {np.shape(readings)}, expected ({len(self.patch)},): a ladder "
-                "answers one reading at a time; a Reconstructor takes many"
-            )
-        step, good, end = self._step, mask[0], until(deadline, start)
-        operator = step.operator
-        if not good.all():
-            operator = self._without(good.tobytes(), step.nodes)
-        solution = self._solve(operator, table[0], end).keep()
-        now = time.perf_counter_ns()
-        missing = () if good.all() else (f"{int((~good).sum())} taxels left out",)
-        return estimate_of_solution(
-            *(solution, good, step.grid, step.deformation, self.finder),
-            latency=(now - start) * 1e-9,
-            stamp_ns=stamp_ns,
-            deadline_met=end is None or now <= end,
-            notes=(*missing, *solution.notes),
+def check_sides(sides: Sequence[int]) -> None:
+    """Raise InputError unless the rungs rise."""
+    for nodes in sides:
+        check_count("rungs", nodes, 2, FINEST, "nodes along a side of each grid")
+    if not sides or any(a >= b for a, b in pairwise(sides)):
+        raise InputError(
+            f"rungs is {tuple(sides)!r}, expected one or more, from coarse to fine: (10, 20, 40)"
         )
 
-    def reset(self) -> None:
-        """Forget the reading before, from which a search starts."""
-        self._before = None
-        for data in self._data.values():
-            data.reset()
 
-    def _solve(self, operator: Operator, readings: Floats, end: int | None) -> Solution:
-        """Answer on the present rung; after another one, from where that ended."""
-        data, before = self._data[self._step.nodes], self._before
-        if before is not None and data is not before:
-            data.start_from(before)
-        self._before = data
-        return operator.solve(readings, data, end)
-
-    def _prepared_without(self, key: bytes, nodes: int) -> Operator:
-        """A rung's operator without taxels, by the bytes of a mask (L,) of the valid ones."""
-        step, valid = self._steps[nodes], np.frombuffer(key, np.bool_)
-        if self.prepared.linear:
-            return averaged(self.prepared.start.without(valid), step.grid)
-        return step.operator.without(valid)
+def averaged(finest: LinearOperator, grid: Grid) -> LinearOperator:
+    """Linear operator of the averages over the cells of a coarser grid."""
+    if grid.shape == finest.model.grid.shape:
+        return finest
+    restriction, fine = Restriction.between(finest.model.grid, grid), finest.posterior
+    matrix = np.ascontiguousarray(restriction(finest.matrix.T).T)
+    error = None if fine is None else RestrictedPosterior(fine, restriction)
+    return replace(finest, matrix=matrix, std=None, posterior=error, gaussian=None, source=finest)

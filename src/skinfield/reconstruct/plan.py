@@ -14,7 +14,6 @@ from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import (
     Contact,
     ContactFinder,
-    Estimate,
     PressureError,
     PressureNoise,
 )
@@ -117,7 +116,10 @@ class FieldContacts:
 
     def _level_of(self, operator: Operator) -> GridLevel:
         errors = *self._errors(operator), operator.model_error, self.finder
-        problem = None if self.nodes is not None else getattr(operator, "problem", None)
+        if self.nodes is None and operator.noise.felt:  # else nothing is found in its pressure
+            problem = getattr(operator, "problem", None)
+        else:
+            problem = None
         if problem is None:
             return level_of(self.grid, *errors)
         signatures = (operator.model.matrix / operator.model.noise_std[:, None]).T
@@ -198,36 +200,6 @@ def details(
         "contacts": contacts,
         "residual": lambda: np.where(valid, solution.residual, np.nan),
     }
-
-
-def estimate_of_solution(
-    solution: Solution,
-    valid: NDArray[np.bool_],
-    grid: Grid,
-    deformation: Deformation,
-    finder: ContactFinder,
-    *,
-    predicted: Callable[[], Floats] | None = None,
-    **known: Any,
-) -> Estimate:
-    """Estimate of a solution that nothing overwrites, of all its nodes; see `details`.
-
-    Parameters
-    ----------
-    predicted : function that returns (L,) array, optional
-        Linearised readings that the answer predicts, where the operator does not say so.
-    **known
-        Further attributes of the estimate.
-    """
-    find = field_contacts(finder, grid)
-    rest = details(solution, solution.pressure, valid, grid, deformation, find)
-    if predicted is not None:
-        left = predicted
-        rest["residual"] = lambda: np.where(valid, solution.readings - left(), np.nan)
-    its = {"grid": grid, "pressure": solution.pressure, "valid": valid, "gap": solution.gap}
-    its |= {"iterations": solution.steps, "solver": solution.solver}
-    its["is_field"] = solution.fit is None
-    return Estimate.later(rest, **its, **known)
 
 
 def _inside(contacts: tuple[Contact, ...], here: Ints) -> tuple[Contact, ...]:

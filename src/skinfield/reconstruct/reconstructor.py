@@ -127,8 +127,6 @@ class Reconstructor:
 
         if grid is not None:
             settings["rungs"] = grid
-        if settings.get("solver") is None:
-            settings["solver"] = Auto()
         return Engine(patch, layer, **settings)  # type: ignore[return-value]
 
     def __init__(

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -16,6 +17,8 @@ from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
+from skinfield.solve.dual.problem import DualProblem
+from skinfield.solve.non_negative import NonNegative
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
 
 
@@ -91,6 +94,11 @@ class ContactOperator:
     def noise(self) -> PressureError:
         """None: no contact is found in its pressure."""
         return PressureNoise(np.zeros(self.model.matrix.T.shape))
+
+    @cached_property
+    def problem(self) -> DualProblem:
+        """Of a non-negative field: an engine's test of idle patches."""
+        return NonNegative().prepare(self.model).problem
 
     def data(self) -> ContactData:
         """Make its scratch memory."""

@@ -25,9 +25,9 @@ from skinfield.reconstruct.engine.stages import (
 from skinfield.reconstruct.engine.step_times import measure, rehearsed_cycle
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid_levels import prepare_rungs
+from skinfield.reconstruct.multigrid import prepare_rungs
 from skinfield.skin import Patch, Skin
-from skinfield.solve import NonNegative, Solver
+from skinfield.solve import Auto, Solver
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
@@ -58,7 +58,7 @@ class Engine:
     quantity : Quantity, optional
         What a reading is. Default `Capacitance()`.
     solver : Solver, optional
-        Default `NonNegative()`; a linear one answers all patches by matrix products.
+        Default `Auto()`; a linear one answers all patches by matrix products.
     noise_std : float or (L,) array, or mapping from names of patches to such, optional
         In the quantity's unit. Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
@@ -96,9 +96,9 @@ class Engine:
         self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
-        self.solver = NonNegative() if solver is None else solver
+        self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
-        check_offers("solver", self.solver, ("prepare",), "one such as NonNegative()")
+        check_offers("solver", self.solver, ("prepare",), "one such as Auto()")
         check_offers("finder", self.finder, ("__call__",), "one such as ContactFinder()")
         self.names = tuple(patch.name for patch in self.skin)
         for name, given in (("layer", layer), ("noise_std", noise_std)):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.engine.products import Singles, product_of
-from skinfield.reconstruct.multigrid_levels import Rungs
+from skinfield.reconstruct.multigrid import Rungs
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Operator
 

@@ -12,7 +12,7 @@ from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.plan import estimate_of_solution
+from skinfield.reconstruct.plan import details, field_contacts
 from skinfield.skin import Grid
 from skinfield.solve import Operator, Solution
 
@@ -152,9 +152,19 @@ def estimate_of(
             shift = patch_shift(group, place)
             solution.fit = solution.fit.keep().on(grid, shift)
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
-    return estimate_of_solution(
-        *(solution, valid, grid, step.deformation.on(grid), finder),
-        predicted=None if answer >= FEASIBLE else explained,
+    find, deformation = field_contacts(finder, grid), step.deformation.on(grid)
+    rest = details(solution, solution.pressure, valid, grid, deformation, find)
+    if answer < FEASIBLE:
+        rest["residual"] = lambda: np.where(valid, solution.readings - explained(), np.nan)
+    return Estimate.later(
+        rest,
+        grid=grid,
+        pressure=solution.pressure,
+        valid=valid,
+        gap=solution.gap,
+        iterations=solution.steps,
+        solver=solution.solver,
+        is_field=solution.fit is None,
         latency=report.spent,
         stamp_ns=stamp_ns,
         deadline_met=not report.overrun,
