@@ -412,6 +412,10 @@ class Plan:
         """Forget the readings before."""
         for data in self._spare:
             data.reset()
+        if "_live" in vars(self):
+            data, live, *_ = self._live
+            data.reset()
+            live.reset()
 
     def run_in(self) -> None:
         """Load what is compiled for contacts and displacement."""
