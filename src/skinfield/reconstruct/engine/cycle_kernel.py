@@ -13,6 +13,8 @@ from skinfield.errors import Floats, Ints
 from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
 from skinfield.reconstruct.engine.state import IDLE, LINEAR, MISSING, PRODUCT, ROW, ROWS
 from skinfield.reconstruct.engine.timing_model import FORGET
+from skinfield.solve.atoms.reading_memory import unpack_fit
+from skinfield.solve.idle_kernel import rests, unpack_wide
 
 ANSWER, ON, ITERATIONS = range(3)  # of `State.integers`
 ITS_GAP, SPENT = range(2)  # of `State.numbers`
@@ -113,6 +115,39 @@ def test_idle(
             integers[ANSWER, patch], integers[ON, patch] = LINEAR, -1
             numbers[ITS_GAP, patch] = np.nan
     return count
+
+
+@njit
+def test_contacts(
+    fits: Ints,
+    wide: Ints,
+    given: Floats,
+    places: Ints,
+    deviation: Floats,
+    valid: Flags,
+    starts: Ints,
+    rung: int,
+    present: Flags,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+) -> None:
+    """Idle test of all patches by what finds their contacts, which takes the noise they have now.
+
+    `fits` and `wide` (P,) are addresses; see `idle_kernel`.
+    """
+    for patch in range(len(present)):
+        if not present[patch]:
+            continue
+        first, last = starts[patch], starts[patch + 1]
+        fit, at = unpack_fit(fits[patch]), places[first]
+        end = at + last - first
+        for taxel in range(last - first):
+            fit.own.noise[taxel] = deviation[at + taxel]
+        known = unpack_wide(wide[patch]), given[at:end], valid[first:last]
+        idle = rests(fit, *known)
+        integers[ANSWER, patch] = IDLE if idle else LINEAR
+        integers[ON, patch] = rung if idle else -1
+        numbers[ITS_GAP, patch] = 0.0 if idle else np.nan
 
 
 @njit
