@@ -27,7 +27,7 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.packed import PackedType, unpacking
 
-SHARE = 0.75  # of what a contact must bring: so much the best template does, where there is one
+SHARE = 0.9  # of what a contact must bring: so much the best template does, where there is one
 LEAST = 0.5  # variance of a way in which a field is read, over that of the mean taxel
 
 
@@ -103,22 +103,24 @@ def may_be_wide(wide: WideLoads, left: NDArray[np.float32], sums: Floats) -> boo
 
 
 @inner(_nrt=False)
-def rests(fit: Fit, wide: WideLoads, readings: Floats, valid: NDArray[np.bool_]) -> bool:
-    """Whether readings (L,), where `valid` (L,), are idle; the fit then has no contact.
+def rests(
+    fit: Fit, wide: WideLoads, readings: Floats, deviation: Floats, valid: NDArray[np.bool_]
+) -> bool:
+    """Whether readings (L,) of some deviation (L,) are idle; the fit then has no contact.
 
-    What else it knows of the skin, it goes on to know.
+    Of those that are `valid` (L,). What else it knows of the skin, it goes on to know.
     """
     own, memory, scored = fit.own, fit.memory, fit.memory.taxels[SCORED]
     weights, total, squares, noise, heard = 0.0, 0.0, 0.0, 0.0, 0
     for taxel in range(len(readings)):
         scored[taxel] = 0.0
         if valid[taxel]:
-            white = 1.0 / own.noise[taxel]
+            white = 1.0 / deviation[taxel]
             scored[taxel] = readings[taxel] * white
             weights += white * white
             total += scored[taxel] * white
             squares += scored[taxel] * scored[taxel]
-            noise += own.noise[taxel]
+            noise += deviation[taxel]
             heard += 1
     common = (fit.rules.common_mode * noise / max(heard, 1)) ** 2
     offset = common / (1.0 + common * weights) * total
@@ -127,7 +129,7 @@ def rests(fit: Fit, wide: WideLoads, readings: Floats, valid: NDArray[np.bool_])
         return False
     for taxel in range(len(readings)):
         if valid[taxel]:
-            scored[taxel] -= offset / own.noise[taxel]
+            scored[taxel] -= offset / deviation[taxel]
     least = np.sqrt(2.0 * SHARE * fit.rules.threshold)
     if find_starts(fit.bank, fit.search.starts, scored, 1, least):
         return False
@@ -147,4 +149,5 @@ def reading_rests(
     fit_address: int, wide_address: int, readings: Floats, valid: NDArray[np.bool_]
 ) -> bool:
     """See `rests`; of a `Fit` and a `WideLoads`, packed."""
-    return bool(rests(unpack_fit(fit_address), unpack_wide(wide_address), readings, valid))
+    fit, wide = unpack_fit(fit_address), unpack_wide(wide_address)
+    return bool(rests(fit, wide, readings, fit.own.noise, valid))

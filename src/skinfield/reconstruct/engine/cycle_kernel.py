@@ -13,6 +13,7 @@ from skinfield.errors import Floats, Ints
 from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
 from skinfield.reconstruct.engine.state import IDLE, LINEAR, MISSING, PRODUCT, ROW, ROWS
 from skinfield.reconstruct.engine.timing_model import FORGET
+from skinfield.solve.atoms.fit_kernel import NOW
 from skinfield.solve.atoms.reading_memory import unpack_fit
 from skinfield.solve.idle_kernel import rests, unpack_wide
 
@@ -124,6 +125,7 @@ def test_contacts(
     given: Floats,
     places: Ints,
     deviation: Floats,
+    noise: Floats,
     valid: Flags,
     starts: Ints,
     rung: int,
@@ -133,6 +135,8 @@ def test_contacts(
 ) -> None:
     """Idle test of all patches by what finds their contacts, which takes the noise they have now.
 
+    By it, that of means of many readings, contacts stay; whether one comes goes by the `noise` of
+    single ones: means of nothing but noise would seem to be touched for many cycles.
     `fits` and `wide` (P,) are addresses; see `idle_kernel`.
     """
     for patch in range(len(present)):
@@ -143,8 +147,9 @@ def test_contacts(
         end = at + last - first
         for taxel in range(last - first):
             fit.own.noise[taxel] = deviation[at + taxel]
-        known = unpack_wide(wide[patch]), given[at:end], valid[first:last]
-        idle = rests(fit, *known)
+        stated = deviation if fit.memory.counts[NOW] else noise
+        its = given[at:end], stated[at:end], valid[first:last]
+        idle = rests(fit, unpack_wide(wide[patch]), *its)
         integers[ANSWER, patch] = IDLE if idle else LINEAR
         integers[ON, patch] = rung if idle else -1
         numbers[ITS_GAP, patch] = 0.0 if idle else np.nan

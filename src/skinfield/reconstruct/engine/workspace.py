@@ -72,7 +72,7 @@ class Clockwork:
         self.rungs, self.linear = len(first.steps), first.linear
         self.finds_contacts = groups[0].finds_contacts
         self.tests = [] if self.finds_contacts else idle_tests(groups)
-        self.fits, self.wide = self._addresses() if self.finds_contacts else np.zeros((2, 0), int)
+        self.fits, self.wide = self._addresses()
         self.by_field: set[int] = set()
         self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
@@ -104,10 +104,11 @@ class Clockwork:
 
     def _addresses(self) -> Ints:
         """Of the fits of all patches, and of the wide loads beside them, (2, P)."""
-        each = [(data.contacts.fit, group) for group in self.groups for data in group.data[0]]
-        fits = [fit.packed.address for fit, _ in each]
-        wide = [group.operators[0].wide.address for _, group in each]
-        return np.array([fits, wide])
+        fits, wide = list[int](), list[int]()
+        for group in self.groups if self.finds_contacts else ():
+            fits += [each.contacts.fit.packed.address for each in group.data[0]]
+            wide += [group.operators[0].wide.address] * group.count
+        return np.array([fits, wide], np.int64)
 
     def prefer(self, top: int, first: int) -> None:
         """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
@@ -149,7 +150,8 @@ class Clockwork:
         """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
         state, intake = self.state, self.intake
         if self.finds_contacts:
-            taken = intake.given, intake.places, intake.deviation, intake.valid, self.starts
+            noise = intake.deviation, intake.noise_std
+            taken = intake.given, intake.places, *noise, intake.valid, self.starts
             out = intake.present, state.integers, state.numbers
             self.kernel.test_contacts(self.fits, self.wide, *taken, rung, *out)
             for patch in [each for each in self.by_field if state.answer[each] == IDLE]:

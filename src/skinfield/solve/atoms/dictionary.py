@@ -146,21 +146,22 @@ def _take(bank: Templates, block: int, residual: Floats, local: NDArray[np.float
         local[i] = residual[bank.taxels[block, i]]
 
 
+@inner(fastmath=True, _nrt=False)
+def _highest(scores: NDArray[np.float32]) -> float:
+    best = np.float32(0.0)
+    for score in scores:
+        best = max(best, score)
+    return float(best)
+
+
 @inner(_nrt=False)
 def best_score(bank: Templates, memory: StartMemory, residual: Floats) -> float:
     """Highest agreement of a whitened residual (L,) with the first templates of all blocks."""
-    highest, single, scores, first = memory.highest, memory.single, memory.first, bank.first
+    single, scores, first = memory.single, memory.first, bank.first
     for taxel in range(len(residual)):
         single[0, taxel] = residual[taxel]
     apply_tiles(first.values, first.taxels, first.firsts, first.cells, SIDE, single, scores)
-    for block in range(len(highest)):
-        highest[block] = 0.0
-    best = 0.0
-    for t in range(len(first.blocks)):
-        score = float(scores[0, t])
-        highest[first.blocks[t]] = max(highest[first.blocks[t]], score)
-        best = max(best, score)
-    return best
+    return _highest(scores[0])
 
 
 @inner(_nrt=False)
@@ -182,6 +183,11 @@ def find_starts(
     count, best = 0, best_score(bank, memory, residual)
     if not best > NEARLY * least:
         return 0
+    for block in range(len(highest)):
+        highest[block] = 0.0
+    for t in range(len(bank.first.blocks)):
+        block = bank.first.blocks[t]
+        highest[block] = max(highest[block], memory.first[0, t])
     gate = max(NEARLY * least, WORSE * best)
     for block in range(len(highest)):
         if highest[block] < gate:
