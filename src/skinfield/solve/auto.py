@@ -28,9 +28,11 @@ from skinfield.solve.field_evidence import (
     misfit_gain,
     noise_density,
 )
+from skinfield.solve.idle_kernel import WIDE
 from skinfield.solve.linear import GaussianField
 from skinfield.solve.non_negative import NonNegative, NonNegativeOperator
 from skinfield.solve.operator import Data, DeadlineMargin, LinearOperator, Solution
+from skinfield.solve.packed import Packed
 
 WORTH = 0.15  # of the readings, root mean square: what is left over if a model is to be believed,
 WORST = 4.0  # or times the noise
@@ -124,15 +126,19 @@ class Auto:
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
         """Prepare the contacts, the field, and the evidence of both."""
+        covariance = FieldCovariance.of(model, self.contacts.common_mode)
         operator = AutoOperator(
             solver=self,
             model=model,
             contact_fit=self.contacts.prepare(model),
             whole_field=self.field.prepare(model),
             whole_linear=self.linear.prepare(model),
-            covariance=FieldCovariance.of(model, self.contacts.common_mode),
+            covariance=covariance,
+            wide=Packed(covariance.wide(self.reluctance), WIDE),
         )
-        operator.solve(np.zeros(len(model.noise_std)), operator.data())  # compiles what it takes
+        nothing, data = np.zeros(len(model.noise_std)), operator.data()
+        for touched in (False, True):
+            operator.solve(nothing, data, touched=touched)  # compiles what it takes
         return operator
 
 
@@ -167,6 +173,12 @@ class AutoData(Data):
         self.field.reset()
         self.contest = Contest()
 
+    def rest(self) -> None:
+        """Take note that nothing touches: what does next is compared anew with a field."""
+        self.count = self.contacts.count = 0
+        if self.contest.winner == FIELD:
+            self.contest = Contest()
+
     def start_from(self, other: Data) -> None:
         """Go on with the memory of another grid, from now on with the same one."""
         if isinstance(other, AutoData):
@@ -188,6 +200,8 @@ class AutoOperator:
     whole_field : NonNegativeOperator
     whole_linear : LinearOperator
     covariance : FieldCovariance
+    wide : Packed
+        `WideLoads` of the idle test.
         These of all taxels. What a set of valid ones takes is prepared when it is first needed: a
         set may last for one reading, of which few contacts are all there is.
     valid : (L,) bool array, optional
@@ -200,6 +214,7 @@ class AutoOperator:
     whole_field: NonNegativeOperator
     whole_linear: LinearOperator
     covariance: FieldCovariance
+    wide: Packed
     valid: NDArray[np.bool_] | None = None
     linear = None  # no matrix
 
@@ -266,13 +281,25 @@ class AutoOperator:
         """Make its scratch memory."""
         return AutoData(self)
 
-    def solve(self, readings: Floats, data: AutoData, deadline_ns: int | None = None) -> Solution:
+    def solve(
+        self,
+        readings: Floats,
+        data: AutoData,
+        deadline_ns: int | None = None,
+        *,
+        touched: bool = False,
+    ) -> Solution:
         """See `Operator.solve`; contacts are found by `contact_fit`, a field by the other two.
 
-        Contacts are not even sought in readings about as strong as those of which a field was more
-        probable, while it remains as probable as it was.
+        Neither is sought in readings that the idle test passes, which is left out if something
+        is known to touch. Contacts are not even sought in readings about as strong as those of
+        which a field was more probable, while it remains as probable as it was.
         """
         readings, solution, contest = data.heard(readings, self.valid), data.solution, data.contest
+        if not touched and self.contact_fit.rests(readings, data.contacts, self.wide):
+            data.rest()
+            solution.take(data.contacts.solution)
+            return solution
         energy = float(np.square(readings * self.white).sum())
         if contest.winner == FIELD and not contest.is_due(energy, contest.count):
             value = self._of_field(readings, data)

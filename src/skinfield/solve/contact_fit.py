@@ -20,6 +20,7 @@ from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.non_negative import NonNegative
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
+from skinfield.solve.packed import Packed
 
 
 class ContactData(Data):
@@ -115,9 +116,26 @@ class ContactOperator:
         self, readings: Floats, data: ContactData, deadline_ns: int | None = None
     ) -> Solution:
         """See `Operator.solve`."""
-        readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
-        out = solution.pressure, data.rows
-        data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
+        readings, out = data.heard(readings, self.valid), (data.solution.pressure, data.rows)
+        fit, grid = data.fit, self.renderer
+        data.count = self.fitter.fit(readings, fit, grid, out, self.valid, deadline_ns)
+        return self._solution(readings, data, deadline_ns)
+
+    def rests(self, readings: Floats, data: ContactData, wide: Packed) -> bool:
+        """Whether readings (L,), 0 where not valid, are idle; they are answered then.
+
+        `wide` are `WideLoads`, that are no contact.
+        """
+        if not self.fitter.rests(readings, data.fit, wide, self.valid):
+            return False
+        data.count = 0
+        data.solution.pressure.fill(0.0)
+        self._solution(readings, data, None)
+        return True
+
+    def _solution(self, readings: Floats, data: ContactData, deadline_ns: int | None) -> Solution:
+        """Solution of what was fitted."""
+        solution, fit = data.solution, data.fit
         solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
         solution.solver, solution.offset = type(self.solver).__name__, fit.offset
         solution.gap = solution.objective = float("nan")

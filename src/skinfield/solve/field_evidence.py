@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints
+from skinfield.solve.idle_kernel import WideLoads
 from skinfield.solve.linear import smoothed, taxel_distance
 
 LENGTHS = (0.7, 2.0, 6.0)  # of a field's correlation, in distances of taxels
@@ -111,6 +112,10 @@ class FieldCovariance:
         columns[np.arange(len(missing)), missing] = 1.0
         columns[-1] = self.offset
         return corrected(self.whole._replace(white=self.white * valid), columns)
+
+    def wide(self, most: float) -> WideLoads:
+        """Smooth ways to be read, by which it may be `most` times, in logarithms, as probable."""
+        return WideLoads.of(self.grams[1:], self.offset, np.array(AMPLITUDES), most)
 
     @property
     def room(self) -> tuple[Floats, Floats]:

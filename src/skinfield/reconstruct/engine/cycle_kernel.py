@@ -13,6 +13,9 @@ from skinfield.errors import Floats, Ints
 from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
 from skinfield.reconstruct.engine.state import IDLE, LINEAR, MISSING, PRODUCT, ROW, ROWS
 from skinfield.reconstruct.engine.timing_model import FORGET
+from skinfield.solve.atoms.fit_kernel import NOW
+from skinfield.solve.atoms.reading_memory import unpack_fit
+from skinfield.solve.idle_kernel import rests, unpack_wide
 
 ANSWER, ON, ITERATIONS = range(3)  # of `State.integers`
 ITS_GAP, SPENT = range(2)  # of `State.numbers`
@@ -113,6 +116,43 @@ def test_idle(
             integers[ANSWER, patch], integers[ON, patch] = LINEAR, -1
             numbers[ITS_GAP, patch] = np.nan
     return count
+
+
+@njit
+def test_contacts(
+    fits: Ints,
+    wide: Ints,
+    given: Floats,
+    places: Ints,
+    deviation: Floats,
+    noise: Floats,
+    valid: Flags,
+    starts: Ints,
+    rung: int,
+    present: Flags,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+) -> None:
+    """Idle test of all patches by what finds their contacts, which takes the noise they have now.
+
+    By it, that of means of many readings, contacts stay; whether one comes goes by the `noise` of
+    single ones: means of nothing but noise would seem to be touched for many cycles.
+    `fits` and `wide` (P,) are addresses; see `idle_kernel`.
+    """
+    for patch in range(len(present)):
+        if not present[patch]:
+            continue
+        first, last = starts[patch], starts[patch + 1]
+        fit, at = unpack_fit(fits[patch]), places[first]
+        end = at + last - first
+        for taxel in range(last - first):
+            fit.own.noise[taxel] = deviation[at + taxel]
+        stated = deviation if fit.memory.counts[NOW] else noise
+        its = given[at:end], stated[at:end], valid[first:last]
+        idle = rests(fit, unpack_wide(wide[patch]), *its)
+        integers[ANSWER, patch] = IDLE if idle else LINEAR
+        integers[ON, patch] = rung if idle else -1
+        numbers[ITS_GAP, patch] = 0.0 if idle else np.nan
 
 
 @njit

@@ -32,8 +32,9 @@ class EngineReadings:
     ----------
     starts : (P + 1,) list of int
         Where each patch's taxels begin.
-    given, wanted, deviation : (N,) arrays
-        What was handed in, in the skin's order, whether to use it, and its standard deviation.
+    given, wanted, deviation, noise_std : (N,) arrays
+        What was handed in, in the skin's order, whether to use it, its standard deviation, and that
+        of single readings.
     places : (N,) int array
         Where in these each taxel stands.
     linear : (N,) array
@@ -58,7 +59,7 @@ class EngineReadings:
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
         self.linear, self.given = np.zeros((2, taxels))
-        self._noise_std = np.empty(taxels)
+        self.noise_std = np.empty(taxels)
         self.white: Singles = np.zeros(taxels, np.float32)
         self.valid = np.ones(taxels, np.bool_)
         self.wanted: NDArray[np.bool_] = np.ones(taxels, np.bool_)
@@ -72,8 +73,8 @@ class EngineReadings:
         self._parts = {self.names[row]: part for row, part in zip(self._rows, parts, strict=True)}
         self._nothing = [np.zeros(size) for size in sizes]
         self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
-        self._noise_std[self.places] = noise_std
-        self.deviation = self._noise_std.copy()
+        self.noise_std[self.places] = noise_std
+        self.deviation = self.noise_std.copy()
         self.how = _linearised_how(quantity, self.given)
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
@@ -93,7 +94,7 @@ class EngineReadings:
         if not sized:
             self._blame(rows)
         self.wanted[:] = True
-        self.deviation[:] = self._noise_std
+        self.deviation[:] = self.noise_std
         if valid is not None:
             self._leave_out(valid)
 
@@ -114,7 +115,7 @@ class EngineReadings:
         if deviation is not None:
             _check_flat("deviation", deviation, self.deviation)
         self.wanted[:] = True if valid is None else valid
-        self.deviation[:] = self._noise_std if deviation is None else deviation
+        self.deviation[:] = self.noise_std if deviation is None else deviation
         self.present[:] = True
 
     def linearise(self) -> None:

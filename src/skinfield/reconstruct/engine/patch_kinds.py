@@ -179,6 +179,9 @@ class PatchGroup:
         ]
         self.last: list[Any] = [None] * count
         self.finds_contacts = bool(self.data) and self.data[0][0].rows is not None
+        for level in self.data[1:] if self.finds_contacts else ():
+            for each, coarsest in zip(level, self.data[0], strict=True):
+                each.start_from(coarsest)  # one fit of all grids
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self._filling = lru_cache(MOST_FILLINGS)(self._prepared_filling)
         every = np.ones(len(noise), np.bool_)

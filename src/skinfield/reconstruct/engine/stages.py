@@ -157,7 +157,12 @@ def start_linearly(work: Clockwork) -> None:
 
 
 def first_tested(work: Clockwork) -> int:
-    """Finest rung whose idle test takes little of the time: coarse cells overlook small touches."""
+    """Finest rung whose idle test takes little of the time: coarse cells overlook small touches.
+
+    Where contacts are found, the test is the same on all.
+    """
+    if work.finds_contacts:
+        return work.rungs - 1
     return finest_within(work, FIRST * work.left, 0)
 
 
@@ -225,10 +230,11 @@ def search(work: Clockwork, patch: int, start: int, deadline: int) -> None:
     group, place = work.places[patch]
     masked = not work.intake.all_valid and bool(state.invalid[patch])
     operator, data = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
-    if work.finds_contacts:
-        data.noise[:] = work.deviation_rows[patch]
-    solution = operator.solve(work.raw_rows[patch], data, deadline)
+    known = {"touched": True} if work.finds_contacts else {}
+    solution = operator.solve(work.raw_rows[patch], data, deadline, **known)
     is_field = data.count < 0
+    if is_field and work.finds_contacts:
+        work.by_field.add(patch)
     if solution.gap < 1.0 if is_field else data.count or solution.in_time:
         state.answer[patch] = FEASIBLE if is_field else CONTACTS
         state.rung[patch] = rung

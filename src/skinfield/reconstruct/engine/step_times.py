@@ -20,7 +20,7 @@ def measure(work: Clockwork) -> None:
     """Start the cost model from laps of every step that must fit."""
     work.intake.white[:] = 0.0
     for rung in range(work.rungs):
-        if work.tests:
+        if not work.linear:
             _lap(work, work.groups[0], TEST, rung, partial(work.test_idle, rung))
         if work.atlases:
             _lap(work, work.groups[0], PRODUCT, rung, partial(work.answer_all, rung))
@@ -29,7 +29,7 @@ def measure(work: Clockwork) -> None:
             if not work.atlases:
                 _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
-            if group.operators:
+            if work.tests:
                 _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
 
 

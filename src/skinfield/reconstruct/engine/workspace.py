@@ -9,7 +9,7 @@ from skinfield.errors import Ints
 from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
 from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import EngineState
+from skinfield.reconstruct.engine.state import IDLE, EngineState
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
 
 
@@ -31,7 +31,11 @@ class Clockwork:
     raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
     tests : R of Atlas
-        Idle tests of all patches; none where linear.
+        Idle tests of all patches; none where linear, and where contacts are found.
+    fits, wide : (P,) int arrays
+        Addresses of what finds contacts, and tests whether there are any.
+    by_field : set of int
+        Patches that were answered by a field where contacts are found.
     atlases, fields : R of Atlas and R arrays
         Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
     tested : int
@@ -67,7 +71,9 @@ class Clockwork:
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
         self.finds_contacts = groups[0].finds_contacts
-        self.tests = idle_tests(groups)
+        self.tests = [] if self.finds_contacts else idle_tests(groups)
+        self.fits, self.wide = self._addresses()
+        self.by_field: set[int] = set()
         self.atlases = linear_answers(groups) if self.linear else []
         self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
         self.times = Times(len(groups), self.rungs, bool(self.atlases))
@@ -95,6 +101,14 @@ class Clockwork:
         self._order, self.tops = np.zeros((2, patches), dtype=np.int64)
         self._idle = np.zeros(patches, np.bool_)
         self.prefer(self.rungs - 1, -1)
+
+    def _addresses(self) -> Ints:
+        """Of the fits of all patches, and of the wide loads beside them, (2, P)."""
+        fits, wide = list[int](), list[int]()
+        for group in self.groups if self.finds_contacts else ():
+            fits += [each.contacts.fit.packed.address for each in group.data[0]]
+            wide += [group.operators[0].wide.address] * group.count
+        return np.array([fits, wide], np.int64)
 
     def prefer(self, top: int, first: int) -> None:
         """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
@@ -134,7 +148,17 @@ class Clockwork:
 
     def test_idle(self, rung: int) -> int:
         """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
-        state = self.state
+        state, intake = self.state, self.intake
+        if self.finds_contacts:
+            noise = intake.deviation, intake.noise_std
+            taken = intake.given, intake.places, *noise, intake.valid, self.starts
+            out = intake.present, state.integers, state.numbers
+            self.kernel.test_contacts(self.fits, self.wide, *taken, rung, *out)
+            for patch in [each for each in self.by_field if state.answer[each] == IDLE]:
+                group, place = self.places[patch]
+                group.last[place].rest()
+                self.by_field.discard(patch)
+            return 0
         for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
             group.without_offset(white, *group.idle_offset, level)
         return int(

@@ -135,11 +135,11 @@ class SearchMemory(NamedTuple):
     state: Ints
 
     @classmethod
-    def of(cls, bank: Templates, most: int, starts: int) -> "SearchMemory":
+    def of(cls, bank: Templates, most: int, starts: int, taxels: int) -> "SearchMemory":
         """Room for so many atoms and starts."""
         seeds = max(MANY, starts) + 2
         return cls(
-            StartMemory.of(bank, starts),
+            StartMemory.of(bank, starts, taxels),
             np.zeros((seeds, 6)),
             np.zeros(seeds),
             np.zeros(most, np.int64),

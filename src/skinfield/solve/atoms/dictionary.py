@@ -15,19 +15,54 @@ from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.fit_kernel import FitModel
 from skinfield.solve.atoms.table import Tables
+from skinfield.solve.tiles import SIDE, Tiles, aligned_blocks
+from skinfield.solve.tiles_kernel import LANES, apply_tiles
 
 SPACING = 0.5  # thicknesses between places
 BLOCK = 4  # places along the side of a block
 RADII = (0.4, 0.8, 1.5, 2.6)  # thicknesses
 MARGIN = 1.5  # thicknesses beyond the outermost pads
 SHALLOW = 0.15  # strain of the gap at the axis at which templates are made
-LANES = 8  # numbers of a vector register
+WIDTH = 8  # numbers of a vector register
 SAME = 1e-5  # part of a score: what single precision cannot tell is the same, and the first counts
 FAINTEST = 0.02  # of the strongest template: below, a place is not seen
 UNSEEN = 0.02  # of a template's norm: taxels that read less of it are left out
 FIRST = 0.8  # thicknesses: radius of the templates that are scored first
 NEARLY = 0.9  # of the least score: what one of these must reach
 WORSE = 0.4  # of the best score: templates that agree less are no starts
+
+
+class FirstTemplates(NamedTuple):
+    """Templates that are scored first, in tiles of 16; see `tiles_kernel`.
+
+    Attributes
+    ----------
+    values : (N, 16) float32 array
+    taxels : (N,) int32 array
+    firsts : (T + 1,) int32 array
+    cells : (T,) int32 array
+    blocks : (16 T,) int array
+        To which block of all templates each belongs; where there is none, the template is 0.
+    """
+
+    values: NDArray[np.float32]
+    taxels: NDArray[np.int32]
+    firsts: NDArray[np.int32]
+    cells: NDArray[np.int32]
+    blocks: Ints
+
+    @classmethod
+    def of(cls, rows: Floats, places: Floats, blocks: Ints) -> "FirstTemplates":
+        """Tiles of templates (F, L) that stand at places (F, 2), those side by side together."""
+        tile = np.floor(places / (2 * BLOCK * SPACING)).astype(int)
+        order = np.lexsort((tile[:, 0], tile[:, 1]))
+        filled = np.pad(rows[order], [(0, -len(order) % LANES), (0, 0)])
+        tiles = Tiles.of(filled, (len(filled) // SIDE, SIDE), cut=0.0)
+        values = aligned_blocks(len(tiles.values), np.dtype(np.float32))
+        values[:] = tiles.values
+        taxels, firsts, cells = (np.array(a) for a in (tiles.taxels, tiles.firsts, tiles.cells))
+        owners = np.pad(blocks[order], (0, len(filled) - len(order)))
+        return cls(values, taxels, firsts, cells, owners)
 
 
 class Templates(NamedTuple):
@@ -39,8 +74,7 @@ class Templates(NamedTuple):
         That see a block; beyond their number the first, for which templates are 0.
     firsts : (B + 1,) int array
         First template of each block.
-    few : (B,) int array
-        How many of its first templates are scored first.
+    first : FirstTemplates
     templates : (T, S) float32 array
         Of norm 1 over the taxels of the block.
     norms : (T,) array
@@ -51,7 +85,7 @@ class Templates(NamedTuple):
 
     taxels: Ints
     firsts: Ints
-    few: Ints
+    first: FirstTemplates
     templates: NDArray[np.float32]
     norms: Floats
     atoms: Floats
@@ -66,7 +100,10 @@ class StartMemory(NamedTuple):
     listed : (T,) int array
     local : (S,) float32 array
     highest : (B,) array
-        Of the scores of each block's few.
+        Of the scores of those of each block that are scored first.
+    single : (1, L) float32 array
+    first : (1, F) float32 array
+        Scores of what is scored first.
     starts : (most, 6) array
         What was found.
     """
@@ -75,17 +112,21 @@ class StartMemory(NamedTuple):
     listed: Ints
     local: NDArray[np.float32]
     highest: Floats
+    single: NDArray[np.float32]
+    first: NDArray[np.float32]
     starts: Floats
 
     @classmethod
-    def of(cls, bank: Templates, most: int) -> "StartMemory":
+    def of(cls, bank: Templates, most: int, taxels: int) -> "StartMemory":
         """Room for a dictionary, and so many starts."""
         count = len(bank.norms)
         return cls(
             np.zeros(count, np.float32),
             np.zeros(count, np.int64),
             np.zeros(bank.templates.shape[1], np.float32),
-            np.zeros(len(bank.few)),
+            np.zeros(len(bank.taxels)),
+            np.zeros((1, taxels), np.float32),
+            np.zeros((1, len(bank.first.blocks)), np.float32),
             np.zeros((most, PARAMETERS)),
         )
 
@@ -105,18 +146,22 @@ def _take(bank: Templates, block: int, residual: Floats, local: NDArray[np.float
         local[i] = residual[bank.taxels[block, i]]
 
 
+@inner(fastmath=True, _nrt=False)
+def _highest(scores: NDArray[np.float32]) -> float:
+    best = np.float32(0.0)
+    for score in scores:
+        best = max(best, score)
+    return float(best)
+
+
 @inner(_nrt=False)
 def best_score(bank: Templates, memory: StartMemory, residual: Floats) -> float:
     """Highest agreement of a whitened residual (L,) with the first templates of all blocks."""
-    local, highest, best = memory.local, memory.highest, 0.0
-    for block in range(len(bank.few)):
-        _take(bank, block, residual, local)
-        highest[block] = 0.0
-        first = bank.firsts[block]
-        for t in range(first, first + bank.few[block]):
-            highest[block] = max(highest[block], _product(bank.templates[t], local))
-        best = max(best, highest[block])
-    return best
+    single, scores, first = memory.single, memory.first, bank.first
+    for taxel in range(len(residual)):
+        single[0, taxel] = residual[taxel]
+    apply_tiles(first.values, first.taxels, first.firsts, first.cells, SIDE, single, scores)
+    return _highest(scores[0])
 
 
 @inner(_nrt=False)
@@ -138,8 +183,13 @@ def find_starts(
     count, best = 0, best_score(bank, memory, residual)
     if not best > NEARLY * least:
         return 0
+    for block in range(len(highest)):
+        highest[block] = 0.0
+    for t in range(len(bank.first.blocks)):
+        block = bank.first.blocks[t]
+        highest[block] = max(highest[block], memory.first[0, t])
     gate = max(NEARLY * least, WORSE * best)
-    for block in range(len(bank.few)):
+    for block in range(len(highest)):
         if highest[block] < gate:
             continue
         _take(bank, block, residual, local)
@@ -191,7 +241,7 @@ def make_templates(model: FitModel, white: Floats) -> Templates:
     faintest = FAINTEST * max(float(seen.max()) for _, _, seen in blocks)
     kept = [_visible(atoms, rows, seen > faintest) for atoms, rows, seen in blocks]
     kept = [block for block in kept if len(block[0])]
-    widest = LANES * -(-max(len(block[1]) for block in kept) // LANES)
+    widest = WIDTH * -(-max(len(block[1]) for block in kept) // WIDTH)
 
     def filled(rows: NDArray[Any]) -> NDArray[Any]:
         return np.pad(rows, [(0, 0), (0, widest - rows.shape[1])])
@@ -199,13 +249,27 @@ def make_templates(model: FitModel, white: Floats) -> Templates:
     return Templates(
         taxels=np.concatenate([filled(near[None]) for _, near, _, _ in kept]).astype(np.int64),
         firsts=np.cumsum([0, *(len(atoms) for atoms, _, _, _ in kept)]),
-        few=np.array([np.count_nonzero(_is_few(atoms)) for atoms, _, _, _ in kept]),
+        first=_first(kept, len(white)),
         templates=np.ascontiguousarray(  # whatever order the parts have: rows are read
             np.concatenate([filled(part) for _, _, part, _ in kept]), dtype=np.float32
         ),
         norms=np.concatenate([norms for _, _, _, norms in kept]),
         atoms=np.concatenate([atoms for atoms, _, _, _ in kept]),
     )
+
+
+def _first(blocks: list[tuple[Floats, Ints, Floats, Floats]], taxels: int) -> FirstTemplates:
+    """What is scored first of each block, see `_visible`."""
+    rows, places, owners = [], [], []
+    for number, (atoms, near, part, _) in enumerate(blocks):
+        few = _is_few(atoms)
+        own = np.zeros((int(few.sum()), taxels))
+        own[:, near] = part[few]
+        rows.append(own)
+        places.append(atoms[few, :2])
+        owners.append(np.full(len(own), number))
+    parts = (np.concatenate(each) for each in (rows, places, owners))
+    return FirstTemplates.of(*parts)
 
 
 def _is_few(atoms: Floats) -> NDArray[np.bool_]:
@@ -237,8 +301,6 @@ def _visible(
 ) -> tuple[Floats, Ints, Floats, Floats]:
     """Atoms that are seen, taxels that see them, templates over these and their norms per N."""
     atoms, rows = atoms[seen], rows[seen]
-    order = np.argsort(~_is_few(atoms), kind="stable")
-    atoms, rows = atoms[order], rows[order]
     norms = np.linalg.norm(rows, axis=1)
     near = np.flatnonzero((np.abs(rows) > UNSEEN * norms[:, None]).any(axis=0))
     part = rows[:, near]

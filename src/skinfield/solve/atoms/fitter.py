@@ -78,7 +78,7 @@ class FitData:
         self.memory = FitMemory.of(fitter.fit_model, most)
         self.posterior = PosteriorMemory.of(most)
         self.own = ReadingMemory.of(noise, most, settings.model_error)
-        self.search = SearchMemory.of(fitter.bank, most, settings.starts)
+        self.search = SearchMemory.of(fitter.bank, most, settings.starts, len(noise))
         parts = Fit(
             fitter.fit_model,
             fitter.bank,
@@ -178,6 +178,9 @@ class ContactFitter:
             settings.common_mode,
         )
         self._all = np.ones(len(taxels), np.bool_)
+        from skinfield.solve.idle_kernel import reading_rests
+
+        self._rests = reading_rests
 
     def data(self) -> FitData:
         """Make scratch memory."""
@@ -208,6 +211,17 @@ class ContactFitter:
         heard, end = self._all if valid is None else valid, deadline_ns or 0
         fit, grid = data.packed.address, renderer.rows.address
         return answer_reading(fit, grid, *out, readings, heard, end)
+
+    def rests(
+        self,
+        readings: Floats,
+        data: FitData,
+        wide: Packed,
+        valid: NDArray[np.bool_] | None = None,
+    ) -> bool:
+        """See `idle_kernel.rests`."""
+        heard = self._all if valid is None else valid
+        return bool(self._rests(data.packed.address, wide.address, readings, heard))
 
     def answer_of(self, data: FitData, renderer: AtomRenderer, rows: NDArray[np.void]) -> AtomFit:
         """The last answer with its rows, drawn by a renderer."""

@@ -7,7 +7,7 @@ import numpy as np
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
-from skinfield.solve.atoms.dictionary import Templates
+from skinfield.solve.atoms.dictionary import FirstTemplates, Templates
 from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.rows_kernel import Drawing
@@ -164,14 +164,16 @@ def smallest_fit() -> Fit:
     tables = Tables(np.zeros((3, 1, 1, 1)), np.zeros((3, 1)), np.zeros(1), *np.zeros(5).tolist())
     model = FitModel(np.zeros((1, 2)), tables, Priors(*np.zeros(7).tolist()), np.zeros((2, 2)))
     whole, single = np.zeros(1, np.int64), np.zeros((1, 1), np.float32)
-    bank = Templates(whole[None], whole, whole, single, np.zeros(1), np.zeros((1, 6)))
+    number = whole.astype(np.int32)
+    first = FirstTemplates(single, number, number, number, whole)
+    bank = Templates(whole[None], whole, first, single, np.zeros(1), np.zeros((1, 6)))
     return Fit(
         model,
         bank,
         Neighbours(whole, whole, np.zeros(1), np.zeros(1)),
         ReadingRules(0.0, 1, 1, 1, 0.0, 0.0),
         FitMemory.of(model, 1),
-        SearchMemory.of(bank, 1, 1),
+        SearchMemory.of(bank, 1, 1, 1),
         PosteriorMemory.of(1),
         ReadingMemory.of(np.ones(1), 1, 0.0),
         Drawing.of(1),
