@@ -52,7 +52,7 @@ class FitModel(NamedTuple):
 
 
 # Rows of `FitMemory.taxels`.
-READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WHITE, ROWS = 0, 1, 2, 3, 4, 5, 6
+READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WEIGHT, ROWS = 0, 1, 2, 3, 4, 5, 6
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
@@ -68,7 +68,7 @@ class FitMemory(NamedTuple):
     ----------
     taxels : (6, L) array
         Readings, one over their deviations, what is left of readings, what is scored; and, while
-        the model error is inferred, deviations without it, and one over those that are tried.
+        the model error is inferred, deviations without it, and weights that are tried.
     atoms : (sets, M, 6) array
     family : (sets, M) int array
     counts : (sets,) int array
@@ -78,7 +78,14 @@ class FitMemory(NamedTuple):
     gradient : (sets, 6 M) array
     hessian : (sets, 36 M M) array
         Of N atoms the first 36 N N numbers, (6 N, 6 N) row by row.
-    jacobian : (6 M L,) array
+    jacobian : (6 M, L) array
+        Of the taxels in `near`, one row per parameter.
+    span : (M, 2) int array
+        First of these that reads each atom, and the one after the last.
+    listed : (4, L) array
+        Of these, weights; and room.
+    free : (6 M,) int array
+        Parameters that move.
     steps : (3, 6 M) array
     system : (36 M M,) array
     near : (L,) int array
@@ -99,6 +106,9 @@ class FitMemory(NamedTuple):
     gradient: Floats
     hessian: Floats
     jacobian: Floats
+    span: Ints
+    listed: Floats
+    free: Ints
     steps: Floats
     system: Floats
     near: Ints
@@ -122,7 +132,10 @@ class FitMemory(NamedTuple):
             predicted=np.zeros((SETS, taxels)),
             gradient=np.zeros((SETS, size)),
             hessian=np.zeros((SETS, size * size)),
-            jacobian=np.zeros(size * taxels),
+            jacobian=np.zeros((size, taxels)),
+            span=np.zeros((most, 2), np.int64),
+            listed=np.zeros((4, taxels)),
+            free=np.zeros(size, np.int64),
             steps=np.zeros((3, size)),
             system=np.zeros(size * size),
             near=np.zeros(taxels, np.int64),
@@ -135,6 +148,7 @@ class FitMemory(NamedTuple):
 
 FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
 FASTER, SLOWER = 0.98, 1.3  # how far one step may move what is known of that: nearly the slowest
+FAST = {"reassoc", "contract", "nsz"}  # sums in any order; infinities stay what they are
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
 FEW = 24  # taxels: so few are looked at in any case
 
@@ -143,6 +157,12 @@ FEW = 24  # taxels: so few are looked at in any case
 def reach_of(atom: Floats, tables: Tables) -> float:
     """How far from its middle an atom is read, in thicknesses."""
     return float(np.exp(atom[3]) + np.hypot(atom[4], atom[5]) + tables.pad_radius + tables.sight)
+
+
+@inner(forceinline=True, _nrt=False)
+def is_long(atom: Floats) -> bool:
+    """Whether an atom is drawn out: else its half-length stays 0."""
+    return bool(atom[4] != 0.0 or atom[5] != 0.0)
 
 
 @inner(_nrt=False)
@@ -219,69 +239,117 @@ def add_prior(
     return float(cost)
 
 
-@inner(forceinline=True, _nrt=False)
-def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
-    """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
-    count = memory.counts[which]
+@inner(fastmath=FAST, _nrt=False)
+def four_products(rows: Floats, weighted: Floats, out: Floats) -> None:
+    """Write the products of the first four rows (4, N) with some numbers (N,)."""
+    one, two, three, four = rows[0], rows[1], rows[2], rows[3]
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(weighted)):
+        a += one[k] * weighted[k]
+        b += two[k] * weighted[k]
+        c += three[k] * weighted[k]
+        d += four[k] * weighted[k]
+    out[0], out[1], out[2], out[3] = a, b, c, d
+
+
+@inner(fastmath=FAST, _nrt=False)
+def product(one: Floats, other: Floats) -> float:
+    """Sum of the products of two vectors (N,)."""
+    total = 0.0
+    for k in range(len(one)):
+        total += one[k] * other[k]
+    return total
+
+
+@inner(fastmath=FAST, _nrt=False)
+def take_weighted(one: Floats, weight: Floats, out: Floats) -> float:
+    """Write weighted numbers (N,); their sum."""
+    total = 0.0
+    for k in range(len(out)):
+        out[k] = one[k] * weight[k]
+        total += out[k]
+    return total
+
+
+@inner(_nrt=False)
+def take_squares(memory: FitMemory, which: int, matrix: Floats, sums: Floats) -> None:
+    """Write J' W J of a set, its lower triangle, with the weights of the listed taxels.
+
+    J are the slopes by all parameters of what the taxels read, and `sums` (6 N,) the 1' W J.
+    """
+    count, jacobian, span = memory.counts[which], memory.jacobian, memory.span
     size = 6 * count
-    atoms, family = memory.atoms[which], memory.family[which]
-    gradient, hessian = memory.gradient[which], memory.hessian[which]
-    predicted, jacobian, sums = memory.predicted[which], memory.jacobian, memory.steps[2]
-    readings, white = memory.taxels[row], memory.taxels[WHITE]
-    near = memory.near[: memory.marks[NEAR]]
+    for i in range(size * size):
+        matrix[i] = 0.0
+    for n in range(count):
+        first, after = span[n, 0], max(span[n, 1], span[n, 0])
+        weight, weighted = memory.listed[0, first:after], memory.listed[3, first:after]
+        for i in range(6 * n, 6 * n + 6):
+            sums[i] = 0.0
+        for i in range(6 * n, 6 * n + (6 if is_long(memory.atoms[which, n]) else 4)):
+            sums[i] = take_weighted(jacobian[i, first:after], weight, weighted)
+            for m in range(n + 1):
+                low, high = max(first, span[m, 0]), min(after, span[m, 1])
+                if low >= high:
+                    continue
+                its = memory.listed[3, low:high]
+                at = i * size + 6 * m
+                four_products(jacobian[6 * m : 6 * m + 4, low:high], its, matrix[at : at + 4])
+                if is_long(memory.atoms[which, m]):
+                    for k in range(4, 6):
+                        matrix[at + k] = product(jacobian[6 * m + k, low:high], its)
+
+
+@inner(_nrt=False)
+def take_slopes(model: FitModel, memory: FitMemory, which: int) -> None:
+    """Write what a set of atoms is read as, and its slopes at the listed taxels."""
+    predicted, near = memory.predicted[which], memory.near[: memory.marks[NEAR]]
     for taxel in range(len(predicted)):
         predicted[taxel] = 0.0
-    for i in range(size * len(near)):
-        jacobian[i] = 0.0
-    for n in range(count):
-        add_atom(
+    for n in range(memory.counts[which]):
+        memory.span[n, 0], memory.span[n, 1] = add_atom(
             n,
-            count,
-            atoms[n],
-            family[n],
+            memory.atoms[which, n],
+            memory.family[which, n],
             model.taxels,
             near,
             model.tables,
             memory.room,
             predicted,
-            jacobian,
+            memory.jacobian,
         )
-    for i in range(size):
-        gradient[i] = 0.0
-        sums[i] = 0.0  # how the weighted sum of the readings moves
-    for i in range(size * size):
-        hessian[i] = 0.0
+
+
+@inner(_nrt=False)
+def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
+    """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
+    count = memory.counts[which]
+    size, listed, shared = 6 * count, memory.listed, memory.sums[SHARED]
+    gradient, hessian, sums = memory.gradient[which], memory.hessian[which], memory.steps[2]
+    readings, white, predicted = memory.taxels[row], memory.taxels[WHITE], memory.predicted[which]
+    take_slopes(model, memory, which)
     cost, total = memory.sums[REST_COST], memory.sums[REST_TOTAL]
-    for k in range(len(near)):
-        taxel, first = near[k], size * k
-        weight = white[taxel] * white[taxel]
-        residual = readings[taxel] - predicted[taxel]
-        cost += 0.5 * residual * residual * weight
-        total += residual * weight
-        for n in range(0, size, 6):
-            if jacobian[first + n + 2] == 0.0:
-                continue
-            for i in range(n, n + 6):
-                slope = jacobian[first + i] * weight
-                gradient[i] -= slope * residual
-                sums[i] += slope
-                for j in range(n, i + 1):
-                    hessian[i * size + j] += slope * jacobian[first + j]
-                for m in range(0, n, 6):
-                    if jacobian[first + m + 2] == 0.0:
-                        continue
-                    for j in range(m, m + 6):
-                        hessian[i * size + j] += slope * jacobian[first + j]
-    shared = memory.sums[SHARED]
+    for k in range(memory.marks[NEAR]):
+        taxel = memory.near[k]
+        weight, residual = white[taxel] * white[taxel], readings[taxel] - predicted[taxel]
+        listed[0, k], listed[1, k] = weight, weight * residual
+        cost += 0.5 * residual * listed[1, k]
+        total += listed[1, k]
+    take_squares(memory, which, hessian, sums)
     cost -= 0.5 * shared * total * total
-    for i in range(size):
-        gradient[i] += shared * sums[i] * total
-        for j in range(i + 1):
-            value = hessian[i * size + j] - shared * sums[i] * sums[j]
-            hessian[i * size + j] = value
-            hessian[j * size + i] = value
     for n in range(count):
-        cost += add_prior(n, atoms[n], family[n], model, gradient, hessian, size)
+        first, after = memory.span[n, 0], max(memory.span[n, 1], memory.span[n, 0])
+        weighted = listed[1, first:after]
+        for i in range(6 * n, 6 * n + 6):
+            slope = product(memory.jacobian[i, first:after], weighted)
+            gradient[i] = shared * sums[i] * total - slope
+            for j in range(i + 1):
+                value = hessian[i * size + j] - shared * sums[i] * sums[j]
+                hessian[i * size + j] = value
+                hessian[j * size + i] = value
+    for n in range(count):
+        atom, family = memory.atoms[which, n], memory.family[which, n]
+        cost += add_prior(n, atom, family, model, gradient, hessian, size)
     return float(cost)
 
 
@@ -341,46 +409,40 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
             atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
 
 
-@inner(forceinline=True, _nrt=False)
-def is_long(atom: Floats) -> bool:
-    """Whether an atom is drawn out: else its half-length stays 0."""
-    return bool(atom[4] != 0.0 or atom[5] != 0.0)
-
-
 @inner(_nrt=False)
-def free_system(memory: FitMemory, which: int, held: int, damping: float) -> None:
-    """Copy the Hessian of a set into `system`, damped; what does not move becomes the identity.
+def free_system(memory: FitMemory, which: int, hessian: Floats, held: int, damping: float) -> int:
+    """Write a damped Hessian, of what moves, into `system`, its lower triangle; of what size.
 
-    Of every atom the first `held` parameters do not move, and the half-length of round ones.
+    Of every atom the first `held` parameters do not move, nor the half-length of round ones; `free`
+    lists the others.
     """
-    size = 6 * memory.counts[which]
-    hessian, system = memory.hessian[which], memory.system
-    for i in range(size * size):
-        system[i] = hessian[i]
+    size, count, free = 0, memory.counts[which], memory.free
+    system = memory.system
+    for n in range(count):
+        for k in range(held, 6 if is_long(memory.atoms[which, n]) else 4):
+            free[size] = 6 * n + k
+            size += 1
     for i in range(size):
-        system[i * size + i] += damping * hessian[i * size + i] + 1e-9
-    for i in range(size):
-        n, k = i // 6, i % 6
-        if k >= held and (k < 4 or is_long(memory.atoms[which, n])):
-            continue
-        for j in range(size):
-            system[i * size + j] = 0.0
-            system[j * size + i] = 0.0
-        system[i * size + i] = 1.0
+        for j in range(i + 1):
+            system[i * size + j] = hessian[free[i] * 6 * count + free[j]]
+        system[i * size + i] += damping * system[i * size + i] + 1e-9
+    return size
 
 
 @inner(_nrt=False)
 def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> bool:
     """Write Levenberg's step into `steps[0]`; False where there is none."""
-    size, step = 6 * memory.counts[which], memory.steps[0]
-    free_system(memory, which, held, damping)
+    size = free_system(memory, which, memory.hessian[which], held, damping)
+    step, right = memory.steps[0], memory.steps[1]
     for i in range(size):
-        n, k = i // 6, i % 6
-        moves = k >= held and (k < 4 or is_long(memory.atoms[which, n]))
-        step[i] = -memory.gradient[which, i] if moves else 0.0
+        right[i] = -memory.gradient[which, memory.free[i]]
     if not factor(memory.system, size):
         return False
-    solve_factored(memory.system, size, step[:size])
+    solve_factored(memory.system, size, right)
+    for i in range(6 * memory.counts[which]):
+        step[i] = 0.0
+    for i in range(size):
+        step[memory.free[i]] = right[i]
     return True
 
 
