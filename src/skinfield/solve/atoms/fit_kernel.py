@@ -355,7 +355,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST = 0.93  # strain of the gap at the axis
-RISE, FALL = 8.0, 0.2  # of the damping, after a step that failed or succeeded
+RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
 FIRST_DAMPING = 1e-3
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
 
@@ -535,7 +535,7 @@ def descend(
     memory.counts[STEP] = count
     for n in range(count):
         memory.family[STEP, n] = family[n]
-    damping = FIRST_DAMPING
+    damping, rise = FIRST_DAMPING, RISE
     memory.marks[SETTLED] = 0
     memory.marks[STEPPED] = 0
     for _ in range(steps):
@@ -543,14 +543,19 @@ def descend(
             return
         memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
-            damping *= RISE
+            damping, rise = damping * rise, 2.0 * rise
             if damping > 1e8:
                 break
             continue
-        longest = 1e-300
+        longest, downhill, held_back = 1e-300, 0.0, 0.0
         for i in range(size):
             longest = max(longest, abs(step[i]))
+            downhill -= memory.gradient[which, i] * step[i]
+            held_back += memory.hessian[which, i * size + i] * step[i] * step[i]
         share = min(1.0, LONGEST_STEP / longest)
+        expected = share * (downhill - 0.5 * share * (downhill - damping * held_back))
+        if expected < tolerance and damping <= FIRST_DAMPING:
+            break
         for n in range(count):
             for i in range(6):
                 memory.atoms[STEP, n, i] = atoms[n, i] + share * step[6 * n + i]
@@ -562,9 +567,10 @@ def descend(
         gain = memory.costs[which] - memory.costs[STEP]
         if gain > 0.0:
             copy_set(memory, STEP, which)
-            damping = max(damping * FALL, 1e-9)
+            off = 2.0 * gain / expected - 1.0
+            damping, rise = max(damping * max(1.0 - off * off * off, FALL), 1e-9), RISE
         else:
-            damping *= RISE
+            damping, rise = damping * rise, 2.0 * rise
         if 0.0 < gain < tolerance or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
             break
     memory.marks[SETTLED] = 1
