@@ -55,10 +55,12 @@ class FitModel(NamedTuple):
 READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WEIGHT, ROWS = 0, 1, 2, 3, 4, 5, 6
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
-# Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
-REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
-# Places of `FitMemory.marks`, the first two of which are the clock's.
-NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST = 2, 3, 4, 5, 6, 7, 8  # MOST: steps, 0 for any
+# Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share; and how
+# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched.
+REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING = range(7)
+# Places of `FitMemory.marks`, the first two of which are the clock's. MOST: steps in all, and
+# PAUSE: before a pause; 0 for any.
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST, PAUSE = range(2, 10)
 
 
 class FitMemory(NamedTuple):
@@ -122,7 +124,8 @@ class FitMemory(NamedTuple):
         """Room for so many atoms."""
         taxels, size = len(model.taxels), PARAMETERS * most
         sums = np.zeros(8)
-        sums[PACE] = FIRST_PACE
+        sums[PACE:] = FIRST_PACE
+        sums[INFERRING:] *= 3.0
         return cls(
             taxels=np.zeros((ROWS, taxels)),
             atoms=np.zeros((SETS, most, PARAMETERS)),
@@ -147,7 +150,9 @@ class FitMemory(NamedTuple):
 
 
 FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
-FASTER, SLOWER = 0.98, 1.3  # how far one step may move what is known of that: nearly the slowest
+FASTER, SLOWER = 0.98, 1.2  # how far one piece may move what is known of that: nearly the slowest
+STALLED, SLIGHTLY = 4.0, 1.02  # times: that it took so long moves it by little
+SHORTER = 0.995  # what is taken for that after the time was too short
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order; infinities stay what they are
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
 FEW = 24  # taxels: so few are looked at in any case
@@ -465,38 +470,53 @@ def copy_set(memory: FitMemory, source: int, target: int) -> None:
 
 
 @inner(_nrt=False)
-def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
-    """Whether a step of a set may end after a time of the clock, 0 for none, or is one too many.
+def nearly_slowest(known: float, took: float, faster: float) -> float:
+    """What is known of how long something takes, after it took so long once more.
 
-    How long a step takes is learnt from those before: nearly the slowest of late, per atom.
+    Where it took several times as long, the machine did something else meanwhile.
     """
-    if memory.marks[STEPS] >= memory.marks[MOST] > 0:
+    most = SLOWER if took < STALLED * known else SLIGHTLY
+    return min(max(took, faster * known), most * known)
+
+
+@inner(_nrt=False)
+def take_pace(memory: FitMemory, piece: int, times: int) -> None:
+    """Learn how long a piece of work takes, so many times, that began at BEGAN and ends now."""
+    now = now_ns(memory.marks)
+    took = (now - memory.marks[BEGAN]) / times
+    memory.sums[piece] = nearly_slowest(memory.sums[piece], took, FASTER)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
+
+
+@inner(_nrt=False)
+def is_short(memory: FitMemory, piece: int, times: int, deadline: int) -> bool:
+    """Whether a piece of work, so many times, may end after a time of the clock, 0 for none.
+
+    How long it takes is learnt from those before: nearly the slowest of late. What never fits is
+    tried all the same one day.
+    """
+    if memory.marks[LATE]:
+        return True
+    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
+    if deadline and memory.marks[BEGAN] + int(memory.sums[piece] * times) > deadline:
+        memory.marks[LATE] = 1
+        memory.sums[piece] *= SHORTER
+    return bool(memory.marks[LATE])
+
+
+@inner(_nrt=False)
+def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
+    """Whether a step of a set may end after a time of the clock, or is one too many."""
+    steps = memory.marks[STEPS]
+    if steps >= memory.marks[MOST] > 0 or steps >= memory.marks[PAUSE] > 0:
         memory.marks[LATE] = 1
         return True
     if deadline == 0:
         return False
-    now, count = now_ns(memory.marks), max(memory.counts[which], 1)
+    times = max(memory.counts[which], 1)
     if memory.marks[STEPPED]:
-        pace = memory.sums[PACE]
-        took = (now - memory.marks[BEGAN]) / count
-        memory.sums[PACE] = min(max(took, FASTER * pace), SLOWER * pace)
-    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
-    if now + int(memory.sums[PACE] * count) > deadline:
-        memory.marks[LATE] = 1
-        return True
-    return False
-
-
-@inner(_nrt=False)
-def is_short(memory: FitMemory, steps: float, deadline: int) -> bool:
-    """Whether the time is too short for what takes as long as some steps of the answer."""
-    if deadline == 0 or memory.marks[LATE]:
-        return bool(memory.marks[LATE])
-    count = max(memory.counts[NOW], 1)
-    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
-    if memory.marks[BEGAN] + int(memory.sums[PACE] * count * steps) > deadline:
-        memory.marks[LATE] = 1
-    return bool(memory.marks[LATE])
+        take_pace(memory, PACE, times)
+    return is_short(memory, PACE, times, deadline)
 
 
 @inner(_nrt=False)
