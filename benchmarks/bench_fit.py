@@ -79,7 +79,7 @@ def floor_of_fit(rec: sf.Reconstructor, contacts: int) -> float:
     atoms[:, :2] = PLACES[:contacts] / h
     atoms[:, 3] = np.log(2.6e-3 / h)
     family, out = np.zeros(contacts, np.int64), np.empty(len(PATCH))
-    jacobian = np.empty((len(PATCH), contacts, PARAMETERS))
+    jacobian = np.empty((contacts, PARAMETERS, len(PATCH)))
     taxels = np.ascontiguousarray(PATCH.plane / h)
     return float(
         np.median(lap(lambda: predict(atoms, family, taxels, tables, out, jacobian), 2000, 50))

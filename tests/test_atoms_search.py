@@ -79,7 +79,7 @@ def log_curvature_force() -> CubicSpline:
 def alone(fitter: Prepared, atom: Floats, family: int) -> Floats:
     """What one ball or flat end (4,) is read as, (L,)."""
     model = fitter.fitter.fit_model
-    out, jacobian = np.empty(len(PATCH)), np.empty((len(PATCH), 1, 6))
+    out, jacobian = np.empty(len(PATCH)), np.empty((1, 6, len(PATCH)))
     one = np.append(atom, [0.0, 0.0])[None]
     predict(one, np.array([family]), model.taxels, model.tables, out, jacobian)
     return out

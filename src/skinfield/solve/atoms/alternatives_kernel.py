@@ -218,12 +218,11 @@ def evidence(model: FitModel, memory: FitMemory, which: int) -> float:
     count = memory.counts[which]
     if not count:
         return float(-memory.costs[which])
-    size, determinant = 6 * count, 0.0
-    free_system(memory, which, 0, 0.0)
+    size, determinant = free_system(memory, which, memory.hessian[which], 0, 0.0), 0.0
     if not factor(memory.system, size):
         return -np.inf
     for i in range(size):
-        determinant += np.log(memory.system[i * size + i])  # 0 of what does not move
+        determinant += np.log(memory.system[i * size + i])
     return float(prior_evidence(model, memory, which) - memory.costs[which] - determinant)
 
 

@@ -64,16 +64,19 @@ def _radial(grid: Floats, place: float, log_step: float, nodes: int, room: "Tabl
     weight[0, 0], weight[0, 1], weight[0, 2], weight[0, 3] = cubic(place - i)
     weight[1, 0], weight[1, 1], weight[1, 2], weight[1, 3] = cubic_slopes(place - i)
     out[:, :nodes] = 0.0
-    for a in range(4):
-        for k in range(power.shape[1]):
-            row = grid[i - 1 + a, k]
-            value = weight[0, a] * power[0, k]
-            by_radius = weight[1, a] / log_step * power[0, k]
-            by_u = weight[0, a] * power[1, k]
-            for j in range(nodes):
-                out[0, j] += value * row[j]
-                out[1, j] += by_radius * row[j]
-                out[2, j] += by_u * row[j]
+    w0, w1, w2, w3 = weight[0, 0], weight[0, 1], weight[0, 2], weight[0, 3]
+    d0, d1 = weight[1, 0] / log_step, weight[1, 1] / log_step
+    d2, d3 = weight[1, 2] / log_step, weight[1, 3] / log_step
+    values, by_radius, by_u = out[0, :nodes], out[1, :nodes], out[2, :nodes]
+    for k in range(power.shape[1]):
+        a, b = grid[i - 1, k, :nodes], grid[i, k, :nodes]
+        c, d = grid[i + 1, k, :nodes], grid[i + 2, k, :nodes]
+        now, slope = power[0, k], power[1, k]
+        for j in range(len(values)):
+            value = w0 * a[j] + w1 * b[j] + w2 * c[j] + w3 * d[j]
+            values[j] += now * value
+            by_u[j] += slope * value
+            by_radius[j] += now * (d0 * a[j] + d1 * b[j] + d2 * c[j] + d3 * d[j])
 
 
 @inner(_nrt=False)
@@ -118,7 +121,6 @@ def _depth(
 @inner(_nrt=False)
 def add_atom(
     n: int,
-    count: int,
     atom: Floats,
     family: int,
     taxels: Floats,
@@ -127,11 +129,11 @@ def add_atom(
     room: TableRoom,
     out: Floats,
     jacobian: Floats,
-) -> None:
-    """Add the readings of one atom of `count` at the listed taxels to `out` (L,).
+) -> tuple[int, int]:
+    """Add the readings of the n-th atom at the listed taxels to `out` (L,).
 
-    Its derivatives are added to `jacobian`, where those of the k-th listed taxel by the parameters
-    of atom n begin at 6 (k `count` + n).
+    Its derivatives at these are written to rows 6 n to 6 n + 5 of `jacobian`, one per parameter.
+    Returns the first of the listed taxels that reads it, and the one after the last.
     """
     x, y, east, north = atom[0], atom[1], atom[4], atom[5]
     radius, half = np.exp(atom[3]), np.hypot(east, north)
@@ -143,46 +145,50 @@ def add_atom(
     _radial(tables.coefficients[family], place, tables.log_step, last + 1, room)
     log_slope = scale_slope + thinning  # of u, by ln radius
     stretch = thinning / (half * half) if points > 1 else 0.0  # of u, by the half-length
+    nodes, square, deeper = 1.0 / tables.distance_step, reach * reach, u / (1.0 - u)
+    farthest, first, after = (last - 2) * tables.distance_step, len(near), 0
+    row = jacobian[6 * n : 6 * n + PARAMETERS, : len(near)]
+    for i in range(PARAMETERS):
+        row[i] = 0.0
     for k in range(len(near)):
-        taxel, base = near[k], 6 * (k * count + n)
+        taxel = near[k]
         away_x, away_y = taxels[taxel, 0] - x, taxels[taxel, 1] - y
-        if away_x * away_x + away_y * away_y > reach * reach:
+        if away_x * away_x + away_y * away_y > square:
             continue
+        first, after = min(first, k), k + 1
         for q in range(points):
             share = gain if points == 1 else gain * WEIGHT[q]
             node = 0.0 if points == 1 else NODE[q]
             rx, ry = away_x - node * east, away_y - node * north
-            r = np.hypot(rx, ry)
-            if r > (last - 2) * tables.distance_step:
+            r = np.sqrt(rx * rx + ry * ry)
+            if r > farthest:
                 continue
-            value, slope, by_radius, by_strain = _look_up(
-                room.radial, r / tables.distance_step, last
-            )
+            value, slope, by_radius, by_strain = _look_up(room.radial, r * nodes, last)
             reading = share * value
-            slope *= share / tables.distance_step / max(r, 1e-9)
-            by_u = u * (share * by_strain + reading / (1.0 - u))  # per d ln u
+            slope *= share * nodes / max(r, 1e-9)
+            by_u = u * share * by_strain + reading * deeper  # per d ln u
             out[taxel] += reading
-            jacobian[base] -= slope * rx
-            jacobian[base + 1] -= slope * ry
-            jacobian[base + 2] += reading + by_u
-            jacobian[base + 3] += share * by_radius + reading * scale_slope + by_u * log_slope
+            row[0, k] -= slope * rx
+            row[1, k] -= slope * ry
+            row[2, k] += reading + by_u
+            row[3, k] += share * by_radius + reading * scale_slope + by_u * log_slope
             if points > 1:
-                jacobian[base + 4] -= slope * rx * node + by_u * stretch * east
-                jacobian[base + 5] -= slope * ry * node + by_u * stretch * north
+                row[4, k] -= slope * rx * node + by_u * stretch * east
+                row[5, k] -= slope * ry * node + by_u * stretch * north
+    return first, after
 
 
 @njit
 def predict(
     atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
 ) -> None:
-    """Write readings (L,) of atoms (N, 6) and derivatives (L, N, 6)."""
+    """Write readings (L,) of atoms (N, 6) and derivatives (N, 6, L)."""
     out[:] = 0.0
-    flat, count, near = jacobian.reshape(-1), len(atoms), np.arange(len(taxels))
-    flat[:] = 0.0
+    rows, near = jacobian.reshape(-1, len(taxels)), np.arange(len(taxels))
     room = TableRoom(
         np.empty((3, tables.coefficients.shape[3])),
         np.empty((2, tables.coefficients.shape[2])),
         np.empty((2, 4)),
     )
-    for n in range(count):
-        add_atom(n, count, atoms[n], family[n], taxels, near, tables, room, out, flat)
+    for n in range(len(atoms)):
+        add_atom(n, atoms[n], family[n], taxels, near, tables, room, out, rows)

@@ -289,7 +289,7 @@ def _block(model: FitModel, white: Floats, places: Floats) -> tuple[Floats, Floa
     logs = [_shallow_log_force(tables, float(np.log(radius))) for radius in RADII]
     atoms[:, 2] = np.repeat(logs, len(places))
     rows = np.zeros((len(atoms), len(white)))
-    family, jacobian = np.zeros(1, dtype=np.int64), np.empty((len(white), 1, PARAMETERS))
+    family, jacobian = np.zeros(1, dtype=np.int64), np.empty((1, PARAMETERS, len(white)))
     for atom, row in zip(atoms, rows, strict=True):
         predict(atom[None], family, model.taxels, tables, row, jacobian)
     rows *= white

@@ -52,13 +52,15 @@ class FitModel(NamedTuple):
 
 
 # Rows of `FitMemory.taxels`.
-READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WHITE, ROWS = 0, 1, 2, 3, 4, 5, 6
+READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WEIGHT, ROWS = 0, 1, 2, 3, 4, 5, 6
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
-# Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share.
-REST_COST, REST_TOTAL, SHARED, PACE = 0, 1, 2, 3
-# Places of `FitMemory.marks`, the first two of which are the clock's.
-NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST = 2, 3, 4, 5, 6, 7, 8  # MOST: steps, 0 for any
+# Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share; and how
+# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched.
+REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING = range(7)
+# Places of `FitMemory.marks`, the first two of which are the clock's. MOST: steps in all, and
+# PAUSE: before a pause; 0 for any.
+NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST, PAUSE = range(2, 10)
 
 
 class FitMemory(NamedTuple):
@@ -68,7 +70,7 @@ class FitMemory(NamedTuple):
     ----------
     taxels : (6, L) array
         Readings, one over their deviations, what is left of readings, what is scored; and, while
-        the model error is inferred, deviations without it, and one over those that are tried.
+        the model error is inferred, deviations without it, and weights that are tried.
     atoms : (sets, M, 6) array
     family : (sets, M) int array
     counts : (sets,) int array
@@ -78,7 +80,14 @@ class FitMemory(NamedTuple):
     gradient : (sets, 6 M) array
     hessian : (sets, 36 M M) array
         Of N atoms the first 36 N N numbers, (6 N, 6 N) row by row.
-    jacobian : (6 M L,) array
+    jacobian : (6 M, L) array
+        Of the taxels in `near`, one row per parameter.
+    span : (M, 2) int array
+        First of these that reads each atom, and the one after the last.
+    listed : (4, L) array
+        Of these, weights; and room.
+    free : (6 M,) int array
+        Parameters that move.
     steps : (3, 6 M) array
     system : (36 M M,) array
     near : (L,) int array
@@ -99,6 +108,9 @@ class FitMemory(NamedTuple):
     gradient: Floats
     hessian: Floats
     jacobian: Floats
+    span: Ints
+    listed: Floats
+    free: Ints
     steps: Floats
     system: Floats
     near: Ints
@@ -112,7 +124,8 @@ class FitMemory(NamedTuple):
         """Room for so many atoms."""
         taxels, size = len(model.taxels), PARAMETERS * most
         sums = np.zeros(8)
-        sums[PACE] = FIRST_PACE
+        sums[PACE:] = FIRST_PACE
+        sums[INFERRING:] *= 3.0
         return cls(
             taxels=np.zeros((ROWS, taxels)),
             atoms=np.zeros((SETS, most, PARAMETERS)),
@@ -122,7 +135,10 @@ class FitMemory(NamedTuple):
             predicted=np.zeros((SETS, taxels)),
             gradient=np.zeros((SETS, size)),
             hessian=np.zeros((SETS, size * size)),
-            jacobian=np.zeros(size * taxels),
+            jacobian=np.zeros((size, taxels)),
+            span=np.zeros((most, 2), np.int64),
+            listed=np.zeros((4, taxels)),
+            free=np.zeros(size, np.int64),
             steps=np.zeros((3, size)),
             system=np.zeros(size * size),
             near=np.zeros(taxels, np.int64),
@@ -134,7 +150,10 @@ class FitMemory(NamedTuple):
 
 
 FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
-FASTER, SLOWER = 0.98, 1.3  # how far one step may move what is known of that: nearly the slowest
+FASTER, SLOWER = 0.98, 1.2  # how far one piece may move what is known of that: nearly the slowest
+STALLED, SLIGHTLY = 4.0, 1.02  # times: that it took so long moves it by little
+SHORTER = 0.995  # what is taken for that after the time was too short
+FAST = {"reassoc", "contract", "nsz"}  # sums in any order; infinities stay what they are
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
 FEW = 24  # taxels: so few are looked at in any case
 
@@ -143,6 +162,12 @@ FEW = 24  # taxels: so few are looked at in any case
 def reach_of(atom: Floats, tables: Tables) -> float:
     """How far from its middle an atom is read, in thicknesses."""
     return float(np.exp(atom[3]) + np.hypot(atom[4], atom[5]) + tables.pad_radius + tables.sight)
+
+
+@inner(forceinline=True, _nrt=False)
+def is_long(atom: Floats) -> bool:
+    """Whether an atom is drawn out: else its half-length stays 0."""
+    return bool(atom[4] != 0.0 or atom[5] != 0.0)
 
 
 @inner(_nrt=False)
@@ -219,75 +244,123 @@ def add_prior(
     return float(cost)
 
 
-@inner(forceinline=True, _nrt=False)
-def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
-    """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
-    count = memory.counts[which]
+@inner(fastmath=FAST, _nrt=False)
+def four_products(rows: Floats, weighted: Floats, out: Floats) -> None:
+    """Write the products of the first four rows (4, N) with some numbers (N,)."""
+    one, two, three, four = rows[0], rows[1], rows[2], rows[3]
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(weighted)):
+        a += one[k] * weighted[k]
+        b += two[k] * weighted[k]
+        c += three[k] * weighted[k]
+        d += four[k] * weighted[k]
+    out[0], out[1], out[2], out[3] = a, b, c, d
+
+
+@inner(fastmath=FAST, _nrt=False)
+def product(one: Floats, other: Floats) -> float:
+    """Sum of the products of two vectors (N,)."""
+    total = 0.0
+    for k in range(len(one)):
+        total += one[k] * other[k]
+    return total
+
+
+@inner(fastmath=FAST, _nrt=False)
+def take_weighted(one: Floats, weight: Floats, out: Floats) -> float:
+    """Write weighted numbers (N,); their sum."""
+    total = 0.0
+    for k in range(len(out)):
+        out[k] = one[k] * weight[k]
+        total += out[k]
+    return total
+
+
+@inner(_nrt=False)
+def take_squares(memory: FitMemory, which: int, matrix: Floats, sums: Floats) -> None:
+    """Write J' W J of a set, its lower triangle, with the weights of the listed taxels.
+
+    J are the slopes by all parameters of what the taxels read, and `sums` (6 N,) the 1' W J.
+    """
+    count, jacobian, span = memory.counts[which], memory.jacobian, memory.span
     size = 6 * count
-    atoms, family = memory.atoms[which], memory.family[which]
-    gradient, hessian = memory.gradient[which], memory.hessian[which]
-    predicted, jacobian, sums = memory.predicted[which], memory.jacobian, memory.steps[2]
-    readings, white = memory.taxels[row], memory.taxels[WHITE]
-    near = memory.near[: memory.marks[NEAR]]
+    for i in range(size * size):
+        matrix[i] = 0.0
+    for n in range(count):
+        first, after = span[n, 0], max(span[n, 1], span[n, 0])
+        weight, weighted = memory.listed[0, first:after], memory.listed[3, first:after]
+        for i in range(6 * n, 6 * n + 6):
+            sums[i] = 0.0
+        for i in range(6 * n, 6 * n + (6 if is_long(memory.atoms[which, n]) else 4)):
+            sums[i] = take_weighted(jacobian[i, first:after], weight, weighted)
+            for m in range(n + 1):
+                low, high = max(first, span[m, 0]), min(after, span[m, 1])
+                if low >= high:
+                    continue
+                its = memory.listed[3, low:high]
+                at = i * size + 6 * m
+                four_products(jacobian[6 * m : 6 * m + 4, low:high], its, matrix[at : at + 4])
+                if is_long(memory.atoms[which, m]):
+                    for k in range(4, 6):
+                        matrix[at + k] = product(jacobian[6 * m + k, low:high], its)
+
+
+@inner(_nrt=False)
+def take_slopes(model: FitModel, memory: FitMemory, which: int) -> None:
+    """Write what a set of atoms is read as, and its slopes at the listed taxels."""
+    predicted, near = memory.predicted[which], memory.near[: memory.marks[NEAR]]
     for taxel in range(len(predicted)):
         predicted[taxel] = 0.0
-    for i in range(size * len(near)):
-        jacobian[i] = 0.0
-    for n in range(count):
-        add_atom(
+    for n in range(memory.counts[which]):
+        memory.span[n, 0], memory.span[n, 1] = add_atom(
             n,
-            count,
-            atoms[n],
-            family[n],
+            memory.atoms[which, n],
+            memory.family[which, n],
             model.taxels,
             near,
             model.tables,
             memory.room,
             predicted,
-            jacobian,
+            memory.jacobian,
         )
-    for i in range(size):
-        gradient[i] = 0.0
-        sums[i] = 0.0  # how the weighted sum of the readings moves
-    for i in range(size * size):
-        hessian[i] = 0.0
+
+
+@inner(_nrt=False)
+def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
+    """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
+    count = memory.counts[which]
+    size, listed, shared = 6 * count, memory.listed, memory.sums[SHARED]
+    gradient, hessian, sums = memory.gradient[which], memory.hessian[which], memory.steps[2]
+    readings, white, predicted = memory.taxels[row], memory.taxels[WHITE], memory.predicted[which]
+    take_slopes(model, memory, which)
     cost, total = memory.sums[REST_COST], memory.sums[REST_TOTAL]
-    for k in range(len(near)):
-        taxel, first = near[k], size * k
-        weight = white[taxel] * white[taxel]
-        residual = readings[taxel] - predicted[taxel]
-        cost += 0.5 * residual * residual * weight
-        total += residual * weight
-        for n in range(0, size, 6):
-            if jacobian[first + n + 2] == 0.0:
-                continue
-            for i in range(n, n + 6):
-                slope = jacobian[first + i] * weight
-                gradient[i] -= slope * residual
-                sums[i] += slope
-                for j in range(n, i + 1):
-                    hessian[i * size + j] += slope * jacobian[first + j]
-                for m in range(0, n, 6):
-                    if jacobian[first + m + 2] == 0.0:
-                        continue
-                    for j in range(m, m + 6):
-                        hessian[i * size + j] += slope * jacobian[first + j]
-    shared = memory.sums[SHARED]
+    for k in range(memory.marks[NEAR]):
+        taxel = memory.near[k]
+        weight, residual = white[taxel] * white[taxel], readings[taxel] - predicted[taxel]
+        listed[0, k], listed[1, k] = weight, weight * residual
+        cost += 0.5 * residual * listed[1, k]
+        total += listed[1, k]
+    take_squares(memory, which, hessian, sums)
     cost -= 0.5 * shared * total * total
-    for i in range(size):
-        gradient[i] += shared * sums[i] * total
-        for j in range(i + 1):
-            value = hessian[i * size + j] - shared * sums[i] * sums[j]
-            hessian[i * size + j] = value
-            hessian[j * size + i] = value
     for n in range(count):
-        cost += add_prior(n, atoms[n], family[n], model, gradient, hessian, size)
+        first, after = memory.span[n, 0], max(memory.span[n, 1], memory.span[n, 0])
+        weighted = listed[1, first:after]
+        for i in range(6 * n, 6 * n + 6):
+            slope = product(memory.jacobian[i, first:after], weighted)
+            gradient[i] = shared * sums[i] * total - slope
+            for j in range(i + 1):
+                value = hessian[i * size + j] - shared * sums[i] * sums[j]
+                hessian[i * size + j] = value
+                hessian[j * size + i] = value
+    for n in range(count):
+        atom, family = memory.atoms[which, n], memory.family[which, n]
+        cost += add_prior(n, atom, family, model, gradient, hessian, size)
     return float(cost)
 
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST = 0.93  # strain of the gap at the axis
-RISE, FALL = 8.0, 0.2  # of the damping, after a step that failed or succeeded
+RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
 FIRST_DAMPING = 1e-3
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
 
@@ -341,46 +414,40 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
             atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
 
 
-@inner(forceinline=True, _nrt=False)
-def is_long(atom: Floats) -> bool:
-    """Whether an atom is drawn out: else its half-length stays 0."""
-    return bool(atom[4] != 0.0 or atom[5] != 0.0)
-
-
 @inner(_nrt=False)
-def free_system(memory: FitMemory, which: int, held: int, damping: float) -> None:
-    """Copy the Hessian of a set into `system`, damped; what does not move becomes the identity.
+def free_system(memory: FitMemory, which: int, hessian: Floats, held: int, damping: float) -> int:
+    """Write a damped Hessian, of what moves, into `system`, its lower triangle; of what size.
 
-    Of every atom the first `held` parameters do not move, and the half-length of round ones.
+    Of every atom the first `held` parameters do not move, nor the half-length of round ones; `free`
+    lists the others.
     """
-    size = 6 * memory.counts[which]
-    hessian, system = memory.hessian[which], memory.system
-    for i in range(size * size):
-        system[i] = hessian[i]
+    size, count, free = 0, memory.counts[which], memory.free
+    system = memory.system
+    for n in range(count):
+        for k in range(held, 6 if is_long(memory.atoms[which, n]) else 4):
+            free[size] = 6 * n + k
+            size += 1
     for i in range(size):
-        system[i * size + i] += damping * hessian[i * size + i] + 1e-9
-    for i in range(size):
-        n, k = i // 6, i % 6
-        if k >= held and (k < 4 or is_long(memory.atoms[which, n])):
-            continue
-        for j in range(size):
-            system[i * size + j] = 0.0
-            system[j * size + i] = 0.0
-        system[i * size + i] = 1.0
+        for j in range(i + 1):
+            system[i * size + j] = hessian[free[i] * 6 * count + free[j]]
+        system[i * size + i] += damping * system[i * size + i] + 1e-9
+    return size
 
 
 @inner(_nrt=False)
 def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> bool:
     """Write Levenberg's step into `steps[0]`; False where there is none."""
-    size, step = 6 * memory.counts[which], memory.steps[0]
-    free_system(memory, which, held, damping)
+    size = free_system(memory, which, memory.hessian[which], held, damping)
+    step, right = memory.steps[0], memory.steps[1]
     for i in range(size):
-        n, k = i // 6, i % 6
-        moves = k >= held and (k < 4 or is_long(memory.atoms[which, n]))
-        step[i] = -memory.gradient[which, i] if moves else 0.0
+        right[i] = -memory.gradient[which, memory.free[i]]
     if not factor(memory.system, size):
         return False
-    solve_factored(memory.system, size, step[:size])
+    solve_factored(memory.system, size, right)
+    for i in range(6 * memory.counts[which]):
+        step[i] = 0.0
+    for i in range(size):
+        step[memory.free[i]] = right[i]
     return True
 
 
@@ -403,38 +470,53 @@ def copy_set(memory: FitMemory, source: int, target: int) -> None:
 
 
 @inner(_nrt=False)
-def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
-    """Whether a step of a set may end after a time of the clock, 0 for none, or is one too many.
+def nearly_slowest(known: float, took: float, faster: float) -> float:
+    """What is known of how long something takes, after it took so long once more.
 
-    How long a step takes is learnt from those before: nearly the slowest of late, per atom.
+    Where it took several times as long, the machine did something else meanwhile.
     """
-    if memory.marks[STEPS] >= memory.marks[MOST] > 0:
+    most = SLOWER if took < STALLED * known else SLIGHTLY
+    return min(max(took, faster * known), most * known)
+
+
+@inner(_nrt=False)
+def take_pace(memory: FitMemory, piece: int, times: int) -> None:
+    """Learn how long a piece of work takes, so many times, that began at BEGAN and ends now."""
+    now = now_ns(memory.marks)
+    took = (now - memory.marks[BEGAN]) / times
+    memory.sums[piece] = nearly_slowest(memory.sums[piece], took, FASTER)
+    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
+
+
+@inner(_nrt=False)
+def is_short(memory: FitMemory, piece: int, times: int, deadline: int) -> bool:
+    """Whether a piece of work, so many times, may end after a time of the clock, 0 for none.
+
+    How long it takes is learnt from those before: nearly the slowest of late. What never fits is
+    tried all the same one day.
+    """
+    if memory.marks[LATE]:
+        return True
+    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
+    if deadline and memory.marks[BEGAN] + int(memory.sums[piece] * times) > deadline:
+        memory.marks[LATE] = 1
+        memory.sums[piece] *= SHORTER
+    return bool(memory.marks[LATE])
+
+
+@inner(_nrt=False)
+def is_late(memory: FitMemory, which: int, deadline: int) -> bool:
+    """Whether a step of a set may end after a time of the clock, or is one too many."""
+    steps = memory.marks[STEPS]
+    if steps >= memory.marks[MOST] > 0 or steps >= memory.marks[PAUSE] > 0:
         memory.marks[LATE] = 1
         return True
     if deadline == 0:
         return False
-    now, count = now_ns(memory.marks), max(memory.counts[which], 1)
+    times = max(memory.counts[which], 1)
     if memory.marks[STEPPED]:
-        pace = memory.sums[PACE]
-        took = (now - memory.marks[BEGAN]) / count
-        memory.sums[PACE] = min(max(took, FASTER * pace), SLOWER * pace)
-    memory.marks[BEGAN], memory.marks[STEPPED] = now, 0
-    if now + int(memory.sums[PACE] * count) > deadline:
-        memory.marks[LATE] = 1
-        return True
-    return False
-
-
-@inner(_nrt=False)
-def is_short(memory: FitMemory, steps: float, deadline: int) -> bool:
-    """Whether the time is too short for what takes as long as some steps of the answer."""
-    if deadline == 0 or memory.marks[LATE]:
-        return bool(memory.marks[LATE])
-    count = max(memory.counts[NOW], 1)
-    memory.marks[BEGAN], memory.marks[STEPPED] = now_ns(memory.marks), 0
-    if memory.marks[BEGAN] + int(memory.sums[PACE] * count * steps) > deadline:
-        memory.marks[LATE] = 1
-    return bool(memory.marks[LATE])
+        take_pace(memory, PACE, times)
+    return is_short(memory, PACE, times, deadline)
 
 
 @inner(_nrt=False)
@@ -473,7 +555,7 @@ def descend(
     memory.counts[STEP] = count
     for n in range(count):
         memory.family[STEP, n] = family[n]
-    damping = FIRST_DAMPING
+    damping, rise = FIRST_DAMPING, RISE
     memory.marks[SETTLED] = 0
     memory.marks[STEPPED] = 0
     for _ in range(steps):
@@ -481,14 +563,19 @@ def descend(
             return
         memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
-            damping *= RISE
+            damping, rise = damping * rise, 2.0 * rise
             if damping > 1e8:
                 break
             continue
-        longest = 1e-300
+        longest, downhill, held_back = 1e-300, 0.0, 0.0
         for i in range(size):
             longest = max(longest, abs(step[i]))
+            downhill -= memory.gradient[which, i] * step[i]
+            held_back += memory.hessian[which, i * size + i] * step[i] * step[i]
         share = min(1.0, LONGEST_STEP / longest)
+        expected = share * (downhill - 0.5 * share * (downhill - damping * held_back))
+        if expected < tolerance and damping <= FIRST_DAMPING:
+            break
         for n in range(count):
             for i in range(6):
                 memory.atoms[STEP, n, i] = atoms[n, i] + share * step[6 * n + i]
@@ -500,9 +587,10 @@ def descend(
         gain = memory.costs[which] - memory.costs[STEP]
         if gain > 0.0:
             copy_set(memory, STEP, which)
-            damping = max(damping * FALL, 1e-9)
+            off = 2.0 * gain / expected - 1.0
+            damping, rise = max(damping * max(1.0 - off * off * off, FALL), 1e-9), RISE
         else:
-            damping *= RISE
+            damping, rise = damping * rise, 2.0 * rise
         if 0.0 < gain < tolerance or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
             break
     memory.marks[SETTLED] = 1

@@ -13,20 +13,23 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import prior_evidence
 from skinfield.solve.atoms.fit_kernel import (
     DEVIATION,
+    FAST,
     NEAR,
     NOW,
     READINGS,
     SHARED,
     STEP,
-    TRIED_WHITE,
+    TRIED_WEIGHT,
     WHITE,
     FitMemory,
     FitModel,
     add_prior,
     evaluate,
     factor,
+    free_system,
     gather,
     is_long,
+    take_squares,
 )
 from skinfield.solve.atoms.posterior_kernel import KNOWN, STALE, UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
@@ -61,6 +64,7 @@ BESIDE, WIDER = 0.2, 4.0  # how much of it does, and times the error
 ELSEWHERE = 1.0  # thicknesses from one press to another one
 FORGET = 0.98  # of what presses before say of the model error, at each other one
 TABULATED = 0.002  # of the highest reading, to which what atoms are read as is known
+CHUNK = 16  # taxels: the product of as many variances is in range
 MOST_SAID = 20.0  # by one press, in logarithms
 WIDENESS: Floats = np.minimum(np.hypot(BESIDE, WIDER * ERRORS), 1.0)
 NEW_NOISE = 1.1  # times: a noise that differs by less leaves what is open as it is
@@ -92,75 +96,83 @@ def evidence_of_errors(
         How much neighbours count.
     out : (N,) array
     """
-    count = memory.counts[NOW]
-    size, readings, white = 6 * count, memory.taxels[READINGS], memory.taxels[TRIED_WHITE]
-    noise = memory.taxels[DEVIATION]
-    atoms, predicted, jacobian = memory.atoms[NOW], memory.predicted[NOW], memory.jacobian
-    system, sums = memory.system, memory.steps[2]
-    prior, known = 0.0, 0.0
+    count, readings, noise = memory.counts[NOW], memory.taxels[READINGS], memory.taxels[DEVIATION]
+    size, predicted, weight = 6 * count, memory.predicted[NOW], memory.taxels[TRIED_WEIGHT]
+    sums, around, aside = memory.steps[2], memory.listed[1], memory.listed[2]
+    system = memory.hessian[STEP]
+    known = 0.0
     memory.marks[NEAR] = 0
-    hessian, gradient = memory.hessian[STEP], memory.gradient[STEP]
     if count:
         gather(model, memory, NOW, READINGS)
-        memory.costs[NOW] = evaluate(model, memory, NOW, READINGS)  # the slopes are in `jacobian`
-        for i in range(size * size):
-            hessian[i] = 0.0
-        for n in range(count):
-            prior += add_prior(n, atoms[n], memory.family[NOW, n], model, gradient, hessian, size)
+        memory.costs[NOW] = evaluate(model, memory, NOW, READINGS)
         known = prior_evidence(model, memory, NOW)
     else:
         for taxel in range(len(predicted)):
             predicted[taxel] = 0.0
-    near = memory.near[: memory.marks[NEAR]]
+    for taxel in range(len(weight)):
+        square = 1.0 / (noise[taxel] * noise[taxel])
+        around[taxel], aside[taxel] = amplitude[0, taxel] * square, amplitude[1, taxel] * square
     for k in range(len(errors)):
         if k and not count:
             out[k] = out[0]
             continue
-        for i in range(size * size):
-            system[i] = hessian[i]
-        for i in range(size):
-            sums[i] = 0.0
-        weights, total, squares, volume = 0.0, 0.0, 0.0, 0.0
-        for taxel in range(len(white)):
-            if not noise[taxel] < np.inf:
-                continue
-            share = amplitude[0, taxel] + beside[k] * beside[k] * amplitude[1, taxel]
-            share *= (errors[k] / noise[taxel]) ** 2
-            white[taxel] = 1.0 / (noise[taxel] * np.sqrt(1.0 + share))
-            weight, residual = white[taxel] * white[taxel], readings[taxel] - predicted[taxel]
-            weights += weight
-            total += weight * residual
-            squares += weight * residual * residual
-            volume += np.log1p(share)
-        for at in range(len(near)):
-            first, weight = size * at, white[near[at]] * white[near[at]]
-            for n in range(0, size, 6):
-                if jacobian[first + n + 2] == 0.0:
-                    continue
-                for i in range(n, n + 6):
-                    slope = jacobian[first + i] * weight
-                    sums[i] += slope
-                    for j in range(i + 1):
-                        system[i * size + j] += slope * jacobian[first + j]
+        weights, total, squares, volume = weigh_by(
+            errors[k] * errors[k],
+            beside[k] * beside[k],
+            around,
+            aside,
+            noise,
+            readings,
+            predicted,
+            weight,
+        )
+        for at in range(memory.marks[NEAR]):
+            memory.listed[0, at] = weight[memory.near[at]]
+        take_squares(memory, NOW, system, sums)
         shared = common * common / (1.0 + common * common * weights)
-        determinant = 0.0
         for i in range(size):
             for j in range(i + 1):
                 system[i * size + j] -= shared * sums[i] * sums[j]
-            system[i * size + i] += 1e-9
-        for i in range(size):
-            if i % 6 >= 4 and not is_long(atoms[i // 6]):
-                for j in range(size):
-                    system[i * size + j] = 0.0
-                    system[j * size + i] = 0.0
-                system[i * size + i] = 1.0
-        out[k] = -np.inf
-        if factor(system, size):
-            for i in range(size):
-                determinant += np.log(system[i * size + i])
+        prior = 0.0
+        for n in range(count):
+            atom, family = memory.atoms[NOW, n], memory.family[NOW, n]
+            prior += add_prior(n, atom, family, model, memory.gradient[STEP], system, size)
+        out[k], determinant = -np.inf, 0.0
+        free = free_system(memory, NOW, system, 0, 0.0)
+        if factor(memory.system, free):
+            for i in range(free):
+                determinant += np.log(memory.system[i * free + i])
             cost = prior + 0.5 * (squares - shared * total * total)
             volume += np.log1p(common * common * weights)
             out[k] = known - cost - 0.5 * volume - determinant
+
+
+@inner(fastmath=FAST, _nrt=False)
+def weigh_by(
+    square: float,
+    wideness: float,
+    around: Floats,
+    aside: Floats,
+    noise: Floats,
+    readings: Floats,
+    predicted: Floats,
+    weight: Floats,
+) -> tuple[float, float, float, float]:
+    """Weigh taxels for the square of a model error; sums of weights, residuals, squares, volume."""
+    weights, total, squares, volume = 0.0, 0.0, 0.0, 0.0
+    for begin in range(0, len(weight), CHUNK):
+        more = 1.0
+        for taxel in range(begin, min(begin + CHUNK, len(weight))):
+            times = 1.0 + square * (around[taxel] + wideness * aside[taxel])
+            its = 1.0 / (noise[taxel] * noise[taxel] * times)
+            residual = readings[taxel] - predicted[taxel]
+            weight[taxel] = its
+            weights += its
+            total += its * residual
+            squares += its * residual * residual
+            more *= times
+        volume += np.log(more)
+    return weights, total, squares, volume
 
 
 @inner(_nrt=False)

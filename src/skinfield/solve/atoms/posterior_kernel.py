@@ -18,6 +18,7 @@ from skinfield.solve.atoms.fit_kernel import (
     FitMemory,
     FitModel,
     factor,
+    free_system,
     is_long,
     solve_factored,
 )
@@ -114,39 +115,29 @@ def laplace(model: FitModel, memory: FitMemory, index: int, covariance: Floats) 
 
     Places that no reading tells are even over the patch: their variance is its width squared / 12.
     """
-    count = memory.counts[NOW]
-    size, system, hessian = 6 * count, memory.system, memory.hessian[NOW]
-    for i in range(size * size):
-        system[i] = hessian[i]
+    size = free_system(memory, NOW, memory.hessian[NOW], 0, ROUND_OFF[0])
+    system, free, right, own = memory.system, memory.free, memory.steps[1], size
     for i in range(size):
-        n, k = i // 6, i % 6
-        if k < 2:
-            system[i * size + i] += 12.0 / (model.places[1, k] - model.places[0, k]) ** 2
-        if k >= 4 and not is_long(memory.atoms[NOW, n]):
-            for j in range(size):
-                system[i * size + j] = 0.0
-                system[j * size + i] = 0.0
-            system[i * size + i] = 1.0
-        else:
-            system[i * size + i] = system[i * size + i] * (1.0 + ROUND_OFF[0]) + ROUND_OFF[1]
-    right = memory.steps[1]
+        axis = free[i] % 6
+        if axis < 2:
+            system[i * size + i] += 12.0 / (model.places[1, axis] - model.places[0, axis]) ** 2
+        own = min(own, i) if free[i] == 6 * index else own
+    for i in range(6):
+        for j in range(6):
+            covariance[i, j] = 0.0
     if not factor(system, size):  # something moves no reading and has no prior
-        for i in range(6):
-            for j in range(6):
-                covariance[i, j] = 0.0
         for i in range(2):
             covariance[i, i] = (model.places[1, i] - model.places[0, i]) ** 2 / 12.0
         covariance[2, 2] = covariance[3, 3] = 1.0
         return
-    long = is_long(memory.atoms[NOW, index])
-    for column in range(6):
+    parameters = 6 if is_long(memory.atoms[NOW, index]) else 4
+    for column in range(parameters):
         for i in range(size):
             right[i] = 0.0
-        right[6 * index + column] = 1.0
-        solve_factored(system, size, right[:size])
-        for i in range(6):
-            free = long or (i < 4 and column < 4)
-            covariance[i, column] = right[6 * index + i] if free else 0.0
+        right[own + column] = 1.0
+        solve_factored(system, size, right)
+        for i in range(parameters):
+            covariance[i, column] = right[own + i]
 
 
 @inner(_nrt=False)

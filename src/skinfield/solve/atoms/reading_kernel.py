@@ -16,24 +16,32 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import (
     BETTER,
     EXPLORE,
+    ODD,
     SEEK,
     SearchRules,
     clear_set,
     evidence,
+    may_be_without,
 )
 from skinfield.solve.atoms.dictionary import best_score
 from skinfield.solve.atoms.fit_kernel import (
+    INFERRING,
     LATE,
     MOST,
     NOW,
+    PAUSE,
     READINGS,
     SCORED,
+    SCORING,
     STEPPED,
     STEPS,
     WHITE,
     descend,
     is_late,
+    is_long,
     is_short,
+    nearly_slowest,
+    take_pace,
 )
 from skinfield.solve.atoms.misfit_kernel import (
     explains,
@@ -46,10 +54,13 @@ from skinfield.solve.atoms.misfit_kernel import (
 )
 from skinfield.solve.atoms.posterior_kernel import UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
+    BEFORE,
     COMPARED,
     DRAWN,
     DROPPING,
     EXPLAINED,
+    GRADUAL,
+    HAD_TURN,
     HALFWAY,
     IN_VAIN,
     INDEX,
@@ -84,6 +95,7 @@ from skinfield.solve.atoms.search_kernel import (
     lay_open,
     search_atoms,
 )
+from skinfield.solve.atoms.table import RING
 from skinfield.solve.clock import now_ns
 
 COARSE = 0.1  # model error at which contacts are sought first, and at most
@@ -96,9 +108,9 @@ QUIETER = 2.0  # times the stated precision, from which the noise is less than w
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
-INFERRING, SCORING = 5.0, 3.0  # steps: the model error, and what is left over, take as long
+SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
-FASTER, SLOWER = 0.98, 1.3  # how far one answer may move what is known of that
+FASTER = 0.998  # how far one answer may move what is known of what drawing takes, downwards
 
 
 @inner(_nrt=False)
@@ -160,7 +172,7 @@ def search_round(fit: Fit, error: float, common: float, resume: bool, deadline: 
     while True:
         weigh(fit, min(error, COARSE), common)
         own.marks[HALFWAY] = search_by(fit, SEEK, resume, deadline)
-        if memory.marks[LATE]:
+        if is_short(memory, INFERRING, max(memory.counts[NOW], 1), deadline):
             return False
         resume = False
         step = noise_scale(fit)
@@ -274,6 +286,7 @@ def begin_comparison(fit: Fit, error: float, only: bool) -> None:
     fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0
+    fit.own.marks[GRADUAL] = 0
 
 
 @inner(_nrt=False)
@@ -305,27 +318,66 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
         begin_comparison(fit, COARSE if marks[IS_STRONG] else FINER * COARSE, False)
         if is_late(memory, NOW, deadline):
             settle(fit, numbers[SPREAD], common, 0)
+    numbers[BEFORE] = energy
     ended = now_ns(memory.marks)
     if marks[STAGE] != RESTING and not memory.marks[LATE]:
-        compare(fit, common, deadline)
-        ended = now_ns(memory.marks)
-        if marks[STAGE] == RESTING and memory.counts[NOW]:
-            infer(fit, common)
-            learn(fit)
-            numbers[IN_VAIN] = -1.0
-        memory.marks[LATE] = marks[STAGE] != RESTING
-        settle(fit, numbers[SPREAD], common, 1 if memory.marks[LATE] else deadline)
-        if memory.marks[STEPS] >= memory.marks[MOST] > 0:
-            infer(fit, common)
-        elif memory.marks[LATE]:
-            numbers[TOTAL] = evidence(fit.model, memory, NOW)
+        ended = take_turn(fit, common, deadline)
     if not memory.marks[LATE]:
         marks[OPEN_HALFWAY] = search_by(fit, EXPLORE, marks[OPEN_HALFWAY] == 1, deadline)
         ended = now_ns(memory.marks)
     lay_open(fit.model, memory, fit.post)
     marks[EXPLAINED] = explains(fit) and numbers[MISFIT] < LARGEST
     fit.search.known[0] = evidence(fit.model, memory, NOW)
+    return min(ended, deadline) if deadline else ended
+
+
+@inner(_nrt=False)
+def take_turn(fit: Fit, common: float, deadline: int) -> int:
+    """Go on with a comparison, and return to the answer, by the weights that it goes by.
+
+    Returns the time at which the comparison was interrupted or at its end.
+    """
+    memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
+    memory.marks[PAUSE] = memory.marks[STEPS] + SLICE if marks[GRADUAL] else 0
+    compare(fit, common, deadline)
+    ended = now_ns(memory.marks)
+    paused = memory.marks[STEPS] >= memory.marks[PAUSE] > 0
+    memory.marks[PAUSE] = 0
+    resting = marks[STAGE] == RESTING
+    if resting:
+        marks[GRADUAL] = 0
+        if memory.counts[NOW]:
+            infer(fit, common)
+            learn(fit)
+            numbers[IN_VAIN] = -1.0
+    memory.marks[LATE] = not (resting or paused)
+    settle(fit, numbers[SPREAD], common, 1 if memory.marks[LATE] else deadline)
+    if memory.marks[STEPS] >= memory.marks[MOST] > 0:
+        infer(fit, common)
+    elif memory.marks[LATE] and not marks[GRADUAL]:
+        numbers[TOTAL] = evidence(fit.model, memory, NOW)
     return ended
+
+
+@inner(_nrt=False)
+def may_gain(fit: Fit) -> bool:
+    """Whether other sets of atoms may be more probable than NOW, by what it leaves over.
+
+    Not where that is as little as the noise, and no atoms may be one.
+    """
+    memory, own, count = fit.memory, fit.own, fit.memory.counts[NOW]
+    for n in range(count):
+        if is_long(memory.atoms[NOW, n]) or memory.family[NOW, n] == RING:
+            return True
+        if may_be_without(memory, fit.search, n):
+            return True
+    squares, heard = 0.0, 0
+    for taxel in range(len(own.heard)):
+        left = memory.taxels[READINGS, taxel] - memory.predicted[NOW, taxel] - own.numbers[OFFSET]
+        over = left / own.heard[taxel]
+        squares += over * over
+        heard += own.heard[taxel] < np.inf
+    return bool(squares > heard + ODD * np.sqrt(2.0 * heard))
 
 
 @inner(_nrt=False)
@@ -335,32 +387,43 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     settle(fit, numbers[SPREAD], common, deadline)
     if memory.marks[LATE]:
         return
-    before, scale = numbers[COMPARED], 1.0
     if marks[STAGE] == RESTING:  # else there may be touches among what is left over
         scale = noise_scale(fit)
-    if not before / FALL < energy < before * RISE:
-        numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-        begin_comparison(fit, numbers[MISFIT], False)
-    if scale < 1.0 and numbers[SCALE] <= 1.0:
-        numbers[SCALE] *= scale
-    elif scale != 1.0:
-        numbers[SCALE] *= scale
-        memory.counts[NOW] = 0
-        begin_comparison(fit, numbers[MISFIT], False)
+        like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
+        if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
+            numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
+            if not like or not marks[EXPLAINED] or may_gain(fit):
+                begin_comparison(fit, numbers[MISFIT], False)
+                marks[GRADUAL] = like and marks[EXPLAINED]
+        if scale < 1.0 and numbers[SCALE] <= 1.0:
+            numbers[SCALE] *= scale
+        elif scale != 1.0:
+            numbers[SCALE] *= scale
+            memory.counts[NOW] = 0
+            begin_comparison(fit, numbers[MISFIT], False)
+            return
+    elif not marks[GRADUAL] and not explains(fit):
         return
-    if marks[STAGE] == SEEKING or is_short(memory, INFERRING, deadline):
+    count = memory.counts[NOW]
+    if marks[STAGE] != RESTING:
+        marks[HAD_TURN] = 1 - marks[HAD_TURN]
+        if (marks[HAD_TURN] and deadline) or (marks[STAGE] == SEEKING and not marks[GRADUAL]):
+            return
+    if is_short(memory, INFERRING, count, deadline):
         return
     infer(fit, common)
+    take_pace(memory, INFERRING, count)
     learn(fit)
-    if marks[STAGE] != RESTING or is_short(memory, SCORING, deadline):
+    if marks[STAGE] != RESTING or is_short(memory, SCORING, 1, deadline):
         return
     ratio = numbers[SPREAD] / numbers[WEIGHED]
     if not 1.0 / REWEIGHED < ratio < REWEIGHED:
         settle(fit, numbers[SPREAD], common, deadline)
-        if memory.marks[LATE]:
+        if is_short(memory, SCORING, 1, deadline):
             return
     take_offset(fit)
     score, worth = score_of_left(fit), least_worth(fit)
+    take_pace(memory, SCORING, 1)
     if numbers[IN_VAIN] < 0.0:  # as sets of atoms were just compared
         numbers[IN_VAIN], numbers[LEAST_WORTH] = score, worth
     least = np.sqrt(2.0 * fit.rules.threshold / OFF_LATTICE)
@@ -408,6 +471,5 @@ def answer_reading(
     error = own.numbers[SPREAD]
     count = write_rows(grid, memory, fit.post, at_mean, error, fit.drawing, pressure, rows)
     took = now_ns(memory.marks) - ended
-    before = own.numbers[DRAWN]
-    own.numbers[DRAWN] = min(max(took, FASTER * before), SLOWER * before)
+    own.numbers[DRAWN] = nearly_slowest(own.numbers[DRAWN], float(took), FASTER)
     return count

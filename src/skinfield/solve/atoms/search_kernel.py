@@ -75,8 +75,10 @@ from skinfield.solve.atoms.fit_kernel import (
     LEFT,
     NOW,
     PACE,
+    PAUSE,
     READINGS,
     SCORED,
+    SEEDING,
     SHARED,
     STEPPED,
     TRIAL,
@@ -86,6 +88,8 @@ from skinfield.solve.atoms.fit_kernel import (
     descend,
     is_late,
     is_long,
+    is_short,
+    take_pace,
 )
 from skinfield.solve.atoms.posterior_kernel import (
     BOTH,
@@ -121,6 +125,7 @@ TRIED_MOST = 2  # of the places for a new atom: these are refined together with 
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
 CLEARLY = 1.0  # ln odds by which another shape is chosen where that takes several readings
 LONG = 60  # of what is taken
+FOLLOWED = 3  # of the best set before, on other readings
 SETTLED_GAIN = 1e-3  # gain in cost of the last step
 
 
@@ -388,7 +393,9 @@ def conclude(
             state[KIND], state[STAGE] = state[KIND] + 1, RIVALS
         else:
             state[MOVE], state[STAGE] = state[MOVE] + 1, SHAPES
-            margin = CLEARLY if state[UNTIL] else BETTER  # readings may be others each time
+            margin = (
+                CLEARLY if state[UNTIL] or memory.marks[PAUSE] else BETTER
+            )  # readings may be others each time
             if value > evidence(model, memory, NOW) + margin:
                 copy_set(memory, TRIAL, NOW)
                 state[MOVE] = 0  # all anew: the order of the atoms is another one, too
@@ -411,7 +418,7 @@ def go_on(
     state = search.state
     stage = state[STAGE]
     if state[FOUND]:
-        descend(model, memory, BEST, READINGS, 0, 0, SETTLED_GAIN, 0)
+        descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, 0)
         if state[RIVAL]:
             search.known[0] = evidence(model, memory, BEST)
     if stage == SEEDS:
@@ -480,9 +487,13 @@ def search_atoms(
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
             break
-        which = state[REFINED]
+        which, grows = state[REFINED], state[STAGE] == GROW
         if which == NOTHING:
+            if grows and is_short(memory, SEEDING, 1, deadline):
+                break
             which = begin(model, bank, memory, search, post, rules, noise)
+            if grows:
+                take_pace(memory, SEEDING, 1)
         if which == NOTHING:
             continue
         state[REFINED] = which

@@ -59,12 +59,16 @@ def _response(distance: float, point: PointResponse) -> float:
     return float(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
 
 
+SIXTH, TWO_THIRDS = 1.0 / 6.0, 2.0 / 3.0
+
+
 @inner
 def cubic(t: float) -> tuple[float, float, float, float]:
     """Cubic B-splines of four nodes, 0 to 1 past the second."""
-    s = 1.0 - t
-    second = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
-    return s * s * s / 6.0, second, (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0, t * t * t / 6.0
+    s, tt = 1.0 - t, t * t
+    ss = s * s
+    second, third = (0.5 * t - 1.0) * tt + TWO_THIRDS, (0.5 * s - 1.0) * ss + TWO_THIRDS
+    return SIXTH * ss * s, second, third, SIXTH * tt * t
 
 
 @inner
