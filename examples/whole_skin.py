@@ -8,7 +8,7 @@ import skinfield as sf
 
 hexagon = sf.layouts.hexagon72()
 skin = sf.Skin(tuple(replace(hexagon, name=f"arm {i}") for i in range(20)))
-engine = sf.Reconstructor(skin, budget=500e-6, noise_std=0.002)  # s, for all patches
+engine = sf.Engine(skin, budget=500e-6, noise_std=0.002)  # s, for all patches
 
 ball = sf.simulate.Sphere(radius=6e-3, position=(12e-3, -10e-3), force=1.5)  # m, N
 clean = sf.simulate.press(sf.Layer(), [ball]).capacitance(hexagon.positions, hexagon.pad_diameter)

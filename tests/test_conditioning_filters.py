@@ -4,21 +4,15 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.signal import Chain, Exponential, MovingMedian, NoFilter, filtered
+from skinfield.signal import Exponential, NoFilter, filtered
 
 RATE = 50.0
 FILTERS = {
     "none": NoFilter(),
     "exponential": Exponential(time_constant=0.08),
     "exponential, slow": Exponential(time_constant=0.6),
-    "median 3": MovingMedian(3),
-    "median 9": MovingMedian(9),
-    "chain": Chain((MovingMedian(5), Exponential(time_constant=0.1))),
-    "chain of smoothers": Chain((Exponential(time_constant=0.1), Exponential(time_constant=0.1))),
 }
 every_filter = pytest.mark.parametrize("settings", FILTERS.values(), ids=FILTERS.keys())
 
@@ -91,24 +85,10 @@ def test_apply_allocates_nothing(settings):
     assert peak - before < taxels  # one byte per taxel, a bool mask, would already show
 
 
-@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=30), st.sampled_from([1, 3, 5, 7]))
-def test_median_is_the_median(values, window):
-    counts = np.array(values)[:, None]
-    wanted = [np.median(counts[max(0, n - window + 1) : n + 1]) for n in range(len(counts))]
-    np.testing.assert_allclose(filtered(MovingMedian(window), counts, RATE)[:, 0], wanted)
-
-
-def test_a_chain_of_chains_is_one_chain():
-    nested = Chain((Chain((MovingMedian(3), Exponential())), NoFilter()))
-    assert len(nested.filters) == 3
-
-
 def test_unusable_settings_are_refused():
     for wrong, text in [
         (lambda: Exponential(time_constant=0.0), "time_constant is 0.0"),
-        (lambda: MovingMedian(4), "window is 4, expected an odd"),
-        (lambda: Chain(()), "filters is empty"),
-        (lambda: MovingMedian(3).prepare(3, 0.0), "rate is 0.0"),
+        (lambda: Exponential().prepare(3, 0.0), "rate is 0.0"),
         (lambda: filtered(NoFilter(), np.zeros(3), RATE), "counts has shape"),
     ]:
         with pytest.raises(InputError, match=text):

@@ -77,7 +77,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 4), ("batch", 2),
+        ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 3), ("batch", 2),
         ("icub", 4), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
         ("uncertainty", 1),
     ],

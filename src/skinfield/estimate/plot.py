@@ -77,8 +77,7 @@ DIRECTIONS = [(0, 1), (0, -1), (1, 0), (-1, 0), (0.7, 0.8), (-0.7, 0.8), (0.7, -
 
 
 def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
-    """Draw outline, ellipse, centre and number of each contact; call once the limits are set."""
-    from matplotlib.patches import Ellipse
+    """Draw outline, centre and number of each contact; call once the limits are set."""
     from matplotlib.patheffects import withStroke
 
     halo = [withStroke(linewidth=2.6, foreground="white")]
@@ -86,11 +85,6 @@ def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None
         outline = Chart(grid).plane_from_position(contact.outline) * MM
         axes.plot(*outline.T, color=INK, lw=1.2, path_effects=halo, zorder=3)
         centre = Chart(grid).plane_from_position(contact.position[None])[0] * MM
-        width, height = 2 * contact.axes * MM
-        turn = np.degrees(contact.angle)
-        axes.add_patch(
-            Ellipse(centre, width, height, angle=turn, fill=False, ec=QUIET, lw=0.8, zorder=3)
-        )
         axes.plot(*centre, "+", color=INK, ms=7, mew=1.3, path_effects=halo, zorder=4)
     _number_contacts(axes, grid, contacts)
 

@@ -6,14 +6,14 @@ processes, as `skinfield reconstruct --workers` does.
 """
 
 from collections.abc import Callable, Iterable
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, Ints, check_choice, check_shape
-from skinfield.estimate import Contact, Estimate
+from skinfield.estimate import Estimate
 from skinfield.reconstruct.plan import LinearFields
 from skinfield.reconstruct.reconstructor import Reconstructor
 
@@ -121,7 +121,7 @@ class BulkFields:
         each: list[Estimate] = []
         for first in range(before, len(readings), RUN):
             self.reconstructor.reset()
-            start = max(first - WARM, 0)
+            start = first if self.is_linear else max(first - WARM, 0)
             run = slice(start, first + RUN)
             found = self.reconstructor(readings[run], stamp_ns=stamps[run])
             each += (found[place] for place in range(first - start, len(found)))
@@ -141,43 +141,8 @@ class BulkFields:
         before : int
             of which so many come before an iterative solver's first run.
         """
-        if self._linear is not None:
-            readings, stamp_ns, skip, before = readings[skip:], stamp_ns[skip:], 0, 0
-        same = self._same_valid(readings)
-        if self._linear is None or same is None:
-            each = self.estimates(readings, stamp_ns, before)[skip - before :]
-            return Estimate.joined(each, stamp_ns=stamp_ns[skip:])
-        fields, grid = self(readings), self.reconstructor.grid
-        pressure = fields["pressure"]
-        rest: dict[str, Callable[[], Any]] = {
-            "contacts": partial(self.contacts, readings),
-            "displacement": lambda: fields["displacement"],
-            "traction": lambda: -pressure[..., None] * grid.normals,
-            "pressure_std": lambda: np.broadcast_to(
-                self.reconstructor.plans.linear_of(same).pressure_std(), pressure.shape
-            ),
-            "residual": lambda: np.full(readings.shape, np.nan),
-        }
-        known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
-        name = type(self.reconstructor.solver).__name__
-        return Estimate.later(rest, valid=~np.isnan(readings), gap=0.0, solver=name, **known)
-
-    def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
-        """Contacts of some readings (T, L), by the reconstructor's finder.
-
-        Of a linear solver by the pressure in double precision alone, where the same taxels are
-        valid in all of them.
-        """
-        same = self._same_valid(readings)
-        if self._linear is None or same is None:
-            return [one.contacts for one in self.estimates(readings)]
-        plans = self.reconstructor.plans
-        operator = plans.linear_of(same)
-        linear, contacts = operator.filled(self._linearised(readings, same)), []
-        for first in range(0, len(linear), FEWEST):
-            for pressure in np.dot(linear[first : first + FEWEST], operator.matrix.T.astype(float)):
-                contacts.append(plans.find(operator, pressure))
-        return contacts
+        each = self.estimates(readings, stamp_ns, before)[skip - before :]
+        return Estimate.joined(each, stamp_ns=stamp_ns[skip:])
 
     def _into(self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]) -> None:
         """Write an output of some readings (T, L) into `out` (T, R)."""
@@ -213,9 +178,3 @@ class BulkFields:
             "displacement": lambda: moved.transpose(1, 0, 2).reshape(3 * len(grid), -1),
         }
         return np.ascontiguousarray(blocks[name]().T, dtype=self.precision)
-
-    @staticmethod
-    def _same_valid(readings: Floats) -> NDArray[np.bool_] | None:
-        """Valid taxels (L,), where they are the same in all readings."""
-        mask = ~np.isnan(readings)
-        return np.asarray(mask[0]) if (mask == mask[0]).all() else None

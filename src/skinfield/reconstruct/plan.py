@@ -1,7 +1,7 @@
-"""Plan of a patch: one operator per set of valid taxels, and products for what is linear."""
+"""Plan of a patch: one operator per set of valid taxels, and one matrix for what is linear."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -24,8 +24,6 @@ from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.operator import Data, DeadlineMargin
 
 NO_SHIFT: Floats = np.zeros(2)
-CHUNK = 512  # readings per matrix product: the outputs stay in cache
-SETS = 16  # at once: their deviations stay in cache
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
 MOST = 1e6  # s: a deadline that is as good as none
 
@@ -62,35 +60,6 @@ class PatchAnswer:
         if self.margin is None:
             return time.perf_counter_ns() <= end
         return self.margin.learn(start, end)
-
-
-@dataclass(frozen=True, eq=False)
-class ResultArrays:
-    """Where a linear solver's answers to T readings are written.
-
-    Attributes
-    ----------
-    fields : (T, 4 K) array
-        Pressure (K) Pa, then displacement x, y, z (K each) m.
-    pressure_std : (T, K) array, Pa
-    residual : (T, L) array, in the quantity's unit
-    contacts : list of T tuples of Contact
-    """
-
-    fields: Floats
-    pressure_std: Floats
-    residual: Floats
-    contacts: list[tuple[Contact, ...]]
-
-    @classmethod
-    def empty(cls, readings: int, taxels: int, nodes: int) -> "ResultArrays":
-        """Room for some readings."""
-        return cls(
-            np.empty((readings, 4 * nodes)),
-            np.empty((readings, nodes)),
-            np.full((readings, taxels), np.nan),
-            [()] * readings,
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,14 +222,6 @@ class LinearFields(LinearOperator):
         return np.asarray(moved.reshape(3, -1).T, dtype=np.float64)
 
 
-def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
-    """Different rows of a mask (R, L), and which of them each row is (R,)."""
-    packed = np.packbits(valid, axis=1)
-    keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()  # rows are compared as bytes
-    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
-    return valid[first], which
-
-
 class Plan:
     """What is prepared of a patch: an operator of all taxels, and of sets of them as they come.
 
@@ -358,55 +319,6 @@ class Plan:
         known, noise = self.whole, self.whole.model.noise_std
         live = LiveContacts([self.find.level(known)])
         return known.data(), live, 1.0 / noise, np.zeros_like(noise)
-
-    def multiply(self, table: Floats, valid: NDArray[np.bool_], out: ResultArrays) -> None:
-        """Write a linear solver's answers to readings (T, L), where `valid` (T, L), into `out`.
-
-        One product per chunk.
-        """
-        rows, linear = np.arange(len(table)), self.linear
-        assert linear is not None
-        if linear.gaussian is not None:
-            full = valid.all(axis=1)
-            rows, short = np.flatnonzero(full), np.flatnonzero(~full)
-            patterns, which = distinct(valid[short])
-            order = np.argsort(which, kind="stable")  # one product serves many sets of taxels
-            for first in range(0, len(patterns), SETS):
-                start, end = np.searchsorted(which[order], [first, first + SETS])
-                some = order[start:end]
-                sets, these = linear.of_sets(patterns[first : first + SETS]), short[some]
-                self._multiply(sets, which[some] - first, table[these], valid[these], these, out)
-        patterns, which = distinct(valid[rows])
-        for index, pattern in enumerate(patterns):
-            these = rows[which == index]
-            mask = np.broadcast_to(pattern, (len(these), len(pattern)))
-            one = [self.linear_of(pattern)], np.zeros(len(these), dtype=np.int64)
-            self._multiply(*one, table[these], mask, these, out)
-
-    def _multiply(
-        self,
-        operators: Sequence[LinearFields],
-        which: Ints,
-        table: Floats,
-        valid: NDArray[np.bool_],
-        rows: Ints,
-        out: ResultArrays,
-    ) -> None:
-        """Write the answers of a table (R, L), where `valid` (R, L), into `rows` of `out`.
-
-        `which` (R,) of the operators is each row's; they share their matrix.
-        """
-        shared, nodes, precision = operators[0], len(self.grid), operators[0].fields.dtype
-        for first in range(0, len(rows), CHUNK):
-            part = slice(first, first + CHUNK)
-            linear = shared.linearised(np.where(valid[part], table[part], 0.0))
-            filled = shared.filled(linear, which[part])
-            out.fields[rows[part]] = (shared.fields @ filled.T.astype(precision)).T
-            left = linear - filled @ shared.explained.T
-            out.residual[rows[part]] = np.where(valid[part], left, np.nan)
-        for place, row in zip(which, rows, strict=True):
-            out.pressure_std[row] = operators[place].pressure_std()
-            out.contacts[row] = self.find(operators[place], out.fields[row, :nodes])
 
     def reset(self) -> None:
         """Forget the readings before."""

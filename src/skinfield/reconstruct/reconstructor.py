@@ -29,7 +29,7 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.reconstruct.plan import LinearFields, Plan, ResultArrays
+from skinfield.reconstruct.plan import LinearFields, Plan
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -230,29 +230,10 @@ class Reconstructor:
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
             return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
-        if self.plans.linear is None:
-            rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
-            each = [self._answer(*row, None, deadline) for row in rows]
-            spent = (time.perf_counter_ns() - start) * 1e-9
-            return Estimate.joined(each, stamp_ns=stamps, latency=spent)
-        out = ResultArrays.empty(len(table), len(self.patch), len(self.grid))
-        self.plans.multiply(table, mask, out)
-        nodes = len(self.grid)
-        pressure = out.fields[:, :nodes]
-        return Estimate(
-            grid=self.grid,
-            pressure=pressure,
-            traction=-pressure[:, :, None] * self.grid.normals,
-            displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
-            pressure_std=out.pressure_std,
-            contacts=tuple(out.contacts),
-            residual=out.residual,
-            valid=mask,
-            stamp_ns=stamps,
-            latency=(time.perf_counter_ns() - start) * 1e-9,
-            gap=0.0,
-            solver=type(self.solver).__name__,
-        )
+        rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
+        each = [self._answer(*row, None, deadline) for row in rows]
+        spent = (time.perf_counter_ns() - start) * 1e-9
+        return Estimate.joined(each, stamp_ns=stamps, latency=spent)
 
     def rows(self, most: int = 8) -> NDArray[np.void]:
         """Room for so many contacts, for `into`: an array of `estimate.live_contacts.CONTACT`."""

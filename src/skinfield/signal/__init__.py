@@ -22,10 +22,8 @@ from skinfield.signal.calibration import (
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults
-from skinfield.signal.filters import Chain as Chain
 from skinfield.signal.filters import Exponential as Exponential
 from skinfield.signal.filters import Filter as Filter
-from skinfield.signal.filters import MovingMedian as MovingMedian
 from skinfield.signal.filters import NoFilter as NoFilter
 from skinfield.signal.filters import filtered as filtered
 from skinfield.signal.scale import column_of as column_of

@@ -11,8 +11,7 @@ from skinfield.elastic import Layer, Mechanics
 from skinfield.elastic.lattice import displacement_kernel
 from skinfield.errors import Floats, InputError, check_finite
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_kernels import GridMesh, mesh_of, render
-from skinfield.solve.atoms.render_tables import pressure_table
+from skinfield.solve.atoms.render_kernels import GridMesh, mesh_of, pressure_table, render
 from skinfield.solve.atoms.rows_kernel import GRID, RowGrid
 from skinfield.solve.atoms.table import BALL, FLAT
 from skinfield.solve.packed import Packed

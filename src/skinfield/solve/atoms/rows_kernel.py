@@ -24,13 +24,14 @@ from skinfield.estimate.row_contacts import SHAPES
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
+    TERMS,
     GridMesh,
+    PressureTable,
     held,
     pressure_at,
     pressure_terms,
     render,
 )
-from skinfield.solve.atoms.render_tables import TERMS, PressureTable
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
