@@ -122,7 +122,7 @@ def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> Non
     assert not table.strain.size
     atom = np.array([[0.0, 0.0, np.log(1e-4), np.log(radius), 0.0, 0.0]])
     taxels = LINE / H
-    expected, slopes = np.empty(len(taxels)), np.empty((len(taxels), 1, PARAMETERS))
+    expected, slopes = np.empty(len(taxels)), np.empty((1, PARAMETERS, len(taxels)))
     predict(atom, np.array([family]), taxels, table, expected, slopes)
     found = read("capacitance", atom[0], [family], taxels)
     share = 0.04 if family == RING else 0.02
@@ -183,7 +183,7 @@ def read_with_slopes(
 ) -> tuple[Floats, Floats]:
     atoms = np.atleast_2d(np.asarray(atoms, dtype=float))
     out = np.empty(len(taxels))
-    slopes = np.empty((len(taxels), len(atoms), PARAMETERS))
+    slopes = np.empty((len(atoms), PARAMETERS, len(taxels)))
     predict(atoms, np.array(family), np.ascontiguousarray(taxels), tables(name), out, slopes)
     return out, slopes
 
@@ -221,8 +221,8 @@ def test_derivatives_are_those_of_the_readings(
         up[index] += step
         down[index] -= step
         numeric = (read(name, up, [family]) - read(name, down, [family])) / (2 * step)
-        size = np.abs(slopes[:, 0, index]).max()
-        off = np.abs(slopes[:, 0, index] - numeric).max()
+        size = np.abs(slopes[0, index]).max()
+        off = np.abs(slopes[0, index] - numeric).max()
         assert off <= 2e-4 * max(size, np.abs(numeric).max()) + 1e-9
 
 
@@ -232,8 +232,8 @@ def test_atoms_add_up_and_each_has_its_own_derivatives(name: str) -> None:
     second = np.array([3.1, 2.0, -2.0, 0.0, 1.5, -0.7])
     both, slopes = read_with_slopes(name, np.stack([first, second]), [BALL, FLAT])
     assert both == pytest.approx(read(name, first, [BALL]) + read(name, second, [FLAT]), rel=1e-12)
-    assert slopes[:, 0] == pytest.approx(read_with_slopes(name, first, [BALL])[1][:, 0])
-    assert slopes[:, 1] == pytest.approx(read_with_slopes(name, second, [FLAT])[1][:, 0])
+    assert slopes[0] == pytest.approx(read_with_slopes(name, first, [BALL])[1][0])
+    assert slopes[1] == pytest.approx(read_with_slopes(name, second, [FLAT])[1][0])
 
 
 @given(turn=st.floats(0.0, 6.2), half=st.floats(0.1, 3.0), family=st.sampled_from([BALL, FLAT]))

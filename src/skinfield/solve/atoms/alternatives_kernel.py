@@ -35,6 +35,7 @@ RINGS = np.array([1.0, 1.8, 2.8])  # radii from which a ring is sought, in thick
 ODD = 1.0  # standard deviations of chi-squared, above which other shapes are tried
 GAP = 3.5  # thicknesses between the rims of atoms that may be one body
 BETTER = 0.01  # of cost or evidence: less is no reason, and no tie is left to rounding
+FINALISTS = 3  # of the seeds, which are refined on
 MANY = 12  # seeds of a shape at most
 
 # Stages: the answer of the reading before; what each of its atoms is worth, and the set without it;
@@ -96,12 +97,15 @@ class SearchRules(NamedTuple):
         Places from which each new one is sought.
     purpose : int
         SEEK atoms, or EXPLORE what is open about those of NOW.
+    hurried : bool
+        Explore few places of each.
     """
 
     threshold: float
     most: int
     starts: int
     purpose: int
+    hurried: bool
 
 
 SEEK, EXPLORE = 0, 1
@@ -121,8 +125,9 @@ class SearchMemory(NamedTuple):
         1 for the atoms in whose place another one is tried.
     owner : (M,) int array
         Number of the body that each atom belongs to.
-    known : (2,) array
-        Evidence of BEST, at the end of NOW; and the variance of the shared offset.
+    known : (3,) array
+        Evidence of BEST, at the end of NOW; the variance of the shared offset; and the cost up to
+        which seeds are refined on.
     state : (17,) int array
     """
 
@@ -144,7 +149,7 @@ class SearchMemory(NamedTuple):
             np.zeros(seeds),
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
-            np.zeros(2),
+            np.zeros(3),
             np.zeros(FIRST_OPEN + 1, np.int64),
         )
 
@@ -254,6 +259,19 @@ def best_seed(search: SearchMemory, count: int) -> int:
             best = seed
     search.costs[best] = 1e300
     return best
+
+
+@inner(_nrt=False)
+def few_best(search: SearchMemory, count: int) -> float:
+    """Cost up to which seeds are the best few."""
+    least = -np.inf
+    for _ in range(min(FINALISTS, count)):
+        above = np.inf
+        for seed in range(count):
+            if least < search.costs[seed] < above:
+                above = search.costs[seed]
+        least = above
+    return float(least)
 
 
 @inner(_nrt=False)

@@ -151,7 +151,7 @@ class FitMemory(NamedTuple):
 
 FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
 FASTER, SLOWER = 0.98, 1.2  # how far one piece may move what is known of that: nearly the slowest
-STALLED, SLIGHTLY = 4.0, 1.02  # times: that it took so long moves it by little
+STALLED, SLIGHTLY = 2.0, 1.02  # times: that it took so long moves it by little
 SHORTER = 0.995  # what is taken for that after the time was too short
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order; infinities stay what they are
 ROAM = 2.0  # thicknesses that an atom may move, or grow, before other taxels are looked at
@@ -361,7 +361,8 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST = 0.93  # strain of the gap at the axis
 RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
-FIRST_DAMPING = 1e-3
+FIRST_DAMPING, CAREFUL = 1e-3, 0.03  # and at least after a step that failed
+FORESEEN = 0.3  # of the gain of the last step: less is not worth one
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
 
 
@@ -532,6 +533,8 @@ def descend(
 ) -> None:
     """Move a set to the next minimum of its cost, by Levenberg's steps, until the time is up.
 
+    The first step is taken in any case.
+
     Parameters
     ----------
     which : int
@@ -558,8 +561,8 @@ def descend(
     damping, rise = FIRST_DAMPING, RISE
     memory.marks[SETTLED] = 0
     memory.marks[STEPPED] = 0
-    for _ in range(steps):
-        if is_late(memory, which, deadline):
+    for taken in range(steps):
+        if taken and is_late(memory, which, deadline):
             return
         memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
@@ -574,7 +577,7 @@ def descend(
             held_back += memory.hessian[which, i * size + i] * step[i] * step[i]
         share = min(1.0, LONGEST_STEP / longest)
         expected = share * (downhill - 0.5 * share * (downhill - damping * held_back))
-        if expected < tolerance and damping <= FIRST_DAMPING:
+        if expected < FORESEEN * tolerance and damping <= FIRST_DAMPING:
             break
         for n in range(count):
             for i in range(6):
@@ -590,7 +593,7 @@ def descend(
             off = 2.0 * gain / expected - 1.0
             damping, rise = max(damping * max(1.0 - off * off * off, FALL), 1e-9), RISE
         else:
-            damping, rise = damping * rise, 2.0 * rise
+            damping, rise = max(damping * rise, CAREFUL), 2.0 * rise
         if 0.0 < gain < tolerance or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
             break
     memory.marks[SETTLED] = 1

@@ -58,9 +58,11 @@ from skinfield.solve.atoms.reading_memory import (
     COMPARED,
     DRAWN,
     DROPPING,
+    DUTIES,
+    DUTY,
+    ERROR_FIRST,
     EXPLAINED,
     GRADUAL,
-    HAD_TURN,
     HALFWAY,
     IN_VAIN,
     INDEX,
@@ -69,6 +71,7 @@ from skinfield.solve.atoms.reading_memory import (
     MISFIT,
     OFFSET,
     ONLY,
+    OPEN_FIRST,
     OPEN_HALFWAY,
     OTHER_SCALE,
     OTHER_TOTAL,
@@ -95,7 +98,7 @@ from skinfield.solve.atoms.search_kernel import (
     lay_open,
     search_atoms,
 )
-from skinfield.solve.atoms.table import RING
+from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
 COARSE = 0.1  # model error at which contacts are sought first, and at most
@@ -108,9 +111,14 @@ QUIETER = 2.0  # times the stated precision, from which the noise is less than w
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
+FEW_STEPS = 3  # of refinement, where other atoms are missed: these are sought
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
-FASTER = 0.998  # how far one answer may move what is known of what drawing takes, downwards
+FASTER, RESERVE = (
+    0.99,
+    1.15,
+)  # how far one answer may move what is known of what drawing takes, downwards;
+# and times that is left for it
 
 
 @inner(_nrt=False)
@@ -150,7 +158,8 @@ def exchange(fit: Fit) -> None:
 @inner(_nrt=False)
 def search_by(fit: Fit, purpose: int, resume: bool, deadline: int) -> bool:
     """Search with the present weights; whether it may go on later."""
-    rules = SearchRules(fit.rules.threshold, fit.rules.most, fit.rules.starts, purpose)
+    own, hurried = fit.rules, fit.own.marks[DUTY] > 0
+    rules = SearchRules(own.threshold, own.most, own.starts, purpose, hurried)
     return search_atoms(
         fit.model,
         fit.bank,
@@ -237,7 +246,7 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                     memory.family[NOW, n] = memory.family[NOW, n + 1]
                     for i in range(6):
                         memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
-            settle(fit, own.numbers[MISFIT], common, deadline)
+            settle(fit, own.numbers[MISFIT], common, BURST, deadline)
             marks[HALFWAY] = memory.marks[LATE]
             if memory.marks[LATE]:
                 exchange(fit)
@@ -249,12 +258,12 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
 
 
 @inner(_nrt=False)
-def settle(fit: Fit, error: float, common: float, deadline: int) -> None:
-    """Move the atoms of NOW to the minimum, weighed by a model error."""
+def settle(fit: Fit, error: float, common: float, steps: int, deadline: int) -> None:
+    """Move the atoms of NOW to the minimum, weighed by a model error, by so many steps at most."""
     weigh(fit, error, common)
     memory = fit.memory
     if memory.counts[NOW]:
-        descend(fit.model, memory, NOW, READINGS, 0, BURST, SETTLED_GAIN, deadline)
+        descend(fit.model, memory, NOW, READINGS, 0, steps, SETTLED_GAIN, deadline)
     else:
         clear_set(memory, NOW)
 
@@ -297,6 +306,7 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     the search for it ended.
     """
     own, memory, marks, numbers = fit.own, fit.memory, fit.own.marks, fit.own.numbers
+    marks[DUTY] = (marks[DUTY] + 1) % DUTIES if memory.marks[LATE] else 0
     memory.marks[LATE] = memory.marks[STEPS] = memory.marks[STEPPED] = 0
     common = fit.rules.common_mode * take_noise(fit, valid)
     energy, highest = 0.0, 0.0
@@ -317,10 +327,11 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
             fit.post.known[index] = UNKNOWN
         begin_comparison(fit, COARSE if marks[IS_STRONG] else FINER * COARSE, False)
         if is_late(memory, NOW, deadline):
-            settle(fit, numbers[SPREAD], common, 0)
+            settle(fit, numbers[SPREAD], common, BURST, 0)
     numbers[BEFORE] = energy
     ended = now_ns(memory.marks)
-    if marks[STAGE] != RESTING and not memory.marks[LATE]:
+    later = marks[GRADUAL] and marks[DUTY] == OPEN_FIRST
+    if marks[STAGE] != RESTING and not (later or memory.marks[LATE]):
         ended = take_turn(fit, common, deadline)
     if not memory.marks[LATE]:
         marks[OPEN_HALFWAY] = search_by(fit, EXPLORE, marks[OPEN_HALFWAY] == 1, deadline)
@@ -344,14 +355,18 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
     paused = memory.marks[STEPS] >= memory.marks[PAUSE] > 0
     memory.marks[PAUSE] = 0
     resting = marks[STAGE] == RESTING
+    memory.marks[LATE] = not (resting or paused)
     if resting:
         marks[GRADUAL] = 0
-        if memory.counts[NOW]:
+        numbers[IN_VAIN] = -1.0
+        if memory.counts[NOW] and not is_short(memory, INFERRING, memory.counts[NOW], deadline):
             infer(fit, common)
             learn(fit)
-            numbers[IN_VAIN] = -1.0
-    memory.marks[LATE] = not (resting or paused)
-    settle(fit, numbers[SPREAD], common, 1 if memory.marks[LATE] else deadline)
+    if memory.marks[LATE]:
+        settle(fit, numbers[SPREAD], common, 0, 0)
+    else:
+        settle(fit, numbers[SPREAD], common, BURST, deadline)
+        ended = now_ns(memory.marks)
     if memory.marks[STEPS] >= memory.marks[MOST] > 0:
         infer(fit, common)
     elif memory.marks[LATE] and not marks[GRADUAL]:
@@ -363,13 +378,12 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
 def may_gain(fit: Fit) -> bool:
     """Whether other sets of atoms may be more probable than NOW, by what it leaves over.
 
-    Not where that is as little as the noise, and no atoms may be one.
+    Not where that is as little as the noise, all are balls, and no two of them may be one.
     """
     memory, own, count = fit.memory, fit.own, fit.memory.counts[NOW]
     for n in range(count):
-        if is_long(memory.atoms[NOW, n]) or memory.family[NOW, n] == RING:
-            return True
-        if may_be_without(memory, fit.search, n):
+        plain = memory.family[NOW, n] == BALL and not is_long(memory.atoms[NOW, n])
+        if not plain or may_be_without(memory, fit.search, n):
             return True
     squares, heard = 0.0, 0
     for taxel in range(len(own.heard)):
@@ -384,11 +398,16 @@ def may_gain(fit: Fit) -> bool:
 def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
-    settle(fit, numbers[SPREAD], common, deadline)
+    lost = marks[STAGE] != RESTING and not (marks[GRADUAL] or marks[EXPLAINED])
+    settle(fit, numbers[SPREAD], common, FEW_STEPS if lost else BURST, deadline)
     if memory.marks[LATE]:
         return
+    explained = marks[EXPLAINED]
     if marks[STAGE] == RESTING:  # else there may be touches among what is left over
         scale = noise_scale(fit)
+        if explained and not explains(fit):
+            begin_comparison(fit, numbers[MISFIT], False)
+            return
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
@@ -402,13 +421,13 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
             memory.counts[NOW] = 0
             begin_comparison(fit, numbers[MISFIT], False)
             return
-    elif not marks[GRADUAL] and not explains(fit):
-        return
+    elif marks[GRADUAL] and not explains(fit):
+        begin_comparison(fit, numbers[MISFIT], False)
     count = memory.counts[NOW]
-    if marks[STAGE] != RESTING:
-        marks[HAD_TURN] = 1 - marks[HAD_TURN]
-        if (marks[HAD_TURN] and deadline) or (marks[STAGE] == SEEKING and not marks[GRADUAL]):
-            return
+    if (marks[DUTY] != ERROR_FIRST and explained) or (
+        marks[STAGE] == SEEKING and not marks[GRADUAL]
+    ):
+        return
     if is_short(memory, INFERRING, count, deadline):
         return
     infer(fit, common)
@@ -418,7 +437,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         return
     ratio = numbers[SPREAD] / numbers[WEIGHED]
     if not 1.0 / REWEIGHED < ratio < REWEIGHED:
-        settle(fit, numbers[SPREAD], common, deadline)
+        settle(fit, numbers[SPREAD], common, BURST, deadline)
         if is_short(memory, SCORING, 1, deadline):
             return
     take_offset(fit)
@@ -461,7 +480,7 @@ def answer_reading(
     """
     fit, grid = unpack_fit(fit_address), unpack_grid(grid_address)
     own, memory = fit.own, fit.memory
-    end = deadline - int(own.numbers[DRAWN]) if deadline else 0
+    end = deadline - int(RESERVE * own.numbers[DRAWN]) if deadline else 0
     ended = find_contacts(fit, readings, valid, max(end, 1) if deadline else 0)
     highest, lowest = 0.0, np.inf
     for taxel in range(len(readings)):

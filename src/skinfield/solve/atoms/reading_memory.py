@@ -50,7 +50,7 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
-# a comparison may take its time, as the answer explains all; and whether it had its turn.
+# a comparison may take its time, as the answer explains all; and which of `DUTIES` comes first.
 (
     PRESSES,
     STAGE,
@@ -63,8 +63,10 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     IS_STRONG,
     ONLY,
     GRADUAL,
-    HAD_TURN,
+    DUTY,
 ) = range(12)
+# What each reading ends with; by turns, while the time does not suffice for all.
+ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
 HERE, LAST, LEARNT, ROOM = range(4)
 

@@ -57,6 +57,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     clear_set,
     copy_others,
     evidence,
+    few_best,
     mark_one,
     may_be_without,
     next_rival,
@@ -120,6 +121,7 @@ from skinfield.solve.atoms.table import BALL, FLAT, RING
 from skinfield.solve.clock import now_ns
 
 BURST = 12  # steps of refinement of what is only tried
+HEAT = 3  # of each seed, before the best go on
 CLEAR = 4.0  # times the threshold that an atom far from others brings: it need not be tried without
 TRIED_MOST = 2  # of the places for a new atom: these are refined together with the others
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
@@ -216,13 +218,14 @@ def begin(
         state[COUNT], state[SEED], state[OF], state[RIVAL] = found, 0, BALL, 0
         state[FOUND], state[TRIED], state[KIND], state[STAGE] = 0, 0, NO_SHAPE, SEEDS
     elif stage == SEEDS:
-        if state[KIND] == NO_SHAPE and state[SEED] and state[UNTIL] and not count:
-            steps = 2 * BURST * (state[COUNT] - state[SEED])
+        left, tried = 2 * state[COUNT] - state[SEED], min(state[SEED], state[COUNT])
+        if state[KIND] == NO_SHAPE and tried and state[UNTIL] and not count:
+            steps = 2 * HEAT * left
             if now_ns(memory.marks) + int(steps * memory.sums[PACE]) > state[UNTIL]:
-                state[COUNT], state[STAGE] = state[SEED], JOIN  # there is no time for all
+                state[COUNT], state[STAGE] = tried, JOIN  # there is no time for all
                 return NOTHING
         memory.counts[ALONE] = 0
-        append(memory, ALONE, search.seeds[state[SEED]], state[OF])
+        append(memory, ALONE, search.seeds[state[SEED] % state[COUNT]], state[OF])
         return ALONE
     elif stage == JOIN:
         chosen, last = best_seed(search, state[COUNT]), len(search.seeds) - 1
@@ -262,7 +265,7 @@ def begin(
             return NOTHING
         state[INDEX] = index = (state[FIRST_OPEN] + state[TRIED]) % count
         state[TRIED] += 1
-        few = was_there(memory, post, index)
+        few = was_there(memory, post, index) or rules.hurried
         if (post.known[index] == KNOWN and holds(memory, post, index)) or (few and state[GREW]):
             return NOTHING  # of atoms that were there, one is explored
         state[PLACES_LEFT] = FEW if few else PLACES
@@ -357,7 +360,7 @@ def conclude(
     elif stage == WITHOUT:
         conclude_without(memory, search, rules)
     elif stage == SEEDS:
-        seed = state[SEED]
+        seed, count = state[SEED] % state[COUNT], state[COUNT]
         search.costs[seed] = memory.costs[ALONE]
         for i in range(6):
             search.seeds[seed, i] = memory.atoms[ALONE, 0, i]
@@ -366,7 +369,13 @@ def conclude(
             copy_set(memory, ALONE, BEST)  # an answer, as the row LEFT is that of READINGS
             state[FOUND] = 1
         state[SEED] += 1
-        if state[SEED] >= state[COUNT]:
+        if state[SEED] == count:
+            search.known[2] = few_best(search, count)
+        while (
+            count <= state[SEED] < 2 * count and search.costs[state[SEED] - count] > search.known[2]
+        ):
+            state[SEED] += 1
+        if state[SEED] >= 2 * count:
             state[STAGE] = JOIN if state[KIND] == NO_SHAPE else SHAPE
     elif stage == JOIN:
         if not state[TRIED] or memory.costs[TRIAL] < memory.costs[BEST] - BETTER:
@@ -413,12 +422,13 @@ def go_on(
     memory: FitMemory,
     search: SearchMemory,
     post: PosteriorMemory,
+    deadline: int,
 ) -> None:
     """Bring what was interrupted to new readings, which NOW was moved to."""
     state = search.state
     stage = state[STAGE]
     if state[FOUND]:
-        descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, 0)
+        descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
         if state[RIVAL]:
             search.known[0] = evidence(model, memory, BEST)
     if stage == SEEDS:
@@ -479,7 +489,7 @@ def search_atoms(
     state[UNTIL] = deadline
     memory.marks[STEPPED] = 0
     if resume:
-        go_on(model, memory, search, post)
+        go_on(model, memory, search, post, deadline)
     else:
         state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
         state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
@@ -501,7 +511,7 @@ def search_atoms(
         row = LEFT if stage in (SEEDS, WALK) else READINGS
         held, steps, gain = 0, LONG, SETTLED_GAIN
         if stage in (REFINE, SEEDS):
-            steps = BURST
+            steps = HEAT if stage == SEEDS and state[SEED] < state[COUNT] else BURST
         elif stage in (PRUNE, APART, OTHERS):
             steps = 0  # what it is read as
         elif stage == WALK:
