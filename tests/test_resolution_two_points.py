@@ -47,9 +47,9 @@ class Fits:
     def read(self, atoms: Floats) -> tuple[Floats, Floats]:
         """Whitened readings (L,) of N contacts of 4 parameters, and derivatives (L, N, 4)."""
         full = np.pad(np.atleast_2d(atoms), ((0, 0), (0, 2)))
-        out, slopes = np.empty(len(self.taxels)), np.empty((len(self.taxels), len(full), 6))
+        out, slopes = np.empty(len(self.taxels)), np.empty((len(full), 6, len(self.taxels)))
         predict(full, BALLS[: len(full)], self.taxels, self.tables, out, slopes)
-        return out * self.white, slopes[:, :, :4] * self.white[:, None, None]
+        return out * self.white, np.moveaxis(slopes[:, :4] * self.white, -1, 0)
 
     def misfit(self, pair: Floats) -> float:
         """Squared misfit of the one contact that explains the readings of a pair best."""

@@ -45,13 +45,13 @@ def grams(
     for p in range(len(places)):
         near = rows[start[p] : start[p + 1]]
         count = len(near)
-        readings, slopes = np.empty(count), np.empty((count, 1, 6))
+        readings, slopes = np.empty(count), np.empty((1, 6, count))
         atoms[0, 0], atoms[0, 1], atoms[0, 2] = places[p, 0], places[p, 1], log_force[p]
         predict(atoms, family, picked(taxels, near), tables, readings, slopes)
         for n in range(count):
             five[0] = readings[n]
             for i in range(4):
-                five[i + 1] = slopes[n, 0, i]
+                five[i + 1] = slopes[0, i, n]
             weight = white[near[n]] ** 2
             for i in range(5):
                 for j in range(i + 1):
@@ -102,7 +102,7 @@ def fits(
     """
     count = len(taxels)
     family, hessian, gradient = np.zeros(1, np.int64), np.empty((4, 4)), np.empty(4)
-    found, slopes = np.empty(count), np.empty((count, 1, 6))
+    found, slopes = np.empty(count), np.empty((1, 6, count))
     trial = atom.copy()
     damping, misfit = 1e-3, np.inf
     for _ in range(STEPS):
@@ -142,9 +142,9 @@ def _normal_equations(
     for n in range(len(residual)):
         weight = white[n] * white[n]
         for i in range(4):
-            gradient[i] += slopes[n, 0, i] * residual[n] * weight
+            gradient[i] += slopes[0, i, n] * residual[n] * weight
             for j in range(4):
-                hessian[i, j] += slopes[n, 0, i] * slopes[n, 0, j] * weight
+                hessian[i, j] += slopes[0, i, n] * slopes[0, j, n] * weight
 
 
 @inner
@@ -157,7 +157,7 @@ def noncentrality(
     both contacts and from their middle; `last` becomes the best found.
     """
     count = len(taxels)
-    readings, slopes = np.empty(count), np.empty((count, 2, 6))
+    readings, slopes = np.empty(count), np.empty((2, 6, count))
     predict(atoms, np.zeros(2, np.int64), taxels, tables, readings, slopes)
     least, best, trial = np.inf, np.empty((1, 6)), np.empty((1, 6))
     half = np.hypot(atoms[1, 0] - atoms[0, 0], atoms[1, 1] - atoms[0, 1]) / 2
