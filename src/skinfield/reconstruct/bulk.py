@@ -147,17 +147,13 @@ class BulkFields:
     def _into(self, operator: LinearFields, name: str, readings: Floats, out: NDArray[Any]) -> None:
         """Write an output of some readings (T, L) into `out` (T, R)."""
         mask = ~np.isnan(readings)
-        linear, every = self._linearised(readings, mask), np.ones(mask.shape[1], np.bool_)
-        if not mask.all():
-            patterns, which = np.unique(mask, axis=0, return_inverse=True)
-            which = which.ravel()
-            if operator.gaussian is None:
-                for number, pattern in enumerate(patterns):
-                    rows = np.flatnonzero(which == number)
-                    out[rows] = linear[rows].astype(self.precision) @ self._matrix(name, pattern)
-                return
-            linear = operator.of_sets(patterns)[0].filled(linear, which)
-        np.dot(linear.astype(self.precision), self._matrix(name, every), out=out)
+        linear = self._linearised(readings, mask)
+        patterns, which = np.unique(mask, axis=0, return_inverse=True)
+        for number, pattern in enumerate(patterns):
+            rows = np.flatnonzero(which.ravel() == number)
+            valid = pattern if operator.gaussian is None else np.ones_like(pattern)
+            filled = self.reconstructor.plans.linear_of(pattern).filled(linear[rows])
+            out[rows] = filled.astype(self.precision) @ self._matrix(name, valid)
 
     def _linearised(self, readings: Floats, valid: NDArray[np.bool_]) -> Floats:
         """Readings (T, L), 0 where not valid."""

@@ -3,7 +3,7 @@
 from skinfield.solve.auto import Auto as Auto
 from skinfield.solve.contact_fit import ContactFit as ContactFit
 from skinfield.solve.gaussian_model import GaussianModel as GaussianModel
-from skinfield.solve.gaussian_model import TaxelSets as TaxelSets
+from skinfield.solve.gaussian_model import TaxelSet as TaxelSet
 from skinfield.solve.linear import GaussianField as GaussianField
 from skinfield.solve.linear import Inverse as Inverse
 from skinfield.solve.linear import PseudoInverse as PseudoInverse

@@ -13,8 +13,8 @@ CANCELLED = 1e-4  # of a variance, below which the difference of two is computed
 
 
 @dataclass(frozen=True, eq=False)
-class TaxelSets:
-    r"""Posteriors of P sets of the L taxels of a `GaussianModel`.
+class TaxelSet:
+    r"""Posterior of a set of the L taxels of a `GaussianModel`.
 
     Leaving the taxels I out of H = (q G + 1)⁻¹ leaves, by the inverse of a block matrix (Golub and
     Van Loan, Matrix Computations, section 2.1.4), :math:`H - H_{:I} H_{II}^{-1} H_{I:}`, whose
@@ -25,106 +25,64 @@ class TaxelSets:
     Attributes
     ----------
     model : GaussianModel
-    valid : (P, L) bool array
-    variance : (P,) array, Pa²
+    valid : (L,) bool array
+    variance : float, Pa²
         q.
-    retained : (P, L) array
+    retained : (L,) array
         d.
-    lost : (P, M, L) array
-        B; M is the largest number of missing taxels, and one more where they share an offset. The
-        rows beyond a set's own are 0.
+    lost : (M, L) array
+        B.
     """
 
     model: "GaussianModel"
     valid: NDArray[np.bool_]
-    variance: Floats
+    variance: float
     retained: Floats
     lost: Floats
 
     @classmethod
-    def of(cls, model: "GaussianModel", valid: NDArray[np.bool_]) -> "TaxelSets":
-        """See `GaussianModel.sets`."""
+    def of(cls, model: "GaussianModel", valid: NDArray[np.bool_]) -> "TaxelSet":
+        """Of a mask (L,), True for one taxel or more."""
         variance = model.variance(valid)
-        kept = 1.0 / (variance[:, None] * model.spectrum + 1.0)
-        most = int((~valid).sum(axis=1).max(initial=0))
-        taxel = np.argsort(valid, axis=1, kind="stable")[:, :most]  # the missing ones first
-        missing = ~np.take_along_axis(valid, taxel, axis=1)
-        rows = model.vectors[taxel] * missing[..., None]
-        block = (rows * kept[:, None]) @ rows.transpose(0, 2, 1)
-        corner = np.arange(most)
-        block[:, corner, corner] += ~missing
-        lower = np.linalg.cholesky(block)
-        lost = np.linalg.solve(lower, rows * kept[:, None])
+        kept = 1.0 / (variance * model.spectrum + 1.0)
+        rows = model.vectors[~valid] * kept
+        lost = np.linalg.solve(np.linalg.cholesky(rows @ model.vectors[~valid].T), rows)
         if model.offset.any():
             along = (valid * model.offset) @ model.vectors
-            less = (lost @ along[..., None])[..., 0]
-            seen = kept * along - np.einsum("pml,pm->pl", lost, less)  # V' H o
-            size = np.sqrt(1.0 + np.einsum("pl,pl->p", along, seen))
-            lost = np.concatenate([lost, (seen / size[:, None])[:, None]], axis=1)
+            seen = kept * along - (lost @ along) @ lost  # V' H o
+            lost = np.vstack([lost, seen / np.sqrt(1.0 + along @ seen)])
         return cls(model, valid, variance, kept, lost)
 
-    def weights(self, readings: Floats, which: NDArray[np.int64]) -> Floats:
-        """Vᵀ (q G + 1)⁻¹ y of linearised readings (T, L), each of the set `which` (T,): (T, L).
-
-        What stands in place of missing readings must be finite; it does not count.
-        """
-        whitened = np.where(self.valid[which], readings / self.model.noise_std, 0.0)
-        along = whitened @ self.model.vectors
-        lost = self.lost[which]
-        told = np.einsum("tml,tl->tm", lost, along)
-        return np.asarray(self.retained[which] * along - np.einsum("tml,tm->tl", lost, told))
-
-    def filled(self, readings: Floats, which: NDArray[np.int64]) -> Floats:
-        """Readings of all taxels from which the operator of all of them gives a set's answer.
+    def filled(self, readings: Floats) -> Floats:
+        """Linearised readings (T, L) from which the operator of all taxels gives the set's answer.
 
         Where the prior's amplitude is the same, missing readings become what the others predict.
+        What stands in place of missing readings must be finite; it does not count.
         """
-        model = self.model
-        whole = float(model.variance(np.ones((1, len(model.power)), np.bool_))[0])
-        share = (self.variance[which] / whole)[:, None]
-        weights = self.weights(readings, which) * share
-        along = weights * (whole * model.spectrum + 1.0)
+        model, every = self.model, np.ones(len(self.valid), np.bool_)
+        whole = model.variance(every)
+        along = np.where(self.valid, readings / model.noise_std, 0.0) @ model.vectors
+        weights = self.retained * along - (along @ self.lost.T) @ self.lost
+        weights *= self.variance / whole
         offset = weights @ (model.offset @ model.vectors)
-        filled = along @ model.vectors.T + np.outer(offset, model.offset)
-        return np.asarray(filled * model.noise_std)
+        filled = (weights * (whole * model.spectrum + 1.0)) @ model.vectors.T
+        return np.asarray((filled + np.outer(offset, model.offset)) * model.noise_std)
 
     @cached_property
     def stds(self) -> tuple[Floats, Floats]:
-        """Standard deviations of each cell: of the posterior, and of the readings' noise.
-
-        Returns
-        -------
-        posterior, noise : (P, K) arrays, Pa
-        """
-        model, scale = self.model, self.variance[:, None]
-        count, most, taxels = self.lost.shape
-        rows = np.concatenate([self.lost, self.lost * self.retained[:, None]], axis=1)
-        told = (rows.reshape(-1, taxels) @ model.turned.T).reshape(count, 2 * most, -1)
-        first, second = told[:, :most], told[:, most:]
-        explained = self.retained @ model.squared.T - np.einsum("pmk,pmk->pk", first, first)
-        across = self.lost @ self.lost.transpose(0, 2, 1)
-        whole = np.square(self.retained) @ model.squared.T
-        less = 2.0 * second - across @ first
-        moved = whole - np.einsum("pmk,pmk->pk", first, less)
-        self._mend(moved, whole)
-        open_still = model.prior.prior[0, 0] - scale * explained
-        posterior = np.sqrt(np.maximum(scale * open_still, 0.0))
-        return posterior, scale * np.sqrt(moved)
-
-    def _mend(self, moved: Floats, whole: Floats) -> None:
-        """Compute anew, without the difference of squares, what is left of a variance (P, K)."""
-        which, cell = np.nonzero(moved < CANCELLED * whole)
-        along = self.model.turned[cell]
-        lost = self.lost[which]
-        told = np.einsum("nml,nl->nm", lost, along)
-        left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
-        moved[which, cell] = np.einsum("nl,nl->n", left, left)
-
-    @property
-    def errors(self) -> "list[tuple[SetError, SetError]]":
-        """Posterior of each set's pressure, and its error by the readings' noise alone."""
-        count = range(len(self.valid))
-        return [(SetError(self, which, False), SetError(self, which, True)) for which in count]
+        """Standard deviations of each cell, (K,) Pa: of the posterior, and by the noise alone."""
+        model, lost = self.model, self.lost
+        first, second = lost @ model.turned.T, (lost * self.retained) @ model.turned.T
+        explained = model.squared @ self.retained - np.square(first).sum(axis=0)
+        whole = model.squared @ np.square(self.retained)
+        less = 2.0 * second - (lost @ lost.T) @ first
+        moved = whole - (first * less).sum(axis=0)
+        cells = np.flatnonzero(moved < CANCELLED * whole)  # anew, without a difference of squares
+        along = model.turned[cells]
+        left = along * self.retained - (along @ lost.T) @ lost
+        moved[cells] = np.square(left).sum(axis=1)
+        posterior = self.variance * (model.prior.prior[0, 0] - self.variance * explained)
+        return np.sqrt(np.maximum(posterior, 0.0)), self.variance * np.sqrt(moved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,20 +91,18 @@ class SetError:
 
     Attributes
     ----------
-    sets : TaxelSets
-    which : int
+    taxels : TaxelSet
     of_noise : bool
         By the readings' noise alone; else of the posterior.
     """
 
-    sets: TaxelSets
-    which: int
+    taxels: TaxelSet
     of_noise: bool
 
     @property
     def std(self) -> Floats:
         """Standard deviation of each cell, (K,) Pa."""
-        return np.asarray(self.sets.stds[self.of_noise][self.which])
+        return self.taxels.stds[self.of_noise]
 
     @cached_property
     def felt(self) -> int:
@@ -155,19 +111,17 @@ class SetError:
 
     def on(self, nodes: NDArray[np.int64]) -> "SetError":
         """Of some of the nodes, in their order."""
-        return replace(self, sets=replace(self.sets, model=self.sets.model.on(nodes)))
+        return replace(self, taxels=replace(self.taxels, model=self.taxels.model.on(nodes)))
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        sets, model = self.sets, self.sets.model
-        kept, lost = sets.retained[self.which], sets.lost[self.which]
-        variance = float(sets.variance[self.which])
+        taxels, model = self.taxels, self.taxels.model
         along = weights @ model.turned[cells]
-        left = along * kept - (along @ lost.T) @ lost
+        left = along * taxels.retained - (along @ taxels.lost.T) @ taxels.lost
         if self.of_noise:
-            return np.asarray(variance**2 * (left @ left.T))
+            return np.asarray(taxels.variance**2 * (left @ left.T))
         prior = model.prior.covariance_of_sums(cells, weights)
-        return np.asarray(variance * prior - variance**2 * (left @ along.T))
+        return np.asarray(taxels.variance * prior - taxels.variance**2 * (left @ along.T))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +131,7 @@ class GaussianModel:
     With readings y of the noise 1 (whitened) and the prior q Q, where q gives the readings of
     the L taxels `snr` times the noise's power, the posterior of a set of them needs
     :math:`(q G + 1)^{-1}` of these taxels alone. G = V diag(g) Vᵀ is split once; a set then costs
-    its number of missing taxels (see `TaxelSets`). Q stays that of all taxels: where its length
+    its number of missing taxels (see `TaxelSet`). Q stays that of all taxels: where its length
     follows from their distance, a taxel that is silent does not make the pressure smoother.
 
     Attributes
@@ -237,10 +191,6 @@ class GaussianModel:
         """Squares of `turned`, (K, L)."""
         return np.square(self.turned)
 
-    def variance(self, valid: NDArray[np.bool_]) -> Floats:
-        """Amplitude q of the prior for sets of taxels (P, L): (P,) Pa²."""
-        return np.asarray(self.snr**2 * valid.sum(axis=1) / (valid @ self.power))
-
-    def sets(self, valid: NDArray[np.bool_]) -> TaxelSets:
-        """Posteriors of P sets of taxels, by masks (P, L), each of at least one taxel."""
-        return TaxelSets.of(self, valid)
+    def variance(self, valid: NDArray[np.bool_]) -> float:
+        """Amplitude q of the prior for a set of taxels (L,), Pa²."""
+        return float(self.snr**2 * valid.sum() / (valid @ self.power))

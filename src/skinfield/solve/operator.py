@@ -1,23 +1,21 @@
 """Operators: solve slowly once (`prepare`), then reading by reading in memory of the caller's."""
 
 import time
-from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, Ints, check_shape
+from skinfield.errors import Floats, check_shape
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.skin import Grid
-from skinfield.solve.gaussian_model import GaussianModel, TaxelSets
+from skinfield.solve.gaussian_model import GaussianModel, SetError, TaxelSet
 
 EXACT = ModelError()
-CALLS = 16  # whose sets of taxels stay prepared
 EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest one call of fifty is late
 NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
 PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
@@ -348,8 +346,8 @@ class LinearOperator(FieldOperator):
         Taxels that are used. Default all.
     source : LinearOperator, optional
         Whose pressure this one's is a part or an average of: what the readings are explained by.
-    sets : TaxelSets, optional
-        By which valid readings stand for the others, those of set `place`; else columns are 0.
+    taxels : TaxelSet, optional
+        By which valid readings stand for the others; else columns are 0.
     """
 
     solver: Solver
@@ -361,8 +359,7 @@ class LinearOperator(FieldOperator):
     gaussian: GaussianModel | None = None
     valid: NDArray[np.bool_] | None = None
     source: "LinearOperator | None" = None
-    sets: TaxelSets | None = None
-    place: int = 0
+    taxels: TaxelSet | None = None
 
     @property
     def linear(self) -> "LinearOperator":
@@ -373,7 +370,7 @@ class LinearOperator(FieldOperator):
     def noise(self) -> PressureError:
         """How the readings' noise moves the pressure."""
         noise = self.model.noise_std
-        if self.sets is None:
+        if self.taxels is None:
             return PressureNoise(self.matrix * noise)
         return PressureNoise(self.matrix @ self.filled(np.diag(noise)).T)
 
@@ -407,16 +404,12 @@ class LinearOperator(FieldOperator):
             physics.quantity.linearise(readings, np.empty_like(readings)) if physics else readings
         )
 
-    def filled(self, readings: Floats, which: Ints | None = None) -> Floats:
-        """What the matrix is multiplied with, of linearised readings (..., L), 0 where not valid.
-
-        `which` (...) of the `sets` each of them is of; by default of `place`.
-        """
-        if self.sets is None:
+    def filled(self, readings: Floats) -> Floats:
+        """What the matrix is multiplied with, of linearised readings (..., L), all finite."""
+        if self.taxels is None:
             return readings
         rows = readings.reshape(-1, readings.shape[-1])
-        each = np.full(len(rows), self.place) if which is None else which
-        return self.sets.filled(rows, each).reshape(readings.shape)
+        return self.taxels.filled(rows).reshape(readings.shape)
 
     def predicted(self, solution: Solution) -> Floats:
         """See `Operator.predicted`."""
@@ -431,33 +424,16 @@ class LinearOperator(FieldOperator):
     def without(self, valid: NDArray[np.bool_]) -> Self:
         """Leave out taxels: with the same prior, or else by the solver, which prepares anew."""
         check_shape("valid", valid, self.model.noise_std.shape, "one per taxel")
-        if self.gaussian is not None:
-            return self.of_sets(np.asarray(valid, dtype=np.bool_)[None])[0]
+        if self.gaussian is not None:  # the same matrix, before which the readings are filled up
+            part, taxels = copy(self), TaxelSet.of(self.gaussian, np.array(valid, np.bool_))
+            errors = {"posterior": SetError(taxels, False), "noise": SetError(taxels, True)}
+            vars(part).update(errors, std=None, source=self, taxels=taxels, valid=taxels.valid)
+            return part
         made = self.solver.prepare(self.model.subset(valid)).linear
         assert made is not None  # as it is of all taxels
         matrix = np.zeros((len(made.matrix), len(valid)))
         matrix[:, valid] = made.matrix
         return replace(self, matrix=matrix, std=made.std, posterior=made.posterior, valid=valid)
-
-    def of_sets(self, patterns: NDArray[np.bool_]) -> list[Self]:
-        """As `without` of a Bayesian solver, of sets of valid taxels (P, L).
-
-        The same matrices, before which the readings are filled up.
-        """
-        sets, made = self._sets(patterns.tobytes()), []
-        for place, (posterior, noise) in enumerate(sets.errors):
-            made.append(part := copy(self))
-            parts = {"posterior": posterior, "noise": noise, "valid": patterns[place]}
-            vars(part).update(parts, std=None, source=self, sets=sets, place=place)
-        return made
-
-    @cached_property
-    def _sets(self) -> Callable[[bytes], TaxelSets]:
-        gaussian, taxels = self.gaussian, self.matrix.shape[1]
-        assert gaussian is not None  # what it takes to leave taxels out
-        return lru_cache(CALLS)(
-            lambda key: gaussian.sets(np.frombuffer(key, np.bool_).reshape(-1, taxels))
-        )
 
 
 def propagated_std(matrix: Floats, noise_std: Floats) -> Floats:
