@@ -1,8 +1,10 @@
-"""Covariances of sums over cells, compiled."""
+"""Covariances of sums over cells, and the chance of a distance, compiled."""
+
+import math
 
 import numpy as np
 
-from skinfield.compiled import njit
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
@@ -54,3 +56,10 @@ def of_lattice(prior: Floats, steps: Ints, cells: Ints, weights: Floats) -> Floa
                 total += smooth[m, index] * weights[n, index]
             covariance[m, n] = covariance[n, m] = total
     return covariance
+
+
+@inner
+def chance_beyond(square: float) -> float:
+    """Chance of a larger squared Mahalanobis distance of three numbers, by chi-squared."""
+    root = math.sqrt(0.5 * square)
+    return math.erfc(root) + 2.0 / math.sqrt(math.pi) * root * math.exp(-0.5 * square)

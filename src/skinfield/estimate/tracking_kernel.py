@@ -3,13 +3,13 @@
 Nothing is allocated. One function is called per reading of a patch, see `track`.
 """
 
-import math
 from typing import Any
 
 import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
+from skinfield.estimate.covariance_kernel import chance_beyond
 from skinfield.estimate.track_memory import (
     ABSORBED,
     CONFIRMED,
@@ -179,9 +179,7 @@ def push(covariance: Floats, variances: Three, place: float, both: float, rate: 
 def update(memory: TrackMemory, known: Any, contact: Any) -> None:
     """Take up a contact, in a track's mean and covariance.
 
-    Where that is a surprise, the rates may have changed at once when the track was seen last. What
-    is one follows from the time between readings, so that noise is taken for an onset as seldom
-    however often the skin is read.
+    Where noise does that more seldom than so often a second, the rates may have changed at once.
     """
     mean, covariance, value, rule = known.mean, known.covariance, contact.mean, memory.rules[0]
     off = (value[0] - mean[0], value[1] - mean[1], value[2] - mean[2])
@@ -295,13 +293,6 @@ def square(parts: Parts, off: Three) -> float:
     """Squared Mahalanobis distance."""
     first, second, third = whitened(parts, off)
     return first * first + second * second + third * third
-
-
-@inner
-def chance_beyond(distance: float) -> float:
-    """Chance of a larger squared distance of three normal numbers: chi-squared with 3 of them."""
-    root = math.sqrt(0.5 * distance)
-    return math.erfc(root) + 2.0 / math.sqrt(math.pi) * root * math.exp(-0.5 * distance)
 
 
 @inner

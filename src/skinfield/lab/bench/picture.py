@@ -55,7 +55,9 @@ def picture(bench: Bench) -> "Figure":
         "How near the truth",
         "total force of the contacts; median by then",
         tuple(_curves(bench, lambda point: point["force"].get("p50"))),
-        Scale(x=TIME, y="force off the true one (%)", log_x=True, y_limits=(0.0, 105.0), marks=True),
+        Scale(
+            x=TIME, y="force off the true one (%)", log_x=True, y_limits=(0.0, 105.0), marks=True
+        ),
     )  # fmt: skip
     return draw_panels([[left, own, true]], HIGH, machine_line(bench))
 
