@@ -3,13 +3,13 @@
 Nothing is allocated. One function is called per reading of a patch, see `track`.
 """
 
-import math
 from typing import Any
 
 import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
+from skinfield.estimate.mahalanobis_kernel import Three, chance_beyond, factors, square, whitened
 from skinfield.estimate.track_memory import (
     ABSORBED,
     CONFIRMED,
@@ -33,8 +33,6 @@ FORCE_FLOOR = 0.15  # part of a force: what solvers do not state of it
 LIMIT = 21.1  # squared distance of three numbers that is exceeded with a chance of 1e-4
 NARROW = 3e-3  # m: bodies whose ways come nearer than this cannot pass each other
 LEAST = 1e-9  # N that has a share
-Three = tuple[float, float, float]
-Parts = tuple[float, float, float, float, float, float]
 
 
 @njit
@@ -179,9 +177,7 @@ def push(covariance: Floats, variances: Three, place: float, both: float, rate: 
 def update(memory: TrackMemory, known: Any, contact: Any) -> None:
     """Take up a contact, in a track's mean and covariance.
 
-    Where that is a surprise, the rates may have changed at once when the track was seen last. What
-    is one follows from the time between readings, so that noise is taken for an onset as seldom
-    however often the skin is read.
+    Where noise does that more seldom than so often a second, the rates may have changed at once.
     """
     mean, covariance, value, rule = known.mean, known.covariance, contact.mean, memory.rules[0]
     off = (value[0] - mean[0], value[1] - mean[1], value[2] - mean[2])
@@ -266,42 +262,6 @@ def report(memory: TrackMemory, kind: int, place: int, other: int) -> None:
     event.kind, event.time, ids[0], ids[1] = kind, words[NOW], known.number, other
     where[0], where[1] = mean[0], mean[1]
     words[EVENTS] += 1
-
-
-@inner
-def factors(one: Any, other: Any, floor: float, force: float) -> Parts:
-    """Sum of two covariances, and of two variances, as L D L': roots of D, and L's 10, 20, 21."""
-    own, its = one.covariance, other.covariance
-    first = own[0, 0] + its[0, 0] + floor
-    xy, xf = own[0, 1] + its[0, 1], own[0, 2] + its[0, 2]
-    a, b = xy / first, xf / first
-    second = own[1, 1] + its[1, 1] + floor - a * xy
-    yf = own[1, 2] + its[1, 2] - a * xf
-    c = yf / second
-    third = own[2, 2] + its[2, 2] + force - b * xf - c * yf
-    return np.sqrt(first), np.sqrt(second), np.sqrt(third), a, b, c
-
-
-@inner
-def whitened(parts: Parts, off: Three) -> Three:
-    """Three numbers in units of their deviations, see `factors`."""
-    second = off[1] - parts[3] * off[0]
-    third = off[2] - parts[4] * off[0] - parts[5] * second
-    return off[0] / parts[0], second / parts[1], third / parts[2]
-
-
-@inner
-def square(parts: Parts, off: Three) -> float:
-    """Squared Mahalanobis distance."""
-    first, second, third = whitened(parts, off)
-    return first * first + second * second + third * third
-
-
-@inner
-def chance_beyond(distance: float) -> float:
-    """Chance of a larger squared distance of three normal numbers: chi-squared with 3 of them."""
-    root = math.sqrt(0.5 * distance)
-    return math.erfc(root) + 2.0 / math.sqrt(math.pi) * root * math.exp(-0.5 * distance)
 
 
 @inner
