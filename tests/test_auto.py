@@ -142,3 +142,32 @@ def test_the_winner_stays_at_the_border():
     found = [contest.decide(0.0, lead, count=1, margin=7.0) for lead in leads]
     assert found == [CONTACTS, CONTACTS, FIELD, FIELD, FIELD, CONTACTS, CONTACTS]
     assert Contest(FIELD).decide(0.0, -1.0, count=0, margin=7.0) == CONTACTS
+
+
+def test_what_passes_the_idle_test_holds_neither_a_contact_nor_a_field(operator, data):
+    known = operator.contact_fit, operator.wide
+    passed = [0, 0, 0]
+    loads = [0.0, 0.01, 1.0]  # of none, a faint broad one and a palm
+    for kind, peak in enumerate(loads):
+        load = broad_load(operator.model, 12, peak=peak) if peak else np.zeros(72)
+        for reading in load + noise(12 + kind, 20):
+            data.reset()
+            solution = operator.solve(reading, data, touched=True)
+            nothing = solution.fit is not None and not data.count
+            data.reset()
+            idle = known[0].rests(reading, data.contacts, known[1])
+            passed[kind] += idle
+            assert nothing or not idle
+    assert passed[0] >= 19
+    assert passed[2] == 0
+
+
+def test_an_interrupted_search_is_not_compared_with_a_field_at_once():
+    contest = Contest()
+    contest.go_on(True)
+    assert not contest.is_ripe
+    contest.go_on(False)
+    assert contest.is_ripe
+    for _ in range(50):
+        contest.go_on(True)
+    assert contest.is_ripe

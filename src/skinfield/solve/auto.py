@@ -8,6 +8,7 @@ than the noise the readings may be off, as no skin is quite like its model.
 """
 
 import dataclasses
+import time
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -39,6 +40,9 @@ WORST = 4.0  # or times the noise
 RISE = 1.5  # of the readings' squares over the noise, after which the hypotheses are compared again
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 CONTACTS, FIELD = 0, 1
+COMPARING = 25_000  # ns: the evidence of a field takes about so long
+PATIENCE = 50  # readings in which contacts are sought bit by bit, before a field answers instead
+TURNS = 4  # readings of which one goes on with that, while a field answers
 FIELD_NOTE = "more probable than few contacts: a field answers"
 LINEAR_NOTE = "no pressure explains the readings: a linear field answers; check ν, cover and gains"
 
@@ -57,6 +61,10 @@ class Contest:
         Squares of the readings over the noise then; 0 before any comparison.
     count : int
         Atoms then.
+    is_open : bool
+        Whether the search for contacts is going on.
+    readings : int
+        For which it has been going on.
     """
 
     winner: int = CONTACTS
@@ -64,6 +72,17 @@ class Contest:
     field: float = 0.0
     energy: float = 0.0
     count: int = -1
+    is_open: bool = False
+    readings: int = 0
+
+    @property
+    def is_ripe(self) -> bool:
+        """Whether what is known of the contacts may lose to a field."""
+        return self.winner == FIELD or not self.is_open or self.readings >= PATIENCE
+
+    def go_on(self, is_open: bool) -> None:
+        """Take note whether the search for contacts goes on after one more reading."""
+        self.is_open, self.readings = is_open, self.readings + 1 if is_open else 0
 
     def is_due(self, energy: float, count: int) -> bool:
         """Whether a reading is another one than that by which it was decided."""
@@ -161,6 +180,7 @@ class AutoData(Data):
         self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
         self.along, self.sums = operator.covariance.room
         self.rows, self.count = self.contacts.rows, 0
+        self.solution = self.contacts.solution
 
     @property
     def noise(self) -> Floats:
@@ -172,6 +192,12 @@ class AutoData(Data):
         self.contacts.reset()
         self.field.reset()
         self.contest = Contest()
+
+    def take(self, field: Solution) -> Solution:
+        """Take a field for the solution."""
+        self.count = -1
+        self.solution.take(field)
+        return self.solution
 
     def rest(self) -> None:
         """Take note that nothing touches: what does next is compared anew with a field."""
@@ -293,30 +319,39 @@ class AutoOperator:
 
         Neither is sought in readings that the idle test passes, which is left out if something
         is known to touch. Contacts are not even sought in readings about as strong as those of
-        which a field was more probable, while it remains as probable as it was.
+        which a field was more probable, while it remains as probable as it was; or only now and
+        then, where the search for them was interrupted. Comparisons for which there is no time are
+        made with the next readings.
         """
-        readings, solution, contest = data.heard(readings, self.valid), data.solution, data.contest
+        readings, contest = data.heard(readings, self.valid), data.contest
         if not touched and self.contact_fit.rests(readings, data.contacts, self.wide):
             data.rest()
-            solution.take(data.contacts.solution)
-            return solution
-        energy = float(np.square(readings * self.white).sum())
-        if contest.winner == FIELD and not contest.is_due(energy, contest.count):
-            value = self._of_field(readings, data)
-            if value > contest.field - 0.5 * (contest.field - contest.contacts):
-                data.count = -1
-                solution.take(self._by_field(readings, data, deadline_ns))
-                return solution
-        found = self.contact_fit.solve(readings, data.contacts, deadline_ns)
-        count, data.count = data.contacts.count, data.contacts.count
-        if found.in_time and (contest.is_due(energy, count) or not data.contacts.fit.explained):
-            self._compare(readings, data, found, deadline_ns)
-            contest.energy, contest.count = energy, count
+            return data.solution
+        over, by = readings * self.white, deadline_ns
+        energy, fit = float(over @ over), data.contacts.fit
+        due = contest.is_due(energy, contest.count)
+        if contest.winner == FIELD and not due:
+            contest.readings += 1
+            if not contest.is_open or contest.readings % TURNS:
+                value = self._of_field(readings, data)
+                if value > contest.field - 0.5 * (contest.field - contest.contacts):
+                    return data.take(self._by_field(readings, data, deadline_ns))
+            due = True
+        if by is not None and due and contest.is_ripe:  # what is left, the comparison needs
+            by -= (by - time.perf_counter_ns()) // 2 if contest.is_open else COMPARING
+        found = self.contact_fit.solve(readings, data.contacts, by)
+        count = data.count = data.contacts.count
+        due |= contest.is_due(energy, count) or not fit.explained
+        contest.go_on(not fit.compared)
+        in_time = deadline_ns is None or time.perf_counter_ns() < deadline_ns
+        field = None
+        if due and contest.is_ripe and in_time:
+            field = self._compare(readings, data, deadline_ns)
+            if field is None or contest.winner == FIELD or field.gap <= self.problem.tolerance:
+                contest.energy, contest.count, contest.readings = energy, count, 0
         if contest.winner == FIELD:
-            data.count = -1
-            found = self._by_field(readings, data, deadline_ns)
-        solution.take(found)
-        return solution
+            return data.take(field or self._by_field(readings, data, deadline_ns))
+        return found
 
     def _by_field(
         self, readings: Floats, data: AutoData, deadline_ns: int | None = None
@@ -341,21 +376,23 @@ class AutoOperator:
         return field_evidence(self.priors, SQUARES, readings, data.along, data.sums)
 
     def _compare(
-        self, readings: Floats, data: AutoData, found: Solution, deadline_ns: int | None
-    ) -> None:
-        """Compare a field with the contacts, and with nothing but noise."""
+        self, readings: Floats, data: AutoData, deadline_ns: int | None
+    ) -> Solution | None:
+        """Compare a field with the contacts, and with nothing but noise.
+
+        The field, if it is more probable. It wins only if it leaves less over.
+        """
         contest, fit, idle = data.contest, data.contacts.fit, self._squares(readings)
         heard, drifting, still = self._densities
         nothing = drifting - 0.5 * idle + misfit_gain(idle, heard)
-        contacts = fit.total + still
-        field = self._of_field(readings, data)
-        rival = max(contacts, nothing)
-        winner = contest.decide(rival, field, data.contacts.count, self.solver.reluctance)
-        if winner == FIELD:
-            over = self._squares(self._by_field(readings, data, deadline_ns).residual)
-            left = readings - fit.memory.predicted[NOW] - fit.offset
-            if not over < LESS * self._squares(left):
-                contest.winner = CONTACTS
+        rival, field = max(fit.total + still, nothing), self._of_field(readings, data)
+        if contest.decide(rival, field, data.contacts.count, self.solver.reluctance) == CONTACTS:
+            return None
+        found = self._by_field(readings, data, deadline_ns)
+        left = readings - fit.memory.predicted[NOW] - fit.offset
+        if not self._squares(found.residual) < LESS * self._squares(left):
+            contest.winner = CONTACTS
+        return found
 
     def on(self, model: ObservationModel) -> "AutoOperator":
         """The same for another grid of the patch; all but the fields is shared."""

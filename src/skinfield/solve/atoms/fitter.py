@@ -11,7 +11,7 @@ from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel, Priors
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
-from skinfield.solve.atoms.reading_kernel import answer_reading
+from skinfield.solve.atoms.reading_kernel import answer_reading, infer_evidence
 from skinfield.solve.atoms.reading_memory import (
     EXPLAINED,
     FIT,
@@ -110,6 +110,8 @@ class FitData:
 
         Over the density of the stated noise at 0.
         """
+        if not self.compared:
+            infer_evidence(self.packed.address)
         return float(self.own.numbers[TOTAL])
 
     @property
@@ -122,9 +124,11 @@ class FitData:
         """Whether noise and model error account for what is left over."""
         return bool(self.own.marks[EXPLAINED])
 
-    def squares(self, left: Floats) -> float:
-        """Of what is left over of readings (L,), over their noise."""
-        return float(np.square(left / self.own.heard).sum())
+    @property
+    def compared(self) -> bool:
+        """Whether all sets of atoms were compared, or as many as there may be steps for."""
+        steps, most = self.memory.marks[STEPS], self.memory.marks[MOST]
+        return bool(self.own.marks[STAGE] == RESTING or steps >= most > 0)
 
     def reset(self) -> None:
         """Forget the reading before."""

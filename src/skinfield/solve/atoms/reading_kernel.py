@@ -68,6 +68,7 @@ from skinfield.solve.atoms.reading_memory import (
     INDEX,
     IS_STRONG,
     LEAST_WORTH,
+    MEAN_NOISE,
     MISFIT,
     OFFSET,
     ONLY,
@@ -453,6 +454,13 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)
+
+
+@njit
+def infer_evidence(fit_address: int) -> None:
+    """Infer the model error and the evidence of the answer of an interrupted search."""
+    fit = unpack_fit(fit_address)
+    infer(fit, fit.rules.common_mode * fit.own.numbers[MEAN_NOISE])
 
 
 @njit
