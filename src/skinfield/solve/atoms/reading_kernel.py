@@ -56,6 +56,7 @@ from skinfield.solve.atoms.posterior_kernel import UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
     BEFORE,
     COMPARED,
+    COMPARED_SPREAD,
     DRAWN,
     DROPPING,
     DUTIES,
@@ -107,6 +108,7 @@ STRONG = 20.0  # deviations of a reading, from which the model may be what is wr
 LARGEST = 0.2  # model error, from which on contacts explain nothing
 ROUNDS = 5  # of searches, until the noise is as what is left over
 RISE, FALL = 1.5, 3.0  # of the readings' squares over the noise: then shapes are compared again
+WORSE = 2.0  # times a model error, from which sets of atoms are compared at once
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
@@ -358,10 +360,11 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
     memory.marks[LATE] = not (resting or paused)
     if resting:
         marks[GRADUAL] = 0
-        numbers[IN_VAIN] = -1.0
+        numbers[IN_VAIN] = numbers[COMPARED_SPREAD] = -1.0
         if memory.counts[NOW] and not is_short(memory, INFERRING, memory.counts[NOW], deadline):
             infer(fit, common)
             learn(fit)
+            numbers[COMPARED_SPREAD] = numbers[SPREAD]
     if memory.marks[LATE]:
         settle(fit, numbers[SPREAD], common, 0, 0)
     else:
@@ -433,6 +436,12 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     infer(fit, common)
     take_pace(memory, INFERRING, count)
     learn(fit)
+    if numbers[COMPARED_SPREAD] < 0.0:
+        numbers[COMPARED_SPREAD] = numbers[SPREAD]
+    if numbers[SPREAD] > WORSE * numbers[COMPARED_SPREAD]:  # or the atoms are wrong
+        numbers[COMPARED_SPREAD] = numbers[SPREAD]
+        begin_comparison(fit, numbers[MISFIT], False)
+        return
     if marks[STAGE] != RESTING or is_short(memory, SCORING, 1, deadline):
         return
     ratio = numbers[SPREAD] / numbers[WEIGHED]
@@ -450,6 +459,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     faint = worth < min(FAINT * fit.rules.threshold, known)
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
         begin_comparison(fit, numbers[MISFIT], True)
+        marks[GRADUAL] = explained and score < np.sqrt(2.0 * fit.rules.threshold)
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)

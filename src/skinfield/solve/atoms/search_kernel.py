@@ -424,9 +424,13 @@ def go_on(
     post: PosteriorMemory,
     deadline: int,
 ) -> None:
-    """Bring what was interrupted to new readings, which NOW was moved to."""
+    """Bring what was interrupted to new readings."""
     state = search.state
     stage = state[STAGE]
+    if memory.counts[NOW]:  # by the weights of the search
+        descend(model, memory, NOW, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
+    else:
+        clear_set(memory, NOW)
     if state[FOUND]:
         descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
         if state[RIVAL]:
