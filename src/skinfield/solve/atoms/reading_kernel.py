@@ -65,6 +65,7 @@ from skinfield.solve.atoms.reading_memory import (
     EXPLAINED,
     GRADUAL,
     HALFWAY,
+    HOPELESS,
     IN_VAIN,
     INDEX,
     IS_STRONG,
@@ -113,7 +114,7 @@ QUIETER = 2.0  # times the stated precision, from which the noise is less than w
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
-FEW_STEPS = 3  # of refinement, where other atoms are missed: these are sought
+FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, RESERVE = (
@@ -365,6 +366,7 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
             infer(fit, common)
             learn(fit)
             numbers[COMPARED_SPREAD] = numbers[SPREAD]
+        marks[HOPELESS] = not explains(fit)
     if memory.marks[LATE]:
         settle(fit, numbers[SPREAD], common, 0, 0)
     else:
@@ -401,22 +403,23 @@ def may_gain(fit: Fit) -> bool:
 def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
-    lost = marks[STAGE] != RESTING and not (marks[GRADUAL] or marks[EXPLAINED])
+    lost = not (marks[EXPLAINED] or marks[HOPELESS])
     settle(fit, numbers[SPREAD], common, FEW_STEPS if lost else BURST, deadline)
     if memory.marks[LATE]:
         return
-    explained = marks[EXPLAINED]
+    explained = explains(fit)
+    marks[HOPELESS] = marks[HOPELESS] and not explained
     if marks[STAGE] == RESTING:  # else there may be touches among what is left over
         scale = noise_scale(fit)
-        if explained and not explains(fit):
+        if not (explained or marks[HOPELESS]):
             begin_comparison(fit, numbers[MISFIT], False)
             return
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-            if not like or not marks[EXPLAINED] or may_gain(fit):
+            if not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
-                marks[GRADUAL] = like and marks[EXPLAINED]
+                marks[GRADUAL] = like and explained
         if scale < 1.0 and numbers[SCALE] <= 1.0:
             numbers[SCALE] *= scale
         elif scale != 1.0:
@@ -424,7 +427,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
             memory.counts[NOW] = 0
             begin_comparison(fit, numbers[MISFIT], False)
             return
-    elif marks[GRADUAL] and not explains(fit):
+    elif marks[GRADUAL] and not explained:
         begin_comparison(fit, numbers[MISFIT], False)
     count = memory.counts[NOW]
     if (marks[DUTY] != ERROR_FIRST and explained) or (

@@ -51,7 +51,8 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
-# a comparison may take its time, as the answer explains all; and which of `DUTIES` comes first.
+# a comparison may take its time, as the answer explains all; which of `DUTIES` comes
+# first; and whether none explained the readings when all sets of atoms had been compared.
 (
     PRESSES,
     STAGE,
@@ -65,7 +66,8 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     ONLY,
     GRADUAL,
     DUTY,
-) = range(12)
+    HOPELESS,
+) = range(13)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
