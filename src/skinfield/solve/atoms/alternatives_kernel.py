@@ -62,7 +62,8 @@ MANY = 12  # seeds of a shape at most
 # the stage, an atom and a shape of it, the seed, how many and of which family, places that were
 # tried, whether atoms were added, whether a rival of theirs is sought, whether BEST is a better set
 # than NOW, whether all shapes are due, places of a walk, when the time is up, the set that was
-# being refined then, or -1, and the atom that is explored first.
+# being refined then, or -1, the atom that is explored first; and on how
+# many readings the set was refined so far.
 (
     MOVE,
     COMPARED,
@@ -81,7 +82,8 @@ MANY = 12  # seeds of a shape at most
     UNTIL,
     REFINED,
     FIRST_OPEN,
-) = range(17)
+    CARRIED,
+) = range(18)
 
 
 class SearchRules(NamedTuple):
@@ -128,7 +130,7 @@ class SearchMemory(NamedTuple):
     known : (3,) array
         Evidence of BEST, at the end of NOW; the variance of the shared offset; and the cost up to
         which seeds are refined on.
-    state : (17,) int array
+    state : (18,) int array
     """
 
     starts: StartMemory
@@ -150,7 +152,7 @@ class SearchMemory(NamedTuple):
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
             np.zeros(3),
-            np.zeros(FIRST_OPEN + 1, np.int64),
+            np.zeros(CARRIED + 1, np.int64),
         )
 
 

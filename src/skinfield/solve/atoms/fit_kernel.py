@@ -564,7 +564,7 @@ def descend(
     for taken in range(steps):
         if taken and is_late(memory, which, deadline):
             return
-        memory.marks[STEPPED] = 1
+        memory.marks[STEPPED] = taken > 0  # since `is_late`
         if not damped_step(memory, which, held, damping):
             damping, rise = damping * rise, 2.0 * rise
             if damping > 1e8:

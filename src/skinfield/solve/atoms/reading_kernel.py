@@ -56,6 +56,7 @@ from skinfield.solve.atoms.posterior_kernel import UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
     BEFORE,
     COMPARED,
+    COMPARED_SPREAD,
     DRAWN,
     DROPPING,
     DUTIES,
@@ -64,6 +65,7 @@ from skinfield.solve.atoms.reading_memory import (
     EXPLAINED,
     GRADUAL,
     HALFWAY,
+    HOPELESS,
     IN_VAIN,
     INDEX,
     IS_STRONG,
@@ -108,11 +110,12 @@ STRONG = 20.0  # deviations of a reading, from which the model may be what is wr
 LARGEST = 0.2  # model error, from which on contacts explain nothing
 ROUNDS = 5  # of searches, until the noise is as what is left over
 RISE, FALL = 1.5, 3.0  # of the readings' squares over the noise: then shapes are compared again
+WORSE = 2.0  # times a model error, from which sets of atoms are compared at once
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
-FEW_STEPS = 3  # of refinement, where other atoms are missed: these are sought
+FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, RESERVE = (
@@ -359,10 +362,12 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
     memory.marks[LATE] = not (resting or paused)
     if resting:
         marks[GRADUAL] = 0
-        numbers[IN_VAIN] = -1.0
+        numbers[IN_VAIN] = numbers[COMPARED_SPREAD] = -1.0
         if memory.counts[NOW] and not is_short(memory, INFERRING, memory.counts[NOW], deadline):
             infer(fit, common)
             learn(fit)
+            numbers[COMPARED_SPREAD] = numbers[SPREAD]
+        marks[HOPELESS] = not explains(fit)
     if memory.marks[LATE]:
         settle(fit, numbers[SPREAD], common, 0, 0)
     else:
@@ -399,22 +404,23 @@ def may_gain(fit: Fit) -> bool:
 def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
-    lost = marks[STAGE] != RESTING and not (marks[GRADUAL] or marks[EXPLAINED])
+    lost = not (marks[EXPLAINED] or marks[HOPELESS])
     settle(fit, numbers[SPREAD], common, FEW_STEPS if lost else BURST, deadline)
     if memory.marks[LATE]:
         return
-    explained = marks[EXPLAINED]
+    explained = explains(fit)
+    marks[HOPELESS] = marks[HOPELESS] and not explained
     if marks[STAGE] == RESTING:  # else there may be touches among what is left over
         scale = noise_scale(fit)
-        if explained and not explains(fit):
+        if not (explained or marks[HOPELESS]):
             begin_comparison(fit, numbers[MISFIT], False)
             return
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-            if not like or not marks[EXPLAINED] or may_gain(fit):
+            if not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
-                marks[GRADUAL] = like and marks[EXPLAINED]
+                marks[GRADUAL] = like and explained
         if scale < 1.0 and numbers[SCALE] <= 1.0:
             numbers[SCALE] *= scale
         elif scale != 1.0:
@@ -422,7 +428,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
             memory.counts[NOW] = 0
             begin_comparison(fit, numbers[MISFIT], False)
             return
-    elif marks[GRADUAL] and not explains(fit):
+    elif marks[GRADUAL] and not explained:
         begin_comparison(fit, numbers[MISFIT], False)
     count = memory.counts[NOW]
     if (marks[DUTY] != ERROR_FIRST and explained) or (
@@ -434,6 +440,12 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     infer(fit, common)
     take_pace(memory, INFERRING, count)
     learn(fit)
+    if numbers[COMPARED_SPREAD] < 0.0:
+        numbers[COMPARED_SPREAD] = numbers[SPREAD]
+    if numbers[SPREAD] > WORSE * numbers[COMPARED_SPREAD]:  # or the atoms are wrong
+        numbers[COMPARED_SPREAD] = numbers[SPREAD]
+        begin_comparison(fit, numbers[MISFIT], False)
+        return
     if marks[STAGE] != RESTING or is_short(memory, SCORING, 1, deadline):
         return
     ratio = numbers[SPREAD] / numbers[WEIGHED]
@@ -451,6 +463,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     faint = worth < min(FAINT * fit.rules.threshold, known)
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
         begin_comparison(fit, numbers[MISFIT], True)
+        marks[GRADUAL] = explained and score < np.sqrt(2.0 * fit.rules.threshold)
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)

@@ -24,7 +24,7 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
 # weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
 # vain; what drawing takes, ns; of the other set its scale, two model errors and evidence; the model
 # error that is searched by; the noise when it last changed; the least worth of atoms when compared;
-# energy of the reading before.
+# energy of the reading before; the model error when sets of atoms were compared.
 (
     SCALE,
     COMPARED,
@@ -45,12 +45,14 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     MEAN_NOISE,
     LEAST_WORTH,
     BEFORE,
-) = range(19)
+    COMPARED_SPREAD,
+) = range(20)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
-# a comparison may take its time, as the answer explains all; and which of `DUTIES` comes first.
+# a comparison may take its time, as the answer explains all; which of `DUTIES` comes
+# first; and whether none explained the readings when all sets of atoms had been compared.
 (
     PRESSES,
     STAGE,
@@ -64,7 +66,8 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     ONLY,
     GRADUAL,
     DUTY,
-) = range(12)
+    HOPELESS,
+) = range(13)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
@@ -108,7 +111,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (19,) array
+    numbers : (20,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -132,7 +135,7 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(BEFORE + 1)
+        numbers = np.zeros(COMPARED_SPREAD + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
         made = cls(
             numbers,

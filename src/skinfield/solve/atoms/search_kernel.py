@@ -16,6 +16,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     APART,
     BELIEVE,
     BETTER,
+    CARRIED,
     COMPARED,
     COUNT,
     DONE,
@@ -127,7 +128,7 @@ TRIED_MOST = 2  # of the places for a new atom: these are refined together with 
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
 CLEARLY = 1.0  # ln odds by which another shape is chosen where that takes several readings
 LONG = 60  # of what is taken
-FOLLOWED = 3  # of the best set before, on other readings
+FOLLOWED = 3  # of the best set before, on other readings; and on how many a set is refined
 SETTLED_GAIN = 1e-3  # gain in cost of the last step
 
 
@@ -424,14 +425,20 @@ def go_on(
     post: PosteriorMemory,
     deadline: int,
 ) -> None:
-    """Bring what was interrupted to new readings, which NOW was moved to."""
+    """Bring what was interrupted to new readings."""
     state = search.state
     stage = state[STAGE]
+    if memory.counts[NOW]:  # by the weights of the search
+        descend(model, memory, NOW, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
+    else:
+        clear_set(memory, NOW)
     if state[FOUND]:
         descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
         if state[RIVAL]:
             search.known[0] = evidence(model, memory, BEST)
-    if stage == SEEDS:
+    if stage == REFINE:
+        state[STAGE], state[INDEX], state[REFINED] = PRUNE, 0, NOTHING
+    elif stage == SEEDS:
         if state[KIND] == NO_SHAPE:
             take_left(memory, NOW, 0.0)
         else:
@@ -489,11 +496,12 @@ def search_atoms(
     state[UNTIL] = deadline
     memory.marks[STEPPED] = 0
     if resume:
+        state[CARRIED] += 1
         go_on(model, memory, search, post, deadline)
     else:
         state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
         state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
-        state[DUE], state[REFINED], state[TRIED] = shapes, NOTHING, 0
+        state[DUE], state[REFINED], state[TRIED], state[CARRIED] = shapes, NOTHING, 0, 0
     while state[STAGE] != DONE:
         if is_late(memory, NOW, deadline):
             break
@@ -518,8 +526,10 @@ def search_atoms(
             held, steps, gain = 2, WALK_STEPS, WALK_GAIN
         descend(model, memory, which, row, held, steps, gain, deadline)
         if memory.marks[LATE]:
-            break
-        state[REFINED] = NOTHING
+            if state[CARRIED] < FOLLOWED:
+                break
+            memory.marks[LATE] = 0  # it never settles, as the readings move: it is good enough
+        state[REFINED], state[CARRIED] = NOTHING, 0
         conclude(model, bank, memory, search, post, rules, noise)
     if not memory.marks[LATE]:
         return False
