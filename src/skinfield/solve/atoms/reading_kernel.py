@@ -18,8 +18,12 @@ from skinfield.solve.atoms.alternatives_kernel import (
     EXPLORE,
     SEEK,
     SearchRules,
+    apart,
     clear_set,
+    copy_others,
     evidence,
+    mark_one,
+    take_left,
 )
 from skinfield.solve.atoms.dictionary import best_score
 from skinfield.solve.atoms.fit_kernel import (
@@ -30,6 +34,7 @@ from skinfield.solve.atoms.fit_kernel import (
     SCORED,
     STEPPED,
     STEPS,
+    TRIAL,
     WHITE,
     descend,
     is_late,
@@ -67,6 +72,7 @@ from skinfield.solve.atoms.reading_memory import (
     SCALE,
     SEARCHED_BY,
     SEEKING,
+    SPLITTING,
     SPREAD,
     STAGE,
     TOTAL,
@@ -84,6 +90,22 @@ from skinfield.solve.atoms.search_kernel import (
     lay_open,
     search_atoms,
 )
+from skinfield.solve.atoms.split_kernel import (
+    FOUND,
+    MAYBE,
+    PAIRS,
+    add_rival,
+    are_two,
+    choose_pairs,
+    forget_rivals,
+    list_templates,
+    nearest_to,
+    scan_pairs,
+    state_rivals,
+    take_spread,
+    unite,
+)
+from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
 COARSE = 0.1  # model error at which contacts are sought first, and at most
@@ -97,6 +119,9 @@ REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by a
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
 INFERRING, SCORING = 5.0, 3.0  # steps: the model error, and what is left over, take as long
+LISTING, SCANNING, SCANNED_AT_ONCE = 10.0, 1.0, 8  # steps, and templates: of pairs in its place
+SETTLINGS = 2  # of two in the place of one: each by the model error that the one before infers
+HOPELESS = 12.0  # ln odds against two after the first of these, beyond which there is no second
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, SLOWER = 0.98, 1.3  # how far one answer may move what is known of that
 
@@ -212,28 +237,138 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
             elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
                 exchange(fit)
                 marks[STAGE], marks[INDEX] = DROPPING, 0
+        elif stage == DROPPING:
+            try_fewer(fit, common, deadline)
         else:
-            if not resume and (memory.counts[NOW] < 2 or marks[INDEX] >= memory.counts[NOW]):
-                marks[STAGE], marks[HALFWAY] = RESTING, 0
-                return
-            if resume:
-                exchange(fit)
-            else:
-                set_aside(fit)
-                memory.counts[NOW] -= 1
-                for n in range(marks[INDEX], memory.counts[NOW]):
-                    memory.family[NOW, n] = memory.family[NOW, n + 1]
-                    for i in range(6):
-                        memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
-            settle(fit, own.numbers[MISFIT], common, deadline)
-            marks[HALFWAY] = memory.marks[LATE]
+            try_more(fit, common, deadline)
+
+
+@inner(_nrt=False)
+def try_fewer(fit: Fit, common: float, deadline: int) -> None:
+    """Compare the answer with the next set of one atom less: without it, or two as one."""
+    own, memory, marks, pairs = fit.own, fit.memory, fit.own.marks, fit.pairs
+    index, count = marks[INDEX] // 2, memory.counts[NOW]
+    other = -1 if marks[HALFWAY] or index >= count else nearest_to(memory, index)
+    if marks[HALFWAY]:
+        exchange(fit)
+    else:
+        if not marks[INDEX]:
+            forget_rivals(pairs)
+        if count < 2 or index >= count:
+            marks[STAGE], marks[INDEX], pairs.state[FOUND] = SPLITTING, 0, 0
+            return
+        if marks[INDEX] % 2 and other < index:
+            marks[INDEX] += 1
+            return
+        set_aside(fit)
+        if marks[INDEX] % 2:
+            unite(memory, index, other)
+            index = other
+        memory.counts[NOW] -= 1
+        for n in range(index, memory.counts[NOW]):
+            memory.family[NOW, n] = memory.family[NOW, n + 1]
+            for i in range(6):
+                memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
+    settle(fit, own.numbers[MISFIT], common, deadline)
+    marks[HALFWAY] = memory.marks[LATE]
+    if memory.marks[LATE]:
+        exchange(fit)
+        return
+    infer(fit, common)
+    odds = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
+    if odds < -BETTER:
+        marks[INDEX] = 0
+        return
+    exchange(fit)
+    index, united = marks[INDEX] // 2, marks[INDEX] % 2
+    other = nearest_to(memory, index)
+    marks[INDEX] += 1
+    if odds > MAYBE or other < 0 or apart(memory, NOW, index, other) < 0.0:
+        return
+    rival = index if united else other - (other > index)
+    exchange(fit)
+    take_spread(fit.model, memory, pairs, rival, rival, fit.post.local)
+    exchange(fit)
+    one, atom, its = own.atoms[rival], memory.atoms[NOW, index], memory.atoms[NOW, other]
+    share = 1.0 / (1.0 + np.exp(its[2] - atom[2]))
+    add_rival(pairs, index, atom, odds, 1, one, one, share)
+    add_rival(pairs, other, its, odds, 1, one, one, 1.0 - share)
+
+
+@inner(_nrt=False)
+def propose_pairs(fit: Fit, index: int, common: float, deadline: int) -> None:
+    """Find pairs that may be in the place of an atom of NOW; FOUND is -1 until it is done."""
+    memory, search, pairs = fit.memory, fit.search, fit.pairs
+    state = pairs.state
+    if state[FOUND] >= 0:
+        if is_short(memory, LISTING, deadline):
+            return
+        weigh(fit, min(fit.own.numbers[MISFIT], fit.rules.model_error), common)
+        mark_one(memory, search, index)
+        copy_others(memory, search, NOW, TRIAL)
+        if memory.counts[TRIAL]:
+            descend(fit.model, memory, TRIAL, READINGS, 0, 0, SETTLED_GAIN, 0)
+        take_left(memory, TRIAL, fit.own.numbers[OFFSET])
+        descend(fit.model, memory, NOW, READINGS, 0, 0, SETTLED_GAIN, 0)
+        list_templates(fit.model, fit.bank, memory, pairs, index)
+        state[FOUND] = -1
+    while scan_pairs(fit.bank, pairs, SCANNED_AT_ONCE):
+        if is_short(memory, SCANNING, deadline):
+            return
+    choose_pairs(fit.bank, pairs)
+
+
+@inner(_nrt=False)
+def try_more(fit: Fit, common: float, deadline: int) -> None:
+    """Compare the answer with the next set of two atoms in the place of one."""
+    own, memory, marks, pairs = fit.own, fit.memory, fit.own.marks, fit.pairs
+    index, turn = marks[INDEX] // PAIRS, marks[INDEX] % PAIRS
+    if marks[HALFWAY]:
+        exchange(fit)
+    else:
+        count = memory.counts[NOW]
+        if index >= count or count >= fit.rules.most:
+            state_rivals(memory, pairs)
+            marks[STAGE] = RESTING
+            return
+        if not turn:
+            propose_pairs(fit, index, common, deadline)
             if memory.marks[LATE]:
-                exchange(fit)
                 return
-            infer(fit, common)
-            if not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
-                exchange(fit)
-                marks[INDEX] += 1
+        if turn >= pairs.state[FOUND]:
+            marks[INDEX] = PAIRS * (index + 1)
+            return
+        set_aside(fit)
+        marks[TURN], memory.counts[NOW] = 0, count + 1
+        own.numbers[MISFIT] = min(own.numbers[MISFIT], fit.rules.model_error)
+        for side in range(2):
+            n = count if side else index
+            memory.family[NOW, n] = BALL
+            for i in range(6):
+                memory.atoms[NOW, n, i] = pairs.atoms[2 * turn + side, i]
+    last = memory.counts[NOW] - 1
+    while marks[TURN] < SETTLINGS:
+        settle(fit, own.numbers[MISFIT], common, deadline)
+        marks[HALFWAY] = memory.marks[LATE]
+        if memory.marks[LATE]:
+            exchange(fit)
+            return
+        infer(fit, common)
+        marks[TURN] += 1
+        if own.numbers[TOTAL] < own.numbers[OTHER_TOTAL] - HOPELESS:
+            break
+    odds = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
+    two = odds < MAYBE and are_two(fit.model, memory, index, last, fit.post.local)
+    if two and odds < -BETTER:
+        marks[STAGE], marks[INDEX] = DROPPING, 0
+        return
+    if two:
+        take_spread(fit.model, memory, pairs, index, last, fit.post.local)
+    exchange(fit)
+    marks[INDEX] += 1
+    if two:
+        first, second = own.atoms[index], own.atoms[last]
+        add_rival(pairs, index, memory.atoms[NOW, index], odds, 2, first, second, 1.0)
 
 
 @inner(_nrt=False)
@@ -406,7 +541,9 @@ def answer_reading(
         lowest = min(lowest, own.heard[taxel])
     at_mean = not highest * lowest > QUIETER
     error = own.numbers[SPREAD]
-    count = write_rows(grid, memory, fit.post, at_mean, error, fit.drawing, pressure, rows)
+    count = write_rows(
+        grid, memory, fit.post, fit.pairs, at_mean, error, fit.drawing, pressure, rows
+    )
     took = now_ns(memory.marks) - ended
     before = own.numbers[DRAWN]
     own.numbers[DRAWN] = min(max(took, FASTER * before), SLOWER * before)

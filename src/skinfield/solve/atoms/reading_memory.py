@@ -11,14 +11,16 @@ from skinfield.solve.atoms.dictionary import Templates
 from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.rows_kernel import Drawing
+from skinfield.solve.atoms.split_kernel import PairMemory
 from skinfield.solve.atoms.table import Tables
 from skinfield.solve.packed import PackedType, unpacking
 
 ERRORS: Floats = 1e-3 * np.exp2(np.arange(9.0))  # of the model: parts of what is read
 DRAWING = 12_000.0  # ns, at first: it takes about so long to draw an answer
 
-# Stages of the comparison: atoms of a changed reading; more, by a better model; fewer; none left.
-SEEKING, REFINING, DROPPING, RESTING = range(4)
+# Stages of the comparison: atoms of a changed reading; more, by a better model; fewer; two in the
+# place of one; none left.
+SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # Places of `ReadingMemory.numbers`: times the stated noise; energy of the readings when they were
 # compared; the model error in the middle and in the mean square, and that by which taxels are
 # weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
@@ -143,6 +145,7 @@ class Fit(NamedTuple):
     post: PosteriorMemory
     own: ReadingMemory
     drawing: Drawing
+    pairs: PairMemory
 
 
 @inner(_nrt=False)
@@ -164,7 +167,7 @@ def smallest_fit() -> Fit:
     tables = Tables(np.zeros((3, 1, 1, 1)), np.zeros((3, 1)), np.zeros(1), *np.zeros(5).tolist())
     model = FitModel(np.zeros((1, 2)), tables, Priors(*np.zeros(7).tolist()), np.zeros((2, 2)))
     whole, single = np.zeros(1, np.int64), np.zeros((1, 1), np.float32)
-    bank = Templates(whole[None], whole, whole, single, np.zeros(1), np.zeros((1, 6)))
+    bank = Templates(whole[None], whole, whole, single, np.zeros(1), np.zeros((1, 6)), np.zeros(1))
     return Fit(
         model,
         bank,
@@ -175,6 +178,7 @@ def smallest_fit() -> Fit:
         PosteriorMemory.of(1),
         ReadingMemory.of(np.ones(1), 1, 0.0),
         Drawing.of(1),
+        PairMemory.of(1, 1),
     )
 
 

@@ -31,6 +31,7 @@ from skinfield.solve.atoms.render_kernels import (
     render,
 )
 from skinfield.solve.atoms.render_tables import TERMS, PressureTable
+from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -69,6 +70,8 @@ class Drawing(NamedTuple):
         is wrong by.
     by : (2, 6, 6) array
         Room.
+    maybe : (W,) int array
+        How many contacts may be in the place of each, or of it and another; 0 where that is sure.
     drawn : (1,) int array
         N.
     """
@@ -80,6 +83,7 @@ class Drawing(NamedTuple):
     order: Ints
     sums: Floats
     by: Floats
+    maybe: Ints
     drawn: Ints
 
     @classmethod
@@ -94,6 +98,7 @@ class Drawing(NamedTuple):
             np.zeros(room, np.int64),
             np.zeros((3, room)),
             np.zeros((2, 6, 6)),
+            np.zeros(room, np.int64),
             np.zeros(1, np.int64),
         )
 
@@ -147,6 +152,7 @@ def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None
 def draw_atom(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -175,8 +181,11 @@ def draw_atom(
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
-        if i < 4:
-            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
+    drawing.maybe[place] = rival_of(memory, pairs, index)
+    if drawing.maybe[place]:
+        mix_covariance(pairs, index, covariance)
+    for i in range(4):
+        covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -185,6 +194,7 @@ def draw_atom(
 def draw(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     thickness: float,
     at_mean: bool,
     drawing: Drawing,
@@ -193,12 +203,12 @@ def draw(
     count = 0
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] != RING:
-            draw_atom(memory, post, index, thickness, at_mean, drawing, count)
+            draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, count)
             join(drawing, count)
             count += 1
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
-            count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
+            count = draw_ring(memory, post, pairs, index, thickness, at_mean, drawing, count)
     return count
 
 
@@ -219,6 +229,7 @@ def join(drawing: Drawing, place: int) -> None:
 def draw_ring(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -226,7 +237,7 @@ def draw_ring(
     first: int,
 ) -> int:
     """Draw a ring as small balls from a place on; the place after the last."""
-    draw_atom(memory, post, index, thickness, at_mean, drawing, first)
+    draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, first)
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
     radius = drawing.sums[2, first] = drawing.atoms[first, 3]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
@@ -379,6 +390,7 @@ def describe_body(
     row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
     if members == 1:
         atom = drawing.atoms[body]
+        row.maybe = drawing.maybe[body]
         row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
         if atom[4] > LINE * atom[3]:
             row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
@@ -437,6 +449,7 @@ def write_rows(
     grid: RowGrid,
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     at_mean: bool,
     error: float,
     drawing: Drawing,
@@ -449,7 +462,7 @@ def write_rows(
     `error` is what the model is wrong by, part of what taxels read.
     """
     drawing.sums[1, 0] = error
-    count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
+    count = drawing.drawn[0] = draw(memory, post, pairs, grid.thickness, at_mean, drawing)
     return write_bodies(grid, drawing, count, pressure, rows)
 
 
