@@ -51,6 +51,7 @@ from skinfield.solve.atoms.misfit_kernel import (
 )
 from skinfield.solve.atoms.posterior_kernel import UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
+    BEFORE,
     COMPARED,
     DRAWN,
     DROPPING,
@@ -60,6 +61,7 @@ from skinfield.solve.atoms.reading_memory import (
     INDEX,
     IS_STRONG,
     LEAST_WORTH,
+    MEAN_NOISE,
     MISFIT,
     OFFSET,
     ONLY,
@@ -72,6 +74,8 @@ from skinfield.solve.atoms.reading_memory import (
     SCALE,
     SEARCHED_BY,
     SEEKING,
+    SINCE,
+    SPLIT_NOISE,
     SPLITTING,
     SPREAD,
     STAGE,
@@ -95,13 +99,16 @@ from skinfield.solve.atoms.split_kernel import (
     MAYBE,
     PAIRS,
     add_rival,
+    are_known,
     are_two,
     choose_pairs,
     forget_rivals,
+    keep_former,
     list_templates,
     nearest_to,
     scan_pairs,
     state_rivals,
+    take_former,
     take_spread,
     unite,
 )
@@ -120,8 +127,11 @@ FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it 
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
 INFERRING, SCORING = 5.0, 3.0  # steps: the model error, and what is left over, take as long
 LISTING, SCANNING, SCANNED_AT_ONCE = 10.0, 1.0, 8  # steps, and templates: of pairs in its place
+AGAIN = 16  # readings, after which it is looked again whether one is two, or two are one
+QUIETER_AGAIN = 0.7  # times the noise then, likewise: averages are of more readings
+FORMER = -1  # instead of the number of an atom: all those of the reading before
 SETTLINGS = 2  # of two in the place of one: each by the model error that the one before infers
-HOPELESS = 12.0  # ln odds against two after the first of these, beyond which there is no second
+HOPELESS = 8.0  # ln odds against two after the first of these, beyond which there is no second
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, SLOWER = 0.98, 1.3  # how far one answer may move what is known of that
 
@@ -212,7 +222,7 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 marks[TURN] = 0
             if search_round(fit, own.numbers[SEARCHED_BY], common, resume, deadline):
                 marks[STAGE] = REFINING if marks[IS_STRONG] else DROPPING
-                marks[INDEX] = 0
+                marks[INDEX] = FORMER
                 if marks[ONLY] == memory.counts[NOW]:
                     marks[STAGE] = RESTING
                 marks[ONLY] = -1
@@ -236,11 +246,41 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 exchange(fit)
             elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
                 exchange(fit)
-                marks[STAGE], marks[INDEX] = DROPPING, 0
+                marks[STAGE], marks[INDEX] = DROPPING, FORMER
         elif stage == DROPPING:
-            try_fewer(fit, common, deadline)
+            if marks[INDEX] == FORMER:
+                try_former(fit, common, deadline)
+            else:
+                try_fewer(fit, common, deadline)
         else:
             try_more(fit, common, deadline)
+
+
+@inner(_nrt=False)
+def try_former(fit: Fit, common: float, deadline: int) -> None:
+    """Go on with close atoms of the reading before, unless fewer are clearly more probable."""
+    own, memory, marks, pairs = fit.own, fit.memory, fit.own.marks, fit.pairs
+    if marks[HALFWAY]:
+        exchange(fit)
+    elif not 0 < memory.counts[NOW] < marks[BEFORE]:
+        marks[INDEX] = 0
+        return
+    else:
+        set_aside(fit)
+        if not take_former(memory, pairs, marks[BEFORE]):
+            exchange(fit)
+            marks[INDEX] = 0
+            return
+    settle(fit, own.numbers[MISFIT], common, deadline)
+    marks[HALFWAY] = memory.marks[LATE]
+    if memory.marks[LATE]:
+        exchange(fit)
+        return
+    infer(fit, common)
+    marks[INDEX] = 0
+    less = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
+    if not (less < MAYBE and are_known(fit.model, memory, fit.post.local)):
+        exchange(fit)
 
 
 @inner(_nrt=False)
@@ -257,7 +297,7 @@ def try_fewer(fit: Fit, common: float, deadline: int) -> None:
         if count < 2 or index >= count:
             marks[STAGE], marks[INDEX], pairs.state[FOUND] = SPLITTING, 0, 0
             return
-        if marks[INDEX] % 2 and other < index:
+        if (marks[INDEX] % 2 and other < index) or other < 0 <= marks[ONLY]:
             marks[INDEX] += 1
             return
         set_aside(fit)
@@ -276,13 +316,13 @@ def try_fewer(fit: Fit, common: float, deadline: int) -> None:
         return
     infer(fit, common)
     odds = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
-    if odds < -BETTER:
+    if odds < -(MAYBE if memory.counts[NOW] < marks[BEFORE] else BETTER):
         marks[INDEX] = 0
         return
-    exchange(fit)
     index, united = marks[INDEX] // 2, marks[INDEX] % 2
-    other = nearest_to(memory, index)
     marks[INDEX] += 1
+    exchange(fit)
+    other = nearest_to(memory, index)
     if odds > MAYBE or other < 0 or apart(memory, NOW, index, other) < 0.0:
         return
     rival = index if united else other - (other > index)
@@ -329,7 +369,8 @@ def try_more(fit: Fit, common: float, deadline: int) -> None:
         count = memory.counts[NOW]
         if index >= count or count >= fit.rules.most:
             state_rivals(memory, pairs)
-            marks[STAGE] = RESTING
+            marks[STAGE], marks[SINCE] = RESTING, 0
+            own.numbers[SPLIT_NOISE] = own.numbers[MEAN_NOISE]
             return
         if not turn:
             propose_pairs(fit, index, common, deadline)
@@ -407,6 +448,8 @@ def score_of_left(fit: Fit) -> float:
 def begin_comparison(fit: Fit, error: float, only: bool) -> None:
     """Have all be compared anew, from the atoms of NOW on; `only` more or fewer of them."""
     fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
+    keep_former(fit.memory, fit.pairs)
+    fit.own.marks[BEFORE] = fit.memory.counts[NOW]
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0
 
@@ -503,6 +546,11 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     faint = worth < min(FAINT * fit.rules.threshold, known)
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
         begin_comparison(fit, numbers[MISFIT], True)
+        return
+    marks[SINCE] += 1
+    if marks[SINCE] >= AGAIN or numbers[MEAN_NOISE] < QUIETER_AGAIN * numbers[SPLIT_NOISE]:
+        begin_comparison(fit, numbers[MISFIT], True)
+        marks[STAGE], marks[INDEX] = DROPPING, 0
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)

@@ -25,7 +25,8 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # compared; the model error in the middle and in the mean square, and that by which taxels are
 # weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
 # vain; what drawing takes, ns; of the other set its scale, two model errors and evidence; the model
-# error that is searched by; the noise when it last changed; the least worth of atoms when compared.
+# error that is searched by; the noise when it last changed; the least worth of atoms when compared;
+# the noise when numbers of atoms were compared.
 (
     SCALE,
     COMPARED,
@@ -45,13 +46,16 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     SEARCHED_BY,
     MEAN_NOISE,
     LEAST_WORTH,
-) = range(18)
+    SPLIT_NOISE,
+) = range(19)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer
-# explains the readings; how many atoms the other set has; whether readings are strong; and how many
-# atoms there were where only more of them are sought, or -1.
+# explains the readings; how many atoms the other set has; whether readings are strong; how many
+# atoms there were where only more of them are sought, or -1; how many the reading before had, of
+# which fewer must be clearly better, or 0; and readings since numbers of atoms were compared.
 PRESSES, STAGE, TURN, INDEX, HALFWAY, OPEN_HALFWAY, EXPLAINED, OTHERS, IS_STRONG, ONLY = range(10)
+BEFORE, SINCE = 10, 11
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
 HERE, LAST, LEARNT, ROOM = range(4)
 
@@ -93,7 +97,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (18,) array
+    numbers : (19,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -117,7 +121,7 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(LEAST_WORTH + 1)
+        numbers = np.zeros(SPLIT_NOISE + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
         made = cls(
             numbers,

@@ -36,7 +36,7 @@ SPACED = 2  # every so manieth place each way,
 CLOSEST = 1.5  # thicknesses between the two
 PAIRS = 2  # that are refined
 SAME = 2.2 * SPACING  # thicknesses: pairs whose atoms differ by less are the same
-NOISE_GAIN, ALIKE = 3.0, 0.02  # in cost, by a template that is not nearly what the atom may read
+NOISE_GAIN, ALIKE = 3.5, 0.02  # in cost, by a template that is not nearly what the atom may read
 SURE = 0.7  # largest deviation of the logarithm of a force for which Laplace's evidence holds
 MAYBE = 4.0  # ln odds within which another number of contacts is not ruled out
 MOVED = 1.0  # thicknesses from reading to reading, within which a contact is the same
@@ -58,11 +58,15 @@ class PairMemory(NamedTuple):
         Whitened, per newton.
     listed : (PLACES,) int array
         Templates.
+    columns : (8, L) float32 array
+        Whitened: what is to be explained, what an atom leaves over, and its derivatives.
     sums : (2, PLACES) array
         Of squares of the rows, and of their products with what is to be explained.
     gains : (PLACES, PLACES) float32 array
     atoms : (2 PAIRS, 6) array
         The best pairs.
+    former : (M, 6) array
+        Atoms of the reading before, whose families are `family` (M,).
     spread : (3, 3) array
         Covariance of the middle of rivals and of the logarithm of their force.
     rivals : (2, M, COLUMNS) array
@@ -74,9 +78,12 @@ class PairMemory(NamedTuple):
 
     rows: NDArray[np.float32]
     listed: Ints
+    columns: NDArray[np.float32]
     sums: Floats
     gains: NDArray[np.float32]
     atoms: Floats
+    former: Floats
+    family: Ints
     spread: Floats
     rivals: Floats
     state: Ints
@@ -87,9 +94,12 @@ class PairMemory(NamedTuple):
         return cls(
             np.zeros((PLACES, taxels), np.float32),
             np.zeros(PLACES, np.int64),
+            np.zeros((8, taxels), np.float32),
             np.zeros((2, PLACES)),
             np.zeros((PLACES, PLACES), np.float32),
             np.zeros((2 * PAIRS, 6)),
+            np.zeros((most, 6)),
+            np.zeros(most, np.int64),
             np.zeros((3, 3)),
             np.zeros((2, most, COLUMNS)),
             np.zeros(4, np.int64),
@@ -117,16 +127,25 @@ def list_templates(
     None, if none of them would explain more than noise does of what NOW leaves over, by a linear
     model of the atom and the template.
     """
-    white, left, middle = memory.taxels[WHITE], memory.taxels[LEFT], memory.atoms[NOW, index]
-    readings, predicted, most = memory.taxels[READINGS], memory.predicted[NOW], 0.0
+    white, middle, most = memory.taxels[WHITE], memory.atoms[NOW, index], 0.0
     near, size = memory.near[: memory.marks[NEAR]], 6 * memory.counts[NOW]
     free, system, right = 6 if is_long(middle) else 4, memory.system, memory.steps[0]
-    first, count = 6 * index, 0
+    first, count, columns = 6 * index, 0, pairs.columns
     for i in range(free):
         for j in range(free):
             system[i * free + j] = memory.hessian[NOW, (first + i) * size + first + j]
         system[i * free + i] += 1e-9
     known = factor(system, free)
+    for taxel in range(len(white)):
+        over = memory.taxels[READINGS, taxel] - memory.predicted[NOW, taxel]
+        columns[0, taxel] = np.float32(memory.taxels[LEFT, taxel] * white[taxel])
+        columns[1, taxel] = np.float32(over * white[taxel])
+        for i in range(free):
+            columns[2 + i, taxel] = np.float32(0.0)
+    for k in range(len(near)):
+        for i in range(free):
+            slope = memory.jacobian[size * k + first + i] * white[near[k]]
+            columns[2 + i, near[k]] = np.float32(slope)
     for block in range(len(bank.few)):
         corner = bank.atoms[bank.firsts[block]]
         if np.hypot(corner[0] - middle[0], corner[1] - middle[1]) > AWAY + 1.5 * BLOCK * SPACING:
@@ -140,35 +159,26 @@ def list_templates(
             line = int(np.rint((atom[1] - model.places[0, 1]) / SPACING))
             if column % SPACED or line % SPACED or count >= PLACES:
                 continue
-            row, squares, agreement, over = pairs.rows[count], 0.0, 0.0, 0.0
+            row = pairs.rows[count]
             for taxel in range(len(white)):
-                row[taxel] = 0.0
+                row[taxel] = np.float32(0.0)
             for i in range(bank.taxels.shape[1]):
                 taxel = bank.taxels[block, i]
                 per_newton = bank.templates[t, i] * bank.norms[t] * bank.noise[taxel]
                 row[taxel] += np.float32(per_newton * white[taxel])
-            for taxel in range(len(white)):
-                squares += row[taxel] * row[taxel]
-                agreement += row[taxel] * left[taxel] * white[taxel]
-                over += row[taxel] * (readings[taxel] - predicted[taxel]) * white[taxel]
+            squares = _product(row, row)
             if not squares > 0.0:
                 continue
-            pairs.sums[0, count], pairs.sums[1, count] = squares, agreement
+            pairs.sums[0, count], pairs.sums[1, count] = squares, _product(row, columns[0])
             pairs.listed[count] = t
             count += 1
             if known:
-                for i in range(free):
-                    right[i] = 0.0
-                for k in range(len(near)):
-                    weight = row[near[k]] * white[near[k]]
-                    for i in range(free):
-                        right[i] += weight * memory.jacobian[size * k + first + i]
-                for i in range(free):  # forward by the factor: squares of what the atom may do
+                over, rest = _product(row, columns[1]), squares
+                for i in range(free):  # forward by the factor: what the atom may do as well
+                    value = _product(row, columns[2 + i])
                     for k in range(i):
-                        right[i] -= system[i * free + k] * right[k]
-                    right[i] /= system[i * free + i]
-                rest = squares
-                for i in range(free):
+                        value -= system[i * free + k] * right[k]
+                    right[i] = value / system[i * free + i]
                     rest -= right[i] * right[i]
                 if rest > ALIKE * squares:
                     most = max(most, 0.5 * over * over / rest)
@@ -244,19 +254,57 @@ def coincide(one: Floats, other: Floats) -> bool:
 
 
 @inner(_nrt=False)
-def are_two(model: FitModel, memory: FitMemory, one: int, other: int, local: Floats) -> bool:
-    """Whether two atoms of NOW are apart, and their forces known well enough to be compared.
+def are_known(model: FitModel, memory: FitMemory, local: Floats) -> bool:
+    """Whether the forces of all atoms of NOW are known well enough to compare their evidence.
 
     Where readings do not tell two atoms from each other, or do not see one of them, the curvature
     of the cost is no width of the posterior. `local` is a (6, 6) matrix to work in.
     """
-    if apart(memory, NOW, one, other) < 0.0:
-        return False
-    for index in (one, other):
+    for index in range(memory.counts[NOW]):
         laplace(model, memory, index, local)
         if not 0.0 < local[2, 2] < SURE * SURE:
             return False
     return True
+
+
+@inner(_nrt=False)
+def nearest_to(memory: FitMemory, index: int) -> int:
+    """The atom of NOW whose rim is nearest to that of another one; -1 if none is near."""
+    least, nearest = GAP, -1
+    for other in range(memory.counts[NOW]):
+        if other != index:
+            gap = apart(memory, NOW, index, other)
+            if gap < least:
+                least, nearest = gap, other
+    return nearest
+
+
+@inner(_nrt=False)
+def keep_former(memory: FitMemory, pairs: PairMemory) -> None:
+    """Keep the atoms of NOW as those of the reading before."""
+    for n in range(memory.counts[NOW]):
+        pairs.family[n] = memory.family[NOW, n]
+        for i in range(6):
+            pairs.former[n, i] = memory.atoms[NOW, n, i]
+
+
+@inner(_nrt=False)
+def take_former(memory: FitMemory, pairs: PairMemory, count: int) -> bool:
+    """Have NOW be the atoms of the reading before; whether any two of them are near."""
+    memory.counts[NOW], near = count, False
+    for n in range(count):
+        memory.family[NOW, n] = pairs.family[n]
+        for i in range(6):
+            memory.atoms[NOW, n, i] = pairs.former[n, i]
+    for n in range(count):
+        near = near or nearest_to(memory, n) >= 0
+    return near
+
+
+@inner(_nrt=False)
+def are_two(model: FitModel, memory: FitMemory, one: int, other: int, local: Floats) -> bool:
+    """Whether two atoms of NOW are apart, and all forces known; see `are_known`."""
+    return apart(memory, NOW, one, other) >= 0.0 and are_known(model, memory, local)
 
 
 @inner(_nrt=False)
@@ -283,18 +331,6 @@ def take_spread(
         for i in range(3):
             both = share * right[6 * one + i] + (1.0 - share) * right[6 * other + i]
             pairs.spread[i, column] = both
-
-
-@inner(_nrt=False)
-def nearest_to(memory: FitMemory, index: int) -> int:
-    """The atom of NOW whose rim is nearest to that of another one; -1 if none is near."""
-    least, nearest = GAP, -1
-    for other in range(memory.counts[NOW]):
-        if other != index:
-            gap = apart(memory, NOW, index, other)
-            if gap < least:
-                least, nearest = gap, other
-    return nearest
 
 
 @inner(_nrt=False)
