@@ -162,7 +162,7 @@ def check_same(found: Contact, expected: Contact) -> None:
         mine, other = getattr(found, name), getattr(expected, name)
         assert type(mine) is type(other), name
         assert np.shape(mine) == np.shape(other), name
-        if name in ("shape", "track_id", "spread", "cells"):
+        if name in ("shape", "maybe", "track_id", "spread", "cells"):
             assert np.array_equal(mine, other), name
         elif name == "angle":  # a round region has none
             minor = expected.axes[1]

@@ -99,6 +99,7 @@ class FieldRegions:
                 axes=row[kernel.AXES : kernel.ANGLE],
                 angle=numbers[index][kernel.ANGLE],
                 cells=mine,
+                maybe=0,
                 track_id=None,
             )
 

@@ -214,7 +214,7 @@ def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
         for name in [n for n, v in plain.items() if isinstance(v, float) and not np.isfinite(v)]:
             plain[name] = None
         own = {"patch": patches[int(row["patch"])], "shape": shape_name(row)}
-        rows.append(plain | own | {"maybe": bool(row["maybe"])})
+        rows.append(plain | own | {"maybe": int(row["maybe"])})
     return rows
 
 

@@ -66,6 +66,7 @@ from skinfield.solve.atoms.reading_memory import (
     OFFSET,
     ONLY,
     OPEN_HALFWAY,
+    OTHER_MISFIT,
     OTHER_SCALE,
     OTHER_TOTAL,
     OTHERS,
@@ -130,6 +131,7 @@ LISTING, SCANNING, SCANNED_AT_ONCE = 10.0, 1.0, 8  # steps, and templates: of pa
 AGAIN = 16  # readings, after which it is looked again whether one is two, or two are one
 QUIETER_AGAIN = 0.7  # times the noise then, likewise: averages are of more readings
 FORMER = -1  # instead of the number of an atom: all those of the reading before
+CLEARLY = 6.0  # ln odds by which fewer are more probable than those that the reading before had
 SETTLINGS = 2  # of two in the place of one: each by the model error that the one before infers
 HOPELESS = 8.0  # ln odds against two after the first of these, beyond which there is no second
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
@@ -279,7 +281,7 @@ def try_former(fit: Fit, common: float, deadline: int) -> None:
     infer(fit, common)
     marks[INDEX] = 0
     less = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
-    if not (less < MAYBE and are_known(fit.model, memory, fit.post.local)):
+    if not (less < CLEARLY and are_known(fit.model, memory, fit.post.local)):
         exchange(fit)
 
 
@@ -316,14 +318,17 @@ def try_fewer(fit: Fit, common: float, deadline: int) -> None:
         return
     infer(fit, common)
     odds = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
-    if odds < -(MAYBE if memory.counts[NOW] < marks[BEFORE] else BETTER):
+    likely = odds < MAYBE  # and not so as a worse model leaves atoms little to explain
+    if likely and own.numbers[MISFIT] > own.numbers[OTHER_MISFIT]:
+        likely = are_known(fit.model, memory, fit.post.local)
+    if likely and odds < -(CLEARLY if memory.counts[NOW] < marks[BEFORE] else BETTER):
         marks[INDEX] = 0
         return
     index, united = marks[INDEX] // 2, marks[INDEX] % 2
     marks[INDEX] += 1
     exchange(fit)
     other = nearest_to(memory, index)
-    if odds > MAYBE or other < 0 or apart(memory, NOW, index, other) < 0.0:
+    if not likely or other < 0 or apart(memory, NOW, index, other) < 0.0:
         return
     rival = index if united else other - (other > index)
     exchange(fit)
