@@ -105,15 +105,16 @@ from skinfield.solve.atoms.split_kernel import (
     choose_pairs,
     forget_rivals,
     keep_former,
+    leave_out,
     list_templates,
     nearest_to,
+    put_pair,
     scan_pairs,
     state_rivals,
     take_former,
     take_spread,
     unite,
 )
-from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
 COARSE = 0.1  # model error at which contacts are sought first, and at most
@@ -306,11 +307,7 @@ def try_fewer(fit: Fit, common: float, deadline: int) -> None:
         if marks[INDEX] % 2:
             unite(memory, index, other)
             index = other
-        memory.counts[NOW] -= 1
-        for n in range(index, memory.counts[NOW]):
-            memory.family[NOW, n] = memory.family[NOW, n + 1]
-            for i in range(6):
-                memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
+        leave_out(memory, index)
     settle(fit, own.numbers[MISFIT], common, deadline)
     marks[HALFWAY] = memory.marks[LATE]
     if memory.marks[LATE]:
@@ -385,13 +382,9 @@ def try_more(fit: Fit, common: float, deadline: int) -> None:
             marks[INDEX] = PAIRS * (index + 1)
             return
         set_aside(fit)
-        marks[TURN], memory.counts[NOW] = 0, count + 1
+        put_pair(memory, pairs, index, turn)
+        marks[TURN] = 0
         own.numbers[MISFIT] = min(own.numbers[MISFIT], fit.rules.model_error)
-        for side in range(2):
-            n = count if side else index
-            memory.family[NOW, n] = BALL
-            for i in range(6):
-                memory.atoms[NOW, n, i] = pairs.atoms[2 * turn + side, i]
     last = memory.counts[NOW] - 1
     while marks[TURN] < SETTLINGS:
         settle(fit, own.numbers[MISFIT], common, deadline)

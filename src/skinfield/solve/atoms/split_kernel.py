@@ -334,6 +334,27 @@ def take_spread(
 
 
 @inner(_nrt=False)
+def leave_out(memory: FitMemory, index: int) -> None:
+    """Take one atom out of NOW."""
+    memory.counts[NOW] -= 1
+    for n in range(index, memory.counts[NOW]):
+        memory.family[NOW, n] = memory.family[NOW, n + 1]
+        for i in range(6):
+            memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
+
+
+@inner(_nrt=False)
+def put_pair(memory: FitMemory, pairs: PairMemory, index: int, which: int) -> None:
+    """Put one of the pairs into the place of an atom of NOW, and behind the last."""
+    for side in range(2):
+        n = memory.counts[NOW] if side else index
+        memory.family[NOW, n] = BALL
+        for i in range(6):
+            memory.atoms[NOW, n, i] = pairs.atoms[2 * which + side, i]
+    memory.counts[NOW] += 1
+
+
+@inner(_nrt=False)
 def unite(memory: FitMemory, one: int, other: int) -> None:
     """Have an atom of NOW become a ball amid itself and another one, of the force of both."""
     its, away = memory.atoms[NOW, one], memory.atoms[NOW, other]
