@@ -384,7 +384,7 @@ def sum_up_contacts(
     force `force_n` with `force_std_n` when it was surely the largest, one standard deviation less;
     and where and how it pressed then: `position_mm` in
     the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
-    `maybe`: whether two contacts explain the readings nearly as well.
+    `maybe`: how many contacts in its place explain the readings nearly as well, 0 if none do.
     """
     from skinfield.estimate.row_contacts import shape_name
 
@@ -405,7 +405,7 @@ def sum_up_contacts(
                 "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
                 "shape": shape_name(row),
                 "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
-                "maybe": bool(row["maybe"]),
+                "maybe": int(row["maybe"]),
             }
 
 

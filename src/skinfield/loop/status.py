@@ -213,7 +213,7 @@ def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
     for row in contacts:
         plain = plain_json({name: row[name] for name in row.dtype.names}, "contact")
         own = {"patch": patches[int(row["patch"])], "shape": shape_name(row)}
-        rows.append(plain | own | {"maybe": bool(row["maybe"])})
+        rows.append(plain | own | {"maybe": int(row["maybe"])})
     return rows
 
 

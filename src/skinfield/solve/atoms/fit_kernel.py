@@ -56,8 +56,9 @@ READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WEIGHT, ROWS = 0, 1, 2, 3, 4, 5,
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share; and how
-# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched.
-REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING = range(7)
+# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched;
+# and templates around an atom listed, and some of their pairs compared.
+REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING, LISTING, SCANNING = range(9)
 # Places of `FitMemory.marks`, the first two of which are the clock's. MOST: steps in all, and
 # PAUSE: before a pause; 0 for any.
 NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST, PAUSE = range(2, 10)
@@ -94,7 +95,7 @@ class FitMemory(NamedTuple):
         Taxels that some atom may be read by.
     around : (M, 3) array
         Circles within which atoms are read by those alone.
-    sums : (8,) array
+    sums : (9,) array
     marks : (16,) int array
     room : TableRoom
     """
@@ -123,7 +124,7 @@ class FitMemory(NamedTuple):
     def of(cls, model: FitModel, most: int) -> "FitMemory":
         """Room for so many atoms."""
         taxels, size = len(model.taxels), PARAMETERS * most
-        sums = np.zeros(8)
+        sums = np.zeros(SCANNING + 1)
         sums[PACE:] = FIRST_PACE
         sums[INFERRING:] *= 3.0
         return cls(

@@ -32,6 +32,7 @@ from skinfield.solve.atoms.reading_memory import (
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.settings import FitSettings
+from skinfield.solve.atoms.split_kernel import PairMemory
 from skinfield.solve.atoms.table import atom_tables
 from skinfield.solve.packed import Packed
 
@@ -89,6 +90,7 @@ class FitData:
             self.posterior,
             self.own,
             Drawing.of(most),
+            PairMemory.of(len(noise), most),
         )
         self.drawing = parts.drawing
         self.packed, self._error = Packed(parts, FIT), settings.model_error

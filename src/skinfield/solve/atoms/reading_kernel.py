@@ -19,9 +19,17 @@ from skinfield.solve.atoms.alternatives_kernel import (
     ODD,
     SEEK,
     SearchRules,
-    clear_set,
     evidence,
     may_be_without,
+)
+from skinfield.solve.atoms.count_kernel import (
+    FORMER,
+    exchange,
+    set_aside,
+    settle,
+    try_fewer,
+    try_former,
+    try_more,
 )
 from skinfield.solve.atoms.dictionary import best_score
 from skinfield.solve.atoms.fit_kernel import (
@@ -36,7 +44,6 @@ from skinfield.solve.atoms.fit_kernel import (
     STEPPED,
     STEPS,
     WHITE,
-    descend,
     is_late,
     is_long,
     is_short,
@@ -63,6 +70,7 @@ from skinfield.solve.atoms.reading_memory import (
     DUTY,
     ERROR_FIRST,
     EXPLAINED,
+    FORMER_COUNT,
     GRADUAL,
     HALFWAY,
     HOPELESS,
@@ -76,7 +84,6 @@ from skinfield.solve.atoms.reading_memory import (
     ONLY,
     OPEN_FIRST,
     OPEN_HALFWAY,
-    OTHER_SCALE,
     OTHER_TOTAL,
     OTHERS,
     REFINING,
@@ -84,6 +91,8 @@ from skinfield.solve.atoms.reading_memory import (
     SCALE,
     SEARCHED_BY,
     SEEKING,
+    SINCE,
+    SPLIT_NOISE,
     SPREAD,
     STAGE,
     TOTAL,
@@ -97,10 +106,10 @@ from skinfield.solve.atoms.rows_kernel import unpack_grid, write_rows
 from skinfield.solve.atoms.search_kernel import (
     BURST,
     OFF_LATTICE,
-    SETTLED_GAIN,
     lay_open,
     search_atoms,
 )
+from skinfield.solve.atoms.split_kernel import keep_former
 from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
@@ -117,46 +126,14 @@ FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it 
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
 FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
+AGAIN = 16  # readings, after which it is looked again whether one is two, or two are one
+QUIETER_AGAIN = 0.7  # times the noise then, likewise: averages are of more readings
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER, RESERVE = (
     0.99,
     1.15,
 )  # how far one answer may move what is known of what drawing takes, downwards;
 # and times that is left for it
-
-
-@inner(_nrt=False)
-def set_aside(fit: Fit) -> None:
-    """Keep the answer while others are compared."""
-    own, memory = fit.own, fit.memory
-    own.marks[OTHERS] = memory.counts[NOW]
-    for n in range(memory.counts[NOW]):
-        own.family[n] = memory.family[NOW, n]
-        for i in range(6):
-            own.atoms[n, i] = memory.atoms[NOW, n, i]
-    for k in range(4):
-        own.numbers[OTHER_SCALE + k] = own.numbers[NUMBERS[k]]
-
-
-NUMBERS = (SCALE, MISFIT, SPREAD, TOTAL)
-
-
-@inner(_nrt=False)
-def exchange(fit: Fit) -> None:
-    """Have NOW be the set that is kept aside, and the other way round."""
-    own, memory = fit.own, fit.memory
-    count = max(own.marks[OTHERS], memory.counts[NOW])
-    for n in range(count):
-        memory.family[NOW, n], own.family[n] = own.family[n], memory.family[NOW, n]
-        for i in range(6):
-            atom = memory.atoms[NOW, n, i]
-            memory.atoms[NOW, n, i] = own.atoms[n, i]
-            own.atoms[n, i] = atom
-    memory.counts[NOW], own.marks[OTHERS] = own.marks[OTHERS], memory.counts[NOW]
-    for k in range(4):
-        value = own.numbers[NUMBERS[k]]
-        own.numbers[NUMBERS[k]] = own.numbers[OTHER_SCALE + k]
-        own.numbers[OTHER_SCALE + k] = value
 
 
 @inner(_nrt=False)
@@ -212,7 +189,7 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 marks[TURN] = 0
             if search_round(fit, own.numbers[SEARCHED_BY], common, resume, deadline):
                 marks[STAGE] = REFINING if marks[IS_STRONG] else DROPPING
-                marks[INDEX] = 0
+                marks[INDEX] = FORMER
                 if marks[ONLY] == memory.counts[NOW]:
                     marks[STAGE] = RESTING
                 marks[ONLY] = -1
@@ -236,40 +213,14 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 exchange(fit)
             elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
                 exchange(fit)
-                marks[STAGE], marks[INDEX] = DROPPING, 0
-        else:
-            if not resume and (memory.counts[NOW] < 2 or marks[INDEX] >= memory.counts[NOW]):
-                marks[STAGE], marks[HALFWAY] = RESTING, 0
-                return
-            if resume:
-                exchange(fit)
+                marks[STAGE], marks[INDEX] = DROPPING, FORMER
+        elif stage == DROPPING:
+            if marks[INDEX] == FORMER:
+                try_former(fit, common, deadline)
             else:
-                set_aside(fit)
-                memory.counts[NOW] -= 1
-                for n in range(marks[INDEX], memory.counts[NOW]):
-                    memory.family[NOW, n] = memory.family[NOW, n + 1]
-                    for i in range(6):
-                        memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
-            settle(fit, own.numbers[MISFIT], common, BURST, deadline)
-            marks[HALFWAY] = memory.marks[LATE]
-            if memory.marks[LATE]:
-                exchange(fit)
-                return
-            infer(fit, common)
-            if not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
-                exchange(fit)
-                marks[INDEX] += 1
-
-
-@inner(_nrt=False)
-def settle(fit: Fit, error: float, common: float, steps: int, deadline: int) -> None:
-    """Move the atoms of NOW to the minimum, weighed by a model error, by so many steps at most."""
-    weigh(fit, error, common)
-    memory = fit.memory
-    if memory.counts[NOW]:
-        descend(fit.model, memory, NOW, READINGS, 0, steps, SETTLED_GAIN, deadline)
-    else:
-        clear_set(memory, NOW)
+                try_fewer(fit, common, deadline)
+        else:
+            try_more(fit, common, deadline)
 
 
 @inner(_nrt=False)
@@ -297,6 +248,8 @@ def score_of_left(fit: Fit) -> float:
 def begin_comparison(fit: Fit, error: float, only: bool) -> None:
     """Have all be compared anew, from the atoms of NOW on; `only` more or fewer of them."""
     fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
+    keep_former(fit.memory, fit.pairs)
+    fit.own.marks[FORMER_COUNT] = fit.memory.counts[NOW]
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0
     fit.own.marks[GRADUAL] = 0
@@ -464,6 +417,12 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
         begin_comparison(fit, numbers[MISFIT], True)
         marks[GRADUAL] = explained and score < np.sqrt(2.0 * fit.rules.threshold)
+        return
+    marks[SINCE] += 1
+    if marks[SINCE] >= AGAIN or numbers[MEAN_NOISE] < QUIETER_AGAIN * numbers[SPLIT_NOISE]:
+        begin_comparison(fit, numbers[MISFIT], True)
+        marks[STAGE], marks[GRADUAL] = DROPPING, explained
+        marks[INDEX] = 0
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)
@@ -509,7 +468,9 @@ def answer_reading(
         lowest = min(lowest, own.heard[taxel])
     at_mean = not highest * lowest > QUIETER
     error = own.numbers[SPREAD]
-    count = write_rows(grid, memory, fit.post, at_mean, error, fit.drawing, pressure, rows)
+    count = write_rows(
+        grid, memory, fit.post, fit.pairs, at_mean, error, fit.drawing, pressure, rows
+    )
     took = now_ns(memory.marks) - ended
     own.numbers[DRAWN] = nearly_slowest(own.numbers[DRAWN], float(took), FASTER)
     return count

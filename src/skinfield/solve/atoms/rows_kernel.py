@@ -32,6 +32,7 @@ from skinfield.solve.atoms.render_kernels import (
     pressure_terms,
     render,
 )
+from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -70,6 +71,8 @@ class Drawing(NamedTuple):
         is wrong by.
     by : (2, 6, 6) array
         Room.
+    maybe : (W,) int array
+        How many contacts may be in the place of each, or of it and another; 0 where that is sure.
     drawn : (1,) int array
         N.
     """
@@ -81,6 +84,7 @@ class Drawing(NamedTuple):
     order: Ints
     sums: Floats
     by: Floats
+    maybe: Ints
     drawn: Ints
 
     @classmethod
@@ -95,6 +99,7 @@ class Drawing(NamedTuple):
             np.zeros(room, np.int64),
             np.zeros((3, room)),
             np.zeros((2, 6, 6)),
+            np.zeros(room, np.int64),
             np.zeros(1, np.int64),
         )
 
@@ -148,6 +153,7 @@ def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None
 def draw_atom(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -176,8 +182,11 @@ def draw_atom(
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
-        if i < 4:
-            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
+    drawing.maybe[place] = rival_of(memory, pairs, index)
+    if drawing.maybe[place]:
+        mix_covariance(pairs, index, covariance)
+    for i in range(4):
+        covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -186,6 +195,7 @@ def draw_atom(
 def draw(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     thickness: float,
     at_mean: bool,
     drawing: Drawing,
@@ -194,12 +204,12 @@ def draw(
     count = 0
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] != RING:
-            draw_atom(memory, post, index, thickness, at_mean, drawing, count)
+            draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, count)
             join(drawing, count)
             count += 1
     for index in range(memory.counts[NOW]):
         if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
-            count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
+            count = draw_ring(memory, post, pairs, index, thickness, at_mean, drawing, count)
     return count
 
 
@@ -220,6 +230,7 @@ def join(drawing: Drawing, place: int) -> None:
 def draw_ring(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -227,7 +238,7 @@ def draw_ring(
     first: int,
 ) -> int:
     """Draw a ring as small balls from a place on; the place after the last."""
-    draw_atom(memory, post, index, thickness, at_mean, drawing, first)
+    draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, first)
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
     radius = drawing.sums[2, first] = drawing.atoms[first, 3]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
@@ -380,6 +391,7 @@ def describe_body(
     row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
     if members == 1:
         atom = drawing.atoms[body]
+        row.maybe = drawing.maybe[body]
         row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
         if atom[4] > LINE * atom[3]:
             row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
@@ -438,6 +450,7 @@ def write_rows(
     grid: RowGrid,
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     at_mean: bool,
     error: float,
     drawing: Drawing,
@@ -450,7 +463,7 @@ def write_rows(
     `error` is what the model is wrong by, part of what taxels read.
     """
     drawing.sums[1, 0] = error
-    count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
+    count = drawing.drawn[0] = draw(memory, post, pairs, grid.thickness, at_mean, drawing)
     return write_bodies(grid, drawing, count, pressure, rows)
 
 
