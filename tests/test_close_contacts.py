@@ -129,7 +129,7 @@ def test_a_comparison_in_slices_ends(fitted: Fitted) -> None:
         once = noisy(readings, seed)
         whole = fitted.cold(once)
         fitted.data.reset()
-        marks[MOST] = 40
+        marks[MOST] = 60
         for _ in range(400):
             rows = fitted.rows(once)
             if fitted.data.fit.own.marks[STAGE] == RESTING:

@@ -101,6 +101,8 @@ class SearchRules(NamedTuple):
         SEEK atoms, or EXPLORE what is open about those of NOW.
     hurried : bool
         Explore few places of each.
+    drops : bool
+        Take away atoms that others may take the place of, by what each brings.
     """
 
     threshold: float
@@ -108,6 +110,7 @@ class SearchRules(NamedTuple):
     starts: int
     purpose: int
     hurried: bool
+    drops: bool
 
 
 SEEK, EXPLORE = 0, 1

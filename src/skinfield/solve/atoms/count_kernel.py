@@ -1,7 +1,7 @@
 """Number of contacts, compiled: whether fewer, or two in the place of one, are more probable.
 
 A set of atoms is compared with the answer, which is kept aside: without each atom, with two that
-are close as one, with pairs in the place of each, and with those of the reading before.
+are close as one, and with pairs in the place of each.
 """
 
 import numpy as np
@@ -71,12 +71,10 @@ from skinfield.solve.atoms.split_kernel import (
     put_pair,
     scan_pairs,
     state_rivals,
-    take_former,
     take_spread,
     unite,
 )
 
-FORMER = -1  # instead of the number of an atom: all those of the reading before
 CLEARLY = 6.0  # ln odds by which fewer are more probable than those that the reading before had
 SETTLINGS = 2  # of two in the place of one: each by the model error that the one before infers
 FAR = 8.0  # ln odds against two after the first of these, beyond which there is no second
@@ -129,33 +127,6 @@ def settle(fit: Fit, error: float, common: float, steps: int, deadline: int) -> 
 
 
 @inner(_nrt=False)
-def try_former(fit: Fit, common: float, deadline: int) -> None:
-    """Go on with close atoms of the reading before, unless fewer are clearly more probable."""
-    own, memory, marks, pairs = fit.own, fit.memory, fit.own.marks, fit.pairs
-    if marks[HALFWAY]:
-        exchange(fit)
-    elif not 0 < memory.counts[NOW] < marks[FORMER_COUNT]:
-        marks[INDEX] = 0
-        return
-    else:
-        set_aside(fit)
-        if not take_former(memory, pairs, marks[FORMER_COUNT]):
-            exchange(fit)
-            marks[INDEX] = 0
-            return
-    settle(fit, own.numbers[MISFIT], common, BURST, deadline)
-    marks[HALFWAY] = memory.marks[LATE]
-    if memory.marks[LATE]:
-        exchange(fit)
-        return
-    infer(fit, common)
-    marks[INDEX] = 0
-    less = own.numbers[OTHER_TOTAL] - own.numbers[TOTAL]
-    if not (less < CLEARLY and are_known(fit.model, memory, fit.post.local)):
-        exchange(fit)
-
-
-@inner(_nrt=False)
 def try_fewer(fit: Fit, common: float, deadline: int) -> None:
     """Compare the answer with the next set of one atom less: without it, or two as one."""
     own, memory, marks, pairs = fit.own, fit.memory, fit.own.marks, fit.pairs
@@ -187,7 +158,14 @@ def try_fewer(fit: Fit, common: float, deadline: int) -> None:
     likely = odds < MAYBE  # and not so as a worse model leaves atoms little to explain
     if likely and own.numbers[MISFIT] > own.numbers[OTHER_MISFIT]:
         likely = are_known(fit.model, memory, fit.post.local)
-    if likely and odds < -(CLEARLY if memory.counts[NOW] < marks[FORMER_COUNT] else BETTER):
+    fewer = likely and odds < -BETTER
+    if fewer and odds >= -CLEARLY and memory.counts[NOW] < marks[FORMER_COUNT]:
+        exchange(fit)
+        settle(fit, own.numbers[MISFIT], common, 0, 0)
+        fewer = not are_known(fit.model, memory, fit.post.local)
+        exchange(fit)
+        settle(fit, own.numbers[MISFIT], common, 0, 0)
+    if fewer:
         marks[INDEX] = 0
         return
     index, united = marks[INDEX] // 2, marks[INDEX] % 2

@@ -23,12 +23,10 @@ from skinfield.solve.atoms.alternatives_kernel import (
     may_be_without,
 )
 from skinfield.solve.atoms.count_kernel import (
-    FORMER,
     exchange,
     set_aside,
     settle,
     try_fewer,
-    try_former,
     try_more,
 )
 from skinfield.solve.atoms.dictionary import best_score
@@ -109,7 +107,6 @@ from skinfield.solve.atoms.search_kernel import (
     lay_open,
     search_atoms,
 )
-from skinfield.solve.atoms.split_kernel import keep_former
 from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
@@ -139,8 +136,8 @@ FASTER, RESERVE = (
 @inner(_nrt=False)
 def search_by(fit: Fit, purpose: int, resume: bool, deadline: int) -> bool:
     """Search with the present weights; whether it may go on later."""
-    own, hurried = fit.rules, fit.own.marks[DUTY] > 0
-    rules = SearchRules(own.threshold, own.most, own.starts, purpose, hurried)
+    own, hurried, drops = fit.rules, fit.own.marks[DUTY] > 0, fit.own.marks[FORMER_COUNT] == 0
+    rules = SearchRules(own.threshold, own.most, own.starts, purpose, hurried, drops)
     return search_atoms(
         fit.model,
         fit.bank,
@@ -189,7 +186,7 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 marks[TURN] = 0
             if search_round(fit, own.numbers[SEARCHED_BY], common, resume, deadline):
                 marks[STAGE] = REFINING if marks[IS_STRONG] else DROPPING
-                marks[INDEX] = FORMER
+                marks[INDEX] = 0
                 if marks[ONLY] == memory.counts[NOW]:
                     marks[STAGE] = RESTING
                 marks[ONLY] = -1
@@ -213,12 +210,9 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 exchange(fit)
             elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
                 exchange(fit)
-                marks[STAGE], marks[INDEX] = DROPPING, FORMER
+                marks[STAGE], marks[INDEX] = DROPPING, 0
         elif stage == DROPPING:
-            if marks[INDEX] == FORMER:
-                try_former(fit, common, deadline)
-            else:
-                try_fewer(fit, common, deadline)
+            try_fewer(fit, common, deadline)
         else:
             try_more(fit, common, deadline)
 
@@ -248,7 +242,6 @@ def score_of_left(fit: Fit) -> float:
 def begin_comparison(fit: Fit, error: float, only: bool) -> None:
     """Have all be compared anew, from the atoms of NOW on; `only` more or fewer of them."""
     fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
-    keep_former(fit.memory, fit.pairs)
     fit.own.marks[FORMER_COUNT] = fit.memory.counts[NOW]
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0

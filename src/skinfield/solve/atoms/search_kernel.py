@@ -191,7 +191,10 @@ def begin(
                 clear_set(memory, NOW)
             return NOTHING
         if may_be_without(memory, search, index):
-            state[STAGE] = WITHOUT
+            if rules.drops:
+                state[STAGE] = WITHOUT
+            else:
+                state[INDEX] += 1
             return NOTHING
         memory.counts[ALONE] = 0
         append(memory, ALONE, memory.atoms[NOW, index], memory.family[NOW, index])

@@ -65,8 +65,6 @@ class PairMemory(NamedTuple):
     gains : (PLACES, PLACES) float32 array
     atoms : (2 PAIRS, 6) array
         The best pairs.
-    former : (M, 6) array
-        Atoms of the reading before, whose families are `family` (M,).
     spread : (3, 3) array
         Covariance of the middle of rivals and of the logarithm of their force.
     rivals : (2, M, COLUMNS) array
@@ -82,8 +80,6 @@ class PairMemory(NamedTuple):
     sums: Floats
     gains: NDArray[np.float32]
     atoms: Floats
-    former: Floats
-    family: Ints
     spread: Floats
     rivals: Floats
     state: Ints
@@ -98,8 +94,6 @@ class PairMemory(NamedTuple):
             np.zeros((2, PLACES)),
             np.zeros((PLACES, PLACES), np.float32),
             np.zeros((2 * PAIRS, 6)),
-            np.zeros((most, 6)),
-            np.zeros(most, np.int64),
             np.zeros((3, 3)),
             np.zeros((2, most, COLUMNS)),
             np.zeros(4, np.int64),
@@ -276,28 +270,6 @@ def nearest_to(memory: FitMemory, index: int) -> int:
             if gap < least:
                 least, nearest = gap, other
     return nearest
-
-
-@inner(_nrt=False)
-def keep_former(memory: FitMemory, pairs: PairMemory) -> None:
-    """Keep the atoms of NOW as those of the reading before."""
-    for n in range(memory.counts[NOW]):
-        pairs.family[n] = memory.family[NOW, n]
-        for i in range(6):
-            pairs.former[n, i] = memory.atoms[NOW, n, i]
-
-
-@inner(_nrt=False)
-def take_former(memory: FitMemory, pairs: PairMemory, count: int) -> bool:
-    """Have NOW be the atoms of the reading before; whether any two of them are near."""
-    memory.counts[NOW], near = count, False
-    for n in range(count):
-        memory.family[NOW, n] = pairs.family[n]
-        for i in range(6):
-            memory.atoms[NOW, n, i] = pairs.former[n, i]
-    for n in range(count):
-        near = near or nearest_to(memory, n) >= 0
-    return near
 
 
 @inner(_nrt=False)
