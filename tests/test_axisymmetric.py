@@ -15,7 +15,6 @@ from skinfield.elastic.axisymmetric import (
     Ball,
     Paraboloid,
     indent_by_force,
-    indent_to_depth,
     indent_to_radius,
     kappa,
     punch,
@@ -108,13 +107,11 @@ def test_the_surface_is_whole_at_the_edge(body) -> None:
 
 @pytest.mark.parametrize("body", BODIES[:-1], ids=lambda body: type(body).__name__)
 @pytest.mark.parametrize("nu", [0.2, 0.5])
-def test_depth_and_force_lead_to_the_radius(body, nu: float) -> None:
+def test_the_force_leads_to_the_radius(body, nu: float) -> None:
     layer = Layer(0.5 * A, 2e5, nu)
     for a in (0.61 * A, 1.3 * A):
         state = indent_to_radius(layer, body, a)
-        by_depth = indent_to_depth(layer, body, state.depth)
         by_force = indent_by_force(layer, body, state.force)
-        assert by_depth.contact_radius == pytest.approx(a, rel=1e-8)
         assert by_force.contact_radius == pytest.approx(a, rel=1e-8)
         assert by_force.force == pytest.approx(state.force, rel=1e-9)
 
@@ -149,7 +146,7 @@ FLAT = RoundedFlat(flat_radius=0.6, edge_radius=0.1)
         (lambda: indent_to_radius(UNIT, FLAT, 0.5), r"contact_radius is 0.5 m, expected above 0.6"),
         (lambda: indent_to_radius(UNIT, None, 61.0), "60 thicknesses"),
         (lambda: indent_by_force(Layer(1e-3, 1.0, 0.5), FLAT, 1.0), "60 thicknesses"),
-        (lambda: indent_to_depth(UNIT, Paraboloid(radius=1.0), 1e6), "expected less"),
+        (lambda: indent_by_force(UNIT, Paraboloid(radius=1.0), 1e12), "expected less"),
         (lambda: punch(UNIT, 1.0), "exactly one"),
         (lambda: indent_by_force(UNIT, BALL, -1.0), "force is -1"),
     ],

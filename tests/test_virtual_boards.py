@@ -401,3 +401,13 @@ def test_an_answer_is_one_datagram(skin):
     assert len(encoded(said)) < ANSWER
     assert said["lines"][0]["number"] == 0
     skin.world.release(Request())
+
+
+def test_the_process_that_solves_a_table_is_asked_for_that_table(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list = []
+    monkeypatch.setattr(press_tables, "table_for", lambda *what: asked.append(what))
+    tool, layer = SceneTool(6e-3, "flat"), Layer()
+    exec(press_tables.SCRIPT.format(tool=tool, layer=layer, pad_diameter=4e-3), {})
+    assert asked == [(tool, layer, 4e-3)]

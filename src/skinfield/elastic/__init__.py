@@ -14,6 +14,4 @@ from skinfield.elastic.observation import ObservationModel as ObservationModel
 from skinfield.elastic.observation import Physics as Physics
 from skinfield.elastic.observation import Quantity as Quantity
 from skinfield.elastic.observation import check_skin as check_skin
-from skinfield.elastic.viscoelastic import PronySeries as PronySeries
 from skinfield.elastic.viscoelastic import StandardLinearSolid as StandardLinearSolid
-from skinfield.elastic.viscoelastic import Viscoelastic as Viscoelastic

@@ -15,7 +15,6 @@ body's `springs`. On the half-space X = 1 and phi is the answer itself. The kern
 Gauss-Legendre nodes converge geometrically. Nothing here is shared with the lattice solver but X.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
@@ -307,16 +306,10 @@ def indent_to_radius(layer: Layer, profile: Profile | None, contact_radius: floa
     return _solve(layer, profile, contact_radius, 1.0)
 
 
-def indent_to_depth(layer: Layer, profile: Profile, depth: float) -> Indentation:
-    """The body pressed to a depth in m; see `indent_to_radius`."""
-    check_positive("depth", depth, "of the body's lowest point, in metres")
-    return _search(layer, profile, lambda state: state.depth, depth)
-
-
 def indent_by_force(layer: Layer, profile: Profile, force: float) -> Indentation:
     """The body pressed with a force in N; see `indent_to_radius`."""
     check_positive("force", force, "into the skin, in newtons")
-    return _search(layer, profile, lambda state: state.force, force)
+    return _search(layer, profile, force)
 
 
 def punch(
@@ -396,10 +389,8 @@ def _check_radius(layer: Layer, profile: Profile | None, a: float) -> None:
         )
 
 
-def _search(
-    layer: Layer, profile: Profile, measure: Callable[[Indentation], float], value: float
-) -> Indentation:
-    """The state at which a measure of it that rises with the contact's radius has the value."""
+def _search(layer: Layer, profile: Profile, force: float) -> Indentation:
+    """The state that has the force, which rises with the contact's radius."""
     from scipy.optimize import brentq
 
     kink = profile.kink
@@ -407,20 +398,20 @@ def _search(
     _check_radius(layer, profile, max(0.5 * (kink + widest), kink * (1.0 + 1e-12)))
     last = float(np.log((widest - kink) * (1.0 - 1e-12)))
 
-    def excess(level: float) -> float:  # of ln(a - kink), in which depth and force are gentle
+    def excess(level: float) -> float:  # of ln(a - kink), in which the force is gentle
         state = _solve(layer, profile, kink + float(np.exp(level)), 1.0)
-        return float(np.log(measure(state) / value))
+        return float(np.log(state.force / force))
 
     low = min(float(np.log(0.1 * layer.thickness)), last - 1.0)
     high = min(low + 1.0, last)
     while excess(low) > 0.0:
         high, low = low, low - 2.0
         if low < last - 50.0:
-            raise InputError(f"the depth or force is {value!r}, expected more: no contact is left")
+            raise InputError(f"the force is {force!r} N, expected more: no contact is left")
     while excess(high) < 0.0:
         if high == last:
             raise InputError(
-                f"the depth or force is {value!r} (m or N), expected less: {profile!r} would touch "
+                f"the force is {force!r} N, expected less: {profile!r} would touch "
                 f"beyond its own size or beyond {WIDEST:g} thicknesses of {layer.thickness!r} m"
             )
         low, high = high, min(high + 1.0, last)

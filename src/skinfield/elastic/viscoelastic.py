@@ -1,8 +1,6 @@
 """Linear viscoelasticity: what turns the history of a load into the load of an elastic solution."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +13,6 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
-
-Branches = tuple[tuple[float, float], ...]
 
 
 def lagged(
@@ -82,12 +78,20 @@ def _history(time: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
     return time, values
 
 
-class Viscoelastic(ABC):
-    """A generalised Maxwell solid: E(t) = E₀ [1 - Σ fᵢ (1 - exp(-t/τᵢ))], Poisson's ratio fixed.
+@dataclass(frozen=True)
+class StandardLinearSolid:
+    """One relaxation time: E(t) = E∞ + (E₀ - E∞) exp(-t/τ), Poisson's ratio fixed.
 
-    E₀ is the instantaneous modulus and E∞ = E₀ (1 - Σ fᵢ) the relaxed one. A layer's
-    `young_modulus` is taken as **relaxed**: it is measured slowly, and a load that stands for long
-    then gives the elastic result.
+    E₀ is the instantaneous modulus and E∞ the relaxed one. A layer's `young_modulus` is taken as
+    **relaxed**: it is measured slowly, and a load that stands for long then gives the elastic
+    result.
+
+    Parameters
+    ----------
+    relaxed_fraction : float
+        E∞ / E₀, above 0 and up to 1. The default is assumed, typical of soft silicones.
+    time_constant : float, s
+        τ, of relaxation at constant strain; creep at constant load takes τ E₀ / E∞. Assumed.
 
     Notes
     -----
@@ -99,38 +103,21 @@ class Viscoelastic(ABC):
     that the indenter has left is taken for one that it still makes with a smaller force.
     """
 
-    @property
-    @abstractmethod
-    def branches(self) -> Branches:
-        """(fᵢ, τᵢ): part of E₀ that relaxes, and its relaxation time, s."""
+    relaxed_fraction: float = 0.85
+    time_constant: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.relaxed_fraction <= 1.0:
+            raise InputError(
+                f"relaxed_fraction is {self.relaxed_fraction!r}, expected a number above 0 and up "
+                "to 1: the relaxed modulus over the instantaneous one; 1 is an elastic solid"
+            )
+        check_positive("time_constant", self.time_constant, "of the relaxation, in seconds")
 
     @property
-    def relaxed_modulus_fraction(self) -> float:
-        """E∞ / E₀."""
-        return 1.0 - sum(part for part, _ in self.branches)
-
-    @cached_property
-    def retardation(self) -> Branches:
-        """(cₖ, λₖ): E₀ J(t) = 1 + Σ cₖ (1 - exp(-t/λₖ)), J being the creep compliance; λ in s.
-
-        From the eigenvalues of the internal strains under constant stress, which a scaling by
-        √(fᵢ τᵢ) makes a symmetric problem. For one branch, c = f/(1 - f) and λ = τ/(1 - f).
-        """
-        if not self.branches:
-            return ()
-        part, time = np.array(self.branches, dtype=np.float64).T
-        drive = np.sqrt(part / time)
-        rates, modes = np.linalg.eigh(np.diag(1.0 / time) - np.outer(drive, drive))
-        strength = (drive @ modes) ** 2 / rates
-        return tuple(zip(strength.tolist(), (1.0 / rates).tolist(), strict=True))
-
-    def relaxation(self, time: ArrayLike) -> Floats:
-        """E(t) / E∞ at `time`, s, after a step of strain; E₀ / E∞ at 0, falling to 1."""
-        return (1.0 - _gone(time, self.branches)) / self.relaxed_modulus_fraction
-
-    def creep(self, time: ArrayLike) -> Floats:
-        """E∞ J(t) at `time`, s, after a step of stress; E∞ / E₀ at 0, rising to 1."""
-        return (1.0 + _gone(time, self.retardation)) * self.relaxed_modulus_fraction
+    def retardation_time(self) -> float:
+        """τ E₀ / E∞, s: of creep at constant load, E∞ J(t) = 1 - (1 - E∞/E₀) exp(-t/·)."""
+        return self.time_constant / self.relaxed_fraction
 
     def effective_force(self, time: ArrayLike, force: ArrayLike) -> Floats:
         """Load at which the elastic solution, with E∞, has the displacements of this moment.
@@ -149,11 +136,11 @@ class Viscoelastic(ABC):
         array of the shape of `force`, N
             E∞/E₀ of a step at once, all of it in the end: never beyond the largest force so far,
             so elastic solutions up to that one are enough. With E₀ in the place of E∞, divide by
-            `relaxed_modulus_fraction`.
+            `relaxed_fraction`.
         """
         time, force = _history(time, force)
-        late = sum(part * lagged(time, force, tau) for part, tau in self.retardation)
-        return (force + late) * self.relaxed_modulus_fraction
+        late = lagged(time, force, self.retardation_time)
+        return self.relaxed_fraction * force + (1.0 - self.relaxed_fraction) * late
 
     def relaxing_force(self, time: ArrayLike, elastic_force: ArrayLike) -> Floats:
         """Force, N, while a depth is imposed: ∫ E(t - s)/E∞ dF∞(s).
@@ -166,74 +153,5 @@ class Viscoelastic(ABC):
             Exact while the contact area grows, as `effective_force` is.
         """
         time, elastic = _history(time, elastic_force)
-        lost = sum(part * lagged(time, elastic, tau) for part, tau in self.branches)
-        return (elastic - lost) / self.relaxed_modulus_fraction
-
-
-@dataclass(frozen=True)
-class StandardLinearSolid(Viscoelastic):
-    """One relaxation time: E(t) = E∞ + (E₀ - E∞) exp(-t/τ).
-
-    Parameters
-    ----------
-    relaxed_fraction : float
-        E∞ / E₀, above 0 and up to 1. The default is assumed, typical of soft silicones.
-    time_constant : float, s
-        τ, of relaxation at constant strain; creep at constant load takes τ E₀ / E∞. Assumed.
-    """
-
-    relaxed_fraction: float = 0.85
-    time_constant: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.relaxed_fraction <= 1.0:
-            raise InputError(
-                f"relaxed_fraction is {self.relaxed_fraction!r}, expected a number above 0 and up "
-                "to 1: the relaxed modulus over the instantaneous one; 1 is an elastic solid"
-            )
-        check_positive("time_constant", self.time_constant, "of the relaxation, in seconds")
-
-    @property
-    def branches(self) -> Branches:
-        """See `Viscoelastic.branches`."""
-        part = 1.0 - self.relaxed_fraction
-        return ((part, float(self.time_constant)),) if part > 0 else ()
-
-
-@dataclass(frozen=True)
-class PronySeries(Viscoelastic):
-    """Several relaxation times.
-
-    Parameters
-    ----------
-    terms : tuple of (float, float)
-        (fᵢ, τᵢ): part of the instantaneous modulus that relaxes, all above 0 and below 1 in sum,
-        and the time that it takes, s.
-    """
-
-    terms: Branches
-
-    def __post_init__(self) -> None:
-        terms = as_floats("terms", self.terms)
-        check_shape("terms", terms, (None, 2), "(fraction, seconds) of each branch")
-        check_finite("terms", terms, "each branch has a fraction and a time")
-        if (terms <= 0).any() or not terms[:, 0].sum() < 1.0:
-            raise InputError(
-                f"terms is {self.terms!r}, expected fractions and times above 0, and fractions "
-                f"that sum to less than 1, not {terms[:, 0].sum():g}: what is left is the relaxed "
-                "modulus over the instantaneous one"
-            )
-        object.__setattr__(self, "terms", tuple((float(f), float(t)) for f, t in terms))
-
-    @property
-    def branches(self) -> Branches:
-        """See `Viscoelastic.branches`."""
-        return self.terms
-
-
-def _gone(time: ArrayLike, branches: Branches) -> Floats:
-    """Sum of part · (1 - exp(-t/τ)) over branches (part, τ)."""
-    time = as_floats("time", time)
-    if not (time >= 0).all():
-        raise InputError(f"time is {time}, expected seconds from 0: nothing moves before the step")
-    return np.asarray(sum(part * -np.expm1(-time / tau) for part, tau in branches))
+        lost = (1.0 - self.relaxed_fraction) * lagged(time, elastic, self.time_constant)
+        return (elastic - lost) / self.relaxed_fraction

@@ -130,7 +130,7 @@ Key = tuple[SceneTool, float]
 AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
 SCRIPT = """
 from skinfield.elastic import Layer
-from skinfield.emulator.scenes import Tool
+from skinfield.emulator.scenes import SceneTool
 from skinfield.emulator.world import table_for
 table_for({tool!r}, {layer!r}, {pad_diameter!r})
 """

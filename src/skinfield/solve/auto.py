@@ -19,6 +19,7 @@ from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, check_count, check_range, check_shape, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
 from skinfield.solve.atoms.fit_kernel import MOST, NOW
+from skinfield.solve.atoms.fitter import FitData
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.field_evidence import (
@@ -183,6 +184,11 @@ class AutoData(Data):
         self.solution = self.contacts.solution
 
     @property
+    def fit(self) -> FitData:
+        """Of the contacts."""
+        return self.contacts.fit
+
+    @property
     def noise(self) -> Floats:
         """See `ContactData.noise`."""
         return self.contacts.noise
@@ -339,7 +345,7 @@ class AutoOperator:
             due = True
         if by is not None and due and contest.is_ripe:  # what is left, the comparison needs
             by -= (by - time.perf_counter_ns()) // 2 if contest.is_open else COMPARING
-        found = self.contact_fit.solve(readings, data.contacts, by)
+        found = self.contact_fit.solve(readings, data.contacts, by, touched=True)
         count = data.count = data.contacts.count
         due |= contest.is_due(energy, count) or not fit.explained
         contest.go_on(not fit.compared)

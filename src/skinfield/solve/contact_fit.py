@@ -18,6 +18,7 @@ from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.dual.problem import DualProblem
+from skinfield.solve.idle_kernel import WIDE, WideLoads
 from skinfield.solve.non_negative import NonNegative
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
 from skinfield.solve.packed import Packed
@@ -112,11 +113,25 @@ class ContactOperator:
         renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         return replace(self, model=model, renderer=renderer)
 
+    @cached_property
+    def wide(self) -> Packed:
+        """No loads as wide as those of a field: see `idle_kernel`."""
+        none = np.zeros((0, 1))
+        loads = WideLoads(none.astype(np.float32), np.zeros(1, np.int64), none, none, 0.0)
+        return Packed(loads, WIDE)
+
     def solve(
-        self, readings: Floats, data: ContactData, deadline_ns: int | None = None
+        self,
+        readings: Floats,
+        data: ContactData,
+        deadline_ns: int | None = None,
+        *,
+        touched: bool = False,
     ) -> Solution:
-        """See `Operator.solve`."""
+        """See `Operator.solve`; the idle test is left out if something is known to touch."""
         readings, out = data.heard(readings, self.valid), (data.solution.pressure, data.rows)
+        if not touched and self.rests(readings, data, self.wide):
+            return data.solution
         fit, grid = data.fit, self.renderer
         data.count = self.fitter.fit(readings, fit, grid, out, self.valid, deadline_ns)
         return self._solution(readings, data, deadline_ns)

@@ -106,7 +106,7 @@ class Clockwork:
         """Of the fits of all patches, and of the wide loads beside them, (2, P)."""
         fits, wide = list[int](), list[int]()
         for group in self.groups if self.finds_contacts else ():
-            fits += [each.contacts.fit.packed.address for each in group.data[0]]
+            fits += [each.fit.packed.address for each in group.data[0]]
             wide += [group.operators[0].wide.address] * group.count
         return np.array([fits, wide], np.int64)
 

@@ -427,7 +427,6 @@ def press_ladder(
     extent: float = 60e-3,
     cell: float = 0.5e-3,
     mechanics: Mechanics | None = None,
-    friction: float | None = None,
 ) -> list[Press]:
     """Press one body with each of several forces: as `press` for each, in less time.
 
@@ -438,7 +437,7 @@ def press_ladder(
         Its own force or depth is ignored, its shear is not.
     forces : (N,) floats, N
         In any order. They are solved from the smallest, each from the one before.
-    extent, cell, mechanics, friction
+    extent, cell, mechanics
         See `press`.
 
     Returns
@@ -459,7 +458,7 @@ def press_ladder(
     for index in np.argsort(loads, kind="stable"):
         body = replace(indenter, force=float(loads[index]), depth=None)
         before = settle(skin, [body], before)
-        found[int(index)] = pressed(before, [body], friction)
+        found[int(index)] = pressed(before, [body], None)
     return [found[index] for index in range(len(loads))]
 
 

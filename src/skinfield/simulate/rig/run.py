@@ -267,7 +267,7 @@ def _loaded(
         scenario.loads,
         scenario.elastomer,
     )
-    fades = FORGOTTEN * max((late for _, late in elastomer.retardation), default=0.0)
+    fades = FORGOTTEN * elastomer.retardation_time
     mine = plan.pose == pose
     starts, heights = plan.start[mine], np.array(loads.forces or loads.depths)[plan.load[mine]]
     first, last = np.searchsorted(time, [starts[0], starts[-1] + profile.period + fades])

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BondedLayer, Layer, StandardLinearSolid, Viscoelastic
+from skinfield.elastic import BondedLayer, Layer, StandardLinearSolid
 from skinfield.errors import (
     Floats,
     InputError,
@@ -471,7 +471,7 @@ class Scenario:
     layer : Layer
     cover : bool
         The layer's surface cannot stretch (a fabric on it).
-    elastomer : Viscoelastic
+    elastomer : StandardLinearSolid
         How the layer creeps; its relaxed modulus is the layer's.
     tools : tuple of Tool
     places : tuple of Places
@@ -490,7 +490,7 @@ class Scenario:
     patch: Patch = field(default_factory=icub_hexagon, compare=False)
     layer: Layer = field(default_factory=Layer)
     cover: bool = False
-    elastomer: Viscoelastic = field(default_factory=StandardLinearSolid)
+    elastomer: StandardLinearSolid = field(default_factory=StandardLinearSolid)
     tools: tuple[Tool, ...] = field(
         default_factory=lambda: (Tool(name="sphere6", indenter=Sphere(radius=6e-3)),)
     )
