@@ -40,7 +40,7 @@ class ContactData(Data):
     rows: NDArray[np.void]
 
     def __init__(self, operator: "ContactOperator") -> None:
-        super().__init__(operator, len(operator.model.grid), DeadlineMargin())
+        super().__init__(operator, len(operator.model.grid), DeadlineMargin(most=30_000))
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
         self.fit, self._operator = operator.fitter.data(), operator
 

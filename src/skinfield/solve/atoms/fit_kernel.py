@@ -126,7 +126,7 @@ class FitMemory(NamedTuple):
         taxels, size = len(model.taxels), PARAMETERS * most
         sums = np.zeros(SCANNING + 1)
         sums[PACE:] = FIRST_PACE
-        sums[INFERRING:] *= 3.0
+        sums[INFERRING:] *= 5.0
         return cls(
             taxels=np.zeros((ROWS, taxels)),
             atoms=np.zeros((SETS, most, PARAMETERS)),
@@ -150,7 +150,7 @@ class FitMemory(NamedTuple):
         )
 
 
-FIRST_PACE = 4000.0  # ns: a step takes about so long per atom
+FIRST_PACE = 2000.0  # ns: a step takes about so long per atom
 FASTER, SLOWER = 0.98, 1.2  # how far one piece may move what is known of that: nearly the slowest
 STALLED, SLIGHTLY = 2.0, 1.02  # times: that it took so long moves it by little
 SHORTER = 0.995  # what is taken for that after the time was too short
@@ -532,9 +532,7 @@ def descend(
     tolerance: float,
     deadline: int,
 ) -> None:
-    """Move a set to the next minimum of its cost, by Levenberg's steps, until the time is up.
-
-    The first step is taken in any case.
+    """Move a set to the next minimum of its cost, by one of Levenberg's steps or till a deadline.
 
     Parameters
     ----------
@@ -562,10 +560,12 @@ def descend(
     damping, rise = FIRST_DAMPING, RISE
     memory.marks[SETTLED] = 0
     memory.marks[STEPPED] = 0
+    if deadline:
+        memory.marks[BEGAN] = now_ns(memory.marks)
     for taken in range(steps):
         if taken and is_late(memory, which, deadline):
             return
-        memory.marks[STEPPED] = taken > 0  # since `is_late`
+        memory.marks[STEPPED] = 1
         if not damped_step(memory, which, held, damping):
             damping, rise = damping * rise, 2.0 * rise
             if damping > 1e8:

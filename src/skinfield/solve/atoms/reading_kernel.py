@@ -126,11 +126,8 @@ SLICE = 32  # steps of a comparison in one reading, where the answer is as good 
 AGAIN = 16  # readings, after which it is looked again whether one is two, or two are one
 QUIETER_AGAIN = 0.7  # times the noise then, likewise: averages are of more readings
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
-FASTER, RESERVE = (
-    0.99,
-    1.15,
-)  # how far one answer may move what is known of what drawing takes, downwards;
-# and times that is left for it
+FASTER = 0.98  # how far one answer may move what is known of what drawing takes, downwards
+OVERSHOOT = 0.25  # part of that by which work before it ends late at most
 
 
 @inner(_nrt=False)
@@ -256,7 +253,8 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     the search for it ended.
     """
     own, memory, marks, numbers = fit.own, fit.memory, fit.own.marks, fit.own.numbers
-    marks[DUTY] = (marks[DUTY] + 1) % DUTIES if memory.marks[LATE] else 0
+    pressed = memory.marks[LATE] and memory.counts[NOW]
+    marks[DUTY] = (marks[DUTY] + 1) % DUTIES if pressed else 0
     memory.marks[LATE] = memory.marks[STEPS] = memory.marks[STEPPED] = 0
     common = fit.rules.common_mode * take_noise(fit, valid)
     energy, highest = 0.0, 0.0
@@ -289,7 +287,7 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     lay_open(fit.model, memory, fit.post)
     marks[EXPLAINED] = explains(fit) and numbers[MISFIT] < LARGEST
     fit.search.known[0] = evidence(fit.model, memory, NOW)
-    return min(ended, deadline) if deadline else ended
+    return ended
 
 
 @inner(_nrt=False)
@@ -351,16 +349,22 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
     lost = not (marks[EXPLAINED] or marks[HOPELESS])
+    if lost and deadline and marks[STAGE] != RESTING:
+        return  # what is sought goes on at once
     settle(fit, numbers[SPREAD], common, FEW_STEPS if lost else BURST, deadline)
-    if memory.marks[LATE]:
-        return
     explained = explains(fit)
     marks[HOPELESS] = marks[HOPELESS] and not explained
+    if marks[STAGE] == RESTING and not (explained or marks[HOPELESS]):
+        scale = noise_scale(fit)
+        if scale != 1.0:
+            numbers[SCALE] *= scale
+            memory.counts[NOW] = 0
+        begin_comparison(fit, numbers[MISFIT], False)
+        return
+    if memory.marks[LATE]:
+        return
     if marks[STAGE] == RESTING:  # else there may be touches among what is left over
         scale = noise_scale(fit)
-        if not (explained or marks[HOPELESS]):
-            begin_comparison(fit, numbers[MISFIT], False)
-            return
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
@@ -453,7 +457,7 @@ def answer_reading(
     """
     fit, grid = unpack_fit(fit_address), unpack_grid(grid_address)
     own, memory = fit.own, fit.memory
-    end = deadline - int(RESERVE * own.numbers[DRAWN]) if deadline else 0
+    end = deadline - int(own.numbers[DRAWN]) if deadline else 0
     ended = find_contacts(fit, readings, valid, max(end, 1) if deadline else 0)
     highest, lowest = 0.0, np.inf
     for taxel in range(len(readings)):
@@ -464,6 +468,8 @@ def answer_reading(
     count = write_rows(
         grid, memory, fit.post, fit.pairs, at_mean, error, fit.drawing, pressure, rows
     )
-    took = now_ns(memory.marks) - ended
-    own.numbers[DRAWN] = nearly_slowest(own.numbers[DRAWN], float(took), FASTER)
+    took, known = now_ns(memory.marks) - ended, own.numbers[DRAWN]
+    if end:
+        took += min(max(ended - end, 0), int(OVERSHOOT * known))
+    own.numbers[DRAWN] = nearly_slowest(known, float(took), FASTER)
     return count

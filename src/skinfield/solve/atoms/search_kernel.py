@@ -128,7 +128,7 @@ TRIED_MOST = 2  # of the places for a new atom: these are refined together with 
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
 CLEARLY = 1.0  # ln odds by which another shape is chosen where that takes several readings
 LONG = 60  # of what is taken
-FOLLOWED = 3  # of the best set before, on other readings; and on how many a set is refined
+FOLLOWED = 3  # readings on which a set is refined: by then it is good enough
 SETTLED_GAIN = 1e-3  # gain in cost of the last step
 
 
@@ -432,11 +432,11 @@ def go_on(
     state = search.state
     stage = state[STAGE]
     if memory.counts[NOW]:  # by the weights of the search
-        descend(model, memory, NOW, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
+        descend(model, memory, NOW, READINGS, 0, 1, SETTLED_GAIN, deadline)
     else:
         clear_set(memory, NOW)
     if state[FOUND]:
-        descend(model, memory, BEST, READINGS, 0, FOLLOWED, SETTLED_GAIN, deadline)
+        descend(model, memory, BEST, READINGS, 0, 1, SETTLED_GAIN, deadline)
         if state[RIVAL]:
             search.known[0] = evidence(model, memory, BEST)
     if stage == REFINE:
@@ -505,9 +505,11 @@ def search_atoms(
         state[STAGE] = REFINE if rules.purpose == SEEK else BELIEVE
         state[INDEX], state[GREW], state[FOUND], state[RIVAL] = 0, 0, 0, 0
         state[DUE], state[REFINED], state[TRIED], state[CARRIED] = shapes, NOTHING, 0, 0
+    turns = 0
     while state[STAGE] != DONE:
-        if is_late(memory, NOW, deadline):
+        if turns and is_late(memory, NOW, deadline):  # one is taken in any case
             break
+        memory.marks[LATE], turns = 0, turns + 1
         which, grows = state[REFINED], state[STAGE] == GROW
         if which == NOTHING:
             if grows and is_short(memory, SEEDING, 1, deadline):
@@ -531,7 +533,7 @@ def search_atoms(
         if memory.marks[LATE]:
             if state[CARRIED] < FOLLOWED:
                 break
-            memory.marks[LATE] = 0  # it never settles, as the readings move: it is good enough
+            memory.marks[LATE] = 0  # it never settles, as the readings move
         state[REFINED], state[CARRIED] = NOTHING, 0
         conclude(model, bank, memory, search, post, rules, noise)
     if not memory.marks[LATE]:
