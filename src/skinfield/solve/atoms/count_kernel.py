@@ -44,7 +44,6 @@ from skinfield.solve.atoms.reading_memory import (
     OTHERS,
     RESTING,
     SCALE,
-    SINCE,
     SPLIT_NOISE,
     SPLITTING,
     SPREAD,
@@ -222,7 +221,7 @@ def try_more(fit: Fit, common: float, deadline: int) -> None:
         count = memory.counts[NOW]
         if index >= count or count >= fit.rules.most:
             state_rivals(memory, pairs)
-            marks[STAGE], marks[SINCE] = RESTING, 0
+            marks[STAGE] = RESTING
             own.numbers[SPLIT_NOISE] = own.numbers[MEAN_NOISE]
             return
         if not turn:

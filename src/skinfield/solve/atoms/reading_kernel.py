@@ -89,7 +89,6 @@ from skinfield.solve.atoms.reading_memory import (
     SCALE,
     SEARCHED_BY,
     SEEKING,
-    SINCE,
     SPLIT_NOISE,
     SPREAD,
     STAGE,
@@ -123,8 +122,7 @@ FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it 
 FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
 FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
-AGAIN = 16  # readings, after which it is looked again whether one is two, or two are one
-QUIETER_AGAIN = 0.7  # times the noise then, likewise: averages are of more readings
+QUIETER_AGAIN = 0.7  # times the noise when it was looked at whether one is two: then it is again
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER = 0.98  # how far one answer may move what is known of what drawing takes, downwards
 OVERSHOOT = 0.25  # part of that by which work before it ends late at most
@@ -415,8 +413,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         begin_comparison(fit, numbers[MISFIT], True)
         marks[GRADUAL] = explained and score < np.sqrt(2.0 * fit.rules.threshold)
         return
-    marks[SINCE] += 1
-    if marks[SINCE] >= AGAIN or numbers[MEAN_NOISE] < QUIETER_AGAIN * numbers[SPLIT_NOISE]:
+    if numbers[MEAN_NOISE] < QUIETER_AGAIN * numbers[SPLIT_NOISE]:  # more readings in an average
         begin_comparison(fit, numbers[MISFIT], True)
         marks[STAGE], marks[GRADUAL] = DROPPING, explained
         marks[INDEX] = 0

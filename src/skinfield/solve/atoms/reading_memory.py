@@ -56,9 +56,8 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
 # a comparison may take its time, as the answer explains all; which of `DUTIES` comes
-# first; whether none explained the readings when all sets of atoms had been compared; how many
-# atoms the reading before had, of which fewer must be clearly better, or 0; and readings since
-# numbers of atoms were compared.
+# first; whether none explained the readings when all sets of atoms had been compared; and how many
+# atoms the reading before had, of which fewer must be clearly better, or 0.
 (
     PRESSES,
     STAGE,
@@ -74,8 +73,7 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     DUTY,
     HOPELESS,
     FORMER_COUNT,
-    SINCE,
-) = range(15)
+) = range(14)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
