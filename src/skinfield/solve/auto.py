@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, check_count, check_range, check_shape, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
-from skinfield.solve.atoms.fit_kernel import MOST, NOW
+from skinfield.solve.atoms.fit_kernel import NOW
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.field_evidence import (
@@ -152,7 +152,7 @@ class AutoData(Data):
         super().__init__(operator, len(operator.model.grid), margin)
         self.contacts, self.field = operator.contact_fit.data(), operator.whole_field.data()
         self.linear, self.contest = operator.whole_linear.data(), Contest()
-        self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
+        self.contacts.choice.limit(operator.solver.most_steps)
         self.along, self.sums = operator.covariance.room
         self.rows, self.count = self.contacts.rows, 0
 

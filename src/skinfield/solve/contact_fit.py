@@ -13,6 +13,7 @@ from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.solve.atoms.atom_fit import AtomFit
+from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
@@ -29,7 +30,8 @@ class ContactData(Data):
         left to others.
     count : int
         How many of the rows hold.
-    fit : FitData
+    choice : MechanicsChoice
+        Of all fits of the readings, which grids of a patch share.
     """
 
     rows: NDArray[np.void]
@@ -37,7 +39,12 @@ class ContactData(Data):
     def __init__(self, operator: "ContactOperator") -> None:
         super().__init__(operator, len(operator.model.grid), DeadlineMargin())
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
-        self.fit, self._operator = operator.fitter.data(), operator
+        self.choice, self._operator = operator.fitter.data(), operator
+
+    @property
+    def fit(self) -> FitData:
+        """By the mechanics that are more probable."""
+        return self.choice.fit
 
     @property
     def noise(self) -> Floats:
@@ -45,16 +52,16 @@ class ContactData(Data):
 
         Averages have less than the operator's. Taxels that are left out count as infinite.
         """
-        return self.fit.noise
+        return self.choice.noise
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self.fit.reset()
+        self.choice.reset()
 
     def start_from(self, other: Data) -> None:
         """Go on with the memory of another grid's fit, from now on with the same one."""
         if isinstance(other, ContactData):
-            self.fit = other.fit
+            self.choice = other.choice
 
     def keep(self) -> AtomFit:
         """What was found in the last reading, which nothing overwrites."""
@@ -107,10 +114,11 @@ class ContactOperator:
         self, readings: Floats, data: ContactData, deadline_ns: int | None = None
     ) -> Solution:
         """See `Operator.solve`."""
-        readings, solution, fit = data.heard(readings, self.valid), data.solution, data.fit
+        readings, solution, choice = data.heard(readings, self.valid), data.solution, data.choice
         out = solution.pressure, data.rows
-        data.count = self.fitter.fit(readings, fit, self.renderer, out, self.valid, deadline_ns)
-        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
+        data.count = self.fitter.fit(readings, choice, self.renderer, out, self.valid, deadline_ns)
+        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(choice)
+        fit = choice.fit
         solution.solver, solution.offset = type(self.solver).__name__, fit.offset
         solution.gap = solution.objective = float("nan")
         solution.evidence, solution.steps = float(fit.search.known[0]), 0
@@ -176,6 +184,10 @@ class ContactFit(FitSettings):
     common_mode : float
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
         noise; it is integrated out. 0 for none.
+    check_mechanics : bool
+        Compare the layer's stated mechanics, press by press, with another Poisson's ratio and with
+        a cover, or without; the more probable one answers, and a note says so. False for a layer
+        that is known: what is prepared takes a third of the time then.
 
     See Also
     --------

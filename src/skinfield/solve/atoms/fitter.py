@@ -5,35 +5,26 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
-from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel, Priors
+from skinfield.solve.atoms.fit_data import FitData
+from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitModel, Priors
+from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, other_physics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
-from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.reading_kernel import answer_reading
 from skinfield.solve.atoms.reading_memory import (
-    EXPLAINED,
-    FIT,
     MEAN_NOISE,
     MISFIT,
-    OFFSET,
     PRESSES,
     RESTING,
     SCALE,
     STAGE,
-    TOTAL,
-    Fit,
     Neighbours,
-    ReadingMemory,
     ReadingRules,
-    forget,
 )
 from skinfield.solve.atoms.render import AtomRenderer
-from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import atom_tables
-from skinfield.solve.packed import Packed
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 MANY, UNLIKE = 10, 0.02  # presses, of which a model error as large is worth a note
@@ -56,82 +47,6 @@ LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 
 
-class FitData:
-    """Scratch memory of a contact fit, and what it remembers of the reading before.
-
-    Parameters
-    ----------
-    fitter : ContactFitter
-
-    Attributes
-    ----------
-    noise : (L,) array, in the quantity's unit
-        Deviation of what is solved next.
-    drawing : Drawing
-        The last answer, drawn.
-    packed : Packed
-        All of it.
-    """
-
-    def __init__(self, fitter: "ContactFitter") -> None:
-        settings, most, noise = fitter.settings, fitter.settings.most_contacts, fitter.noise
-        self.memory = FitMemory.of(fitter.fit_model, most)
-        self.posterior = PosteriorMemory.of(most)
-        self.own = ReadingMemory.of(noise, most, settings.model_error)
-        self.search = SearchMemory.of(fitter.bank, most, settings.starts)
-        parts = Fit(
-            fitter.fit_model,
-            fitter.bank,
-            fitter.near,
-            fitter.rules,
-            self.memory,
-            self.search,
-            self.posterior,
-            self.own,
-            Drawing.of(most),
-        )
-        self.drawing = parts.drawing
-        self.packed, self._error = Packed(parts, FIT), settings.model_error
-        self.noise = self.own.noise
-
-    @property
-    def count(self) -> int:
-        """Atoms of the answer."""
-        return int(self.memory.counts[NOW])
-
-    @property
-    def misfit(self) -> float:
-        """What the model is wrong by, part of what taxels read: the middle of what it may be."""
-        return float(self.own.numbers[MISFIT])
-
-    @property
-    def total(self) -> float:
-        """Logarithm of the marginal likelihood of the atoms, whatever the model error.
-
-        Over the density of the stated noise at 0.
-        """
-        return float(self.own.numbers[TOTAL])
-
-    @property
-    def offset(self) -> float:
-        """That all taxels are taken to share, in the quantity's unit."""
-        return float(self.own.numbers[OFFSET])
-
-    @property
-    def explained(self) -> bool:
-        """Whether noise and model error account for what is left over."""
-        return bool(self.own.marks[EXPLAINED])
-
-    def squares(self, left: Floats) -> float:
-        """Of what is left over of readings (L,), over their noise."""
-        return float(np.square(left / self.own.heard).sum())
-
-    def reset(self) -> None:
-        """Forget the reading before."""
-        self.memory.counts[:], self.posterior.known[:] = 0, 0
-        forget.py_func(self.own, self._error)  # type: ignore[attr-defined]
-
-
 class ContactFitter:
     """Finds contacts reading by reading: prepared once, for all grids of a patch.
 
@@ -151,7 +66,7 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
-        thickness = physics.layer.thickness
+        self.thickness = thickness = physics.layer.thickness
         tables = atom_tables(physics)
         taxels = np.ascontiguousarray(model.taxels / thickness)
         priors = Priors(
@@ -177,11 +92,17 @@ class ContactFitter:
             settings.model_error,
             settings.common_mode,
         )
+        others = other_physics(physics) if settings.check_mechanics else ()
+        self.mechanics = ("", *(said for said, _ in others))
+        tables = [atom_tables(other) for _, other in others]
+        self.models = (self.fit_model, *(self.fit_model._replace(tables=each) for each in tables))
         self._all = np.ones(len(taxels), np.bool_)
 
-    def data(self) -> FitData:
+    def data(self) -> MechanicsChoice:
         """Make scratch memory."""
-        return FitData(self)
+        noise, known = self.noise.copy(), (self.bank, self.near, self.rules)
+        fits = [FitData(model, *known, noise) for model in self.models]
+        return MechanicsChoice(fits, self.thickness)
 
     def touches(self) -> list[Floats]:
         """Readings (L,) of touches by which all that is compiled is run."""
@@ -195,7 +116,7 @@ class ContactFitter:
     def fit(
         self,
         readings: Floats,
-        data: FitData,
+        choice: MechanicsChoice,
         renderer: AtomRenderer,
         out: tuple[Floats, NDArray[np.void]],
         valid: NDArray[np.bool_] | None = None,
@@ -206,8 +127,11 @@ class ContactFitter:
         Writes the pressure (K,) and rows of `CONTACT` into `out`.
         """
         heard, end = self._all if valid is None else valid, deadline_ns or 0
-        fit, grid = data.packed.address, renderer.rows.address
-        return answer_reading(fit, grid, *out, readings, heard, end)
+        grid = renderer.rows.address
+        found = answer_reading(choice.fit.packed.address, grid, *out, readings, heard, end)
+        if choice.is_due(end) and choice.compare(grid, out[1], len(out[0]), readings, heard, end):
+            found = answer_reading(choice.fit.packed.address, grid, *out, readings, heard, end)
+        return found
 
     def answer_of(self, data: FitData, renderer: AtomRenderer, rows: NDArray[np.void]) -> AtomFit:
         """The last answer with its rows, drawn by a renderer."""
@@ -222,14 +146,15 @@ class ContactFitter:
             predicted=data.memory.predicted[NOW] + data.offset,
         )
 
-    def notes(self, data: FitData) -> tuple[str, ...]:
+    def notes(self, choice: MechanicsChoice) -> tuple[str, ...]:
         """What is to be told of the last answer, in sentences."""
+        data, other = choice.fit, self.mechanics[choice.acting]
         own, marks, count = data.own, data.memory.marks, data.count
         numbers, presses, offset = own.numbers, int(own.marks[PRESSES]), abs(data.offset)
         late, loud = own.marks[STAGE] != RESTING, numbers[SCALE] > LOUD
         unlike = presses >= MANY and numbers[MISFIT] > UNLIKE
         shared = offset > self.settings.common_mode * numbers[MEAN_NOISE]
-        if not (late or loud or shared or unlike):
+        if not (late or loud or shared or unlike or other):
             return ()
         notes = []
         if late:
@@ -240,7 +165,12 @@ class ContactFitter:
             notes.append("ContactFit saw more noise than was stated, and went by what it saw")
         if shared:
             notes.append("ContactFit took what all taxels share for an offset: tare the skin")
-        if unlike:
+        if other:
+            notes.append(
+                f"ContactFit: this skin reads unlike its model, as if {other}, by which it is "
+                "answered: calibrate"
+            )
+        elif unlike:
             notes.append(
                 f"ContactFit: this skin reads unlike its model, by {100 * data.misfit:.0f} % press "
                 "after press: Poisson's ratio, cover or gains differ; calibrate"

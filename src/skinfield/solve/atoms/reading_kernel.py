@@ -71,6 +71,8 @@ from skinfield.solve.atoms.reading_memory import (
     STAGE,
     TOTAL,
     TURN,
+    UNSURE_FORCE,
+    UNSURE_PLACE,
     WEIGHED,
     Fit,
     forget,
@@ -405,8 +407,10 @@ def answer_reading(
         highest = max(highest, memory.taxels[WHITE, taxel])
         lowest = min(lowest, own.heard[taxel])
     at_mean = not highest * lowest > QUIETER
-    error = own.numbers[SPREAD]
-    count = write_rows(grid, memory, fit.post, at_mean, error, fit.drawing, pressure, rows)
+    errors = fit.drawing.errors
+    errors[0], errors[1] = own.numbers[UNSURE_PLACE], own.numbers[UNSURE_FORCE]
+    errors[2] = own.numbers[SPREAD]
+    count = write_rows(grid, memory, fit.post, at_mean, fit.drawing, pressure, rows)
     took = now_ns(memory.marks) - ended
     before = own.numbers[DRAWN]
     own.numbers[DRAWN] = min(max(took, FASTER * before), SLOWER * before)

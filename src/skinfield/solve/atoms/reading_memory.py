@@ -23,7 +23,8 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
 # compared; the model error in the middle and in the mean square, and that by which taxels are
 # weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
 # vain; what drawing takes, ns; of the other set its scale, two model errors and evidence; the model
-# error that is searched by; the noise when it last changed; the least worth of atoms when compared.
+# error that is searched by; the noise when it last changed; the least worth of atoms when compared;
+# deviations of place, thicknesses, and of the force's logarithm, as the mechanics are not sure.
 (
     SCALE,
     COMPARED,
@@ -43,7 +44,9 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     SEARCHED_BY,
     MEAN_NOISE,
     LEAST_WORTH,
-) = range(18)
+    UNSURE_PLACE,
+    UNSURE_FORCE,
+) = range(20)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer
@@ -91,7 +94,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (18,) array
+    numbers : (20,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -115,7 +118,7 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(LEAST_WORTH + 1)
+        numbers = np.zeros(UNSURE_FORCE + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
         made = cls(
             numbers,
@@ -151,6 +154,7 @@ def forget(own: ReadingMemory, error: float) -> None:
     own.numbers[MISFIT] = own.numbers[SPREAD] = error
     own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
     own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
+    own.numbers[UNSURE_PLACE] = own.numbers[UNSURE_FORCE] = 0.0
     for k in range(len(own.marks)):
         own.marks[k] = 0
     own.marks[STAGE], own.marks[EXPLAINED] = RESTING, 1

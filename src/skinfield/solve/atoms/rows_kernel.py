@@ -64,9 +64,11 @@ class Drawing(NamedTuple):
         Number of the body of each.
     order : (W,) int array
         Bodies by falling force.
-    sums : (3, W) array
-        Of bodies: their force, N, and their radius as a ring, m, else 0; and of the model: what it
-        is wrong by.
+    sums : (2, W) array
+        Of bodies: their force, N, and their radius as a ring, m, else 0.
+    errors : (3,) array
+        Deviations of place, thicknesses, and of the force's logarithm, as the mechanics are not
+        sure; and what the model is wrong by, part of what taxels read.
     by : (2, 6, 6) array
         Room.
     drawn : (1,) int array
@@ -79,6 +81,7 @@ class Drawing(NamedTuple):
     owner: Ints
     order: Ints
     sums: Floats
+    errors: Floats
     by: Floats
     drawn: Ints
 
@@ -92,7 +95,8 @@ class Drawing(NamedTuple):
             np.zeros((room, 6, 6)),
             np.zeros(room, np.int64),
             np.zeros(room, np.int64),
-            np.zeros((3, room)),
+            np.zeros((2, room)),
+            np.zeros(3),
             np.zeros((2, 6, 6)),
             np.zeros(1, np.int64),
         )
@@ -171,12 +175,13 @@ def draw_atom(
         by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
         by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
     covariance = drawing.covariance[place]
-    error, hidden = ODD if long or ring else ROUND, drawing.sums[1, 0]
+    error, errors = ODD if long or ring else ROUND, drawing.errors
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
         if i < 4:
-            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
+            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * errors[2]) ** 2
+            covariance[i, i] += errors[i // 2] ** 2
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -205,7 +210,7 @@ def draw(
 @inner(_nrt=False)
 def join(drawing: Drawing, place: int) -> None:
     """Number the body of an atom, after those before: the lowest of those that it overlaps."""
-    drawing.owner[place], drawing.sums[2, place] = place, 0.0
+    drawing.owner[place], drawing.sums[1, place] = place, 0.0
     for other in range(place):
         one, its = drawing.atoms[place], drawing.atoms[other]
         if square_apart(one, its) < (one[3] + its[3]) ** 2:
@@ -228,7 +233,7 @@ def draw_ring(
     """Draw a ring as small balls from a place on; the place after the last."""
     draw_atom(memory, post, index, thickness, at_mean, drawing, first)
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
-    radius = drawing.sums[2, first] = drawing.atoms[first, 3]
+    radius = drawing.sums[1, first] = drawing.atoms[first, 3]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
     number = min(number, len(drawing.atoms) - first)
     for pearl in range(number):
@@ -318,7 +323,7 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
 
     Atoms are independent; the small balls of a ring move as one.
     """
-    total, ring, variance, out = row.normal_force, drawing.sums[2, body], 0.0, row.covariance
+    total, ring, variance, out = row.normal_force, drawing.sums[1, body], 0.0, row.covariance
     for number in range(6):
         out[number] = 0.0
     for n in range(body, body + 1 if ring > 0.0 else count):
@@ -438,7 +443,6 @@ def write_rows(
     memory: FitMemory,
     post: PosteriorMemory,
     at_mean: bool,
-    error: float,
     drawing: Drawing,
     pressure: Floats,
     rows: Any,
@@ -446,9 +450,7 @@ def write_rows(
     """Write the pressure (K,), Pa, and the contacts of NOW, by falling force; how many there are.
 
     Rows beyond their number keep what they had; where there are more contacts, the strongest count.
-    `error` is what the model is wrong by, part of what taxels read.
     """
-    drawing.sums[1, 0] = error
     count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
     return write_bodies(grid, drawing, count, pressure, rows)
 

@@ -16,10 +16,12 @@ class FitSettings:
     starts: int = 8
     warm: bool = True
     common_mode: float = 5.0
+    check_mechanics: bool = True
 
     def __post_init__(self) -> None:
         check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
         check_count("starts", self.starts, 1, 64, "places from which each is sought")
+        check_type("check_mechanics", self.check_mechanics, bool, "whether others are compared")
         check_type("warm", self.warm, bool, "whether to start from the reading before")
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
