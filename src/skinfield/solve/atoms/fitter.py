@@ -94,8 +94,8 @@ class ContactFitter:
         )
         others = other_physics(physics) if settings.check_mechanics else ()
         self.mechanics = ("", *(said for said, _ in others))
-        tables = [atom_tables(other) for _, other in others]
-        self.models = (self.fit_model, *(self.fit_model._replace(tables=each) for each in tables))
+        more = (self.fit_model._replace(tables=atom_tables(other)) for _, other in others)
+        self.models = (self.fit_model, *more)
         self._all = np.ones(len(taxels), np.bool_)
 
     def data(self) -> MechanicsChoice:
