@@ -33,10 +33,12 @@ class FitData:
     near : Neighbours
     rules : ReadingRules
     noise : (L,) array, in the quantity's unit
-        Deviation of what is solved next: kept, and read again at each reading.
+        Deviation of one reading.
 
     Attributes
     ----------
+    noise : (L,) array
+        Deviation of what is solved next.
     drawing : Drawing
         The last answer, drawn.
     packed : Packed
@@ -51,10 +53,11 @@ class FitData:
         rules: ReadingRules,
         noise: Floats,
     ) -> None:
-        most, self.noise, self.drawing = rules.most, noise, Drawing.of(rules.most)
+        most, self.drawing = rules.most, Drawing.of(rules.most)
         self.memory = FitMemory.of(model, most)
         self.posterior = PosteriorMemory.of(most)
-        self.own = ReadingMemory.of(noise, most, rules.model_error)._replace(noise=noise)
+        self.own = ReadingMemory.of(noise, most, rules.model_error)
+        self.noise = self.own.noise
         self.search = SearchMemory.of(bank, most, rules.starts)
         known, room = (model, bank, near, rules), (self.memory, self.search, self.posterior)
         self.packed = Packed(Fit(*known, *room, self.own, self.drawing), FIT)
@@ -91,6 +94,10 @@ class FitData:
     def squares(self, left: Floats) -> float:
         """Of what is left over of readings (L,), over their noise."""
         return float(np.square(left / self.own.heard).sum())
+
+    def use(self, model: FitModel) -> None:
+        """Go by another model of the same taxels."""
+        self.packed = Packed(self.packed.value._replace(model=model), FIT)
 
     def reset(self) -> None:
         """Forget the reading before."""

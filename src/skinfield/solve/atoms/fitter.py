@@ -11,7 +11,6 @@ from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitModel, Priors
 from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, other_physics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
-from skinfield.solve.atoms.reading_kernel import answer_reading
 from skinfield.solve.atoms.reading_memory import (
     MEAN_NOISE,
     MISFIT,
@@ -100,9 +99,8 @@ class ContactFitter:
 
     def data(self) -> MechanicsChoice:
         """Make scratch memory."""
-        noise, known = self.noise.copy(), (self.bank, self.near, self.rules)
-        fits = [FitData(model, *known, noise) for model in self.models]
-        return MechanicsChoice(fits, self.thickness)
+        known = self.bank, self.near, self.rules, self.noise
+        return MechanicsChoice(self.models, *known, self.thickness)
 
     def touches(self) -> list[Floats]:
         """Readings (L,) of touches by which all that is compiled is run."""
@@ -127,11 +125,7 @@ class ContactFitter:
         Writes the pressure (K,) and rows of `CONTACT` into `out`.
         """
         heard, end = self._all if valid is None else valid, deadline_ns or 0
-        grid = renderer.rows.address
-        found = answer_reading(choice.fit.packed.address, grid, *out, readings, heard, end)
-        if choice.is_due(end) and choice.compare(grid, out[1], len(out[0]), readings, heard, end):
-            found = answer_reading(choice.fit.packed.address, grid, *out, readings, heard, end)
-        return found
+        return choice.answer(renderer.rows.address, *out, readings, heard, end)
 
     def answer_of(self, data: FitData, renderer: AtomRenderer, rows: NDArray[np.void]) -> AtomFit:
         """The last answer with its rows, drawn by a renderer."""

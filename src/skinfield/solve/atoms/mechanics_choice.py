@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import BondedLayer, Physics
 from skinfield.errors import Floats
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.solve.atoms.dictionary import Templates
 from skinfield.solve.atoms.fit_data import FitData
-from skinfield.solve.atoms.fit_kernel import MOST, STEPS
+from skinfield.solve.atoms.fit_kernel import MOST, STEPS, FitModel
 from skinfield.solve.atoms.reading_kernel import answer_reading
 from skinfield.solve.atoms.reading_memory import (
     COMPARED,
@@ -28,6 +30,8 @@ from skinfield.solve.atoms.reading_memory import (
     STAGE,
     UNSURE_FORCE,
     UNSURE_PLACE,
+    Neighbours,
+    ReadingRules,
 )
 
 SOFTER = 0.45  # Poisson's ratio of an elastomer with bubbles, or of a foam
@@ -36,6 +40,7 @@ MOST_TOLD = 4.0  # ln odds by one press
 BETTER = 2.0  # ln odds, from which another one answers
 TRIED = 500  # steps of refinement: the right one needs fewer, nine times in ten
 SETTLED = 10.0  # ln odds against all others, from which on few presses are fitted by them
+CLEAR = 400.0  # the readings' squares over the noise: a press that tells something
 STRONGER = 4.0  # times the readings' squares: then a press tells more than it did
 FEW = 3  # contacts: what more of them are may be a palm, which tells nothing
 PIECE = 4  # times what drawing an answer takes: less time is not worth beginning
@@ -60,38 +65,51 @@ def other_physics(physics: Physics) -> tuple[tuple[str, Physics], ...]:
 
 
 class MechanicsChoice:
-    """Fits of a patch's readings by each mechanics, of which one answers.
+    """Fits of a patch's readings: one that answers, and one by each mechanics, tried on presses.
 
     Parameters
     ----------
-    fits : list of N FitData
+    models : N FitModel
         The first one by what is stated.
+    bank : Templates
+    near : Neighbours
+    rules : ReadingRules
+    noise : (L,) array
     thickness : float, m
         Of the layer.
 
     Attributes
     ----------
-    acting : int
-        Number of the one that answers.
-    learnt, here : (N,) arrays
-        Logarithms of the odds of each, but for a constant, by presses before, and what this adds.
+    fit : FitData
+        The one that answers, by the mechanics number `acting`.
+    noise : (L,) array
+        Deviation of what is solved next; may be written to.
+    odds : (N,) array
+        Logarithms of the odds of each, but for a constant, by the presses before.
+    here : (N,) array
+        What the press adds to them.
     """
 
-    def __init__(self, fits: list[FitData], thickness: float) -> None:
-        self.fits, self.thickness, self._open = fits, thickness, np.zeros(len(fits), np.bool_)
-        (self.learnt, self.here), self._shifts = np.zeros((2, len(fits))), np.zeros((len(fits), 3))
-        self._most = 0
+    def __init__(
+        self,
+        models: tuple[FitModel, ...],
+        bank: Templates,
+        near: Neighbours,
+        rules: ReadingRules,
+        noise: Floats,
+        thickness: float,
+    ) -> None:
+        self.models, self.noise, self._most, self.acting = models, noise.copy(), 0, 0
+        self._scale = np.array([1.0 / thickness, 1.0 / thickness, 1.0])
+        fits = [FitData(model, bank, near, rules, noise) for model in (models[0], *models)]
+        self.fit, self._trials = fits[0], fits[1:] if len(models) > 1 else []
+        (self.odds, self.here), self._places = (
+            np.zeros((2, len(models))),
+            np.zeros((len(models), 3)),
+        )
+        self._reading, self._its_noise = np.zeros((2, len(noise)))
+        self._heard = np.ones(len(noise), np.bool_)
         self.reset()
-
-    @property
-    def fit(self) -> FitData:
-        """The one that answers."""
-        return self.fits[self.acting]
-
-    @property
-    def noise(self) -> Floats:
-        """Deviation (L,) of what is solved next, of all of them."""
-        return self.fits[0].noise
 
     def limit(self, steps: int) -> None:
         """Stop after so many steps of a reading."""
@@ -99,92 +117,120 @@ class MechanicsChoice:
 
     def reset(self) -> None:
         """Forget the readings before."""
-        for fit in self.fits:
+        self._answer_by(0)
+        for fit in (self.fit, *self._trials):
             fit.reset()
-        self.acting, self.here[:], self.learnt[:] = 0, 0.0, UNLIKELY
-        self.learnt[0] = 0.0
-        self._open[:], self._shifts[:] = False, 0.0
-        self._press, self._next, self._energy, self._steps = 0, 1, 0.0, 0
+        self.here[:], self.odds[:], self.odds[0] = 0.0, UNLIKELY, 0.0
+        self._trial, self._steps = -1, 0
+        self._press, self._next, self._energy = 0, 1, 0.0
 
-    def is_due(self, end: int) -> bool:
-        """Whether others are to be tried on the press, if there is time until `end`, ns."""
-        own, fits = self.fit.own, len(self.fits)
-        if fits == 1 or own.marks[STAGE] != RESTING or not 0 < self.fit.count <= FEW:
-            return False
-        if own.marks[PRESSES] != self._press:
-            due = own.marks[PRESSES] >= self._next
-        else:
-            due = self._open.any() or own.numbers[COMPARED] > STRONGER * self._energy
-        left = end - time.perf_counter_ns() if end else np.inf
-        return bool(due and left > PIECE * own.numbers[DRAWN])
+    def answer(
+        self,
+        grid: int,
+        pressure: Floats,
+        rows: NDArray[np.void],
+        readings: Floats,
+        heard: NDArray[np.bool_],
+        end: int,
+    ) -> int:
+        """Find the contacts of readings, and go on with the choice as far as the time allows.
 
-    def compare(
-        self, grid: int, rows: NDArray[np.void], nodes: int, readings: Floats, heard: Any, end: int
-    ) -> bool:
-        """Fit readings (L,) by the other mechanics, and see which is more probable.
-
-        Parameters
-        ----------
-        grid : int
-            Address of a `RowGrid` of so many `nodes`.
-        rows : array of CONTACT
-            That the acting fit has written.
-        readings, heard : (L,) arrays
-        end : int, ns
-            Of the clock, or 0: what is not done until then goes on at the next reading.
-
-        Returns
-        -------
-        bool
-            Whether what is known of the contacts is now another.
+        See `answer_reading`; `grid` is the address of the `RowGrid`.
         """
-        fit = self.fit
-        press, energy = int(fit.own.marks[PRESSES]), float(fit.own.numbers[COMPARED])
-        if press != self._press or energy > STRONGER * self._energy:
-            if press != self._press:
-                self.learnt += self.here
-            self.here[:], self._open[:], self._open[self.acting] = 0.0, True, False
-            self._press, self._energy, self._steps, self._shifts[:] = press, energy, 0, 0.0
-            for number in np.flatnonzero(self._open):
-                self.fits[number].memory.counts[:] = 0
-        before = end - int(PIECE / 2 * fit.own.numbers[DRAWN]) if end else 0
-        pressure, others = np.empty(nodes), np.zeros(len(rows), rows.dtype)
-        for number in np.flatnonzero(self._open):
-            other = self.fits[number]
-            address = other.packed.address
-            other.memory.marks[MOST] = TRIED - self._steps
-            count = answer_reading(address, grid, pressure, others, readings, heard, before)
-            self._steps += int(other.memory.marks[STEPS])
-            other.memory.marks[MOST] = self._most
-            if other.own.marks[STAGE] != RESTING and self._steps < TRIED:
+        rest = grid, pressure, rows, readings, heard, end
+        np.copyto(self.fit.noise, self.noise)
+        count = answer_reading(self.fit.packed.address, *rest)
+        if self._is_due(end):
+            if self._trial < 0:
+                self._begin(rows[0], readings, heard)
+            if self._try(grid, pressure, len(rows), end):
+                np.copyto(self.fit.noise, self.noise)
+                count = answer_reading(self.fit.packed.address, *rest)
+        return count
+
+    def _is_due(self, end: int) -> bool:
+        """Whether a press is to be tried by each, if there is time until `end`, ns."""
+        own = self.fit.own
+        if not self._trials:
+            return False
+        if self._trial < 0:
+            if own.marks[STAGE] != RESTING or not 0 < self.fit.count <= FEW:
                 return False
-            self._open[number], self._steps = False, 0
-            self.here[number] = min(max(other.total - fit.total, -MOST_TOLD), MOST_TOLD)
-            self._shifts[number] = shift_of(rows[0], others[:count])
+            energy = own.numbers[COMPARED]
+            if own.marks[PRESSES] != self._press:
+                due = energy > CLEAR and own.marks[PRESSES] >= self._next
+            else:
+                due = energy > STRONGER * self._energy
+            if not due:
+                return False
+        return not end or end - time.perf_counter_ns() > PIECE * own.numbers[DRAWN]
+
+    def _begin(self, row: Any, readings: Floats, heard: NDArray[np.bool_]) -> None:
+        """Have a reading be fitted by each, over the time of the next ones if need be."""
+        own = self.fit.own
+        press, self._energy = int(own.marks[PRESSES]), max(float(own.numbers[COMPARED]), CLEAR)
+        if press != self._press:
+            self.odds += self.here
+        self._press, self._trial, self._steps = press, 0, 0
+        self._places[:] = row["x"], row["y"], np.log(row["normal_force"])
+        np.copyto(self._reading, readings)
+        np.copyto(self._heard, heard)
+        np.copyto(self._its_noise, self.noise)
+
+    def _try(self, grid: int, pressure: Floats, most: int, end: int) -> bool:
+        """Go on fitting that reading by each; True where all is done, and decided."""
+        before = end - int(PIECE / 2 * self.fit.own.numbers[DRAWN]) if end else 0
+        room, rows = np.empty_like(pressure), np.zeros(most, CONTACT)
+        for trial in self._trials[self._trial :]:
+            memory, address = trial.memory, trial.packed.address
+            if not self._steps:
+                memory.counts[:] = 0
+                np.copyto(trial.noise, self._its_noise)
+            memory.marks[MOST] = TRIED - self._steps
+            count = answer_reading(address, grid, room, rows, self._reading, self._heard, before)
+            self._steps += max(int(memory.marks[STEPS]), 1)
+            if trial.own.marks[STAGE] != RESTING and self._steps < TRIED:
+                return False
+            if trial.own.marks[STAGE] != RESTING and end:  # interrupted: have it infer its evidence
+                memory.marks[MOST] = 1
+                count = answer_reading(address, grid, room, rows, self._reading, self._heard, 0)
+            self._keep_place(rows[:count])
+            self._trial, self._steps = self._trial + 1, 0
         self._decide()
         return True
 
+    def _keep_place(self, rows: NDArray[np.void]) -> None:
+        """Write place and force of the contact that a trial has nearest to where one was."""
+        place = self._places[self._trial]
+        if len(rows):
+            apart = np.square(rows["x"] - place[0]) + np.square(rows["y"] - place[1])
+            row = rows[np.argmin(apart)]
+            place[:] = row["x"], row["y"], np.log(row["normal_force"])
+
     def _decide(self) -> None:
         """See which one answers, and how far the others differ from it."""
-        odds = self.learnt + self.here
+        totals = np.array([trial.total for trial in self._trials])
+        self.here[:] = np.clip(totals - totals[self.acting], -MOST_TOLD, MOST_TOLD)
+        self._trial, odds = -1, self.odds + self.here
         best = int(np.argmax(odds))
         if odds[best] - odds[self.acting] > BETTER:
-            self.acting = best
+            self._answer_by(best)
         own, odds = self.fit.own, odds - odds[self.acting]
-        self._press, self._energy = int(own.marks[PRESSES]), float(own.numbers[COMPARED])
         shares = np.exp(odds - odds.max())
-        squares = shares @ np.square(self._shifts - self._shifts[self.acting]) / shares.sum()
-        thickness = self.thickness
-        own.numbers[UNSURE_PLACE] = np.sqrt(0.5 * (squares[0] + squares[1])) / thickness
+        apart = (self._places - self._places[self.acting]) * self._scale
+        squares = shares @ np.square(apart) / shares.sum()
+        own.numbers[UNSURE_PLACE] = np.sqrt(0.5 * (squares[0] + squares[1]))
         own.numbers[UNSURE_FORCE] = np.sqrt(squares[2])
         rival = np.delete(odds, self.acting).max()
         self._next = 2 * self._press if rival < -SETTLED else self._press + 1
 
-
-def shift_of(row: Any, others: NDArray[np.void]) -> Floats:
-    """From a contact to the nearest of others: x and y, m, and of the force's logarithm; or 0."""
-    if not len(others):
-        return np.zeros(3)
-    x, y = others["x"] - row["x"], others["y"] - row["y"]
-    near = int(np.argmin(x * x + y * y))
-    return np.array([x[near], y[near], np.log(others["normal_force"][near] / row["normal_force"])])
+    def _answer_by(self, number: int) -> None:
+        """Have the trial by a mechanics answer from now on."""
+        if number == self.acting:
+            return
+        spare = self.fit
+        self.fit, self._trials[number], self.acting = self._trials[number], spare, number
+        spare.use(self.models[number])
+        spare.own.errors[:] = self.fit.own.errors
+        own, self.fit.memory.marks[MOST] = self.fit.own, self._most
+        self._press, self._energy = int(own.marks[PRESSES]), float(own.numbers[COMPARED])
