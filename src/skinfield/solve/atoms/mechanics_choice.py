@@ -43,6 +43,7 @@ SETTLED = 10.0  # ln odds against all others, from which on few presses are fitt
 CLEAR = 400.0  # the readings' squares over the noise: a press that tells something
 STRONGER = 4.0  # times the readings' squares: then a press tells more than it did
 FEW = 3  # contacts: what more of them are may be a palm, which tells nothing
+WHOLE = 100_000_000  # ns, in which all are tried in one go
 PIECE = 4  # times what drawing an answer takes: less time is not worth beginning
 
 
@@ -179,7 +180,8 @@ class MechanicsChoice:
 
     def _try(self, grid: int, pressure: Floats, most: int, end: int) -> bool:
         """Go on fitting that reading by each; True where all is done, and decided."""
-        before = end - int(PIECE / 2 * self.fit.own.numbers[DRAWN]) if end else 0
+        whole = not end or end - time.perf_counter_ns() > WHOLE
+        before = 0 if whole else end - int(PIECE / 2 * self.fit.own.numbers[DRAWN])
         room, rows = np.empty_like(pressure), np.zeros(most, CONTACT)
         for trial in self._trials[self._trial :]:
             memory, address = trial.memory, trial.packed.address
@@ -188,10 +190,11 @@ class MechanicsChoice:
                 np.copyto(trial.noise, self._its_noise)
             memory.marks[MOST] = TRIED - self._steps
             count = answer_reading(address, grid, room, rows, self._reading, self._heard, before)
-            self._steps += max(int(memory.marks[STEPS]), 1)
-            if trial.own.marks[STAGE] != RESTING and self._steps < TRIED:
+            interrupted, self._steps = self._steps > 0, self._steps + max(memory.marks[STEPS], 1)
+            resting = trial.own.marks[STAGE] == RESTING
+            if not resting and self._steps < TRIED:
                 return False
-            if trial.own.marks[STAGE] != RESTING and end:  # interrupted: have it infer its evidence
+            if not resting and interrupted:  # its last piece may have been too short to infer
                 memory.marks[MOST] = 1
                 count = answer_reading(address, grid, room, rows, self._reading, self._heard, 0)
             self._keep_place(rows[:count])
