@@ -37,7 +37,7 @@ from skinfield.solve.atoms.reading_memory import (
 SOFTER = 0.45  # Poisson's ratio of an elastomer with bubbles, or of a foam
 UNLIKELY = -2.0  # ln odds of each other mechanics over the stated one, before any press
 MOST_TOLD = 4.0  # ln odds by one press
-BETTER = 2.0  # ln odds, from which another one answers
+BETTER = 3.0  # ln odds, 20 to 1, from which another one answers
 TRIED = 500  # steps of refinement: the right one needs fewer, nine times in ten
 SETTLED = 10.0  # ln odds against all others, from which on few presses are fitted by them
 CLEAR = 400.0  # the readings' squares over the noise: a press that tells something
