@@ -39,7 +39,8 @@ UNLIKELY = -2.0  # ln odds of each other mechanics over the stated one, before a
 MOST_TOLD = 4.0  # ln odds by one press
 BETTER = 3.0  # ln odds, 20 to 1, from which another one answers
 TRIED = 500  # steps of refinement: the right one needs fewer, nine times in ten
-SETTLED = 10.0  # ln odds against all others, from which on few presses are fitted by them
+SETTLED = 10.0  # ln odds against all others, which never get higher: then few presses are tried
+FEWER = 4  # presses to the next of these
 CLEAR = 400.0  # the readings' squares over the noise: a press that tells something
 STRONGER = 4.0  # times the readings' squares: then a press tells more than it did
 FEW = 3  # contacts: what more of them are may be a palm, which tells nothing
@@ -102,12 +103,11 @@ class MechanicsChoice:
     ) -> None:
         self.models, self.noise, self._most, self.acting = models, noise.copy(), 0, 0
         self._scale = np.array([1.0 / thickness, 1.0 / thickness, 1.0])
-        fits = [FitData(model, bank, near, rules, noise) for model in (models[0], *models)]
-        self.fit, self._trials = fits[0], fits[1:] if len(models) > 1 else []
-        (self.odds, self.here), self._places = (
-            np.zeros((2, len(models))),
-            np.zeros((len(models), 3)),
-        )
+        tried = models if len(models) > 1 else ()
+        self.fit = FitData(models[0], bank, near, rules, noise)
+        self._trials = [FitData(model, bank, near, rules, noise) for model in tried]
+        self.odds, self.here = np.zeros((2, len(models)))
+        self._places = np.zeros((len(models), 3))
         self._reading, self._its_noise = np.zeros((2, len(noise)))
         self._heard = np.ones(len(noise), np.bool_)
         self.reset()
@@ -171,7 +171,8 @@ class MechanicsChoice:
         own = self.fit.own
         press, self._energy = int(own.marks[PRESSES]), max(float(own.numbers[COMPARED]), CLEAR)
         if press != self._press:
-            self.odds += self.here
+            odds = self.odds + self.here
+            self.odds[:] = np.maximum(odds - odds[self.acting], -SETTLED)
         self._press, self._trial, self._steps = press, 0, 0
         self._places[:] = row["x"], row["y"], np.log(row["normal_force"])
         np.copyto(self._reading, readings)
@@ -225,7 +226,7 @@ class MechanicsChoice:
         own.numbers[UNSURE_PLACE] = np.sqrt(0.5 * (squares[0] + squares[1]))
         own.numbers[UNSURE_FORCE] = np.sqrt(squares[2])
         rival = np.delete(odds, self.acting).max()
-        self._next = 2 * self._press if rival < -SETTLED else self._press + 1
+        self._next = self._press + (FEWER if rival < -SETTLED else 1)
 
     def _answer_by(self, number: int) -> None:
         """Have the trial by a mechanics answer from now on."""
