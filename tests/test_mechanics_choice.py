@@ -67,11 +67,15 @@ def test_one_press_alone_leaves_the_mechanics_open(operator):
 def test_a_half_space_has_no_other_mechanics(operator):
     physics = operator.model.physics
     assert [clause for clause, _ in other_physics(physics)] == [
-        "its Poisson's ratio were 0.45",
+        *(f"its Poisson's ratio were {ratio}" for ratio in (0.475, 0.45, 0.4)),
         "it had an inextensible cover",
     ]
     softer = replace(physics, layer=replace(LAYER, poisson_ratio=0.4))
-    assert other_physics(softer)[0][1].layer.poisson_ratio == 0.5
+    assert [other.layer.poisson_ratio for _, other in other_physics(softer)[:3]] == [
+        0.5,
+        0.475,
+        0.45,
+    ]
     assert not other_physics(replace(physics, mechanics=sf.HalfSpace()))
 
 

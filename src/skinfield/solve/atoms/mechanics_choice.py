@@ -34,7 +34,8 @@ from skinfield.solve.atoms.reading_memory import (
     ReadingRules,
 )
 
-SOFTER = 0.45  # Poisson's ratio of an elastomer with bubbles, or of a foam
+RATIOS = 0.5, 0.475, 0.45, 0.4  # Poisson's: of elastomers, with more and more bubbles
+CLOSE = 0.012  # to the stated one: no other one
 UNLIKELY = -2.0  # ln odds of each other mechanics over the stated one, before any press
 MOST_TOLD = 4.0  # ln odds by one press
 BETTER = 3.0  # ln odds, 20 to 1, from which another one answers
@@ -53,16 +54,13 @@ def other_physics(physics: Physics) -> tuple[tuple[str, Physics], ...]:
     layer, mechanics = physics.layer, physics.mechanics
     if not isinstance(mechanics, BondedLayer):
         return ()
-    ratio = SOFTER if layer.poisson_ratio > 0.5 * (SOFTER + 0.5) else 0.5
-    other = replace(layer, poisson_ratio=ratio)
+    ratios = [each for each in RATIOS if abs(each - layer.poisson_ratio) > CLOSE]
+    softer = [replace(physics, layer=replace(layer, poisson_ratio=each)) for each in ratios]
     covered = not mechanics.inextensible_cover
-    article, cover = "an" if covered else "no", replace(mechanics, inextensible_cover=covered)
+    cover = replace(physics, mechanics=replace(mechanics, inextensible_cover=covered))
     return (
-        (f"its Poisson's ratio were {ratio:g}", replace(physics, layer=other)),
-        (
-            f"it had {article} inextensible cover",
-            replace(physics, mechanics=cover),
-        ),
+        *((f"its Poisson's ratio were {each.layer.poisson_ratio:g}", each) for each in softer),
+        (f"it had {'an' if covered else 'no'} inextensible cover", cover),
     )
 
 
