@@ -104,7 +104,7 @@ def test_a_baseline_waits_until_the_skin_is_let_go(readings: int, noise: float) 
     baseline, taken = skin.tare(pressed(*ON), readings)
     assert taken < max(2 * readings, 100) + 150
     assert np.abs(baseline.calibration[:, 0] - 240.0).max() < 2.0
-    assert np.median(skin.forces(baseline, UNTOUCHED)) == 0.0  # one may be a false alarm
+    assert np.count_nonzero(skin.forces(baseline, UNTOUCHED)) <= 1  # a false alarm does not last
     assert np.median(skin.forces(baseline, pressed(*ON))) == pytest.approx(1.0, rel=0.5)
 
 

@@ -138,10 +138,6 @@ class ModelConfig:
 
         `progress` is called with how many patches are ready, of how many, while it is prepared.
         """
-        noise, start = {}, 0
-        for patch in self.skin:
-            noise[patch.name] = noise_std[start : start + len(patch)]
-            start += len(patch)
         return Engine(
             self.skin,
             self.layer,
@@ -150,9 +146,15 @@ class ModelConfig:
             mechanics=self.mechanics,
             quantity=self.quantity,
             solver=self.solver,
-            noise_std=noise,
+            noise_std=self.noise_of(noise_std),
             progress=progress,
         )
+
+    def noise_of(self, noise_std: Floats) -> dict[str, Floats]:
+        """Noise of each patch's taxels by its name, of that of all taxels (L,)."""
+        starts = np.cumsum([len(patch) for patch in self.skin])
+        parts = np.split(noise_std, starts[:-1])
+        return {patch.name: part for patch, part in zip(self.skin, parts, strict=True)}
 
     def to_json(self) -> str:
         """Text that `from_json` makes an equal configuration of.
@@ -293,8 +295,8 @@ class Models:
         if self._made is None:
             known, made = self.model_config, {}
             physics = known.mechanics, known.quantity, self._linear
-            typical = known.quantity.typical_noise
-            for kind in kinds_of(known.skin, known.layer, self._noise(), typical):
+            noise, typical = known.noise_of(self.noise_std), known.quantity.typical_noise
+            for kind in kinds_of(known.skin, known.layer, noise, typical):
                 patch = kind.patches[0]
                 rungs = prepare_rungs(patch, kind.layer, known.rungs, *physics, kind.noise_std)
                 made.update({patch.name: rungs for patch in kind.patches})
@@ -308,12 +310,6 @@ class Models:
         if isinstance(solver, Auto | ContactFit):
             solver = getattr(solver, "field", NonNegative())
         return solver.unconstrained() if isinstance(solver, NonNegative) else solver
-
-    def _noise(self) -> dict[str, Floats]:
-        """Noise of each patch's taxels, by its name."""
-        parts = np.split(self.noise_std, self.starts[1:-1])
-        names = [patch.name for patch in self.model_config.skin]
-        return dict(zip(names, parts, strict=True))
 
     @property
     def prepared(self) -> bool:
