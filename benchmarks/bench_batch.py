@@ -1,15 +1,8 @@
-"""Readings per second of bulk reconstruction, and how long a slice of stored results takes.
+"""How long a slice of stored results takes, of an hour at 50 Hz.
 
-Run: python benchmarks/bench_batch.py [--nodes 20 40 80] [--seconds 0.4] [--json FILE]
+Run: python benchmarks/bench_batch.py [--nodes 20 40] [--json FILE]
 
-Two tables in one run, hexagon72, GaussianField, one thread of the BLAS:
-
-* readings per second and core. `bulk` is what `BulkFields` does from readings in double precision:
-  look for missing taxels, linearise the capacitance, round to single precision, multiply. `floor`
-  is the matrix product alone (numpy.dot with `out`, operands ready). P is the pressure, P+u the
-  normal displacement beside it, all four the pressure and three components. Best lap of many, in
-  turn, of 4096 readings.
-* a slice out of an hour at 50 Hz, from a folder that is open to the answer.
+From a folder that is open to the answer: hexagon72, GaussianField, one thread of the BLAS.
 """
 
 import argparse
@@ -19,7 +12,6 @@ import platform
 import tempfile
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -28,14 +20,8 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 
 import skinfield as sf
-from skinfield.reconstruct.bulk import CHUNK, BulkFields
 
 PATCH = sf.layouts.hexagon72()
-OUTPUTS = {
-    "P": ("pressure",),
-    "P+u": ("pressure", "indentation"),
-    "all four": ("pressure", "displacement"),
-}
 HOUR = 180_000  # readings of 50 Hz
 NOISE, SOLVER = 0.002, sf.GaussianField()
 
@@ -61,33 +47,6 @@ def best(calls: dict[str, Callable[[], object]], seconds: float) -> dict[str, fl
     return laps
 
 
-def multiply(table: np.ndarray, matrices: list[np.ndarray], outs: list[np.ndarray]) -> None:
-    """Products of the readings with each matrix, chunk by chunk."""
-    for matrix, out in zip(matrices, outs, strict=True):
-        for first in range(0, len(table), CHUNK):
-            part = slice(first, first + CHUNK)
-            np.dot(table[part], matrix, out=out[part])
-
-
-def throughput(nodes: int, seconds: float) -> list[dict[str, object]]:
-    """Readings per second of one grid, for all outputs."""
-    made = sf.Reconstructor(PATCH, grid=sf.Grid.square(PATCH, nodes=nodes), solver=SOLVER)
-    readings, found = readings_of(4096), []
-    every, single = np.ones(len(PATCH), bool), readings.astype(np.float32)
-    for label, names in OUTPUTS.items():
-        bulk = BulkFields(made, names)
-        matrices = [bulk._matrix(name, every) for name in names]
-        outs = [np.empty((len(single), matrix.shape[1]), np.float32) for matrix in matrices]
-        calls: dict[str, Callable[[], object]] = {
-            "bulk": partial(bulk, readings),
-            "floor": partial(multiply, single, matrices, outs),
-        }
-        laps = best(calls, seconds)
-        rates = {name: len(readings) / lap for name, lap in laps.items()}
-        found.append({"nodes": nodes, "outputs": label} | rates)
-    return found
-
-
 def slices(folder: Path, nodes: int) -> dict[str, float]:
     """Seconds from a folder that is open to an answer, none of it computed before."""
     path = folder / f"hour{nodes}.skinfield"
@@ -105,27 +64,20 @@ def slices(folder: Path, nodes: int) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--nodes", type=int, nargs="+", default=[20, 40, 80])
-    parser.add_argument("--seconds", type=float, default=0.4, help="for each row")
+    parser.add_argument("--nodes", type=int, nargs="+", default=[20, 40])
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, NumPy {np.__version__}")
-    print("\nreadings/s/core            bulk     floor   bulk/floor")
-    rows = [row for nodes in given.nodes for row in throughput(nodes, given.seconds)]
-    for row in rows:
-        name = f"{row['nodes']}x{row['nodes']} {row['outputs']}"
-        rates = f"{row['bulk']:>9,.0f} {row['floor']:>9,.0f}"
-        print(f"{name:<20} {rates} {row['bulk'] / row['floor']:>10.0%}")
     with tempfile.TemporaryDirectory() as folder:
-        looks = {nodes: slices(Path(folder), nodes) for nodes in given.nodes if nodes <= 40}
+        looks = {nodes: slices(Path(folder), nodes) for nodes in given.nodes}
     print("\nan hour at 50 Hz, stored and looked at")
     for nodes, laps in looks.items():
         for name, seconds in laps.items():
             print(f"{nodes}x{nodes} {seconds * 1e3:>9.3f} ms  {name}")
     if given.json:
-        given.json.write_text(json.dumps({"throughput": rows, "slices": looks}, indent=1))
+        given.json.write_text(json.dumps({"slices": looks}, indent=1))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ A virtual skin in a process of its own sends the bytes of iCub's boards over UDP
 engine answers at the same rate; a recorder writes all of it; two readers fetch every estimate they
 can, one by the futex, one every 20 ms. A line is printed each minute, and in the end what was sent,
 received, lost and why, which cycles were late, the memory of each process at the start and the end,
-and the times beside those of a cyclictest on the same processor in the same seconds.
+and the times beside those of a cyclictest on the same processor in the same seconds. An engine that
+ended on the way is started again, and why it did is printed; the exit status then is 1.
 """
 
 import argparse
@@ -17,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -65,10 +66,11 @@ finally:
 
 
 def resident(pid: int) -> float:
-    """Memory of a process in RAM, MB."""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1]) / 1024
+    """Memory of a process in RAM, MB; NaN of one that ended."""
+    with suppress(OSError):
+        for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+            if line.startswith("VmRSS:"):
+                return int(line.split()[1]) / 1024
     return float("nan")
 
 
@@ -133,7 +135,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
         memory = {name: [resident(pid)] for name, pid in pids.items()}
         seconds = 60.0 * minutes
         beside = cyclictest(granted, rate, seconds)
-        watched(observer, seconds, memory, pids, console)
+        watched(supervisor, observer, seconds, memory, pids, console)
         found = observer.look()
         lateness = None if beside is None else beside.finish()
         said = [json.loads(ended(each)) for each in readers]
@@ -156,6 +158,8 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
             "cyclictest_us": None if lateness is None else lateness.as_micros(),
             "granted": granted,
             "restarts": supervisor.restarts,
+            "ends": [each for each in supervisor.events if each.what in ("failed", "hung")],
+            "traceback": supervisor.traceback,
             "recorded": recorded(file),
         }
 
@@ -175,6 +179,7 @@ def cyclictest(granted: dict[str, Any], rate: float, seconds: float) -> Any:
 
 
 def watched(
+    supervisor: Supervisor,
     observer: Observer,
     seconds: float,
     memory: dict[str, list[float]],
@@ -186,6 +191,8 @@ def watched(
     while (left := end - time.monotonic()) > 0:
         time.sleep(min(left, 60.0))
         status: LiveStatus = observer.look()
+        if supervisor.child is not None:
+            pids["engine"] = supervisor.child.pid
         for name, pid in pids.items():
             memory[name].append(resident(pid))
         wake, ready = status.lately.wake, status.lately.ready
@@ -235,6 +242,9 @@ def tell(found: dict[str, Any], console: Console) -> None:
         f"{since['cycles']:,} cycles, {since['late']:,} late, {since['overrun']:,} beyond the next "
         f"one's time, {since['skipped']:,} periods without a cycle"
     )
+    for _, what, text in found["ends"]:
+        console.print(f"the engine {what}: {text}", style="red", highlight=False)
+    console.print(found["traceback"], highlight=False, markup=False)
 
 
 def main() -> None:
@@ -252,6 +262,7 @@ def main() -> None:
     tell(found, console)
     if given.json is not None:
         given.json.write_text(json.dumps(found, indent=1))
+    sys.exit(1 if found["restarts"] else 0)
 
 
 if __name__ == "__main__":

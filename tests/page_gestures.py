@@ -27,6 +27,14 @@ PIXEL = """([x, y]) => {
 }"""
 
 
+FLAT = """() => {  // in the middle of the picture, as it is drawn
+  const { scene } = window.skinfield, box = scene.canvas.getBoundingClientRect();
+  const at = [box.width / 2, box.height / 2];
+  const drawn = scene.pick(...at), rest = scene.pickAtRest(...at);
+  return drawn && rest && Math.hypot(drawn.x - rest.x, drawn.y - rest.y) < 5e-5;
+}"""
+
+
 @dataclass
 class Hand:
     """The pointer on a page."""
@@ -56,3 +64,4 @@ class Hand:
         self.look.page.keyboard.press("Escape")
         self.look.until("skinfield.state.truth.length === 0")
         self.look.wait_rows(lambda rows: not rows)
+        self.look.until(FLAT)

@@ -34,7 +34,7 @@ def contact(patch: int, track: int, force: float, place, normal=(0.0, 0.0, 1.0))
     row["position"], row["normal"] = place, normal
     row["force_std"], row["place_std"], row["area"] = 0.1, 2e-4, 3e-5
     row["peak_pressure"], row["age"], row["speed"] = 4e4, 0.5, 1e-3
-    row["shape"], row["maybe"], row["radius"] = 2, 1, 4e-3
+    row["shape"], row["maybe"], row["radius"] = 2, 2, 4e-3
     return row
 
 

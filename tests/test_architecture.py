@@ -43,7 +43,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "contourpy": {"simulate"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},
-    "xarray": {"estimate", "files"},  # the types that to_xarray and open_results return
+    "xarray": {"files"},  # the type that open_results returns
     "dask": {"files"},
     "distributed": {"cli"},
     "skfem": {"lab"},

@@ -1,6 +1,7 @@
 """Readings of single contacts against simulated presses, equilibrium and kernels."""
 
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from skinfield.elastic import (
 )
 from skinfield.elastic.axisymmetric import Ball, indent_by_force
 from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
+from skinfield.solve.atoms.fit_kernel import hold
 from skinfield.solve.atoms.table import (
     BALL,
     FAMILIES,
@@ -286,3 +288,15 @@ def test_far_taxels_read_nothing_and_nothing_is_ever_nan(name: str) -> None:
                     out, slopes = read_with_slopes(name, wild, [family])
                     assert np.isfinite(out).all()
                     assert np.isfinite(slopes).all()
+
+
+def test_a_vanishing_length_is_none() -> None:
+    """Reading by reading, a drawn-out contact may shrink until the square of its length is 0."""
+    atom = np.array([0.3, -0.2, 0.0, 0.2, 1e-170, 0.0])
+    readings, slopes = read_with_slopes("capacitance", atom, [BALL])
+    assert np.isfinite(slopes).all()
+    round_one, within = atom[None].copy(), np.array([[-9.0, -9.0], [9.0, 9.0]])
+    model = SimpleNamespace(tables=SimpleNamespace(strain=np.zeros((0, 1))), places=within)
+    hold.py_func(model, round_one, np.array([BALL]), 1)  # type: ignore[attr-defined]
+    assert not round_one[0, 4:].any()
+    np.testing.assert_allclose(read("capacitance", round_one, [BALL]), readings, rtol=1e-3)

@@ -230,8 +230,9 @@ def test_a_live_skin_gives_what_a_reconstructor_gives(loop, moving, tmp_path):
             (spoken,) = speaker.of_snapshot(found, ("contacts",))
             assert_same(vars(spoken.message.contacts[0]), row, SPOKEN)
             known = {}
-            sum_up_contacts(known, found.contacts, [PATCH.name], 0.0)
+            sum_up_contacts(known, found.contacts, [PATCH.name], 0.0, found.solvers)
             (summed,) = known.values()
+            assert summed["solver"] == found[PATCH.name].solver
             assert summed["force_n"] == round(float(row["normal_force"]), DIGITS)
             recorder.step()
         source.close()

@@ -374,10 +374,3 @@ def test_idle_is_told_by_the_valid_taxels_alone(searching: Engine, share: float)
     assert (report["other"].answer == "idle") == data.idle
     assert report["other"].rung == RUNGS[-1]
     assert report["other"].gap <= 1e-4
-
-
-def test_without_time_idle_is_told_on_the_coarsest_rung(searching: Engine) -> None:
-    readings, valid = seen_by_few(searching, 0, 0.95)
-    given = readings_of(SKIN, ()) | {"other": np.where(valid, readings, np.nan)}
-    each = searching(given, budget=1e-6).report["other"]
-    assert (each.answer, each.rung) == ("idle", RUNGS[0])

@@ -7,10 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.reconstruct.engine.cycle_kernel import relax
 from skinfield.reconstruct.engine.engine import prefer
-from skinfield.reconstruct.engine.state import PRODUCT, ROW, Step
-from skinfield.reconstruct.engine.timing_model import CostModel
 
 
 @given(hot=st.sets(st.integers(0, 5)), budget=st.floats(20e-6, 2e-3))
@@ -20,9 +17,8 @@ def test_no_cycle_ends_late_when_steps_take_what_they_took(hot: set[int], budget
     engine.reset()
     for cycle in range(4):
         report = engine(readings_of(engine, hot), budget=budget).report
-        assert report.steps[0].kind == Step.TEST  # idle or not is told before any search
         assert report.overrun == (report.spent > budget)
-        assert report.spent <= budget, (cycle, report.steps)
+        assert report.spent <= budget, cycle
         assert set(report.idle) == {f"p{i}" for i in range(6) if i not in hot}
         assert not report.missing
 
@@ -30,14 +26,15 @@ def test_no_cycle_ends_late_when_steps_take_what_they_took(hot: set[int], budget
 ENGINE = engine_of(6, 1e-3)
 
 
-def test_linear_answers_are_refined_where_something_touches_as_far_as_time_goes() -> None:
+def test_linear_answers_are_on_the_finest_rung_that_is_allowed_whatever_the_budget() -> None:
     engine = sf.Engine(ENGINE.skin, rungs=(4, 8, 16), solver=sf.GaussianField(), noise_std=NOISE)
-    work, readings = engine._work, readings_of(engine, {1, 4})
-    for row, expected in (([10e-6, 20e-6, 30e-6], 16), ([0, 20e-6, 1], 8), ([0, 1, 1], 4)):
-        work.costs[:, PRODUCT], work.costs[:, ROW] = (0.0, 1.0, 1.0), row
-        report = engine(readings, budget=0.1).report
-        assert [each.rung for each in report] == [4, expected, 4, 4, expected, 4]
-    assert "rung 8: " in report["p1"].skipped
+    readings = readings_of(engine, {1, 4})
+    assert [each.rung for each in engine(readings, budget=0.1).report] == [16] * 6
+    prefer(engine, 1)
+    report = engine(readings, budget=1e-9).report
+    assert [each.rung for each in report] == [8] * 6
+    assert report.overrun
+    assert report.skipped == ()
 
 
 def test_time_enough_settles_every_contact_on_the_finest_rung() -> None:
@@ -75,10 +72,10 @@ def test_more_budget_never_settles_less() -> None:
 
 
 def test_a_budget_that_holds_no_first_answer_is_an_overrun() -> None:
-    engine = engine_of(3, 1e-6)
+    engine = engine_of(3, 0.2e-6)
     estimates = engine(readings_of(engine, {0}))
     assert estimates.report.overrun
-    assert estimates.report.spent > 1e-6
+    assert estimates.report.spent > 0.2e-6
     assert estimates.report["p0"].answer == "linear"
     assert "search: no time" in estimates.report["p0"].skipped
     assert estimates["p0"].deadline_met is False
@@ -125,7 +122,7 @@ def test_a_finer_rung_goes_on_from_the_coarser_ones_dual() -> None:
     assert finest.started[0] == coarse["p0"][0]
 
 
-@pytest.mark.parametrize("budget", [1e-6, 15e-6])
+@pytest.mark.parametrize("budget", [0.2e-6, 15e-6])
 def test_a_contact_is_served_in_the_end_though_there_is_no_time_for_it(budget: float) -> None:
     engine = engine_of(3, budget)
     served, overruns = [], 0
@@ -141,33 +138,10 @@ def test_a_contact_is_served_in_the_end_though_there_is_no_time_for_it(budget: f
     assert first[0] == 20  # cycles of waiting
     assert set(np.diff(first)) <= {10, 11}  # and no two sooner
     assert max(served) == 1
-    assert overruns == (80 if budget < 2e-6 else sum(served))
+    assert overruns == (80 if budget < 1e-6 else sum(served))
 
 
 def test_a_budget_beyond_reason_is_enough() -> None:
     report = ENGINE(readings_of(ENGINE, {1}), budget=1e300).report
     assert report["p1"].rung == 16
     assert not report.overrun
-
-
-def test_the_cost_model_follows_a_high_quantile() -> None:
-    rng = np.random.default_rng(0)
-    model = CostModel(np.array([1e-3]), quantile=0.9, pace=0.05)
-    laps = 50e-6 * rng.lognormal(sigma=0.4, size=6000)
-    predicted = []
-    for lap in laps:
-        predicted.append(model.predict(0))
-        model.observe(0, lap)
-    inside = np.mean(laps[1000:] <= np.array(predicted)[1000:])
-    assert 0.87 < inside < 0.93
-    exact = 50e-6 * np.exp(0.4 * 1.2816)
-    assert np.median(predicted[1000:]) == pytest.approx(exact, rel=0.06)
-
-
-def test_one_interrupted_step_moves_the_prediction_little() -> None:
-    model = CostModel(np.array([50e-6]))
-    model.observe(0, 10.0)
-    assert 50e-6 < model.predict(0) < 56e-6
-    for _ in range(200):
-        relax(model.steps, model.base)
-    assert model.predict(0) == pytest.approx(50e-6)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from skinfield.bridges.launch import Bridge
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop import process_supervisor
+from skinfield.loop import engine_process, process_supervisor
 from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
@@ -37,7 +38,7 @@ from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
 from skinfield.ring import Field, Ring, State
 from skinfield.ring.files import sidecar
-from skinfield.signal import Count
+from skinfield.signal import Count, Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -289,6 +290,78 @@ def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
     assert notes == {"tare": ["the baseline stays as it was: counts reach 300"]}
 
 
+def test_what_searches_say_of_the_readings_is_published_where_it_lasts() -> None:
+    notes: dict[str, object] = {}
+    engine = sf.Engine(sf.layouts.rectangular(3, 3), rungs=(8,), solver=sf.NonNegative())
+    said = ("ContactFit stopped at the deadline, with 1 found", "it reads unlike its model")
+    engine.groups[0].last[0] = SimpleNamespace(solution=SimpleNamespace(notes=said))
+    process = SimpleNamespace(
+        intake=SimpleNamespace(sentences=list),
+        updater=SimpleNamespace(engine=engine),
+        notes=notes,
+        _note=notes.update,
+    )
+    EngineProcess._note_what_is_new(process)  # type: ignore[arg-type]
+    (patch,) = engine.names
+    assert notes == {"readings": {patch: ["it reads unlike its model"]}}
+
+
+@pytest.mark.parametrize(("loaded", "solvers"), [(True, "Auto"), (False, "GaussianField")])
+def test_a_solver_that_is_loaded_by_the_baseline_answers_first(
+    monkeypatch: pytest.MonkeyPatch, loaded: bool, solvers: str
+) -> None:
+    made = []
+
+    def preparation(model_config: ModelConfig, *_: object) -> SimpleNamespace:
+        made.append(type(model_config.solver).__name__)
+        return SimpleNamespace(updater=model_config, has_ended=loaded)
+
+    monkeypatch.setattr(engine_process, "Preparation", preparation)
+    known = settings(solver=sf.Auto())
+    model_config = ModelConfig.of(known, (Port("hexagon72", 72),))
+    start = engine_process.Start(known, model_config, None, np.zeros(1, np.int64))
+    start._tare = SimpleNamespace(skip=lambda _: None)
+    monkeypatch.setattr(engine_process, "BaselineCollector", Collected)
+    assert start.take(None, 0) is None  # loaded: now the baseline
+    assert start.take(None, 0) is None
+    assert made == ["GaussianField", "Auto", solvers]
+    assert start.take(None, 0).solver == start._preparation.updater.solver
+
+
+class Collected:
+    """A baseline that is there at once."""
+
+    def __init__(self, *_: object) -> None: ...
+
+    def skip(self, channels: object) -> None: ...
+
+    def take(self, channels: object, now_ns: int) -> bool:
+        return True
+
+    def finish(self) -> TareBaseline:
+        return TareBaseline(np.zeros((72, 4)), np.full(72, 0.002), 10**9)
+
+
+def test_a_solver_that_cannot_be_prepared_leaves_the_one_that_answers() -> None:
+    notes: dict[str, object] = {}
+
+    class Failed:
+        progress: ClassVar[dict[str, float]] = {}
+        has_ended = True
+
+        @property
+        def updater(self) -> None:
+            raise InputError("no mechanics")
+
+    by = [SimpleNamespace(solver=each) for each in (sf.GaussianField(), sf.Auto())]
+    before = SimpleNamespace(model_config=by[0])
+    engine = SimpleNamespace(updater=before, better=1, model_config=by[1], _note=notes.update)
+    EngineProcess._improve(engine, Failed())  # type: ignore[arg-type]
+    assert engine.updater is before
+    assert engine.better is None
+    assert notes["failed"] == "Auto cannot be prepared, GaussianField goes on: no mechanics"
+
+
 @pytest.mark.parametrize(
     ("due", "flags"),
     [(0, CycleFlag(0)), (6, CycleFlag.LATE), (40, CycleFlag.LATE | CycleFlag.OVERRUN)],
@@ -386,6 +459,27 @@ def test_what_ends_is_started_again_and_told_once(impatient: None) -> None:
         assert script.notices() == []
     assert child.returncode == -15
     assert not script._thread.is_alive()
+
+
+@pytest.mark.parametrize(
+    ("script", "said", "why"),
+    [
+        ("1 / 0", "line 1, in <module>", "status 1: ZeroDivisionError: division by zero"),
+        ("import os; os.abort()", "line 1 in <module>", "signal SIGABRT: Fatal Python error: Ab"),
+    ],
+)
+def test_why_a_process_ended_is_not_lost(impatient: None, script: str, said: str, why: str) -> None:
+    class Failing(Script):
+        def spawn(self) -> Child:
+            words = [sys.executable, "-X", "faulthandler", "-c", self.scripts.pop(0)]
+            return subprocess.Popen(words, stderr=self.new_errors())
+
+    with Failing(script, SLEEPS) as failing:
+        failing.begin()
+        failing.watch()
+        wait_for(lambda: failing.restarts == 1 and not failing.failure, LONG)
+        assert said in failing.traceback
+        assert why in failing.notices()[0]
 
 
 def test_what_goes_well_for_long_is_told(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -78,5 +78,5 @@ def test_restriction_conserves_force_between_grids_that_do_not_nest() -> None:
 def test_arguments_that_do_not_fit() -> None:
     with pytest.raises(InputError, match="rungs is \\(\\), expected one or more"):
         sf.Reconstructor(PATCH, LAYER, ())
-    with pytest.raises(InputError, match="rungs is 1, expected a whole number from 2 to 400"):
+    with pytest.raises(InputError, match="rungs is 1, expected a whole number from 4 to 400"):
         sf.Reconstructor(PATCH, LAYER, (1, 10))

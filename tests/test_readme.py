@@ -78,7 +78,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     ("page", "snippets"),
     [
         ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 3), ("batch", 2),
-        ("icub", 4), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
+        ("icub", 3), ("packet", 2), ("cyskin", 3), ("sources", 2), ("settings", 1),
         ("uncertainty", 1),
     ],
 )  # fmt: skip

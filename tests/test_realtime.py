@@ -263,7 +263,7 @@ def test_what_disturbs_is_said(monkeypatch: pytest.MonkeyPatch, quiet: bool) -> 
         },
     )
     monkeypatch.setattr(os, "cpu_count", lambda: 4 if quiet else 1)
-    monkeypatch.setattr(system.threading, "active_count", lambda: 1)
+    monkeypatch.setattr(system.threading, "enumerate", lambda: [system.threading.main_thread()])
     words = (
         "has one CPU",
         "950 of 1000 ms",

@@ -25,7 +25,6 @@ from skinfield.files import manifest as manifest_module
 from skinfield.files.manifest import Manifest
 from skinfield.files.recordings import lines, spool
 from skinfield.files.results import read_results
-from skinfield.reconstruct.bulk import CHUNK
 from skinfield.skin.reading import Recording
 
 for package in ("distributed", "xarray", "zarr", "pyarrow"):
@@ -249,9 +248,9 @@ def test_memory_does_not_grow_with_the_recording(
 ) -> None:
     for name, value in (("PIECE", 1), ("FEWEST", 64), ("MOST", 64)):
         monkeypatch.setattr(spool, name, value)
-    monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
         (lines, "BLOCK", 2048), (results, "BLOCK", 64),
+        (reconstruct_jobs, "RUN", 32), (results, "RUN", 32),
         (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)
@@ -287,7 +286,6 @@ def client() -> Iterator[Any]:
 def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", CHUNK)  # as the workers have it
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     paths = [recorded(tmp_path / f"{name}/data.csv", n) for name, n in (("a", 600), ("b", 520))]

@@ -149,17 +149,6 @@ def test_a_grid_may_come_from_another_patch_of_the_same_surface_only() -> None:
         sf.Reconstructor(raised, LAYER, GRID)
 
 
-def test_to_xarray_has_units_and_shape() -> None:
-    pytest.importorskip("xarray")
-    for estimate, lead in ((REC(STRESS), ()), (REC(np.stack([STRESS, STRESS])), (2,))):
-        data = estimate.to_xarray()
-        assert data["pressure"].shape == (*lead, 16, 16)
-        assert data["displacement"].shape == (*lead, 16, 16, 3)
-        assert data["pressure_std"].shape == (*lead, 16, 16)
-        assert data["pressure"].attrs["units"] == "Pa"
-        assert data["x"].values[-1] == pytest.approx(GRID.plane[:, 0].max())
-
-
 @pytest.mark.parametrize("solver", [sf.Tikhonov(), sf.GaussianField(), sf.PseudoInverse()])
 def test_a_window_sees_its_part_of_the_whole(solver: object) -> None:
     """The same lattice over the whole patch, cut to the window, is the window's answer."""

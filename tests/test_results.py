@@ -15,7 +15,6 @@ from skinfield.files import ResultsWriter, load_contacts, open_results, save_res
 from skinfield.files import results as results_module
 from skinfield.files.pending import pending
 from skinfield.files.results import read_results
-from skinfield.reconstruct import bulk as bulk_module
 from skinfield.reconstruct.serialisation import (
     ReconstructorConfig,
     attributes_from_results,
@@ -39,10 +38,8 @@ STAMPS = 1_700_000_000_123_456_789 + 20_000_000 * np.arange(COUNT)
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Chunks of 64 readings, so that there are several."""
-    monkeypatch.setattr(results_module, "CHUNK_BYTES", 1)
-    for module in (results_module, bulk_module):
-        monkeypatch.setattr(module, "RUN", 64)
-        monkeypatch.setattr(module, "WARM", 0)
+    monkeypatch.setattr(results_module, "RUN", 64)
+    monkeypatch.setattr(results_module, "WARM", 0)
 
 
 @pytest.mark.parametrize(

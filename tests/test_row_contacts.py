@@ -71,7 +71,11 @@ def test_a_snapshot_answered_by_contacts_has_those_of_its_rows() -> None:
     row[:] = ROW
     row["force_std"], row["place_std"] = 0.1, 2e-4
     models = Models(cycle.model_config, np.full(len(PATCH), 0.004))
-    snapshot = Snapshot(slot, 1, models, 10**18)
+    notes = {"readings": {PATCH.name: ["it reads unlike its model"]}}
+    snapshot = Snapshot(slot, 1, models, 10**18, lambda: notes)
+    estimate = snapshot[PATCH.name]
+    assert estimate.notes == ("it reads unlike its model",)
+    assert snapshot.solvers == [estimate.solver] == ["ContactFit"]
     (found,) = snapshot[PATCH.name].contacts
     assert not snapshot.prepared  # nothing had to be
     assert (found.track_id, found.shape, found.radius) == (7, "line", 2e-3)

@@ -66,7 +66,8 @@ class Starting:
 
 def wait(monkeypatch: pytest.MonkeyPatch, words: list[str], ends: bool) -> str:
     clock, text = [0.0], io.StringIO()
-    monkeypatch.setattr(command, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    timer = SimpleNamespace(monotonic=lambda: clock[0], sleep=lambda seconds: None)
+    monkeypatch.setattr(command, "time", timer)
     observer = SimpleNamespace(look=lambda: SimpleNamespace(sources={}))
     command._wait_running(
         Starting(words, clock, ends), observer, None, Console(file=text, width=200)
@@ -76,8 +77,10 @@ def wait(monkeypatch: pytest.MonkeyPatch, words: list[str], ends: bool) -> str:
 
 def test_a_start_that_goes_on_is_waited_for_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
     patches = [f"preparing patch {number} of 60" for number in range(1, 61)]
-    text = wait(monkeypatch, patches, ends=True)
+    linear = ["linear answers until contacts are ready: loading its code"]
+    text = wait(monkeypatch, [*patches, *linear, ""], ends=True)
     assert "s: preparing patch 7 of 60" in text
+    assert "s: linear answers until contacts are ready" in text
 
 
 def test_a_start_without_progress_ends_and_says_what_it_did(

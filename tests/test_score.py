@@ -23,7 +23,6 @@ from skinfield.lab.score import (
     blurred,
     matched,
     median_interval,
-    score,
     summarise,
     write_csv,
 )
@@ -87,6 +86,10 @@ def estimate_of(
 @pytest.fixture(scope="module")
 def patch() -> Patch:
     return hexagon72()
+
+
+def score(case: Case, estimate: Estimate) -> Row:
+    return Judge(case, estimate.grid)(estimate)
 
 
 @pytest.mark.parametrize(("nodes", "pitch"), [((90, 100), 0.5e-3), ((41, 41), 1.3e-3)])

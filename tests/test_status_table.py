@@ -34,7 +34,7 @@ def contact(track: int, where: str, force: float, **changes: Any) -> dict[str, A
         "position": [-0.1234, 0.0071, -0.0002],
         "area": 27e-6,
         "shape": "sphere",
-        "maybe": False,
+        "maybe": 0,
     }
     return known | {"age": 2.71} | changes
 
@@ -67,7 +67,7 @@ def one_contact() -> LiveStatus:
 def many_contacts() -> LiveStatus:
     """14 on 5 of 60 patches."""
     rows = [contact(100 + at, NAMES[at % 5], 0.4 + 0.31 * (at * 5 % 14)) for at in range(14)]
-    rows[3] |= {"maybe": True, "force_std": None, "normal_force": 123.456, "age": 86_400.0}
+    rows[3] |= {"maybe": 2, "force_std": None, "normal_force": 123.456, "age": 86_400.0}
     patches = [
         patch(name, answer="contacts", force=2.5, contacts=3, rung=40) if at < 5 else patch(name)
         for at, name in enumerate(NAMES)

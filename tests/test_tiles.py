@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.reconstruct.engine.block_sparse import SCORES, Atlas
-from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
-from skinfield.reconstruct.engine.products import PROOF, DenseProduct, product_of
+from skinfield.reconstruct.engine.idle_test import SCORES, IdleTest
+from skinfield.reconstruct.engine.patch_kinds import CUT
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, tiles_kernel
 from skinfield.solve.tiles import Tiles
@@ -164,76 +163,17 @@ def test_refusals() -> None:
             Tiles.of(*arguments)
 
 
-KINDS = [((8, 8), 5, 1), ((12, 20), 9, 13), ((5, 6), 3, 4), ((4, 4), 1, 6)]  # shape, taxels, count
+SHAPES = [((8, 8), 5), ((12, 20), 9), ((5, 6), 3)]  # of a grid, and taxels
 
 
-def kinds(cut: float) -> tuple[list[Floats], list[Tiles], list[int]]:
-    rng = np.random.default_rng(0)
-    matrices, stamps = [], []
-    for shape, taxels, _ in KINDS:
-        matrix = rng.normal(size=(shape[0] * shape[1], taxels)) ** 5
-        matrices.append(matrix / np.linalg.norm(matrix, axis=1, keepdims=True))
-        stamps.append(Tiles.of(matrices[-1], shape, cut))
-    return matrices, stamps, [count for _, _, count in KINDS]
-
-
-def parts(array: Floats, sizes: list[int], counts: list[int]) -> list[Floats]:
-    out, at = [], 0
-    for size, count in zip(sizes, counts, strict=True):
-        out.append(array[at : at + size * count].reshape(count, size))
-        at += size * count
-    assert at == len(array)
-    return out
-
-
-@pytest.mark.parametrize("cut", [0.0, 0.1])
-def test_products_are_those_of_each_kind(cut: float) -> None:
-    matrices, stamps, counts = kinds(cut)
-    atlas = Atlas.of(stamps, counts)
-    taxels, cells = ([m.shape[axis] for m in matrices] for axis in (1, 0))
-    readings = np.random.default_rng(1).normal(size=np.dot(taxels, counts)).astype(np.float32)
-    out = np.full(np.dot(cells, counts), np.nan, np.float32)
-    atlas.apply(readings, out)
-    assert atlas.values.ctypes.data % 64 == 0
-    for stamp, its, found in zip(
-        stamps, parts(readings, taxels, counts), parts(out, cells, counts), strict=True
-    ):
-        np.testing.assert_allclose(found, its @ dense(stamp).T, atol=1e-5)
-
-
-@pytest.mark.parametrize("cut", [0.0, 0.05])
-def test_idle_patches_are_idle_by_the_whole_matrices(cut: float) -> None:
-    matrices, stamps, counts = kinds(cut)
-    thresholds = [1.6, 2.4, 1.3, 0.5]
-    atlas = Atlas.of(stamps, counts, thresholds)
-    taxels = [matrix.shape[1] for matrix in matrices]
-    rng, idle = np.random.default_rng(2), np.zeros(sum(counts), np.bool_)
-    agreed = proven = 0
-    for _ in range(200):
-        readings = rng.normal(size=np.dot(taxels, counts)).astype(np.float32)
-        idle[:] = rng.random(len(idle)) < 0.5
-        idle_patches(*atlas.arrays[:7], readings, atlas.scores, idle)
-        highest = [
-            (given @ matrix.T).max(axis=1) <= threshold
-            for given, matrix, threshold in zip(
-                parts(readings, taxels, counts), matrices, thresholds, strict=True
-            )
-        ]
-        truly = np.concatenate(highest)
-        assert (truly | ~idle).all()  # never idle where the whole matrix says otherwise
-        agreed, proven = agreed + (idle & truly).sum(), proven + truly.sum()
-    assert 0.2 < proven / (200 * len(idle)) < 0.8
-    assert agreed == proven if cut == 0.0 else 0.5 * proven < agreed < proven
-
-
-def test_what_is_no_number_is_not_idle() -> None:
-    matrices, stamps, counts = kinds(0.0)
-    atlas = Atlas.of(stamps, counts, [5.0] * 4)
-    readings = np.zeros(sum(m.shape[1] * n for m, n in zip(matrices, counts, strict=True)))
-    readings[0] = np.nan
-    idle = np.zeros(sum(counts), np.bool_)
-    idle_patches(*atlas.arrays[:7], readings.astype(np.float32), atlas.scores, idle)
-    assert idle.tolist() == [False] + [True] * (sum(counts) - 1)
+@pytest.mark.parametrize(("shape", "taxels"), SHAPES)
+def test_what_is_no_number_is_not_idle(shape: tuple[int, int], taxels: int) -> None:
+    rows = np.random.default_rng(0).normal(size=(shape[0] * shape[1], taxels))
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    readings, idle = np.zeros((13, taxels), np.float32), np.zeros(13, np.bool_)
+    readings[3, 0], readings[7] = np.nan, 5.1 * rows[-1]
+    IdleTest.of(rows, shape, 5.0).apply(readings, idle)
+    assert np.flatnonzero(~idle).tolist() == [3, 7]
 
 
 def test_the_room_holds_what_is_computed_at_once() -> None:
@@ -256,8 +196,7 @@ def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data
         pytest.skip(f"no {LEG} among the recordings of others")
     patch = sf.load_layout(shared_data / LEG)[0]
     matrix, std, grid = linear_answer(patch, 40)
-    product = product_of(matrix, grid)
-    assert isinstance(product, Tiles)
+    product = Tiles.of(matrix, grid.shape, CUT)
     assert product.values.size < 0.28 * matrix.size
     white = np.zeros(len(patch))
     nearest = np.argsort(np.linalg.norm(patch.plane - patch.plane[100], axis=1))
@@ -269,26 +208,15 @@ def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data
     assert (np.abs(out[0] - whole) < 0.05 * std).all()
 
 
-def test_what_is_small_or_full_stays_whole() -> None:
-    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 10)
-    product = product_of(matrix, grid)
-    assert isinstance(product, DenseProduct)
-    wide = hexagon().grid
-    assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
-    assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), Tiles)
-
-
 def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
     """Never idle by the tiles where the whole matrix says that something stands out."""
     model = hexagon()
     rows = (model.matrix / model.noise_std[:, None]).T
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-    stamps = Tiles.of(rows, model.grid.shape, PROOF)
-    assert stamps.dropped.max() * np.sqrt(72) < 0.02
+    assert IdleTest.of(rows, model.grid.shape, 3.0).dropped.max() * np.sqrt(72) < 0.02
     white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
     truly, idle = (white @ rows.T).max(axis=1), np.zeros(2000, np.bool_)
     for threshold in (2.5, 3.0, 3.5):
-        atlas = Atlas.of([stamps], [2000], [threshold])
-        idle_patches(*atlas.arrays[:7], white.ravel(), atlas.scores, idle)
+        IdleTest.of(rows, model.grid.shape, threshold).apply(white, idle)
         assert (truly[idle] <= threshold).all()
         assert idle.sum() > 0.95 * (truly <= threshold).sum()

@@ -44,7 +44,7 @@ def posterior_of(solver: GaussianField | Tikhonov) -> PressurePosterior:
 
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=repr)
-@pytest.mark.parametrize("count", [7, 60, 390])  # of cells: by a table of pairs, by Fourier
+@pytest.mark.parametrize("count", [7, 60, 390])  # of cells
 def test_sums_over_cells_have_the_dense_covariance(
     solver: GaussianField | Tikhonov, count: int
 ) -> None:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from icub_triangle import triangle_payloads
 from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
 
 from skinfield.elastic import Layer
@@ -10,7 +11,6 @@ from skinfield.files.layouts.load import save_layout
 from skinfield.simulate import Sphere, press
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
-from skinfield.wire.icub import triangle_payloads
 
 REST = [bytes.fromhex("40 f0f0f0f0f0f0f0"), bytes.fromhex("c0 f0f0f0f0f0 0000")]
 COUNTS_PER_CHANGE = 0.16689e-12 / (16e-12 / 65536)  # pad of 4 mm, converter of 16 pF in 16 bits

@@ -94,12 +94,17 @@ export function placesOf(step) {
 
 const BY = { contacts: "contacts explain the reading", field: "of a field", linear: "of a linear answer" };
 
+/** How many contacts explain the readings nearly as well, as a word; "" where the number is sure. */
+export function orElse(maybe) {
+  return maybe ? (maybe > 1 ? "two" : "one") : "";
+}
+
 /** What presses and what it was found from, in words. */
 export function contactWords({ shape, radius, maybe, answer, readings }) {
   const size = Number.isFinite(radius) ? `, radius ${fixed(1e3 * radius, 1)} mm` : "";
   const words = [
     shape && shape !== "other" ? `${shape}${size}` : "",
-    maybe ? "two contacts explain the readings nearly as well" : "",
+    maybe ? `${orElse(maybe)} in the place of ${maybe > 1 ? "this one" : "two"} would explain the readings nearly as well` : "",
     BY[answer] ?? "",
     readings > 1 ? `mean of ${readings} readings` : "",
   ];

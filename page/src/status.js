@@ -110,10 +110,18 @@ export class StatusLine {
   }
 }
 
-/** What somebody should know of an engine: why it failed, restarts, its baseline, what was refused. */
+/** What somebody should know of an engine: failures, what its readings are like, its baseline ... */
 export function notesOf({ error, notes, beside }) {
   const events = (beside?.supervisor?.events ?? []).filter(([, kind]) => kind !== "started").slice(-3);
-  const said = Array.isArray(notes) ? notes : [...(notes?.tare ?? []), ...(notes?.granted?.refused ?? [])];
+  const readings = Object.entries(notes?.readings ?? {});
+  const said = Array.isArray(notes)
+    ? notes
+    : [
+        notes?.failed,
+        ...readings.flatMap(([patch, texts]) => texts.map((text) => `${patch}: ${text}`)),
+        ...(notes?.tare ?? []),
+        ...(notes?.granted?.refused ?? []),
+      ];
   const told = [error, ...said];
   return [...events.map((event) => event.slice(1).join(": ")), ...told].filter(
     (text) => typeof text === "string" && text !== "",

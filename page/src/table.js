@@ -1,6 +1,6 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
-import { contactWords, fixed } from "./format.js";
+import { contactWords, fixed, orElse } from "./format.js";
 import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
@@ -39,7 +39,7 @@ export class ContactsTable {
     const { at, count } = this.#said;
     if (now - at < SAY_EVERY_S || (rows.length === count && rows.length === 0)) return;
     this.#said = { at: now, count: rows.length };
-    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres${contact.maybe ? ", perhaps two" : ""}`);
+    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres${contact.maybe ? `, perhaps ${orElse(contact.maybe)}` : ""}`);
     const words = rows.length ? `${rows.length} contact${rows.length > 1 ? "s" : ""}: ${each.join("; ")}` : "No contact";
     setText(byId("contacts-summary"), words);
   }
@@ -70,7 +70,7 @@ function dataOf(contact, truth, error_m, error_percent) {
     "data-force-std": number(contact.force_std, 4),
     "data-area-mm2": number(1e6 * contact.area, 2),
     "data-shape": contact.shape,
-    "data-maybe": contact.maybe ? "" : null,
+    "data-maybe": contact.maybe || null,
   };
   if (!truth) return data;
   return {
@@ -107,9 +107,9 @@ function swatch(slot) {
   return mark;
 }
 
-/** A contact that may be two says so. */
+/** A contact that may be two, or one of two that may be one, says so. */
 function orTwo({ maybe }) {
-  return maybe ? element("small", { class: "or-two", text: " · two?" }) : null;
+  return maybe ? element("small", { class: "or-two", text: ` · ${orElse(maybe)}?` }) : null;
 }
 
 function place({ x, y }) {

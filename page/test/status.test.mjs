@@ -39,4 +39,6 @@ test("notes: restarts, baseline, what was refused, and no start", () => {
   const beside = { supervisor: { events: [[1, "started", "x"], [2, "ended", "signal 9"]] } };
   const notes = { tare: ["gain is a guess"], granted: { refused: ["no real-time priority"] } };
   assert.deepEqual(notesOf({ beside, notes }), ["ended: signal 9", "gain is a guess", "no real-time priority"]);
+  const readings = { hexagon72: ["calibrate"] };
+  assert.deepEqual(notesOf({ notes: { readings } }), ["hexagon72: calibrate"]);
 });

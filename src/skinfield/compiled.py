@@ -12,6 +12,7 @@ import platform
 import re
 import shutil
 import stat
+import subprocess
 import sys
 import tempfile
 import threading
@@ -19,6 +20,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
@@ -26,7 +28,7 @@ import llvmlite
 import numba
 from numba import types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 from numba.core.event import Listener, install_listener
 
 CONFIG: Any = numba.config
@@ -36,6 +38,7 @@ VERSIONS_PER_MODULE = 3  # two branches of a checkout, and what is being edited
 IMPORT = re.compile(
     rb"^[ \t]*(?:from (skinfield[\w.]*) import (\([^)]*\)|[^\n]*)|import (skinfield[\w.]*))", re.M
 )
+VALUES = attrgetter("_values")  # of a compilation's settings, as far as they are set
 LOCK = threading.Lock()  # of Numba's setting of the folder
 NO_CODE = ("NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_DEBUG_CACHE")  # what they change
 
@@ -63,7 +66,8 @@ def njit(function: Any = None, /, **options: Any) -> Any:
         CONFIG.CACHE_DIR = str(folder)
         try:
             return numba.njit(
-                **{"cache": True, "nogil": True, "no_cfunc_wrapper": True, **options}
+                **{"cache": True, "nogil": True, "no_cfunc_wrapper": True, **options},
+                pipeline_class=QuickCompiler,
             )(function)
         finally:
             CONFIG.CACHE_DIR = before
@@ -99,6 +103,41 @@ def inner(function: Any = None, /, **options: Any) -> Any:
     return made
 
 
+class QuickFlags(Flags):
+    """Settings of a compilation, of which Numba asks 500 times a function whether they are equal.
+
+    Of its own it compares the values of thirty properties each time: a quarter of all it does.
+    """
+
+    __slots__ = ()
+
+    def __hash__(self) -> int:
+        return hash(QuickFlags)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, QuickFlags):
+            return False
+        return bool(VALUES(self) == VALUES(other))
+
+
+class QuickCompiler(Compiler):
+    """Numba's compiler, by `QuickFlags`."""
+
+    def __init__(
+        self,
+        typing: Any,
+        target: Any,
+        library: Any,
+        arguments: Any,
+        result: Any,
+        flags: Any,
+        *rest: Any,
+    ) -> None:
+        start: Any = super().__init__
+        quick: Any = QuickFlags
+        start(typing, target, library, arguments, result, quick(flags), *rest)
+
+
 class InnerLibrary(JITCodeLibrary):
     """Code that is optimised, and translated, in what it is linked into alone.
 
@@ -124,14 +163,13 @@ class InnerLibrary(JITCodeLibrary):
         """Nothing: there is none before it is linked."""
 
 
-class InnerCompiler(Compiler):
+class InnerCompiler(QuickCompiler):
     """Numba's compiler, for functions that only compiled ones call."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         name = "inner" if library is None else library.name
         code: Any = InnerLibrary
-        start: Any = super().__init__
-        start(typing, target, code(target.codegen(), name), *rest)
+        super().__init__(typing, target, code(target.codegen(), name), *rest)
 
 
 class Compilations(Listener):
@@ -171,6 +209,37 @@ def reported(report: Callable[[str, int], None]) -> Iterator[Compilations]:
     listener = Compilations(report)
     with install_listener("numba:compile", listener):
         yield listener
+
+
+@contextmanager
+def parallel_compilation(script: str, function: Any) -> Iterator[None]:
+    """Have another process compile what a script calls, while this one compiles something else.
+
+    Numba compiles one function at a time in each process. Afterwards this one loads the code; what
+    the other could not compile is compiled here when it is called. None is started where a function
+    of those was compiled before, nor on one processor.
+
+    Parameters
+    ----------
+    script : str
+        Of Python.
+    function : callable
+        One by `njit` that the script calls last.
+    """
+    source = Path(function.py_func.__code__.co_filename)
+    name = f"{source.stem}.{function.py_func.__qualname__}-*.nbi"
+    allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
+    if len(allowed(0)) == 1 or any(cache_folder(source).rglob(name)):
+        yield
+        return
+    quiet = subprocess.DEVNULL
+    words = [sys.executable, "-c", script]
+    with subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet) as child:
+        try:
+            yield
+        except BaseException:
+            child.kill()
+            raise
 
 
 @cache

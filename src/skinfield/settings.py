@@ -5,7 +5,6 @@ what cannot be used is said with its file, line and key.
 """
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from difflib import get_close_matches
@@ -38,6 +37,9 @@ class SettingError(InputError):
         super().__init__(f"{name} {text}")
         self.name, self.text = name, text
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.name, self.text)
+
 
 class Positive(NamedTuple):
     """A finite number above 0."""
@@ -65,10 +67,11 @@ class Range(NamedTuple):
 
 
 @cache
-def _checks(section: Any) -> tuple[tuple[str, Positive | Range], ...]:
+def _checks(section: Any) -> tuple[tuple[str, Positive | Range, bool], ...]:
+    """Fields with their checks, and whether None is a value too."""
     hints = get_type_hints(section, include_extras=True)
     return tuple(
-        (each.name, check)
+        (each.name, check, type(None) in get_args(get_args(hints[each.name])[0]))
         for each in fields(section)
         for check in getattr(hints[each.name], "__metadata__", ())
         if isinstance(check, Positive | Range)
@@ -81,9 +84,9 @@ class Section:
 
     def __post_init__(self) -> None:
         kind: Any = type(self)  # a class, which mypy takes for no Hashable here
-        for name, check in _checks(kind):
+        for name, check, may_be_none in _checks(kind):
             value = getattr(self, name)
-            if value is None:
+            if value is None and may_be_none:
                 continue
             try:
                 check.check(name, value)
@@ -131,6 +134,8 @@ def plain_from_toml(text: str, path: str) -> dict[str, Any]:
     FileError
         If it is not TOML.
     """
+    import tomllib
+
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:

@@ -4,7 +4,7 @@
  */
 
 import * as THREE from "three";
-import { fixed } from "../format.js";
+import { fixed, orElse } from "../format.js";
 import { Arrows, arrowLength } from "./arrows.js";
 import { Labels } from "./labels.js";
 import { Lines } from "./lines.js";
@@ -90,7 +90,7 @@ export class Marks {
     }
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
-      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? " · two?" : ""}`,
+      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? ` · ${orElse(contact.maybe)}?` : ""}`,
       detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
       accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,

@@ -69,14 +69,15 @@ def demo(
     spread = quantity.typical_noise if noise is None else noise
     balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
-    true = pressed(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
-    clean = true.readings(patch.plane, patch.pad_diameter, name)
-    readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
-    start = time.perf_counter()
     config = options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
-    reconstructor = config.reconstructor()
-    prepared = time.perf_counter() - start
-    estimate = reconstructor(readings)
+    with report.compilation(quiet=as_json):
+        true = pressed(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
+        clean = true.readings(patch.plane, patch.pad_diameter, name)
+        readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
+        start = time.perf_counter()
+        reconstructor = config.reconstructor()
+        prepared = time.perf_counter() - start
+        estimate = reconstructor(readings)
     truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
     report.save_picture(picture, estimate, readings, config, truth)
     report.say_notes(estimate.notes)

@@ -28,6 +28,7 @@ from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import (
+    RUN,
     Results,
     ResultsWriter,
     create_fields,
@@ -36,7 +37,6 @@ from skinfield.files.results import (
     write_fields_at,
 )
 from skinfield.plot import plural
-from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
 from skinfield.signal import NoFilter
@@ -49,7 +49,6 @@ RECORDING = (
     Column("highest N", "highest_force_N", decimals=2),
     Column("at reading", "highest_force_reading", decimals=0),
 )  # fmt: skip
-STEPS = {"linear": CHUNK, "iterative": RUN}  # readings that are answered together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,18 +196,15 @@ class PartialResults(NamedTuple):
 
 
 def parts(results: Results, readings: range, fields: bool) -> Iterator[PartialResults]:
-    """Reconstruct readings in a row, step by step; steps begin at multiples of their size.
+    """Reconstruct readings in a row, run by run; runs begin at multiples of their size.
 
-    Runs of an iterative solver begin at multiples of their size, too, and products of a linear one
-    at multiples of theirs, so that what a reading gives does not depend on the windows.
+    So what a reading gives does not depend on the windows.
     """
-    names = ("pressure", "displacement") if fields else ("pressure",)
-    size = STEPS["linear" if results.bulk(names).is_linear else "iterative"]
     start_ns = int(results.stamps(0, 1)[0])
     first = readings.start
     while first < readings.stop:
-        last, begun = min(first - first % size + size, readings.stop), time.perf_counter()
-        estimate = results.estimates(first, last, names)
+        last, begun = min(first - first % RUN + RUN, readings.stop), time.perf_counter()
+        estimate = results.estimates(first, last)
         force = estimate.normal_force
         rows = list(rows_from_estimate(estimate, first, start_ns))
         series = series_of(estimate) if fields else None

@@ -6,7 +6,7 @@ import signal
 import sys
 import webbrowser
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -55,6 +55,25 @@ def progress(what: str, total: float | None = None, *, quiet: bool = False) -> I
             bar.update(task, total=total, completed=done, advance=advance, description=what)
 
         yield step
+
+
+@contextmanager
+def compilation(*, quiet: bool = False) -> Iterator[None]:
+    """Bar on stderr of the functions that are compiled for this machine; none if none is."""
+    from skinfield.compiled import reported
+
+    with ExitStack() as bars:
+        steps: list[Step] = []
+
+        def report(name: str, number: int) -> None:
+            if not steps and not quiet:
+                note("the first time code is compiled for this machine, half a minute or so")
+            if not steps:
+                steps.append(bars.enter_context(progress("compiling", quiet=quiet)))
+            steps[0](number)
+
+        with reported(report):
+            yield
 
 
 def table(title: str | None, words: Sequence[str], numbers: Sequence[str], **look: Any) -> Table:

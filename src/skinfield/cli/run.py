@@ -38,6 +38,7 @@ STARTING = "starting; the first time code is compiled for this machine, a minute
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
 STARTS = 600.0  # s without any progress of a start: code may have to be compiled first
+LOOK = 0.05  # s between looks whether contacts are ready
 SAYS = 5.0  # s from line to line about a start, where there is no table
 RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
@@ -350,10 +351,13 @@ def watch(
 
     live = running.live
     contacts: dict[int, dict[str, Any]] = {}
+    said: dict[str, None] = {}
     patches = [patch.name for patch in live.skin]
     observer = Observer(live.reader, window=RECENT)
     try:
         began = _wait_running(running.supervisor, observer, screen, console)
+        if failed := observer.look().notes.get("failed"):
+            report.note(str(failed), "yellow", console)
         if running.scene is not None:
             running.page.controller.pressing.begin(running.scene)
         end = float("inf") if duration is None else began + duration
@@ -363,28 +367,36 @@ def watch(
             now = time.monotonic()
             running.check()
             if newest is not None:
-                sum_up_contacts(contacts, newest.contacts, patches, now - began)
-            if screen is not None and now - drawn > REFRESH:
-                drawn = now
-                draw(screen, observer.look())
+                known = newest.contacts, patches, now - began, newest.solvers
+                sum_up_contacts(contacts, *known)
+            if now - drawn > REFRESH:
+                drawn, status = now, observer.look()
+                said.update(dict.fromkeys(status.sentences))
+                if screen is not None:
+                    draw(screen, status)
     except KeyboardInterrupt:
         report.note("stopping", where=console)
     finally:
         if screen is not None:
             screen.stop()
-    return summary_of(observer.look(), running.supervisor, list(contacts.values()))
+    return summary_of(observer.look(), running.supervisor, list(contacts.values()), list(said))
 
 
 def sum_up_contacts(
-    known: dict[int, dict[str, Any]], rows: NDArray[Any], patches: list[str], seconds: float
+    known: dict[int, dict[str, Any]],
+    rows: NDArray[Any],
+    patches: list[str],
+    seconds: float,
+    solvers: Sequence[str],
 ) -> None:
     """Take the contacts of one cycle, `seconds` after watching began, into those that are known.
 
     Each, by its track, is an object for JSON: `track` and `patch`; from `first_s` to `last_s`; the
     force `force_n` with `force_std_n` when it was surely the largest, one standard deviation less;
-    and where and how it pressed then: `position_mm` in
-    the patch's frame, `area_mm2`, `peak_kpa`; `shape` of what presses, `radius_mm` if known, and
-    `maybe`: whether two contacts explain the readings nearly as well.
+    and where and how it pressed then: `position_mm` in the patch's frame, `area_mm2`, `peak_kpa`;
+    the `solver` that answered, of those of all patches; `shape` of what presses, `radius_mm` if
+    known, and `maybe`: how many contacts in its place explain the readings nearly as well, 0 if
+    none do.
     """
     from skinfield.estimate.row_contacts import shape_name
 
@@ -403,9 +415,10 @@ def sum_up_contacts(
                 "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
                 "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
                 "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+                "solver": solvers[int(row["patch"])],
                 "shape": shape_name(row),
                 "radius_mm": round(radius * 1e3, DIGITS) if np.isfinite(radius) else None,
-                "maybe": bool(row["maybe"]),
+                "maybe": int(row["maybe"]),
             }
 
 
@@ -415,13 +428,17 @@ def sureness(force: float, std: float | None) -> tuple[float, float]:
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
-    """Wait until the engine answers, showing what it does meanwhile; the time then."""
+    """Wait until the engine answers by the solver asked for; the time then.
+
+    Shows what it does meanwhile, such as answering linearly.
+    """
     from skinfield.cli.status_table import draw
     from skinfield.loop.supervisor import EngineFailed
 
     began = moved = spoke = time.monotonic()
     before, silent = "", False
     while True:
+        failed: EngineFailed | None = None
         now = time.monotonic()
         if not silent and now > began + SILENT:
             silent = True
@@ -431,18 +448,21 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
                 report.note(text + "and on, and is --channel right?", "yellow", console)
         try:
             supervisor.wait(REFRESH).close()
-            return time.monotonic()
+            if not supervisor.start_in_words():
+                return time.monotonic()
+            time.sleep(LOOK)
         except EngineFailed as error:
-            doing = supervisor.start_in_words()
-            moved = moved if doing == before else now
             if supervisor.hopeless:
                 raise
-            if now > moved + STARTS:
-                why = supervisor.failure or doing or "it has said nothing"
-                raise EngineFailed(
-                    f"the engine does not answer after {now - began:.0f} s, {now - moved:.0f} s of "
-                    f"them without progress: {why}"
-                ) from error
+            failed = error
+        doing = supervisor.start_in_words()
+        moved = moved if doing == before else now
+        if now > moved + STARTS:
+            why = supervisor.failure or doing or "it has said nothing"
+            raise EngineFailed(
+                f"the engine is not ready after {now - began:.0f} s, {now - moved:.0f} s of "
+                f"them without progress: {why}"
+            ) from failed
         if screen is not None:
             draw(screen, observer.look())
         elif doing != before and now > spoke + SAYS:
@@ -451,12 +471,22 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
         before = doing
 
 
-def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:
-    """What `--json` prints; times in µs since the engine's start."""
+def summary_of(
+    status: Any, supervisor: Any, contacts: list[dict[str, Any]], said: list[str]
+) -> dict[str, Any]:
+    """What `--json` prints; times in µs since the engine's start.
+
+    `solver` is the engine's at the end, which answered linearly for `linear_s` before its contacts
+    were prepared; `notes` is what it said of the readings of each patch.
+    """
     return {
         **status.since.as_dict(),
         "lost": status.lost,
+        "solver": status.notes.get("solver"),
+        "linear_s": status.notes.get("linear_s"),
+        "failed": status.notes.get("failed"),
         "contacts": contacts,
+        "notes": said,
         "sources": status.sources,
         "restarts": supervisor.restarts,
         "granted": status.notes.get("granted"),

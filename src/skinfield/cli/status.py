@@ -60,10 +60,12 @@ def _lines(newest: Any, width: int) -> Iterator[Shown]:
     from skinfield.cli.status_table import status_table
 
     yield status_table(newest, width)
-    sentences = notes_of(newest.notes)
-    for time_ns, what, text in (newest.sidecars.get("supervisor") or {}).get("events", []):
+    sentences = notes_of(newest.notes) + newest.sentences
+    supervisor = newest.sidecars.get("supervisor") or {}
+    for time_ns, what, text in supervisor.get("events", []):
         stamp = time.strftime("%H:%M:%S", time.localtime(time_ns * 1e-9))
         sentences.append(f"{stamp} {what}: {text}")
+    sentences += supervisor.get("traceback", "").splitlines()
     yield from (Text(f" {sentence}", style="dim") for sentence in sentences)
 
 
@@ -94,6 +96,7 @@ def notes_of(notes: dict[str, object]) -> list[str]:
     for name in ("tare", "sources"):
         texts = notes.get(name)
         sentences += map(str, texts) if isinstance(texts, list) else []
+    sentences += [str(notes["failed"])] if "failed" in notes else []
     return sentences
 
 

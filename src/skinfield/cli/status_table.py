@@ -115,7 +115,7 @@ def _contacts(
         row
         | dict(zip("xyz", row["position"], strict=True))
         | {"style": "red" if row["patch"] in old else ""}
-        | {"what": "two?" if row["maybe"] else row["shape"]}
+        | {"what": ("one?" if row["maybe"] == 1 else "two?") if row["maybe"] else row["shape"]}
         for row in contacts[:room]
     ]
     columns = (Column("no.", "track", decimals=0, width=5), Column("patch", "patch", width=letters))

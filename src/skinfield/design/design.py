@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from skinfield.elastic import (
     check_skin,
 )
 from skinfield.errors import Floats, InputError, Ints, as_floats, check_positive, check_shape
+from skinfield.settings import Positive, Section
 from skinfield.skin import Grid, Patch
 
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
@@ -76,7 +77,7 @@ class SkinDesign:
 
 
 @dataclass(frozen=True)
-class Touch:
+class Touch(Section):
     """A round contact: a ball that presses on the skin.
 
     Parameters
@@ -86,12 +87,8 @@ class Touch:
         Of the contact, not of the ball.
     """
 
-    force: float
-    radius: float
-
-    def __post_init__(self) -> None:
-        check_positive("force", self.force, "of the touch, in newtons")
-        check_positive("radius", self.radius, "of the contact, in metres")
+    force: Annotated[float, Positive("of the touch, in newtons")]
+    radius: Annotated[float, Positive("of the contact, in metres")]
 
     def check_on(self, layer: Layer) -> None:
         """Raise InputError where the layer is too thin or thick for the radius."""

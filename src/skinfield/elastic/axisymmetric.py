@@ -17,7 +17,7 @@ Gauss-Legendre nodes converge geometrically. Nothing here is shared with the lat
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 from skinfield.elastic.elastomer import Layer
 from skinfield.elastic.hankel import CoveredTransfer, LayerTransfer, bessel, gauss_legendre
 from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.settings import Positive, Section
 
 
 class Profile(Protocol):
@@ -59,7 +60,7 @@ class Profile(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Paraboloid:
+class Paraboloid(Section):
     """f = r²/(2R), which a sphere is close to its tip; Hertz's body.
 
     Parameters
@@ -68,12 +69,9 @@ class Paraboloid:
         Of curvature at the tip, R.
     """
 
-    radius: float
+    radius: Annotated[float, Positive("of curvature at the tip, in metres")]
     reach = float("inf")
     kink = 0.0
-
-    def __post_init__(self) -> None:
-        check_positive("radius", self.radius, "of curvature at the tip, in metres")
 
     def height(self, r: Floats) -> Floats:
         """See `Profile.height`."""
@@ -89,7 +87,7 @@ class Paraboloid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ball:
+class Ball(Section):
     """A true sphere, f = R - sqrt(R² - r²), touched below its equator.
 
     Parameters
@@ -97,11 +95,8 @@ class Ball:
     radius : float, m
     """
 
-    radius: float
+    radius: Annotated[float, Positive("of the sphere, in metres")]
     kink = 0.0
-
-    def __post_init__(self) -> None:
-        check_positive("radius", self.radius, "of the sphere, in metres")
 
     @property
     def reach(self) -> float:

@@ -47,6 +47,9 @@ class Contact:
         From the first tangent of the surface to the longer axis, -pi/2 to pi/2.
     cells : (N,) int array
         Nodes of the grid that make up the region.
+    maybe : int
+        How many contacts explain the readings nearly as well: 2 in the place of this one, or 1 in
+        that of this and the next; 0 where the number is sure. `covariance` is of both cases.
     track_id : int or None
         The same for one contact as long as it lasts; given by a `Tracker`.
     """
@@ -65,7 +68,8 @@ class Contact:
     axes: Floats
     angle: float
     cells: NDArray[np.int64]
-    track_id: int | None = field(default_factory=lambda: None)  # what `later` has not may come
+    maybe: int = field(default_factory=lambda: 0)  # what `later` has not may come
+    track_id: int | None = field(default_factory=lambda: None)
 
     @classmethod
     def later(cls, rest: Any, /, **known: Any) -> Self:

@@ -1,6 +1,6 @@
 """The table of contacts: one row per contact, in SI units; a reading without one has a row too."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ CONTACT = (
     *("shape", "radius_m"),
 )
 COLUMNS = (*READING, "contact", *CONTACT)
+KINDS = [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in COLUMNS]
 NONE = -1  # `contact` of a reading without contact
 Value = int | float | str | None
 Row = tuple[Value, ...]
@@ -63,24 +64,6 @@ def _or_none(value: float | str) -> float | str | None:
     if isinstance(value, str):
         return value
     return float(value) if np.isfinite(value) else None
-
-
-def arrow_schema() -> Any:
-    """Types of `COLUMNS` for pyarrow."""
-    arrow = load_pyarrow()
-    types = [
-        arrow.int64() if name in WHOLE else arrow.string() if name in WORDS else arrow.float64()
-        for name in COLUMNS
-    ]
-    return arrow.schema(list(zip(COLUMNS, types, strict=True)))
-
-
-def arrow_table(rows: Sequence[Row]) -> Any:
-    """Rows as a `pyarrow.Table`."""
-    arrow, schema = load_pyarrow(), arrow_schema()
-    columns = list(zip(*rows, strict=True)) or [()] * len(COLUMNS)
-    arrays = [arrow.array(c, f.type) for c, f in zip(columns, schema, strict=True)]
-    return arrow.table(arrays, schema=schema)
 
 
 def load_pyarrow() -> Any:

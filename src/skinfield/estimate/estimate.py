@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.errors import Floats, InputError
 from skinfield.skin import Grid
-
-if TYPE_CHECKING:
-    import xarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,78 +188,14 @@ class Estimate:
         if each is not None:
             return each[index]
         share = self.pressure[index].size / self.pressure.size
-        return replace(
-            self,
-            pressure=self.pressure[index],
-            traction=self.traction[index],
-            displacement=self.displacement[index],
-            pressure_std=self.pressure_std[index],
-            contacts=self.contacts[index],
-            residual=self.residual[index],
-            valid=self.valid[index],
-            latency=self.latency * share,
-            stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
-            gap=np.broadcast_to(self.gap, len(self))[index],
-            iterations=np.broadcast_to(self.iterations, len(self))[index],
-            deadline_met=np.broadcast_to(self.deadline_met, len(self))[index],
-            solver=self.solver[index] if isinstance(self.solver, tuple) else self.solver,
-            is_field=np.broadcast_to(self.is_field, len(self))[index],
-        )
+        fields = {name: getattr(self, name)[index] for name in REQUIRED - {"grid"}}
+        for name in ("stamp_ns", "gap", "iterations", "deadline_met", "is_field"):
+            fields[name] = np.broadcast_to(getattr(self, name), len(self))[index]
+        solver = self.solver[index] if isinstance(self.solver, tuple) else self.solver
+        return replace(self, latency=self.latency * share, solver=solver, **fields)
 
     def __iter__(self) -> Iterator["Estimate"]:
         return (self[index] for index in range(len(self)))
-
-    def to_xarray(self) -> "xarray.Dataset":
-        """Data set over (reading,) row, column, axis with the units; needs `skinfield[batch]`.
-
-        Raises
-        ------
-        SkinfieldError
-            If xarray is not installed.
-        """
-        try:
-            import xarray
-        except ImportError as error:
-            raise SkinfieldError(
-                "to_xarray() needs xarray, which is not installed: pip install 'skinfield[batch]'"
-            ) from error
-        grid = self.grid
-        cell = ("row", "column")
-        lead = ("reading",) if self.is_batch else ()
-
-        def variable(values: Any, unit: str, text: str, dims: tuple[str, ...]) -> Any:
-            folded = values.reshape(
-                *values.shape[: len(lead)], *grid.shape, *values.shape[len(lead) + 1 :]
-            )
-            return (dims, folded, {"units": unit, "long_name": text})
-
-        fields = {
-            "pressure": variable(
-                self.pressure, "Pa", "pressure, compression positive", lead + cell
-            ),
-            "traction": variable(
-                self.traction, "Pa", "traction on the skin", (*lead, *cell, "axis")
-            ),
-            "displacement": variable(
-                self.displacement, "m", "displacement of the surface", (*lead, *cell, "axis")
-            ),
-            "pressure_std": variable(
-                self.pressure_std, "Pa", "standard deviation of pressure", lead + cell
-            ),
-        }
-        rows, columns = grid.shape
-        coords: dict[str, Any] = {
-            "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
-            "y": ("row", grid.origin[1] + np.arange(rows) * grid.pitch, {"units": "m"}),
-            "axis": ("axis", ["x", "y", "z"]),
-            "position": ((*cell, "axis"), grid.positions.reshape(rows, columns, 3), {"units": "m"}),
-        }
-        if self.is_batch:
-            stamps = np.broadcast_to(self.stamp_ns, len(self))
-            coords["stamp"] = ("reading", stamps, {"units": "ns"})
-        return xarray.Dataset(
-            fields, coords, {"patch": grid.patch.name, "cell_area_m2": grid.cell_area}
-        )
 
 
 REQUIRED = {"grid", "pressure", "traction", "displacement", "pressure_std", "contacts"}

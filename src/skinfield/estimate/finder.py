@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, Ints, check_range, check_shape
+from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.row_contacts import CONTACT, contacts_of_rows
 from skinfield.estimate.uncertainty import (
@@ -16,6 +16,7 @@ from skinfield.estimate.uncertainty import (
     PressureNoise,
     PressurePosterior,
 )
+from skinfield.settings import Range, Section
 from skinfield.skin import Grid
 
 EXACT = ModelError()
@@ -124,7 +125,7 @@ def _significance(false_alarm_rate: float, chances: int) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactFinder:
+class ContactFinder(Section):
     """Connected regions of pressure above the noise.
 
     Parameters
@@ -141,15 +142,10 @@ class ContactFinder:
         A region ends where the pressure falls to this fraction of its peak.
     """
 
-    false_alarm_rate: float = 1e-3
-    relative_height: float = 0.2
-    prominence: float = 0.3
-    edge: float = 0.2
-
-    def __post_init__(self) -> None:
-        check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
-        for name in ("relative_height", "prominence", "edge"):
-            check_range(name, getattr(self, name), 0.0, 1.0, "a fraction of a peak")
+    false_alarm_rate: Annotated[float, Range(1e-12, 0.5, "a share of readings")] = 1e-3
+    relative_height: Annotated[float, Range(0.0, 1.0, "a fraction of a peak")] = 0.2
+    prominence: Annotated[float, Range(0.0, 1.0, "a fraction of a peak")] = 0.3
+    edge: Annotated[float, Range(0.0, 1.0, "a fraction of a peak")] = 0.2
 
     def sigmas(self, noise: PressureError) -> float:
         """Standard deviations by which a peak must exceed the noise of the cells that feel it."""

@@ -167,6 +167,7 @@ def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
         axes=axes,
         angle=angle,
         cells=cells,
+        maybe=int(row["maybe"]),
         track_id=int(row["track"]) or None,
     )
 

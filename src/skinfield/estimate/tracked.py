@@ -1,12 +1,13 @@
 """Tracked contacts, what happens to them, and how they may move: motion and gate."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from skinfield.errors import Floats, check_positive, check_range
+from skinfield.errors import Floats
 from skinfield.estimate.contact import Contact
+from skinfield.settings import Positive, Range, Section
 
 EventKind = Literal["made", "moved", "merged", "split", "lost"]
 KINDS: tuple[EventKind, ...] = (
@@ -93,7 +94,7 @@ class ContactEvent:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class Motion(Section):
     """How contacts move and how fast forces change.
 
     Velocity and rate of the force are random walks (continuous white noise acceleration;
@@ -119,24 +120,16 @@ class Motion:
         1 kHz.
     """
 
-    acceleration: float = 0.2
-    force_rate: float = 4.0
-    first_speed: float = 0.06
-    first_force_rate: float = 15.0
-    top_speed: float = 0.25
-    false_onsets: float = 0.05
-
-    def __post_init__(self) -> None:
-        check_positive("acceleration", self.acceleration, "along the skin, in m/s²")
-        check_positive("force_rate", self.force_rate, "change of it within 0.1 s, in N/s")
-        check_positive("first_speed", self.first_speed, "of a new contact, in m/s")
-        check_positive("first_force_rate", self.first_force_rate, "of a new contact, in N/s")
-        check_positive("top_speed", self.top_speed, "of a contact along the skin, in m/s")
-        check_range("false_onsets", self.false_onsets, 0.0, 1e3, "a second, of a resting contact")
+    acceleration: Annotated[float, Positive("along the skin, in m/s²")] = 0.2
+    force_rate: Annotated[float, Positive("change of it within 0.1 s, in N/s")] = 4.0
+    first_speed: Annotated[float, Positive("of a new contact, in m/s")] = 0.06
+    first_force_rate: Annotated[float, Positive("of a new contact, in N/s")] = 15.0
+    top_speed: Annotated[float, Positive("of a contact along the skin, in m/s")] = 0.25
+    false_onsets: Annotated[float, Range(0.0, 1e3, "a second, of a resting contact")] = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gate:
+class Gate(Section):
     """How far from what is foretold a contact may be.
 
     Parameters
@@ -149,11 +142,6 @@ class Gate:
         Farthest distance, whatever the covariance.
     """
 
-    distance: float = 18.4
-    floor: float = 1e-3
-    reach: float = 8e-3
-
-    def __post_init__(self) -> None:
-        check_positive("distance", self.distance, "squared Mahalanobis distance")
-        check_positive("floor", self.floor, "standard deviation of the place, in metres")
-        check_positive("reach", self.reach, "from what is foretold, in metres")
+    distance: Annotated[float, Positive("squared Mahalanobis distance")] = 18.4
+    floor: Annotated[float, Positive("standard deviation of the place, in metres")] = 1e-3
+    reach: Annotated[float, Positive("from what is foretold, in metres")] = 8e-3

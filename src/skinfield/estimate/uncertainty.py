@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_range, check_shape
+from skinfield.settings import Range, Section
 
 ANGLES = 32  # at which an ellipse is seen in a quarter turn
 
@@ -50,7 +51,7 @@ ENOUGH = 1e3  # a deviation beyond is no statement
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModelError:
+class ModelError(Section):
     """Deviations of a contact's answer that are there without noise; independent of each other.
 
     Parameters
@@ -61,12 +62,8 @@ class ModelError:
         One standard deviation along each tangent.
     """
 
-    force: float = 0.0
-    place: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("force", "place"):
-            check_range(name, getattr(self, name), 0.0, ENOUGH, "one standard deviation")
+    force: Annotated[float, Range(0.0, ENOUGH, "one standard deviation")] = 0.0
+    place: Annotated[float, Range(0.0, ENOUGH, "one standard deviation")] = 0.0
 
     def covariance(self, force: float) -> Floats:
         """Of x m, y m and the normal force N of a contact with this force: (3, 3)."""
@@ -152,9 +149,6 @@ def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
         )
 
 
-DENSE = 200  # cells up to which going over all pairs is quicker than a Fourier transform
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PressurePosterior(FactoredError):
     r"""Covariance of a pressure on a lattice, given the readings: prior less what they explain.
@@ -162,7 +156,7 @@ class PressurePosterior(FactoredError):
     .. math:: \mathrm{cov}(w_i \cdot p, w_j \cdot p) = w_i^T Q w_j - (F^T w_i) \cdot (F^T w_j)
 
     Q depends on the offset of two nodes alone, so the (K, K) matrix is never made: a region of N
-    cells costs N² / 2 entries of a table, or one Fourier transform of its box if it is large.
+    cells costs N² entries of a table.
 
     Attributes
     ----------
@@ -199,23 +193,5 @@ class PressurePosterior(FactoredError):
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         explained = self.explained(cells, weights)
-        if len(cells) > DENSE:
-            return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
         down, right = (np.abs(axis[:, None] - axis) for axis in self.steps[cells].T)
         return np.asarray(weights @ self.prior[down, right] @ weights.T - explained)
-
-    def _prior_of_sums(self, steps: NDArray[np.int64], weights: Floats) -> Floats:
-        """By Fourier transforms of the box that holds all."""
-        from scipy.fft import irfft2, next_fast_len, rfft2
-
-        steps = steps - steps.min(axis=0)
-        box = steps.max(axis=0) + 1
-        size = [next_fast_len(int(2 * n - 1), real=True) for n in box]
-        pictures = np.zeros((len(weights), *size))
-        for picture, weight in zip(pictures, weights, strict=True):
-            np.add.at(picture, tuple(steps.T), weight)  # a cell may come more than once
-        offset = [np.minimum(np.arange(n), n - np.arange(n)) for n in size]
-        near = [np.where(o < n, o, 0) for o, n in zip(offset, box, strict=True)]  # others unused
-        wrapped = self.prior[near[0][:, None], near[1][None]]
-        smooth = irfft2(rfft2(pictures) * rfft2(wrapped), s=size)
-        return np.asarray(np.einsum("irc,jrc->ij", pictures, smooth))

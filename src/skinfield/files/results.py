@@ -24,12 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import FileError, Floats, InputError, SkinfieldError, check_count, check_shape
 from skinfield.estimate import Estimate
-from skinfield.estimate.contact_table import Row, arrow_table, load_pyarrow, rows_from_estimate
+from skinfield.estimate.contact_table import COLUMNS, KINDS, Row, load_pyarrow, rows_from_estimate
 from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, load_zarr
 from skinfield.files.pending import Pending, explained, pending
-from skinfield.files.tables import open_contacts
+from skinfield.files.tables import arrow_schema, open_contacts
 from skinfield.reconstruct import Reconstructor, Solver
-from skinfield.reconstruct.bulk import OUTPUTS, RUN, WARM, BulkFields
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.reconstruct.serialisation import (
     ARRAYS,
@@ -45,8 +44,9 @@ if TYPE_CHECKING:
     import xarray
 
 BLOCK = 4096  # readings of a chunk as it is written
-FEWEST, MOST = 64, 512  # readings of a chunk that is computed as a whole, of a linear solver
-CHUNK_BYTES = 16 << 20  # of its pressure and displacement, about
+RUN = 256  # readings that are answered one from the other
+WARM = 32  # readings before a run, from which its first one starts
+OUTPUTS = {"pressure": 1, "indentation": 1, "displacement": 3}  # fields, and numbers per node
 TEXTS = {
     "pressure": ("Pa", "pressure, compression positive"),
     "indentation": ("m", "displacement into the skin along its normal"),
@@ -265,19 +265,6 @@ class Results:
         """Prepared when it is first needed."""
         return self.config.reconstructor()
 
-    @cached_property
-    def _bulk(self) -> dict[Any, BulkFields]:
-        return {}
-
-    def bulk(
-        self, names: tuple[str, ...], precision: type[np.floating[Any]] = np.float32
-    ) -> BulkFields:
-        """What computes some of the fields of many readings."""
-        key = names, precision
-        if key not in self._bulk:
-            self._bulk[key] = BulkFields(self.reconstructor, names, precision)
-        return self._bulk[key]
-
     def estimate(self, reading: int) -> Estimate:
         """Everything of one reading, from those before it in its run.
 
@@ -288,31 +275,30 @@ class Results:
         """
         check_count("reading", reading, -len(self), len(self) - 1, "one of the recording")
         at = reading % len(self)
-        if not self.bulk(("pressure",)).is_linear:
-            return self.estimates(at, at + 1)[0]
-        return self.reconstructor(self.values(at, at + 1)[0], stamp_ns=self.stamps(at, at + 1)[0])
+        return self.estimates(at, at + 1)[0]
 
-    def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
-        """Readings first to last as one estimate, whose contacts are found when looked at."""
-        with _LOCK:
-            bulk = self.bulk(names)
-            begun = first if bulk.is_linear else first - first % RUN
-            start = begun if bulk.is_linear else max(begun - WARM, 0)
-            values, stamps = self.values(start, last), self.stamps(start, last)
-            return bulk.estimate(values, stamps, first - start, begun - start)
+    def estimates(self, first: int, last: int) -> Estimate:
+        """Readings first to last as one estimate, whose contacts are found when looked at.
 
-    def fields(
-        self, first: int, last: int, names: tuple[str, ...], precision: type[np.floating[Any]]
-    ) -> NDArray[Any]:
-        """Some fields of readings first to last, one after the other, (last - first, R)."""
+        Runs begin at multiples of `RUN`, from the `WARM` readings before, and these from nothing,
+        so that what a reading gives does not depend on which others are wanted.
+        """
+        each: list[Estimate] = []
         with _LOCK:
-            bulk = self.bulk(names, precision)
-            if bulk.is_linear:
-                found = bulk(self.values(first, last))
-            else:
-                estimate = self.estimates(first, last, names)
-                found = {name: getattr(estimate, name).astype(precision) for name in names}
-        return np.concatenate([found[name].reshape(last - first, -1) for name in names], axis=1)
+            for begin in range(first - first % RUN, last, RUN):
+                start, stop = max(begin - WARM, 0), min(begin + RUN, last)
+                values, stamps = self.values(start, stop), self.stamps(start, stop)
+                self.reconstructor.reset()
+                found = self.reconstructor(values, stamp_ns=stamps)
+                each += (found[at] for at in range(max(begin, first) - start, len(found)))
+        return Estimate.joined(each, stamp_ns=self.stamps(first, last))
+
+    def fields(self, first: int, last: int, precision: type[np.floating[Any]]) -> NDArray[Any]:
+        """Fields of readings first to last, as `OUTPUTS` one after the other, (last - first, R)."""
+        with _LOCK:
+            estimate = self.estimates(first, last)
+            found = [getattr(estimate, name).astype(precision) for name in OUTPUTS]
+        return np.concatenate([values.reshape(last - first, -1) for values in found], axis=1)
 
     def dataset(self, precision: type[np.floating[Any]] = np.float32) -> "xarray.Dataset":
         """See `open_results`."""
@@ -326,13 +312,10 @@ class Results:
             for name, values in lazy.items()
             for unit, text in [TEXTS[name]]
         }
-        force = lazy["pressure"].sum(axis=(1, 2), dtype=np.float64) * grid.cell_area
-        if not self.bulk(("pressure",)).is_linear:
-            force = self._blocks(array, self._forces, (RUN, 1), np.float64)[:, 0]
+        force = self._blocks(array, self._forces, 1, np.float64)[:, 0]
         known = {"units": "N", "long_name": "sum of the contacts, or of the field that answers"}
         variables["normal_force"] = ("reading", force, known)
-        size = self._chunk(4 * len(grid))
-        values = self._blocks(array, self.values, (size, len(patch)), np.float64)
+        values = self._blocks(array, self.values, len(patch), np.float64)
         quantity = self.config.quantity
         said = {"units": quantity.unit, "long_name": f"{quantity.symbol} of the taxels"}
         variables["readings"] = (("reading", "taxel"), values, said)
@@ -358,32 +341,25 @@ class Results:
         return dataset
 
     def _lazy(self, array: Any, precision: type[np.floating[Any]]) -> dict[str, Any]:
-        """Fields that are computed: each by itself where one product answers, else all at once."""
+        """Fields that are computed, all at once."""
         nodes, shape = len(self.config.grid), (len(self), *self.config.grid.shape)
-        linear = self.bulk(("pressure",)).is_linear
-        lazy = {}
-        for names in [(name,) for name in OUTPUTS] if linear else [tuple(OUTPUTS)]:
-            table, at = self._table(array, names, precision), 0
-            for name in names:
-                width, tail = nodes * OUTPUTS[name], (3,) if OUTPUTS[name] == 3 else ()
-                lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
-                at += width
+        load = partial(self.fields, precision=precision)
+        table = self._blocks(array, load, nodes * sum(OUTPUTS.values()), precision)
+        lazy, at = {}, 0
+        for name, numbers in OUTPUTS.items():
+            width, tail = nodes * numbers, (3,) if numbers == 3 else ()
+            lazy[name] = table[:, at : at + width].reshape(*shape, *tail)
+            at += width
         return lazy
 
     def _forces(self, first: int, last: int) -> Floats:
         """Normal forces of readings first to last, (last - first, 1) N."""
         return np.asarray(self.estimates(first, last).normal_force[:, None])
 
-    def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
-        width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
-        size = self._chunk(width) if self.bulk(names, precision).is_linear else RUN
-        load = partial(self.fields, names=names, precision=precision)
-        return self._blocks(array, load, (size, width), precision)
-
-    def _blocks(self, array: Any, load: Any, chunk: tuple[int, int], kind: Any) -> Any:
-        """Rows of all readings that are loaded in chunks, as an array of Dask."""
-        lengths = [min(chunk[0], len(self) - first) for first in range(0, len(self), chunk[0])]
-        chunks = tuple(lengths), chunk[1:]
+    def _blocks(self, array: Any, load: Any, width: int, kind: Any) -> Any:
+        """Rows of all readings that are loaded run by run, as an array of Dask."""
+        lengths = [min(RUN, len(self) - first) for first in range(0, len(self), RUN)]
+        chunks = tuple(lengths), (width,)
         meta = np.empty((0, 0), kind)
         return array.map_blocks(partial(_chunk_of, load), chunks=chunks, dtype=kind, meta=meta)
 
@@ -392,10 +368,6 @@ class Results:
         found = {name: array.from_zarr(self.stored[name]) for name in ("pressure", "displacement")}
         normals = self.config.grid.normals.reshape(*self.config.grid.shape, 3).astype(np.float32)
         return {**found, "indentation": -(found["displacement"] * normals).sum(axis=-1)}
-
-    def _chunk(self, width: int) -> int:
-        """Readings whose chunk of so many numbers each is of a handy size."""
-        return int(np.clip(1 << max(CHUNK_BYTES // (4 * width), 1).bit_length() - 1, FEWEST, MOST))
 
 
 def _chunk_of(load: Callable[[int, int], NDArray[Any]], block_info: Any = None) -> NDArray[Any]:
@@ -476,10 +448,11 @@ def load_contacts(path: str | Path, readings: slice = slice(None)) -> "pyarrow.T
             raise FileError(f"{folder} cannot be read: {error}; is the folder whole?") from error
     start_ns = int(results.stamps(0, 1)[0])
     rows: list[Row] = []
-    for begin in range(first, last, MOST):
-        estimate = results.estimates(begin, min(begin + MOST, last))
+    for begin in range(first, last, RUN):
+        estimate = results.estimates(begin, min(begin + RUN, last))
         rows += rows_from_estimate(estimate, begin, start_ns)
-    return arrow_table(rows)
+    named = [dict(zip(COLUMNS, row, strict=True)) for row in rows]
+    return arrow.Table.from_pylist(named, schema=arrow_schema(KINDS))
 
 
 def read_results(

@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError
 from skinfield.estimate import Estimate
-from skinfield.estimate.contact_table import (
-    COLUMNS,
-    WHOLE,
-    WORDS,
-    Row,
-    load_pyarrow,
-    rows_from_estimate,
-)
+from skinfield.estimate.contact_table import KINDS, Row, load_pyarrow, rows_from_estimate
 from skinfield.files.pending import Closing, explained, pending
 
 HELD = 1 << 25  # bytes of a group of rows of Parquet
@@ -131,11 +124,7 @@ class _Parquet:
 
     def __init__(self, file: IO[bytes], columns: Columns, notes: Mapping[str, str]) -> None:
         self._arrow = arrow = load_pyarrow()
-        types = {
-            name: arrow.string() if kind.kind == "U" else arrow.from_numpy_dtype(kind)
-            for name, kind in columns
-        }
-        self._schema = arrow.schema(list(types.items()), metadata=dict(notes))
+        self._schema = arrow_schema(columns).with_metadata(dict(notes))
         self._writer = arrow.parquet.ParquetWriter(file, self._schema, compression="zstd")
         self._held: list[Any] = []
         self._bytes = 0
@@ -163,6 +152,13 @@ class _Parquet:
             self._writer.write_table(self._arrow.concat_tables(held).combine_chunks())
 
 
+def arrow_schema(columns: Columns) -> Any:
+    """Types of columns for pyarrow."""
+    arrow = load_pyarrow()
+    types = [arrow.string() if k.kind == "U" else arrow.from_numpy_dtype(k) for _, k in columns]
+    return arrow.schema(list(zip((name for name, _ in columns), types, strict=True)))
+
+
 def _missing(values: Any) -> NDArray[np.bool_] | None:
     floats = isinstance(values, np.ndarray) and values.dtype.kind == "f"
     return np.isnan(values) if floats else None
@@ -188,10 +184,7 @@ class ContactWriter(TableFile):
     """
 
     def __init__(self, path: str | Path) -> None:
-        kinds = {
-            name: "i8" if name in WHOLE else "U" if name in WORDS else "f8" for name in COLUMNS
-        }
-        super().__init__(path, [(name, np.dtype(kind)) for name, kind in kinds.items()])
+        super().__init__(path, KINDS)
         self._readings = 0
         self._start_ns: int | None = None
 

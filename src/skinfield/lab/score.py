@@ -164,7 +164,7 @@ def median_interval(
 
 
 def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) -> Row:
-    """Summarise rows of single readings, such as `score` makes.
+    """Summarise rows of single readings, such as a `Judge` makes.
 
     Intervals speak for cases like these, not for the model that made them.
 
@@ -306,13 +306,18 @@ def matched(
 class Judge:
     """The truth of a case, prepared for estimates on one grid: many solvers, many readings.
 
+    Truth and estimate are brought onto one lattice of 0.5 mm: each cell's force is shared among
+    the four nearest points in bilinear proportion, which keeps the force and its place. The
+    indentation is compared at the truth's nodes, where the estimate's is interpolated.
+
     Parameters
     ----------
     case : Case
     grid : Grid
         Of the estimates, on the case's patch or an equal one.
     gate : float, m
-        A found contact farther than this from a true one does not belong to it.
+        True and found contacts belong together by the assignment of the smallest sum of distances,
+        each below this.
     """
 
     case: Case
@@ -348,7 +353,26 @@ class Judge:
         return raw, blurred(raw)
 
     def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Row:
-        """Score one estimate, see `score`; `contacts` stand in for those of the estimate."""
+        """Score one estimate against the truth.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            Of one reading.
+        contacts : sequence of Contact, optional
+            Default those of the estimate.
+
+        Returns
+        -------
+        dict
+            Errors by their names: parts of the truth, with a sign where there can be one, but for
+            ``place_error_mm``. What cannot be said is NaN, as the place of a missed contact.
+            ``contacts`` are those there are, ``matched`` those with a found one within the gate,
+            ``missed`` those without, ``false`` the found ones without a true one. Forces and areas
+            are of all contacts, ``total_force_error`` is of `Estimate.normal_force`; pressures are
+            compared by norms of differences over that of the truth, as they are on the lattice and
+            after a Gaussian of 2 mm standard deviation.
+        """
         if estimate.is_batch:
             raise InputError("the estimate is of several readings, expected one: index it")
         found = estimate.contacts if contacts is None else contacts
@@ -392,44 +416,6 @@ class Judge:
         return _distance(
             map_coordinates(indentation.reshape(self.grid.shape), where, order=1), exact
         )
-
-
-def score(
-    case: Case, estimate: Estimate, contacts: Sequence[Contact] | None = None, gate: float = GATE
-) -> Row:
-    """Score one estimate against the truth of its case.
-
-    Truth and estimate are brought onto one lattice of 0.5 mm: each cell's force is shared among
-    the four nearest points in bilinear proportion, which keeps the force and its place. The
-    indentation is compared at the truth's nodes, where the estimate's is interpolated.
-
-    Parameters
-    ----------
-    case : Case
-    estimate : Estimate
-        Of one reading.
-    contacts : sequence of Contact, optional
-        Default those of the estimate.
-    gate : float, m
-        True and found contacts belong together by the assignment of the smallest sum of distances,
-        each below this.
-
-    Returns
-    -------
-    dict
-        Errors by their names: parts of the truth, with a sign where there can be one, but for
-        ``place_error_mm``. What cannot be said is NaN, as the place of a missed contact.
-        ``contacts`` are those there are, ``matched`` those with a found one within the gate,
-        ``missed`` those without, ``false`` the found ones without a true one. Forces and areas are
-        of all contacts, ``total_force_error`` is of `Estimate.normal_force`; pressures are
-        compared by norms of differences over that of the truth, as they are on the lattice and
-        after a Gaussian of 2 mm standard deviation.
-
-    See Also
-    --------
-    Judge : the same for many estimates on one grid.
-    """
-    return Judge(case, estimate.grid, gate)(estimate, contacts)
 
 
 def _relative(found: float, true: float) -> float:

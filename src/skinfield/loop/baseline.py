@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import Floats, InputError, Ints
 from skinfield.loop.model_config import Binding
 from skinfield.loop.settings import LiveSettings
@@ -221,30 +220,3 @@ def drawn_together(noise: Floats, alive: NDArray[np.bool_], readings: int) -> Fl
     weight = TOGETHER / (TOGETHER + readings)
     drawn = np.sqrt((1.0 - weight) * noise**2 + weight * max(common, 0.0) ** 2)
     return np.where(alive, drawn, noise)
-
-
-def quantity_scale(quantity: Quantity, layer: Layer, unit: str) -> tuple[int, float]:
-    """How the condition kernel makes the quantity of ΔC/C₀, or of readings in their own unit.
-
-    Raises
-    ------
-    InputError
-        If the readings are of another quantity.
-    """
-    from skinfield.loop.update_kernel import CHANGE, STRAIN
-
-    if unit in ("count", "dC/C0"):
-        if isinstance(quantity, Capacitance):
-            return CHANGE, 1.0
-        if isinstance(quantity, Gap):
-            return STRAIN, 1.0
-        if isinstance(quantity, BaseStress):
-            return STRAIN, layer.young_modulus
-    elif (unit == "Pa" and isinstance(quantity, BaseStress)) or (
-        unit == "1" and isinstance(quantity, Gap)
-    ):
-        return CHANGE, 1.0
-    raise InputError(
-        f"quantity is {type(quantity).__name__}(), readings are in {unit!r}: expected "
-        "Capacitance(), Gap() or BaseStress() for counts, or the quantity of the readings' own unit"
-    )

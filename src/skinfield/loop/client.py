@@ -18,6 +18,7 @@ from skinfield.loop.runtime_parameters import Focus, Limits, Tuning
 from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.snapshot import Snapshot as Snapshot
 from skinfield.loop.snapshot import Stale as Stale
+from skinfield.loop.status_text import read_notes
 from skinfield.ring import Ring, RingReader, State
 from skinfield.ring.files import sidecar
 from skinfield.skin import Skin
@@ -109,7 +110,11 @@ class Live:
         self._seen, self.octets = copied.number, copied.octets
         slot = CycleSlot.of(copied.arrays)
         self._follow(int(slot.head[CycleHead.GENERATION]))
-        return Snapshot(slot, copied.number, self.models, time.time_ns())
+        return Snapshot(slot, copied.number, self.models, time.time_ns(), self._notes)
+
+    def _notes(self) -> dict[str, Any] | None:
+        """What the engine says beside numbers; None while that is being written."""
+        return read_notes(self.reader.status_view["notes"])
 
     def _follow(self, generation: int) -> None:
         """Look what the solver is now, if another process of the engine made a cycle."""

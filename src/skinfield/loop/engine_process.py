@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from skinfield.loop.model_config import (
 )
 from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.realtime.clock import EventWaiter, PeriodicClock, Waiter
+from skinfield.loop.realtime.system import SOON_OVER
 from skinfield.loop.realtime.timing import TimingTable
 from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
 from skinfield.loop.runtime_parameters import Limits
@@ -75,8 +77,17 @@ class Prefetch:
         self._lead = min(max(COOLING * self._lead, took), self._most)
 
 
+@cache
+def processors() -> frozenset[int]:
+    """Those that this process may use; asked first before the loop is pinned to one of them."""
+    allowed = getattr(os, "sched_getaffinity", lambda _: ())  # not on macOS
+    return frozenset(allowed(0))
+
+
 class Preparation:
     """Updater that is prepared beside the loop, which goes on taking in readings.
+
+    Its thread uses any processor of the process: that of the loop may have no time for it.
 
     Parameters
     ----------
@@ -84,6 +95,8 @@ class Preparation:
     baseline : TareBaseline
     tracks : (1,) int64 array, optional
         See `Updater`.
+    after : Preparation, optional
+        Whose end is waited for: it loads the same code.
 
     Attributes
     ----------
@@ -94,21 +107,36 @@ class Preparation:
     """
 
     def __init__(
-        self, model_config: ModelConfig, baseline: TareBaseline, tracks: Ints | None = None
+        self,
+        model_config: ModelConfig,
+        baseline: TareBaseline,
+        tracks: Ints | None = None,
+        after: "Preparation | None" = None,
     ) -> None:
         self.progress = dict[str, float]()
+        self._processors, self._after = processors(), after
         self._arguments, self._began = (model_config, baseline, tracks), time.monotonic()
         self._made: Future[Updater] = Future()
-        threading.Thread(target=self._run, name="prepare", daemon=True).start()
+        threading.Thread(target=self._run, name=SOON_OVER, daemon=True).start()
 
     @property
     def updater(self) -> Updater | None:
         """When it is there; raises what went wrong."""
         return self._made.result() if self._made.done() else None
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether it is made, or has failed."""
+        return self._made.done()
+
     def _run(self) -> None:
         try:
+            if self._processors:
+                os.sched_setaffinity(0, self._processors)  # of this thread
             with reported(self._compiling):
+                before, self._after = self._after, None
+                if before is not None:
+                    before._made.exception()
                 self._made.set_result(Updater(*self._arguments, self._advance))
         except BaseException as error:
             self._made.set_exception(error)
@@ -130,6 +158,9 @@ class Preparation:
 class Start:
     """First the code that must be compiled, then a baseline, then an engine for its noise.
 
+    What takes long to compile is loaded while the baseline is taken. Where that has ended by then,
+    the engine is one of the solver that was asked for, else of one that is quick to load.
+
     Parameters
     ----------
     known : TareBaseline, optional
@@ -144,6 +175,8 @@ class Start:
         What it does, for people: "loading", "taring" or "preparing".
     baseline : TareBaseline or None
         When there is one.
+    rehearsal : Preparation or None
+        Of the solver that was asked for, by a typical noise, from when the quick one is loaded.
     """
 
     def __init__(
@@ -154,39 +187,38 @@ class Start:
         tracks: Ints,
     ) -> None:
         self._settings, self._model_config, self._tracks = settings, model_config, tracks
+        self._quick = replace(model_config, solver=quick(model_config.solver))
+        self.rehearsal: Preparation | None = None
         self._tare = BaselineCollector(settings, model_config.binding)  # begun anew once it can be
         self.baseline = known
         self.phase = "loading"
-        self._preparation = self._prepared()
+        self._preparation = Preparation(self._quick, known or self._typical(), tracks)
 
     @property
     def progress(self) -> dict[str, float]:
         """Of what is being prepared, see `Preparation`."""
         return {} if self.phase == "taring" else self._preparation.progress
 
-    def _prepared(self) -> Preparation:
-        """For the baseline, or, before there is one, for a typical noise.
-
-        Then whatever must be compiled, is, before readings are waited for.
-        """
-        known, model_config = self.baseline, self._model_config
-        if known is None:
-            noise = np.full(len(model_config.binding.channel), model_config.quantity.typical_noise)
-            known = TareBaseline(
-                np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000
-            )
-        return Preparation(model_config, known, self._tracks)
+    def _typical(self) -> TareBaseline:
+        """Of a typical noise, by which all is compiled before readings are waited for."""
+        binding, quantity = self._model_config.binding, self._model_config.quantity
+        noise = np.full(len(binding.channel), quantity.typical_noise)
+        return TareBaseline(np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000)
 
     def take(self, channels: Channels, now_ns: int) -> Updater | None:
         """Take what is new; the updater when it is ready to answer."""
         if self.phase == "taring":
             if self._tare.take(channels, now_ns):
-                self.baseline = self._tare.finish()
-                self.phase, self._preparation = "preparing", self._prepared()
+                self.phase, self.baseline = "preparing", self._tare.finish()
+                loaded = self.rehearsal is not None and self.rehearsal.has_ended
+                by = self._model_config if loaded else self._quick
+                self._preparation = Preparation(by, self.baseline, self._tracks)
             return None
         made = self._preparation.updater
         if made is not None and self.baseline is None:
             self.phase = "taring"
+            if self._quick.solver != self._model_config.solver:
+                self.rehearsal = Preparation(self._model_config, self._typical())
             self._tare = BaselineCollector(self._settings, self._model_config.binding)
             self._tare.skip(channels)
             return None
@@ -237,14 +269,14 @@ class EngineProcess:
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
-        first = replace(self.model_config, solver=quick(settings.solver))
-        self.start = Start(settings, first, known, self.ring.status["tracks"])
+        self.start = Start(settings, self.model_config, known, self.ring.status["tracks"])
         self.better: Preparation | None = None
         self.control = EngineControl(settings.name)
         self.updater: Updater | None = None
         self._go_by_tuning()
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
         self.stopping, self.ending = False, State.STOPPED
+        self.running_ns = 0  # when it began to answer
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
         self.reset = True  # whether the next answer begins without knowledge of those before
         self.began = False
@@ -274,7 +306,7 @@ class EngineProcess:
                 if count % LISTEN == 0:
                     self._obey(self.control.poll())
                 if count % self.looks == 0:
-                    self._listen_to_sources()
+                    self._note_what_is_new()
             self.ring.set_state(self.ending)
         except BaseException:
             self.ending = State.FAILED
@@ -368,22 +400,31 @@ class EngineProcess:
         if updater is not None:
             self._go(updater)
             assert start.baseline is not None  # of which the updater was made
+            rehearsal, start.rehearsal = start.rehearsal, None
             if updater.model_config.solver != self.model_config.solver:
-                self.better = Preparation(self.model_config, start.baseline)
-                self._note_progress({"patches": 0, "of": len(self.model_config.skin)})
+                self.better = Preparation(self.model_config, start.baseline, after=rehearsal)
 
     def _improve(self, better: Preparation) -> None:
         """Go over to the solver that was asked for, as soon as it is ready."""
         if better.progress:
             self._note_progress(better.progress)
-        made, before = better.updater, self.updater
-        if made is None or before is None:
+        before = self.updater
+        if not better.has_ended or before is None:
             return
         self.better = None
+        try:
+            made = better.updater
+            assert made is not None  # it has ended
+        except Exception as error:  # what answers goes on
+            solver = type(before.model_config.solver).__name__
+            failed = f"{type(self.model_config.solver).__name__} cannot be prepared"
+            self._note(progress={}, failed=f"{failed}, {solver} goes on: {error}")
+            return
         made.take_over(before, self.ring.status["calibration"])
         made.tune(self.tuning)
         self.updater, self.reset, self.began = made, True, True
-        self._note(progress={})
+        linear_s = round((time.monotonic_ns() - self.running_ns) * NS, 3)
+        self._note(progress={}, solver=type(made.model_config.solver).__name__, linear_s=linear_s)
 
     def _note_progress(self, progress: Mapping[str, float]) -> None:
         if progress != self.notes["progress"]:
@@ -395,7 +436,11 @@ class EngineProcess:
         self.updater, self.reset, self.began = updater, True, True
         updater.tune(self.tuning)
         granted = settings.real_time.apply()
-        self._note(phase="running", progress={}, granted=granted.as_dict())
+        self.running_ns = time.monotonic_ns()
+        by, wanted = updater.model_config.solver, self.model_config.solver
+        progress = {} if by == wanted else {"patches": 0, "of": updater.sizes.patches}
+        known = {"granted": granted.as_dict(), "solver": type(by).__name__, "linear_s": 0.0}
+        self._note(phase="running", progress=progress, **known)
         if settings.rate is None:
             self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
@@ -414,11 +459,14 @@ class EngineProcess:
         self._go(updater)
         self.began = False
 
-    def _listen_to_sources(self) -> None:
-        """Tell what the sources say, where that is new."""
+    def _note_what_is_new(self) -> None:
+        """Publish what the sources and the solver say in words, where that is new."""
         said = self.intake.sentences()
         if said != self.notes.get("sources", []):
             self._note(sources=said)
+        found = {} if self.updater is None else self.updater.engine.notes
+        if found != self.notes.get("readings", {}):
+            self._note(readings=found)
 
     def _without_answer(self, slot: CycleSlot) -> None:
         """A slot that says that all patches are missing."""

@@ -311,6 +311,17 @@ class Models:
             solver = getattr(solver, "field", NonNegative())
         return solver.unconstrained() if isinstance(solver, NonNegative) else solver
 
+    def solver_of(self, answer: int) -> str:
+        """Name of the solver of a patch's `Answer`: of `Auto` the one that it chose."""
+        solver = self.model_config.solver
+        if answer == int(Answer.CONTACTS):
+            solver = ContactFit()
+        elif answer == int(Answer.LINEAR):
+            solver = self._linear
+        elif answer == int(Answer.FEASIBLE) and isinstance(solver, Auto):
+            solver = solver.field
+        return type(solver).__name__
+
     @property
     def prepared(self) -> bool:
         """Whether deformation and uncertainty cost no preparation any more."""
@@ -328,7 +339,14 @@ class Models:
             self._grids[key] = Grid.square(self.model_config.skin[patch], nodes)
         return self._grids[key]
 
-    def estimate(self, slot: CycleSlot, patch: int, latency: float, late: bool) -> Estimate:
+    def estimate(
+        self,
+        slot: CycleSlot,
+        patch: int,
+        latency: float,
+        late: bool,
+        notes: tuple[str, ...] = (),
+    ) -> Estimate:
         """Estimate of a patch: pressure at once, the rest when it is asked for."""
         row, model_config = slot.patches[patch], self.model_config
         nodes = int(row["rung"]) or model_config.rungs[0]
@@ -372,6 +390,8 @@ class Models:
             gap=gap,
             iterations=steps,
             deadline_met=not late,
+            solver=self.solver_of(answer),
+            notes=notes,
             is_field=answer != int(Answer.CONTACTS),
         )
 

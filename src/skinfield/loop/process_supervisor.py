@@ -33,7 +33,7 @@ def start_python(
 ) -> Child:
     """Start a module of skinfield in a process of its own, with this one's path and one thread."""
     return subprocess.Popen(
-        [sys.executable, "-m", module, *words],
+        [sys.executable, "-X", "faulthandler", "-m", module, *words],
         stdin=stdin,
         stdout=stdout,
         stderr=stderr,
@@ -68,12 +68,18 @@ def end_child(child: Child, seconds: float) -> int:
     return child.returncode
 
 
-def last_line(errors: IO[bytes]) -> str:
-    """What a process wrote last to its standard error, without the name of skinfield's errors."""
+def last_words(errors: IO[bytes]) -> str:
+    """What a process wrote last to its standard error: lines, of a traceback where it failed."""
     size = errors.seek(0, os.SEEK_END)
     errors.seek(max(size - TAIL, 0))
-    lines = errors.read().decode(errors="replace").strip().splitlines()
-    return re.sub(r"^skinfield\.errors\.\w+: ", "", lines[-1]) if lines else ""
+    return errors.read().decode(errors="replace").strip()
+
+
+def last_line(words: str) -> str:
+    """The reason in what a process wrote last, without the name of skinfield's errors."""
+    lines = words.splitlines()
+    fatal = [line for line in lines if line.startswith("Fatal Python error")]
+    return re.sub(r"^skinfield\.errors\.\w+: ", "", (fatal or lines)[-1]) if lines else ""
 
 
 def exit_text(code: int) -> str:
@@ -129,6 +135,8 @@ class SupervisedProcess:
     restarts : int
     failure : str
         Why it is not there; empty while it is.
+    traceback : str
+        What the process that failed last wrote at its end.
     child : subprocess.Popen or None
     """
 
@@ -136,7 +144,7 @@ class SupervisedProcess:
     pauses: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0)
 
     def __init__(self, what: str) -> None:
-        self.what, self.restarts, self.failure = what, 0, ""
+        self.what, self.restarts, self.failure, self.traceback = what, 0, "", ""
         self.child: Child | None = None
         self.stopping = threading.Event()
         self._errors: IO[bytes] | None = None
@@ -247,12 +255,13 @@ class SupervisedProcess:
 
     def _went(self, child: Child, code: int | None, why: str) -> None:
         """Say how a process ended, or kill it."""
+        self.traceback = last_words(self._errors) if self._errors is not None else ""
         if code is None:
             child.kill()
             child.wait()
             text = f"{why}: killed"
         else:
-            last = last_line(self._errors) if self._errors is not None else ""
+            last = last_line(self.traceback)
             text = f"ended with {exit_text(code)}{': ' * bool(last)}{last}"
         self.failure = f"{self.what} {text}"
         self.report("failed" if code is not None else "hung", text)

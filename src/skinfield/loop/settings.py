@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity
-from skinfield.errors import InputError, check_offers, check_positive, check_range, check_type
+from skinfield.errors import InputError, check_offers, check_type
 from skinfield.loop.realtime.setup import RealTime
 from skinfield.loop.runtime_parameters import HEAVIEST, SLOWEST, Tuning
+from skinfield.settings import Positive, Range, Section
 from skinfield.signal import Calibration, Convention, Source
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
@@ -16,7 +17,7 @@ RUNGS = (10, 20, 40)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LiveSettings:
+class LiveSettings(Section):
     """A skin, where its readings come from, and how they are answered.
 
     Parameters
@@ -77,20 +78,21 @@ class LiveSettings:
     board: Convention | None = None
     gain: float | None = None
     calibration: Mapping[str, Calibration] = field(default_factory=dict)
-    rate: float | None = 1000.0
-    budget: float | None = None
-    deadline: float | None = None
-    tare_seconds: float = 1.0
-    stale_after: float | None = None
+    rate: Annotated[float | None, Positive("cycles per second; None: as readings come")] = 1000.0
+    budget: Annotated[float | None, Positive("seconds")] = None
+    deadline: Annotated[float | None, Positive("seconds")] = None
+    tare_seconds: Annotated[float, Positive("seconds")] = 1.0
+    stale_after: Annotated[float | None, Positive("seconds")] = None
     rows: int = 8
-    threshold: float = 0.0
-    smoothing: float = 0.0
+    threshold: Annotated[float, Range(0.0, HEAVIEST, "N, of contacts that are told")] = 0.0
+    smoothing: Annotated[float, Range(0.0, SLOWEST, "s, a time constant; 0: none")] = 0.0
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
     tree: Mapping[str, Any] = field(default_factory=dict)
     prefetch: bool = True
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """See `Section`."""
         if isinstance(self.skin, Patch):
             object.__setattr__(self, "skin", Skin((self.skin,), name=self.skin.name))
         check_type("skin", self.skin, Skin, "the patches, as load_layout returns them")
@@ -98,14 +100,6 @@ class LiveSettings:
             check_offers("sources", source, ("open",), "objects such as PacketUdp()")
         if not self.sources:
             raise InputError("sources is empty, expected one or more: where readings come from")
-        if self.rate is not None:
-            check_positive("rate", self.rate, "cycles per second, or None: as readings arrive")
-        for name in ("budget", "deadline", "stale_after"):
-            if getattr(self, name) is not None:
-                check_positive(name, getattr(self, name), "seconds")
-        check_positive("tare_seconds", self.tare_seconds, "seconds")
-        check_range("threshold", self.threshold, 0.0, HEAVIEST, "N, of contacts that are told")
-        check_range("smoothing", self.smoothing, 0.0, SLOWEST, "s, a time constant; 0: none")
         unknown = set(self.calibration) - {patch.name for patch in self.skin}
         if unknown:
             raise InputError(

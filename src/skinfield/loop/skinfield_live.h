@@ -64,7 +64,8 @@ typedef struct {
     double age;            /* s since it was first seen */
     double speed;          /* m/s */
     int32_t shape;         /* of what presses: 0 other, 1 sphere, 2 flat, 3 line */
-    int32_t maybe;         /* 1: two contacts explain the readings nearly as well */
+    int32_t maybe;         /* contacts in its place that explain the readings nearly as well: 2,
+                              or 1 of two that may be one; 0: its number is sure */
     double radius;         /* m: of the contact, or of the circle of equal area */
     double covariance[6];  /* of x, y and the force: xx, xy, yy m2, xF, yF m N, FF N2; or NaN */
     double area_std;       /* m2; NaN: not known */

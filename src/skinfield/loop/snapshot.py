@@ -1,6 +1,6 @@
 """Snapshot of a running skin: one cycle, as its readers get it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -36,10 +36,19 @@ class Snapshot(Mapping[str, Estimate]):
         `normal_force` (N), `force_std` (N), `place_std` (m), `area` (m²) and more; see its dtype.
     patches : structured (P,) array
         What is known of each patch: answer, rung, gap, stamp_ns, fresh, force ...
+
+    Its estimates have the `notes` that the engine published last, about once a second.
     """
 
-    def __init__(self, slot: CycleSlot, number: int, models: Models, wall_ns: int) -> None:
-        self.number = number
+    def __init__(
+        self,
+        slot: CycleSlot,
+        number: int,
+        models: Models,
+        wall_ns: int,
+        notes: Callable[[], Mapping[str, Any] | None] = dict,
+    ) -> None:
+        self.number, self._notes = number, notes
         self.slot, self._models = slot, models
         self.patches: NDArray[Any] = slot.patches
         self.contacts: NDArray[Any] = slot.used_contacts()
@@ -60,7 +69,9 @@ class Snapshot(Mapping[str, Estimate]):
                 "`skinfield status`"
             )
         if name not in self._made:
-            self._made[name] = self._models.estimate(self.slot, place, self.took, self.late)
+            said = (self._notes() or {}).get("readings", {}).get(name, ())
+            known = self.slot, place, self.took, self.late, tuple(said)
+            self._made[name] = self._models.estimate(*known)
         return self._made[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -69,6 +80,11 @@ class Snapshot(Mapping[str, Estimate]):
 
     def __len__(self) -> int:
         return int((self.patches["answer"] != int(Answer.MISSING)).sum())
+
+    @property
+    def solvers(self) -> list[str]:
+        """Name of the solver that answered each patch; of `Auto` the one that it chose."""
+        return [self._models.solver_of(answer) for answer in self.patches["answer"].tolist()]
 
     @property
     def took(self) -> float:

@@ -93,6 +93,12 @@ class LiveStatus:
     tuning: dict[str, Any] = field(default_factory=dict)
 
     @property
+    def sentences(self) -> list[str]:
+        """What the engine says of the readings of each patch, such as that its model is wrong."""
+        said = self.notes.get("readings", {})
+        return [f"{patch}: {text}" for patch, texts in said.items() for text in texts]
+
+    @property
     def lost(self) -> int:
         """Messages that are known to be missing, over all sources."""
         return sum(each["lost"] + each["overflowed"] for each in self.sources.values())
@@ -213,7 +219,7 @@ def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
     for row in contacts:
         plain = plain_json({name: row[name] for name in row.dtype.names}, "contact")
         own = {"patch": patches[int(row["patch"])], "shape": shape_name(row)}
-        rows.append(plain | own | {"maybe": bool(row["maybe"])})
+        rows.append(plain | own | {"maybe": int(row["maybe"])})
     return rows
 
 

@@ -25,6 +25,7 @@ from skinfield.loop.process_supervisor import (
     close_pipes,
     end_within,
     last_line,
+    last_words,
     start_python,
 )
 from skinfield.loop.runtime_parameters import Tuning
@@ -95,7 +96,8 @@ class Change:
             self.fail(str(error))
             return False
         if self.child.poll() is not None:
-            self.fail(last_line(self.errors) or f"it ended with status {self.child.returncode}")
+            why = last_line(last_words(self.errors))
+            self.fail(why or f"it ended with status {self.child.returncode}")
         elif time.monotonic() > self.end:
             self.fail("it was not ready in time")
         return False
@@ -261,6 +263,7 @@ class Supervisor(SupervisedProcess):
         """Note what happened, for `events` and for others."""
         self.events.append(Event(time.time_ns(), what, text))
         told = {"pid": os.getpid(), "restarts": self.restarts, "events": list(self.events)}
+        told["traceback"] = self.traceback
         write_sidecar(self.settings.name, "supervisor", told)
 
     @property

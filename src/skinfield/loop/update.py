@@ -7,11 +7,12 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.loop.baseline import TareBaseline, quantity_scale
+from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.runtime_parameters import AUTO, Tuning
 from skinfield.loop.slots import PATCH, CycleHead, CycleSlot, Sizes
 from skinfield.loop.stationary_mean import StationaryMeans, rounding_of
+from skinfield.reconstruct.diagnostics import quantity_scale
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
@@ -105,9 +106,9 @@ class Updater:
         )
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
         self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
-        self._how, self._scale = quantity_scale(
-            model_config.quantity, model_config.layer, self._binding.unit
-        )
+        known = model_config.quantity, model_config.layer, self._binding.unit
+        strains, self._scale = quantity_scale(*known)
+        self._how = int(update_kernel.STRAIN if strains else update_kernel.CHANGE)
         board = model_config.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
         self._kept = CycleSlot.empty(self.sizes)
@@ -144,13 +145,11 @@ class Updater:
 
     def _lowest_of(self, known: Floats) -> float:
         """What no taxel reads, in the quantity's unit, by the calibration (N, 4) of the living."""
-        from skinfield.loop.update_kernel import STRAIN
-
         lowest = float(self.model_config.quantity.lowest)
         if self._binding.unit != "count":
             return lowest
         change = lowest_change(self.model_config.board, known)
-        if self._how == STRAIN:
+        if self._how == self._kernel.STRAIN:
             change = change / (1.0 + change) if change > -1.0 else -np.inf
         return max(lowest, change * self._scale)
 

@@ -220,7 +220,7 @@ class Updates:
                 "patch": number,
                 "shape": shape_name(row),
                 "radius": finite(row["radius"]),
-                "maybe": bool(row["maybe"]),
+                "maybe": int(row["maybe"]),
                 "answer": WORDS[Answer(int(patch["answer"]))],
                 "readings": int(patch["readings"]),
                 "x": float(row["x"]),

@@ -103,23 +103,35 @@ class Conditioner:
 
     def in_quantity(self, change: Floats) -> Floats:
         """ΔC/C₀ as the quantity, each taxel by itself."""
-        if isinstance(self.quantity, Capacitance):
-            return change
-        strain = strain_from_relative_capacitance(change)
-        if isinstance(self.quantity, Gap):
-            return strain
-        return strain * self.layer.young_modulus
+        strains, factor = quantity_scale(self.quantity, self.layer)
+        return strain_from_relative_capacitance(change) * factor if strains else change
 
     def noise_in_quantity(self, noise: Floats) -> Floats:
         """Noise of ΔC/C₀ as that of the quantity, for small readings."""
-        if isinstance(self.quantity, BaseStress):
-            return noise * self.layer.young_modulus
-        if isinstance(self.quantity, Capacitance | Gap):
-            return noise
-        raise InputError(
-            f"quantity is {type(self.quantity).__name__}, expected Capacitance(), Gap() or "
-            "BaseStress(): give a recording in the quantity's own unit"
-        )
+        return noise * quantity_scale(self.quantity, self.layer)[1]
+
+
+def quantity_scale(quantity: Quantity, layer: Layer, unit: str = "dC/C0") -> tuple[bool, float]:
+    """Whether a quantity is of the strain that ΔC/C₀ is of, and how many times that.
+
+    Readings in a unit of their own, which must be the quantity's, are taken as they are.
+
+    Raises
+    ------
+    InputError
+        For another quantity.
+    """
+    if unit in ("count", "dC/C0"):
+        if isinstance(quantity, Capacitance):
+            return False, 1.0
+        if isinstance(quantity, Gap | BaseStress):
+            return True, layer.young_modulus if isinstance(quantity, BaseStress) else 1.0
+    elif isinstance(quantity, UNIT_OF[unit]):
+        return False, 1.0
+    raise InputError(
+        f"quantity is {type(quantity).__name__}(), readings are in {unit!r}: expected "
+        "Capacitance(), Gap() or BaseStress() for counts, or the quantity of the readings' own unit"
+    )
 
 
 Blocks = Callable[[], Iterator[Recording]]  # anew at each call

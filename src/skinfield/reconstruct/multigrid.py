@@ -14,6 +14,7 @@ from skinfield.errors import Floats, InputError, check_count
 from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, LinearOperator, NonNegative, Operator, Solver
+from skinfield.solve.tiles import SIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +220,7 @@ def prepare_rungs(
 def check_sides(sides: Sequence[int]) -> None:
     """Raise InputError unless the rungs rise."""
     for nodes in sides:
-        check_count("rungs", nodes, 2, FINEST, "nodes along a side of each grid")
+        check_count("rungs", nodes, SIDE, FINEST, "nodes along a side of each grid")
     if not sides or any(a >= b for a, b in pairwise(sides)):
         raise InputError(
             f"rungs is {tuple(sides)!r}, expected one or more, from coarse to fine: (10, 20, 40)"

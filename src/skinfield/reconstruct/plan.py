@@ -14,6 +14,7 @@ from skinfield.errors import Floats, InputError, Ints
 from skinfield.estimate import (
     Contact,
     ContactFinder,
+    Estimate,
     PressureError,
     PressureNoise,
 )
@@ -21,7 +22,7 @@ from skinfield.estimate.finder import GridLevel, contacts_on, level_of
 from skinfield.estimate.live_contacts import LiveContacts
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
-from skinfield.solve.operator import Data, DeadlineMargin
+from skinfield.solve.operator import Data
 
 NO_SHIFT: Floats = np.zeros(2)
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
@@ -31,35 +32,6 @@ MOST = 1e6  # s: a deadline that is as good as none
 def until(deadline: float | None, start: int) -> int | None:
     """Time, ns, at which a deadline ends, in seconds from the start."""
     return None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-
-
-@dataclass(frozen=True, eq=False)
-class PatchAnswer:
-    """One reading's pressure, and how to compute the rest when it is asked for.
-
-    Attributes
-    ----------
-    solution : Solution
-    pressure : (K,) array, Pa
-        Of the nodes where the answer is wanted.
-    rest : mapping of names to functions
-        See `details`.
-    margin : DeadlineMargin, optional
-        Which learns how late this was; none where it could not have been any earlier.
-    """
-
-    solution: Solution
-    pressure: Floats
-    rest: dict[str, Callable[[], Any]]
-    margin: DeadlineMargin | None = None
-
-    def met(self, start: int, deadline: float | None) -> bool:
-        """Whether all that is done now, begun at `start`, ns, is there after `deadline`, s."""
-        if (end := until(deadline, start)) is None:
-            return True
-        if self.margin is None:
-            return time.perf_counter_ns() <= end
-        return self.margin.learn(start, end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,28 +244,47 @@ class Plan:
         assert linear.source is not None
         return LinearFields.of(linear.source.without(valid), *self._parts)
 
-    def linear_of(self, valid: NDArray[np.bool_]) -> LinearFields:
-        """The same, of a linear solver."""
-        made = self.of(valid)
-        assert isinstance(made, LinearFields)
-        return made
-
     def answer(
-        self, reading: Floats, valid: NDArray[np.bool_], start: int, deadline: float | None
-    ) -> PatchAnswer:
-        """Answer one reading (L,), where `valid`; the deadline is s after `start`, ns."""
+        self,
+        reading: Floats,
+        valid: NDArray[np.bool_],
+        stamp_ns: np.int64,
+        start: int,
+        deadline: float | None,
+    ) -> Estimate:
+        """Answer one reading (L,), where `valid`, the rest to be computed when asked for.
+
+        The deadline is s after `start`, ns.
+        """
         end, operator = until(deadline, start), self.of(valid)
         try:
             data = self._spare.pop()
         except IndexError:
             data = self.whole.data()
         by = end if data.margin is None else data.margin.before(end)
-        solution = operator.solve(reading, data, by).keep()
-        margin = data.margin if data.searched else None
+        solution = operator.solve(reading, data, by)
+        solved, solution = time.perf_counter_ns(), solution.keep()
+        margin = data.margin if data.searched else None  # else it could not have been any earlier
         self._spare.append(data)
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
         parts = valid, self.grid, self.deformation, self.find, self._nodes
-        return PatchAnswer(solution, pressure, details(solution, pressure, *parts), margin)
+        estimate = Estimate.later(
+            details(solution, pressure, *parts),
+            grid=self.grid,
+            pressure=pressure.copy(),  # what is computed later is of what was found
+            valid=valid,
+            stamp_ns=stamp_ns,
+            gap=solution.gap,
+            iterations=solution.steps,
+            notes=solution.notes,
+            solver=solution.solver,
+            is_field=solution.fit is None,
+        )
+        known, now = vars(estimate), time.perf_counter_ns()
+        known["latency"], known["deadline_met"] = (now - start) * 1e-9, end is None or now <= end
+        if end is not None and margin is not None:
+            margin.learn(end, solved)
+        return estimate
 
     def write(
         self, reading: Floats, out: NDArray[np.void], stamp_ns: int, deadline: float | None

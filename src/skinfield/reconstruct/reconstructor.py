@@ -225,13 +225,13 @@ class Reconstructor:
         table, mask = checked_readings(readings, valid, self.patch, self.quantity)
         if deadline is not None:
             check_positive("deadline", deadline, "seconds for each reading")
-        stamps = np.asarray(stamp_ns, dtype=np.int64)
+        answer, stamps = self.plans.answer, np.asarray(stamp_ns, dtype=np.int64)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            return self._answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
+            return answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
         rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
-        each = [self._answer(*row, None, deadline) for row in rows]
+        each = [answer(*row, time.perf_counter_ns(), deadline) for row in rows]
         spent = (time.perf_counter_ns() - start) * 1e-9
         return Estimate.joined(each, stamp_ns=stamps, latency=spent)
 
@@ -268,37 +268,6 @@ class Reconstructor:
         """
         return self.plans.write(readings, out, stamp_ns, deadline)
 
-    def _answer(
-        self,
-        reading: Floats,
-        valid: NDArray[np.bool_],
-        stamp_ns: np.int64,
-        start: int | None,
-        deadline: float | None,
-    ) -> Estimate:
-        """Answer one reading with its pressure, the rest to be computed when asked for.
-
-        `start`, ns, is when the deadline began; by default now.
-        """
-        start = time.perf_counter_ns() if start is None else start
-        answer = self.plans.answer(reading, valid, start, deadline)
-        solution = answer.solution
-        estimate = Estimate.later(
-            answer.rest,
-            grid=self.grid,
-            pressure=answer.pressure.copy(),  # what is computed later is of what was found
-            valid=valid,
-            stamp_ns=stamp_ns,
-            gap=solution.gap,
-            iterations=solution.steps,
-            notes=solution.notes,
-            solver=solution.solver,
-            is_field=solution.fit is None,
-        )
-        vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
-        vars(estimate)["deadline_met"] = answer.met(start, deadline)
-        return estimate
-
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
         self.plans.reset()
@@ -332,8 +301,10 @@ def checked_readings(
     check_shape("readings", table, (None, len(patch)), f"one per taxel of {patch.name!r}")
     if not len(table):
         raise InputError("readings is empty, expected one reading or more")
-    if valid is None and np.isfinite(table).all() and (table > quantity.lowest).all():
-        return table, np.ones(table.shape, dtype=np.bool_)
+    if valid is None and table.min() > quantity.lowest and table.max() < np.inf:  # nor any NaN
+        every = np.empty(table.shape, np.bool_)
+        every.fill(True)
+        return table, every
     if np.isinf(table).any():
         row, taxel = np.argwhere(np.isinf(table))[0]
         raise InputError(

@@ -1,12 +1,13 @@
 """Boards: what counts mean, the 8-bit iCub convention and the 16-bit CySkin one."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
+from skinfield.settings import Positive, Section
 
 Bools = NDArray[np.bool_]
 
@@ -110,17 +111,14 @@ class ICubByte:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Word:
+class _Word(Section):
     """An unsigned word per taxel, higher under pressure."""
 
-    highest: float = 65535.0
+    highest: Annotated[float, Positive("the largest word, 65535 for 16 bits")] = 65535.0
 
     lowest = 0.0
     direction = 1
     usual_gain = 20_000.0  # a firm press reads 20 000; no maker's figure
-
-    def __post_init__(self) -> None:
-        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
 
 
 @dataclass(frozen=True, kw_only=True)

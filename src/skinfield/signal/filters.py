@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, as_floats, check_positive, check_shape
+from skinfield.settings import Positive, Section
 
 
 class FilterState(Protocol):
@@ -71,7 +72,7 @@ class NoFilter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exponential:
+class Exponential(Section):
     """y += a (x - y), with a = 1 - exp(-1 / (time_constant · rate)); starts at the first reading.
 
     Parameters
@@ -80,10 +81,7 @@ class Exponential:
         After which 63 % of a step has come through.
     """
 
-    time_constant: float = 0.05
-
-    def __post_init__(self) -> None:
-        check_positive("time_constant", self.time_constant, "in seconds")
+    time_constant: Annotated[float, Positive("in seconds")] = 0.05
 
     def weight(self, rate: float) -> float:
         """Weight a of a new reading at `rate` readings per second."""

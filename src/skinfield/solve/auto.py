@@ -15,11 +15,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.compiled import parallel_compilation
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, check_count, check_range, check_shape, check_type
 from skinfield.estimate import Contact, ModelError, PressureError
+from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fit_kernel import MOST, NOW
-from skinfield.solve.atoms.fitter import FitData
 from skinfield.solve.contact_fit import ContactFit, ContactOperator
 from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.field_evidence import (
@@ -46,6 +47,18 @@ PATIENCE = 50  # readings in which contacts are sought bit by bit, before a fiel
 TURNS = 4  # readings of which one goes on with that, while a field answers
 FIELD_NOTE = "more probable than few contacts: a field answers"
 LINEAR_NOTE = "no pressure explains the readings: a linear field answers; check ν, cover and gains"
+
+COMPILED_APART = """
+import numpy as np
+from skinfield import Grid, Layer, NonNegative, Reconstructor, layouts
+from skinfield.solve.atoms.render import AtomRenderer
+from skinfield.solve.field_evidence import SQUARES, FieldCovariance, field_evidence
+patch, layer = layouts.icub_triangle(), Layer()
+rec = Reconstructor(patch, layer, Grid.square(patch, nodes=8), solver=NonNegative())
+AtomRenderer(rec.grid, layer, rec.mechanics).displacement(np.ones((1, 6)), np.zeros(1, np.int64))
+covariance = FieldCovariance.of(rec.model, 1.0)
+field_evidence(covariance.whole, SQUARES, np.zeros(len(patch)), *covariance.room)
+"""  # all that answers of a field take
 
 
 @dataclass
@@ -146,11 +159,13 @@ class Auto:
 
     def prepare(self, model: ObservationModel) -> "AutoOperator":
         """Prepare the contacts, the field, and the evidence of both."""
+        with parallel_compilation(COMPILED_APART, field_evidence):
+            contact_fit = self.contacts.prepare(model)
         covariance = FieldCovariance.of(model, self.contacts.common_mode)
         operator = AutoOperator(
             solver=self,
             model=model,
-            contact_fit=self.contacts.prepare(model),
+            contact_fit=contact_fit,
             whole_field=self.field.prepare(model),
             whole_linear=self.linear.prepare(model),
             covariance=covariance,
@@ -308,6 +323,10 @@ class AutoOperator:
     def model_error(self) -> ModelError:
         """Of the field."""
         return self.field.model_error
+
+    def prepare_mechanics(self) -> None:
+        """See `ContactOperator.prepare_mechanics`."""
+        self.contact_fit.prepare_mechanics()
 
     def data(self) -> AutoData:
         """Make its scratch memory."""

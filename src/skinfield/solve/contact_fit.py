@@ -14,12 +14,11 @@ from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
 from skinfield.solve.atoms.atom_fit import AtomFit
+from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fitter import ContactFitter
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
-from skinfield.solve.dual.problem import DualProblem
 from skinfield.solve.idle_kernel import WIDE, WideLoads
-from skinfield.solve.non_negative import NonNegative
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
 from skinfield.solve.packed import Packed
 
@@ -34,7 +33,8 @@ class ContactData(Data):
         left to others.
     count : int
         How many of the rows hold.
-    fit : FitData
+    choice : MechanicsChoice
+        Of all fits of the readings, which grids of a patch share.
     """
 
     rows: NDArray[np.void]
@@ -42,7 +42,12 @@ class ContactData(Data):
     def __init__(self, operator: "ContactOperator") -> None:
         super().__init__(operator, len(operator.model.grid), DeadlineMargin(most=30_000))
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
-        self.fit, self._operator = operator.fitter.data(), operator
+        self.choice, self._operator = operator.fitter.data(), operator
+
+    @property
+    def fit(self) -> FitData:
+        """By the mechanics that are more probable."""
+        return self.choice.fit
 
     @property
     def noise(self) -> Floats:
@@ -54,12 +59,12 @@ class ContactData(Data):
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self.fit.reset()
+        self.choice.reset()
 
     def start_from(self, other: Data) -> None:
         """Go on with the memory of another grid's fit, from now on with the same one."""
         if isinstance(other, ContactData):
-            self.fit = other.fit
+            self.choice = other.choice
 
     def keep(self) -> AtomFit:
         """What was found in the last reading, which nothing overwrites."""
@@ -97,11 +102,6 @@ class ContactOperator:
         """None: no contact is found in its pressure."""
         return PressureNoise(np.zeros(self.model.matrix.T.shape))
 
-    @cached_property
-    def problem(self) -> DualProblem:
-        """Of a non-negative field: an engine's test of idle patches."""
-        return NonNegative().prepare(self.model).problem
-
     def data(self) -> ContactData:
         """Make its scratch memory."""
         return ContactData(self)
@@ -132,8 +132,8 @@ class ContactOperator:
         readings, out = data.heard(readings, self.valid), (data.solution.pressure, data.rows)
         if not touched and self.rests(readings, data, self.wide):
             return data.solution
-        fit, grid = data.fit, self.renderer
-        data.count = self.fitter.fit(readings, fit, grid, out, self.valid, deadline_ns)
+        choice, grid = data.choice, self.renderer
+        data.count = self.fitter.fit(readings, choice, grid, out, self.valid, deadline_ns)
         return self._solution(readings, data, deadline_ns)
 
     def rests(self, readings: Floats, data: ContactData, wide: Packed) -> bool:
@@ -151,13 +151,17 @@ class ContactOperator:
     def _solution(self, readings: Floats, data: ContactData, deadline_ns: int | None) -> Solution:
         """Solution of what was fitted."""
         solution, fit = data.solution, data.fit
-        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(fit)
+        solution.operator, solution.fit, solution.notes = self, data, self.fitter.notes(data.choice)
         solution.solver, solution.offset = type(self.solver).__name__, fit.offset
         solution.gap = solution.objective = float("nan")
         solution.evidence, solution.steps = float(fit.search.known[0]), 0
         np.copyto(solution.readings, readings)
         solution.in_time = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
         return solution
+
+    def prepare_mechanics(self) -> None:
+        """Make the tables of other mechanics, for readings that have a deadline; takes seconds."""
+        self.fitter.mechanics.models  # noqa: B018
 
     def without(self, valid: NDArray[np.bool_]) -> "ContactOperator":
         """See `Operator.without`; nothing is prepared anew."""
@@ -217,6 +221,11 @@ class ContactFit(FitSettings):
     common_mode : float
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
         noise; it is integrated out. 0 for none.
+    check_mechanics : bool
+        Compare the layer's stated mechanics, press by press, with another Poisson's ratio and with
+        a cover, or without; the more probable one answers, and a note says so. False for a layer
+        that is known. Takes `warm`. Tables of others, 2 s each once per machine, are made with the
+        first clear press that has no deadline, or by `prepare_mechanics`.
 
     See Also
     --------
@@ -230,6 +239,8 @@ class ContactFit(FitSettings):
         renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         operator = ContactOperator(self, model, fitter, renderer)
         data = operator.data()
-        for reading in fitter.touches():
-            operator.solve(reading, data)  # a first reading is as fast as the next
+        for reading in fitter.touches():  # a first reading is as fast as the next
+            soon = time.perf_counter_ns() + 10**9  # too soon to tabulate other mechanics
+            operator.solve(reading, data, soon)
+        data.fit.infer()
         return operator

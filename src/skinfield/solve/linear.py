@@ -16,7 +16,7 @@ over 64, as an incompressible layer hardly gives below the middle of a wide cont
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.elastic.resample import resampling_matrix
 from skinfield.errors import Floats, InputError, check_positive, check_range
 from skinfield.estimate import ModelError, PressurePosterior
+from skinfield.settings import Range, Section
 from skinfield.skin import Grid
 from skinfield.skin.geometry import nearest_distance
 from skinfield.solve.gaussian_model import GaussianModel
@@ -138,7 +139,7 @@ def _solve(square: Floats, right: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PseudoInverse:
+class PseudoInverse(Section):
     """Moore-Penrose inverse, eq. (13): the smallest pressure that explains the readings.
 
     Parameters
@@ -150,11 +151,8 @@ class PseudoInverse:
         (section III-B); else invert on the taxels themselves.
     """
 
-    rcond: float = 1e-6
+    rcond: Annotated[float, Range(0.0, 1.0, "relative to the largest singular value")] = 1e-6
     resample: bool = False
-
-    def __post_init__(self) -> None:
-        check_range("rcond", self.rcond, 0.0, 1.0, "relative to the largest singular value")
 
     def prepare(self, model: ObservationModel) -> LinearOperator:
         """Invert once."""

@@ -16,9 +16,8 @@ from skinfield.skin import Grid
 from skinfield.solve.gaussian_model import GaussianModel, SetError, TaxelSet
 
 EXACT = ModelError()
-EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest one call of fifty is late
-NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
-PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
+EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest it is too short in one call of fifty
+PAUSED, SLIGHTLY = 2.0, 1.02  # times the margin: what took so long was mostly the machine's doing
 
 
 @dataclass
@@ -40,16 +39,19 @@ class DeadlineMargin:
         """When a solver should end so that all is done at `end` of `time.perf_counter_ns`."""
         return None if end is None else end - self.margin_ns
 
-    def learn(self, start: int, end: int) -> bool:
-        """Take note that all is done now; whether that is in time.
+    def learn(self, end: int, solved: int, now: int | None = None) -> bool:
+        """Take note that all is done now, and the solver was when it was `solved`; if in time.
 
-        Of an end so near to the start that nothing was left for the solver nothing is learnt.
+        Learnt is what was left to do after that, and by how much the solver was later than it
+        should have been, up to thrice as much: more is for want of time, and no margin helps.
         """
-        now = time.perf_counter_ns()
-        tells = -NEAR * self.margin_ns < now - end < max(PAUSE, 2 * self.margin_ns)
-        if tells and end - self.margin_ns > start:
-            change = EARLIER if now <= end else LATER
-            self.margin_ns = int(min(max(change * self.margin_ns, self.least), self.most))
+        now = time.perf_counter_ns() if now is None else now
+        rest, over = now - solved, solved - (end - self.margin_ns)
+        took = rest + min(max(over, 0), 3 * rest)
+        change = EARLIER
+        if took > self.margin_ns:
+            change = LATER if took < PAUSED * self.margin_ns else SLIGHTLY
+        self.margin_ns = int(min(max(change * self.margin_ns, self.least), self.most))
         return now <= end
 
 

@@ -90,6 +90,12 @@ class Packed:
         _fill(self._table, value, its)
         self.address = int(self._table.ctypes.data)
 
+    def put(self, name: str, part: Any) -> None:
+        """Take another named tuple for one that is a field; the address stays."""
+        kind, at = self.its.fields[name]
+        self.value = self.value._replace(**{name: part})
+        _fill(self._table[at : at + kind.size], part, kind)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy has arrays elsewhere."""
         return Packed, (self.value, self.its)

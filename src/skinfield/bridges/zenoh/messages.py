@@ -315,7 +315,7 @@ class ContactMessage(Struct):
     speed: Large | None = None
     shape: Literal["other", "sphere", "flat", "line"] = "other"
     radius: Large | None = None
-    maybe: bool = False
+    maybe: int = 0
 
 
 PLAIN = tuple(
@@ -425,7 +425,7 @@ def contacts_of(snapshot: Snapshot, plain: list[dict[str, Any]]) -> bytes:
 def contact_plain(row: Any, patches: list[Patch]) -> dict[str, Any]:
     """A contact in plain values, SI units; force is a vector in the patch's frame."""
     plain = {name: row[name].tolist() for name in PLAIN}
-    plain |= {"shape": shape_name(row), "maybe": bool(row["maybe"])}
+    plain |= {"shape": shape_name(row), "maybe": int(row["maybe"])}
     patch = patches[int(row["patch"])]
     force = (-row["normal_force"] * row["normal"]).tolist()  # onto the skin, against its normal
     return plain | {"patch": patch.name, "link": patch.link, "force": force}

@@ -175,7 +175,7 @@ class SkinMessages:
             wrench=self._wrench(contact.force, np.zeros(3)),
             position_std=float(row["place_std"]),
             shape=shape_name(row),
-            maybe=bool(row["maybe"]),
+            maybe=bool(row["maybe"] > 1),
             **{name: float(row[name]) for name in same},
         )
 

@@ -100,13 +100,17 @@ def kernel() -> str:
     return f"{name}, {' '.join(words)}" if words else name
 
 
+SOON_OVER = "prepare"  # name of threads that end before long
+
+
 def disturbances(cpu: int | None) -> Iterator[str]:
     """What makes a loop on this processor late, or on any: a sentence each."""
     if (os.cpu_count() or 1) == 1:
         yield "this machine has one CPU: everything else shares it with the loop"
-    if threading.active_count() > 1:
+    others = sum(each.name != SOON_OVER for each in threading.enumerate()) - 1
+    if others > 0:
         yield (
-            f"{threading.active_count() - 1} more Python threads run in this process: each may "
+            f"{others} more Python threads run in this process: each may "
             "hold the interpreter for 5 ms; run the loop in a process of its own"
         )
     if not LINUX:

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import njit
 from skinfield.errors import Floats, Ints
-from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
-from skinfield.reconstruct.engine.state import IDLE, LINEAR, MISSING, PRODUCT, ROW, ROWS
-from skinfield.reconstruct.engine.timing_model import FORGET
+from skinfield.reconstruct.engine.state import IDLE, LINEAR, MISSING
 from skinfield.solve.atoms.fit_kernel import NOW
 from skinfield.solve.atoms.reading_memory import unpack_fit
 from skinfield.solve.idle_kernel import rests, unpack_wide
@@ -77,45 +75,26 @@ def open_cycle(
 
 
 @njit
-def test_idle(
-    values: Any,
-    taxels: Any,
-    firsts: Any,
-    cells: Any,
-    table: Ints,
-    dropped: Any,
-    thresholds: Any,
-    scores: Any,
-    white: Any,
+def sort_idle(
     idle: Flags,
     rung: int,
     present: Flags,
     invalid: Ints,
     integers: Ints,
     numbers: NDArray[np.float64],
-    masked: Ints,
-    before: Ints,
-) -> int:
-    """Idle test, by an `Atlas`, of all patches that had no contact so far.
+) -> None:
+    """Take in an idle test of all patches, on a rung.
 
-    Those with missing taxels that are idle are listed in `masked`, with the rung on which they
-    were idle before; returns how many.
+    Those with missing taxels are left to a search, which goes by the valid ones: the same readings
+    stand out more of a part of a row than of all of it.
     """
-    idle_patches(values, taxels, firsts, cells, table, dropped, thresholds, white, scores, idle)
-    count = 0
     for patch in range(len(idle)):
-        if not present[patch] or integers[ANSWER, patch] > IDLE:
+        if not present[patch]:
             continue
-        if idle[patch]:
-            if invalid[patch] > 0:
-                masked[count], before[count] = patch, integers[ON, patch]
-                count += 1
-            integers[ANSWER, patch], integers[ON, patch] = IDLE, rung
-            numbers[ITS_GAP, patch] = 0.0
-        else:
-            integers[ANSWER, patch], integers[ON, patch] = LINEAR, -1
-            numbers[ITS_GAP, patch] = np.nan
-    return count
+        rests = idle[patch] and invalid[patch] == 0
+        integers[ANSWER, patch] = IDLE if rests else LINEAR
+        integers[ON, patch] = rung if rests else -1
+        numbers[ITS_GAP, patch] = 0.0 if rests else np.nan
 
 
 @njit
@@ -185,8 +164,7 @@ def list_turns(
 ) -> float:
     """Write the patches in `hot` (H,) into `order`: the foremost, then what waited longest.
 
-    Returns what linear answers of all of them take on the coarsest rung, by `costs` (G, kinds, R),
-    s.
+    Returns what linear answers of their kinds take on the coarsest rung, s, by `costs` (G,).
     """
     for count in range(len(hot)):
         patch, place = hot[count], count
@@ -199,25 +177,16 @@ def list_turns(
         order[place] = patch
     seconds = 0.0
     for its in range(len(costs)):
-        count = 0
         for patch in hot:
-            count += group[patch] == its
-        if count > 0:
-            seconds += costs[its, ROW if count < ROWS else PRODUCT, 0]
+            if group[patch] == its:
+                seconds += costs[its]
+                break
     return seconds
 
 
 @njit
-def close_cycle(
-    searches: bool,
-    integers: Ints,
-    age: Ints,
-    steps: Floats,
-    base: Floats,
-    around: Floats,
-    around_base: Floats,
-) -> int:
-    """Count cycles without a search where there should be `searches`, and `relax` all predictions.
+def close_cycle(searches: bool, integers: Ints, age: Ints) -> int:
+    """Count cycles without a search where there should be `searches`.
 
     Returns how long the one waited that waited longest.
     """
@@ -225,13 +194,4 @@ def close_cycle(
     for patch in range(len(age)):
         age[patch] = age[patch] + 1 if searches and integers[ANSWER, patch] == LINEAR else 0
         longest = max(longest, age[patch])
-    relax(steps, base)
-    relax(around, around_base)
     return int(longest)
-
-
-@njit
-def relax(steps: Floats, base: Floats) -> None:
-    """Let predictions that are above their start come down a little."""
-    for step in range(len(steps)):
-        steps[step] = min(steps[step], max(FORGET * steps[step], base[step]))

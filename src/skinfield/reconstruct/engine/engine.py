@@ -14,23 +14,16 @@ from skinfield.reconstruct.engine.intake import EngineReadings, Readings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.results import Estimates, PatchResults, estimate_of, grid_on
-from skinfield.reconstruct.engine.stages import (
-    answer_linearly,
-    finest_for_all,
-    first_tested,
-    refine_linearly,
-    spend,
-    test_all,
-)
-from skinfield.reconstruct.engine.step_times import measure, rehearsed_cycle
-from skinfield.reconstruct.engine.timing_model import NS, CostModel
+from skinfield.reconstruct.engine.stages import answer_linearly, spend
+from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
+from skinfield.solve.atoms.fitter import STOPPED
+from skinfield.solve.operator import DeadlineMargin
 
-RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
-MOST_KEPT = 0.1  # of the budget, for each of these
+MOST_KEPT = 0.2  # of the budget, for what remains to be done after the last step
 ENDLESS = 1e6  # s: no cycle takes longer, and its end fits into 64 bits of ns
 FOR_ALL = "seconds for all patches of a cycle"
 KEPT = 4096  # grids of patches that were asked for
@@ -41,8 +34,8 @@ class Engine:
 
     Each cycle every patch first gets an idle test, and a coarse linear answer if it is touched.
     What is left of the budget goes to searches of the touched patches, by turns, what was searched
-    longest ago first. Times are predicted, and no step is begun that would not fit, but for a
-    contact that waited too long.
+    longest ago first. No search is begun that would not fit, but for that of a contact that waited
+    too long.
 
     Parameters
     ----------
@@ -108,7 +101,7 @@ class Engine:
         self.groups = self._prepared(layer, noise_std, progress)
         self._work = self._clockwork(clock)
         self._ordered = tuple(self._work.intake.names)
-        self._around = CostModel(np.array([20e-6, 5e-6]))
+        self._margin = DeadlineMargin()
         self.results = PatchResults(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
         places = self._work.places
@@ -182,7 +175,6 @@ class Engine:
         """
         start = self._begin(budget)
         work, cycle = self._work, self.cycle + 1
-        work.logging = True
         work.intake.take(readings, valid)
         left = self._run(start)
         report = CycleReport.of(
@@ -233,42 +225,49 @@ class Engine:
             For arrays of another shape or type.
         """
         start = self._begin(budget)
-        self._work.logging = False
         self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 
+    @property
+    def notes(self) -> dict[str, list[str]]:
+        """What searches said of the readings of each patch, by its name, where it lasts."""
+        return {
+            patch.name: texts
+            for group in self.groups
+            for patch, data in zip(group.kind.patches, group.last, strict=True)
+            if data is not None
+            and (texts := [each for each in data.solution.notes if not each.startswith(STOPPED)])
+        }
+
     def _begin(self, budget: float | None) -> int:
         """Set the end of a cycle; returns its start, ns."""
-        work, around = self._work, self._around
-        start = work.clock()
+        work, start = self._work, self._work.clock()
         check_positive("budget", given := self.budget if budget is None else budget, FOR_ALL)
         self._granted = given = float(given)
-        most = MOST_KEPT * given
-        reserve = min(around.predict(RETURN), most) + min(around.predict(BEYOND), most)
-        work.end = start + int((min(given, ENDLESS) - reserve) / NS)
+        whole = int(min(given, ENDLESS) / NS)
+        work.end = start + whole - min(self._margin.margin_ns, int(MOST_KEPT * whole))
         return start
 
     def _run(self, start: int) -> float:
-        """Answer what was taken in, and learn how long the end of a cycle takes.
+        """Answer what was taken in, and learn how late a cycle ends.
 
         Returns the time that was left after the last step, s.
         """
-        work, around = self._work, self._around
+        work = self._work
         work.open()
         if work.linear:
-            answer_linearly(work, rung := finest_for_all(work))
+            answer_linearly(work)
             first = work.clock()
-            refine_linearly(work, rung)
         else:
-            hot, first = test_all(work, first_tested(work)), work.clock()
-            spend(work, hot)
-        before, left = work.clock(), work.left
-        work.close(around)
+            work.test_idle()
+            first = work.clock()
+            spend(work)
+        left, solved = work.left, work.clock()
+        work.close()
         self.cycle += 1
         self.results.update()
         end = work.clock()
-        around.observe(RETURN, (end - before) * NS)
-        around.observe(BEYOND, max(-left, 0.0))
+        self._margin.learn(start + int(min(self._granted, ENDLESS) / NS), solved, end)
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return left
 
@@ -283,11 +282,11 @@ class Engine:
         return self._work.finds_contacts
 
     def reset(self) -> None:
-        """Forget the readings before, from which searches start; costs stay known."""
+        """Forget the readings before, from which searches start."""
         self._work.reset()
 
     def _run_in(self) -> None:
-        """Load what is compiled and time every step, so that the first cycle is as the next."""
+        """Load what is compiled and time linear answers, so that the first cycle is as the next."""
         measure(self._work)
         touch = rehearsed_cycle(self._work)
         for _ in range(3):
@@ -300,7 +299,7 @@ class Engine:
 def prefer(engine: "Engine", finest: int | None = None, first: int | None = None) -> None:
     """Say how the next cycles spend their time.
 
-    Idle tests are made on every rung all the same: what touches the skin does not go unnoticed.
+    Idle tests are made on the finest rung all the same: no touch goes unnoticed.
 
     Parameters
     ----------
@@ -325,3 +324,45 @@ def prefer(engine: "Engine", finest: int | None = None, first: int | None = None
         check_count("first", first, 0, len(engine.names) - 1, "patch, in the skin's order")
         row = engine.results.row_of(first)
     work.prefer(top, row)
+
+
+LAPS = 9  # of each kind of patch; the first one, which loads what is compiled, does not count
+RADIUS = 1.0  # of a rehearsed touch, pitches of the taxels
+STRONG = 20.0  # standard deviations of the noise that it reads
+
+
+def measure(work: Clockwork) -> None:
+    """Measure what coarse linear answers take, which are left time for in the end."""
+    work.intake.white[:] = 0.0
+    for group in work.groups:
+        laps, white = [], work.white[group.index]
+        for _ in range(LAPS + 1):
+            start = work.clock()
+            group.answer_all(0, white)
+            laps.append(work.since(start))
+        work.costs[group.index] = np.quantile(laps[1:], 0.9)
+
+
+def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
+    """Readings of a touch on the first patch of each kind, by the names of patches."""
+    rng, names = np.random.default_rng(1), work.intake.names
+    readings = {}
+    for group in work.groups:
+        for place in range(group.count):
+            touch = np.zeros(len(group.kind.noise_std))
+            if place == 0 and not work.linear:
+                touch = rehearsed(group, work.rungs - 1, rng)
+            readings[names[group.first + place]] = touch
+    return readings
+
+
+def rehearsed(group: PatchGroup, rung: int, rng: "np.random.Generator") -> Floats:
+    """Readings (L,) of a round touch at a random taxel, without noise."""
+    step = group.rungs.steps[rung]
+    model = step.operator.model
+    centre = model.taxels[rng.integers(len(model.taxels))]
+    distance = np.linalg.norm(step.grid.plane - centre, axis=1)
+    reach = max(RADIUS * step.grid.patch.pitch, 0.75 * step.grid.pitch)
+    readings = model.matrix @ (distance <= reach).astype(np.float64)
+    highest = float(np.abs(readings / model.noise_std).max())
+    return np.asarray(readings * (STRONG / max(highest, 1e-300)))

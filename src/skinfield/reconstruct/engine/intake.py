@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Capacitance, Quantity
 from skinfield.errors import Floats, InputError, as_floats
+from skinfield.reconstruct.engine.idle_test import Singles
 from skinfield.reconstruct.engine.patch_kinds import check_names
-from skinfield.reconstruct.engine.products import Singles
 from skinfield.skin import Patch
 
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
@@ -85,14 +85,14 @@ class EngineReadings:
         InputError
             For a name that no patch has, or another number of taxels.
         """
-        rows = self._each(readings)
-        try:
-            sized = list(map(len, rows)) == list(map(len, self._nothing))
-            np.concatenate(rows, out=self.given)
-        except (TypeError, ValueError):
-            sized = False
-        if not sized:
-            self._blame(rows)
+        for (name, part), row in zip(self._parts.items(), self._each(readings), strict=True):
+            values, expected = as_floats(f"readings[{name!r}]", row), self.given[part].shape
+            if values.shape != expected:
+                raise InputError(
+                    f"readings[{name!r}] has shape {values.shape}, expected {expected}: one per "
+                    "taxel; an engine takes one reading of each patch in a cycle"
+                )
+            self.given[part] = values
         self.wanted[:] = True
         self.deviation[:] = self.noise_std
         if valid is not None:
@@ -129,10 +129,10 @@ class EngineReadings:
         """Taxels of a patch."""
         return slice(self.starts[place], self.starts[place + 1])
 
-    def raw_of(self, place: int) -> tuple[Floats, Floats]:
-        """What was handed in of a patch, (L,), and its standard deviation: views."""
-        part = self._parts[self.names[place]]
-        return self.given[part], self.deviation[part]
+    def raw_of(self, place: int) -> Floats:
+        """What was handed in of a patch, (L,): a view."""
+        given: Floats = self.given[self._parts[self.names[place]]]
+        return given
 
     def _each(self, readings: Readings) -> list[Any]:
         """Readings of each patch in the skin's order; zeros where there are none."""
@@ -154,17 +154,6 @@ class EngineReadings:
             self.present[self._rows[place]] = False
             rows[place] = self._nothing[place]
         return rows
-
-    def _blame(self, rows: Sequence[ArrayLike]) -> None:
-        """Name the patch whose readings do not fit."""
-        for name, nothing, row in zip(self._parts, self._nothing, rows, strict=True):
-            shape = as_floats(f"readings[{name!r}]", row).shape
-            if shape != nothing.shape:
-                raise InputError(
-                    f"readings[{name!r}] has shape {shape}, expected {nothing.shape}: one per "
-                    "taxel; an engine takes one reading of each patch in a cycle"
-                )
-        np.concatenate([as_floats("readings", row) for row in rows], out=self.given)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
         check_names("valid", valid, self.names)

@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_shape
-from skinfield.reconstruct.engine.products import Singles, product_of
+from skinfield.reconstruct.engine.idle_test import IdleTest, Singles
 from skinfield.reconstruct.multigrid import Rungs
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Operator
+from skinfield.solve.tiles import Tiles
 
+CUT = 1e-3  # of each taxel's effect on the field, that a linear answer may lack
 SAME = 1e-6  # of the pads' pitch: places that are one
 
 
@@ -139,7 +141,7 @@ class PatchGroup:
 
     Attributes
     ----------
-    products : R of DenseProduct or Tiles
+    products : R of Tiles
         From whitened readings to the linear answer.
     fields : R arrays (P, K) float32, Pa
         Linear answers.
@@ -152,6 +154,8 @@ class PatchGroup:
         how far one moves them.
     idle_offset : (2, L) array
         As `offset`, where nothing touches; of searches.
+    idle_test : IdleTest or None
+        On the finest grid; none where linear, and where contacts are found.
     last : list of P Data
         Of the search that each patch used last, or None.
     finds_contacts : bool
@@ -160,25 +164,34 @@ class PatchGroup:
 
     def __init__(self, index: int, first: int, kind: PatchKind, rungs: Rungs) -> None:
         self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
-        from skinfield.reconstruct.engine.block_sparse_kernel import without_offset
+        from skinfield.reconstruct.engine.idle_tests_kernel import without_offset
 
         steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
         self.offset = np.stack([rungs.offset_weights * noise, 1.0 / noise])
-        self.products = [product_of(self.matrix_on(rung), s.grid) for rung, s in enumerate(steps)]
+        self.products = [
+            Tiles.of(self.matrix_on(rung), step.grid.shape, CUT) for rung, step in enumerate(steps)
+        ]
         self.level: Singles = np.zeros((count, len(noise)), np.float32)
         self.without_offset: Any = without_offset
         self.fields: list[Singles] = [
             np.zeros((count, len(step.grid)), np.float32) for step in steps
         ]
         self.operators = [] if rungs.linear else [_search(step.operator) for step in steps]
-        if self.operators:
-            offset = self.operators[0].problem.offset[: len(noise)]
-            self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
+        if self.operators and hasattr(self.operators[0], "prepare_mechanics"):
+            self.operators[0].prepare_mechanics()  # its readings have deadlines
         self.data: list[list[Any]] = [
             [each.data() for _ in range(count)] for each in self.operators
         ]
         self.last: list[Any] = [None] * count
         self.finds_contacts = bool(self.data) and self.data[0][0].rows is not None
+        self.idle_test: IdleTest | None = None
+        if self.operators and not self.finds_contacts:
+            problem, grid = self.operators[-1].problem, steps[-1].grid
+            offset = problem.offset[: len(noise)]
+            self.idle_offset = np.stack([offset / (1.0 + offset @ offset), offset])
+            norms, rows = problem.norms, problem.unshared[:, : len(noise)]
+            scale = np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)
+            self.idle_test = IdleTest.of(rows * scale[:, None], grid.shape, problem.threshold)
         for level in self.data[1:] if self.finds_contacts else ():
             for each, coarsest in zip(level, self.data[0], strict=True):
                 each.start_from(coarsest)  # one fit of all grids
@@ -202,12 +215,6 @@ class PatchGroup:
         """Linear answers of all patches from whitened readings (P, L)."""
         self.without_offset(white, *self.offset, self.level)
         self.products[rung].apply(self.level, self.fields[rung])
-
-    def answer_one(self, rung: int, place: int, white: Singles) -> None:
-        """Linear answer of one patch, its readings among those (P, L) of all."""
-        here = slice(place, place + 1)
-        self.without_offset(white[here], *self.offset, self.level[here])
-        self.products[rung].apply(self.level[here], self.fields[rung][here])
 
     def matrix_on(self, rung: int) -> Floats:
         """Linear answer (K, L) to whitened readings without their offset: sparser than with it."""
@@ -248,7 +255,7 @@ class PatchGroup:
 
 
 def _search(operator: Operator) -> Any:
-    if getattr(operator, "problem", None) is None:
+    if not (hasattr(operator, "wide") or hasattr(operator, "problem")):
         raise InputError(
             f"the solver's {type(operator).__name__} has no test of idle patches, expected one "
             "such as that of NonNegative() or of Auto(), or a linear solver"

@@ -1,14 +1,13 @@
-"""Report of a cycle: what it did, step by step, and what it left undone."""
+"""Report of a cycle: what it did for each patch, and what it left undone."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
-from skinfield.reconstruct.engine.state import ROW, TEST, Answer, EngineState, LoggedStep
+from skinfield.errors import InputError
+from skinfield.reconstruct.engine.state import Answer, EngineState
 from skinfield.reconstruct.engine.workspace import Clockwork
 
 WORDS = {
@@ -72,7 +71,7 @@ class CycleReport:
     overrun : bool
         Whether more than the budget was spent.
     names : tuple of str
-        Of the patches, as `LoggedStep.patch` counts them.
+        Of the patches.
     """
 
     budget: float
@@ -81,9 +80,7 @@ class CycleReport:
     started: int
     overrun: bool
     names: tuple[str, ...]
-    _log: tuple[tuple[int, ...], ...]
     _state: EngineState
-    _costs: Floats
     _left: float
     _sides: Sequence[int]
     _linear: bool
@@ -103,19 +100,12 @@ class CycleReport:
         return cls(
             **known,
             names=names,
-            _log=tuple(work.log),
             _state=work.state.copy(),
-            _costs=work.costs.copy(),
             _left=left,
             _sides=sides,
             _linear=work.linear,
             _why_missing={place: _why(work, place) for place in missing},
         )
-
-    @cached_property
-    def steps(self) -> tuple[LoggedStep, ...]:
-        """All steps."""
-        return tuple(LoggedStep(*each) for each in self._log)
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:
@@ -133,7 +123,7 @@ class CycleReport:
             invalid=int(state.invalid[place]),
             spent=float(state.spent[place]),
             waited=int(state.age[place]),
-            skipped=self._skipped(place, rung),
+            skipped=self._skipped(place),
         )
 
     def __iter__(self) -> Iterator[PatchReport]:
@@ -161,18 +151,13 @@ class CycleReport:
         there = np.flatnonzero(self._state.answer == answer)
         return tuple(self.names[place] for place in there)
 
-    def _skipped(self, place: int, rung: int) -> str:
-        answer, top = Answer(self._state.answer[place]), len(self._sides) - 1
+    def _skipped(self, place: int) -> str:
+        answer = Answer(self._state.answer[place])
         if answer == Answer.MISSING:
             return self._why_missing.get(place, "no reading")
         left = f"{max(self._left, 0.0) * 1e6:.0f} µs left"
         if answer == Answer.IDLE or self._linear:
-            if rung == top:
-                return ""
-            step, what = (ROW, "rung") if self._linear else (TEST, "idle test on rung")
-            group = 0 if step == TEST else self._state.group[place]  # one test of all
-            cost = float(self._costs[group, step, rung + 1])
-            return f"{what} {self._sides[rung + 1]}: {cost * 1e6:.0f} µs predicted, {left}"
+            return ""
         if answer == Answer.LINEAR:
             return f"search: no time, {left}"
         return "" if self._state.settled[place] else f"more iterations: no time, {left}"

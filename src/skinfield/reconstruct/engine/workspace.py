@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Ints
-from skinfield.reconstruct.engine.block_sparse import idle_tests, join_fields, linear_answers
 from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import IDLE, EngineState
-from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
+from skinfield.reconstruct.engine.state import IDLE, NS, EngineState
 
 
 class Clockwork:
@@ -28,32 +26,24 @@ class Clockwork:
         Whether searches find contacts by themselves.
     places : P pairs
         Group of each patch, and its place there.
-    raw_rows, deviation_rows, valid_rows : sequences of P arrays (L,)
+    raw_rows, valid_rows : sequences of P arrays (L,)
         Each patch's part of what was taken in.
-    tests : R of Atlas
-        Idle tests of all patches; none where linear, and where contacts are found.
     fits, wide : (P,) int arrays
         Addresses of what finds contacts, and tests whether there are any.
     by_field : set of int
         Patches that were answered by a field where contacts are found.
-    atlases, fields : R of Atlas and R arrays
-        Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
-    tested : int
-        Rung of the last idle test.
-    costs : (G, kinds of steps, R) array, s
-        Of a step for all patches in the first row, the others 0.
+    costs : (G,) array, s
+        What coarse linear answers of each kind of patch take, as it was measured.
     end : int, ns
         When the cycle must be over.
-    top, finest : int
-        Finest rung of answers, but for a patch that is preferred; and with it.
+    top : int
+        Finest rung of answers, but for a patch that is preferred.
     tops : (P,) array
         Finest rung of each patch.
     foremost : int
         Patch that is preferred; -1: none.
     reserve : float, s
         What linear answers take of all patches that were last put in the order of their turns.
-    log : list of tuples
-        Of the steps of this cycle, see `LoggedStep`. Kept while `logging`.
     """
 
     def __init__(
@@ -62,30 +52,24 @@ class Clockwork:
         intake: EngineReadings,
         clock: Callable[[], int],
     ) -> None:
-        from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
+        from skinfield.reconstruct.engine import cycle_kernel
 
         self.groups, self.intake, self.clock = groups, intake, clock
         self.kernel: Any = cycle_kernel
-        self._idle_without = block_sparse_kernel.idle_without
         counts, first = [group.count for group in groups], groups[0].rungs
         self.state = state = EngineState(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear = len(first.steps), first.linear
         self.finds_contacts = groups[0].finds_contacts
-        self.tests = [] if self.finds_contacts else idle_tests(groups)
         self.fits, self.wide = self._addresses()
         self.by_field: set[int] = set()
-        self.atlases = linear_answers(groups) if self.linear else []
-        self.fields = [join_fields(groups, rung) for rung in range(len(self.atlases))]
-        self.times = Times(len(groups), self.rungs, bool(self.atlases))
-        self.costs, self.reserve = self.times.costs, 0.0
+        self.costs, self.reserve = np.zeros(len(groups)), 0.0
         self.places = [(group, place) for group in groups for place in range(group.count)]
         self.white = [intake.views(intake.white, group.first, group.count) for group in groups]
         self._level = np.zeros_like(intake.white)
         parts = ((group.first, group.count) for group in groups)
         self._levels = [intake.views(self._level, *part) for part in parts]
         rows = [intake.rows_of(patch) for patch in range(len(self.places))]
-        raw = [intake.raw_of(patch) for patch in range(len(self.places))]
-        self.raw_rows, self.deviation_rows = zip(*raw, strict=True)
+        self.raw_rows = [intake.raw_of(patch) for patch in range(len(self.places))]
         self.valid_rows = [intake.valid[each] for each in rows]
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
@@ -95,9 +79,8 @@ class Clockwork:
             *(intake.linear, intake.white, intake.present),
             *(state.invalid, state.integers, state.numbers, state.settled),
         )
-        patches, self.end, self.log = len(self.places), 0, list[tuple[int, ...]]()
-        self.tested, self.waited, self.logging = 0, 0, True
-        self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
+        patches, self.end, self.waited = len(self.places), 0, 0
+        self.hot = np.zeros(patches, dtype=np.int64)
         self._order, self.tops = np.zeros((2, patches), dtype=np.int64)
         self._idle = np.zeros(patches, np.bool_)
         self.prefer(self.rungs - 1, -1)
@@ -115,27 +98,22 @@ class Clockwork:
         self.top, self.tops[:], self.foremost = top, top, first
         if first >= 0:
             self.tops[first] = self.rungs - 1
-        self.finest = int(self.tops.max())
 
     def open(self) -> None:
         """Linearise and whiten what was taken in, and forget the answers of the cycle before."""
         intake = self.intake
-        self.log.clear()
         if intake.how > 1:
             intake.linearise()
         intake.all_valid = self.kernel.open_cycle(*self._opened)
 
-    def close(self, around: CostModel) -> None:
-        """Remember which patches wait for a search, and let predictions come down a little."""
-        state, model = self.state, self.times.model
-        self.waited = self.kernel.close_cycle(
-            *(not self.linear, state.integers, state.age),
-            *(model.steps, model.base, around.steps, around.base),
-        )
+    def close(self) -> None:
+        """Remember which patches wait for a search."""
+        state = self.state
+        self.waited = self.kernel.close_cycle(not self.linear, state.integers, state.age)
         state.unforced += 1
 
     def reset(self) -> None:
-        """Forget the readings before; what steps take stays known."""
+        """Forget the readings before."""
         self.state.reset()
         self.waited = 0
         for group in self.groups:
@@ -146,9 +124,9 @@ class Clockwork:
         """Time until the end, s."""
         return (self.end - self.clock()) * NS
 
-    def test_idle(self, rung: int) -> int:
-        """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
-        state, intake = self.state, self.intake
+    def test_idle(self) -> None:
+        """Sort patches by an idle test on the finest rung: see `sort_idle`."""
+        state, intake, rung = self.state, self.intake, self.rungs - 1
         if self.finds_contacts:
             noise = intake.deviation, intake.noise_std
             taken = intake.given, intake.places, *noise, intake.valid, self.starts
@@ -158,54 +136,21 @@ class Clockwork:
                 group, place = self.places[patch]
                 group.last[place].rest()
                 self.by_field.discard(patch)
-            return 0
+            return
         for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
-            group.without_offset(white, *group.idle_offset, level)
-        return int(
-            self.kernel.test_idle(
-                *self.tests[rung].arrays,
-                self._level,
-                self._idle,
-                rung,
-                self.intake.present,
-                state.invalid,
-                state.integers,
-                state.numbers,
-                self.masked,
-                self.before,
-            )
-        )
+            if group.idle_test is not None:
+                group.without_offset(white, *group.idle_offset, level)
+                group.idle_test.apply(level, self._idle[group.rows])
+        known = intake.present, state.invalid, state.integers, state.numbers
+        self.kernel.sort_idle(self._idle, rung, *known)
 
     def touched(self) -> Ints:
         """Patches with a contact: a view, until this is asked again."""
         return self.hot[: self.kernel.list_touched(self.state.integers, self.hot)]
 
-    def is_idle(self, patch: int, rung: int) -> bool:
-        """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
-        group, place = self.places[patch]
-        problem, valid = group.operators[rung].problem, self.valid_rows[patch]
-        rows = problem.rows, problem.shared, problem.root, problem.offset
-        white = self.white[group.index][place]
-        return bool(self._idle_without(*rows, valid, white, problem.threshold))
-
-    def answer_all(self, rung: int) -> None:
-        """Linear answers of all patches."""
-        for group, white, level in zip(self.groups, self.white, self._levels, strict=True):
-            group.without_offset(white, *group.offset, level)
-        self.atlases[rung].apply(self._level, self.fields[rung])
-
-    def predict(self, step: int, group: int, rung: int) -> float:
-        """Time that a step will hardly exceed, s."""
-        return self.times.model.predict(self.times.which(step, group, rung))
-
-    def log_step(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
-        """Log a step that began at `start`, and learn from it; returns its time, s."""
-        end, which = self.clock(), self.times.which(step, group, rung)
-        if self.logging:
-            self.log.append((step, group, patch, rung, start, end))
-        seconds = (end - start) * NS
-        self.times.model.observe(which, seconds)
-        return seconds
+    def since(self, start: int) -> float:
+        """Time since a start, ns; s."""
+        return (self.clock() - start) * NS
 
     def in_turn(self, hot: Ints) -> Ints:
         """Patches with a contact in the order of their turns: a view, until this is asked again."""

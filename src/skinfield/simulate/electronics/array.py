@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +14,9 @@ from skinfield.errors import (
     InputError,
     as_floats,
     check_finite,
-    check_positive,
-    check_range,
     check_shape,
 )
+from skinfield.settings import Positive, Range, Section
 from skinfield.signal import Calibration
 from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
@@ -45,8 +45,12 @@ class Defect(IntEnum):
 Kinds = NDArray[np.int8]
 
 
+SPREAD = Range(0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
+CHANCE = Range(0.0, 1.0, "a probability; 0 is off")
+
+
 @dataclass(frozen=True, kw_only=True)
-class Defects:
+class Defects(Section):
     """How likely each defect is, per taxel. 0: none.
 
     Parameters
@@ -59,20 +63,17 @@ class Defects:
         Mean time that a loose joint is open, and closed. Assumed.
     """
 
-    absent: float = 0.0
-    dead: float = 0.0
-    stuck: float = 0.0
-    flickering: float = 0.0
-    saturated: float = 0.0
-    stuck_within: float = 10.0
-    open_time: float = 0.2
-    closed_time: float = 0.5
+    absent: Annotated[float, CHANCE] = 0.0
+    dead: Annotated[float, CHANCE] = 0.0
+    stuck: Annotated[float, CHANCE] = 0.0
+    flickering: Annotated[float, CHANCE] = 0.0
+    saturated: Annotated[float, CHANCE] = 0.0
+    stuck_within: Annotated[float, Positive("in seconds")] = 10.0
+    open_time: Annotated[float, Positive("in seconds")] = 0.2
+    closed_time: Annotated[float, Positive("in seconds")] = 0.5
 
-    def __post_init__(self) -> None:
-        for name in ("absent", "dead", "stuck", "flickering", "saturated"):
-            check_range(name, getattr(self, name), 0.0, 1.0, "a probability; 0 is off")
-        for name in ("stuck_within", "open_time", "closed_time"):
-            check_positive(name, getattr(self, name), "in seconds")
+    def check(self) -> None:
+        """See `Section`."""
         if sum(self._likely) > 1.0 + 1e-12:
             raise InputError(
                 f"probabilities sum to {sum(self._likely):g}, expected at most 1: a taxel has "
@@ -294,7 +295,7 @@ def recording(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Electronics:
+class Electronics(Section):
     """From the change of capacitance to counts in time. Everything but the board is off at first.
 
     Parameters
@@ -318,19 +319,14 @@ class Electronics:
 
     board: Board = field(default_factory=ICubBoard)
     quantised: bool = True
-    gain_spread: float = 0.0
-    converter_gain_spread: float = 0.0
-    baseline_spread: float = 0.0
+    gain_spread: Annotated[float, SPREAD] = 0.0
+    converter_gain_spread: Annotated[float, SPREAD] = 0.0
+    baseline_spread: Annotated[float, Range(0.0, 1e9, "in counts; 0 is off")] = 0.0
     cross_talk: CrossTalk = field(default_factory=CrossTalk)
     drift: ThermalDrift = field(default_factory=ThermalDrift)
     noise: Noise = field(default_factory=Noise)
     defects: Defects = field(default_factory=Defects)
     delivery: Delivery = field(default_factory=Delivery)
-
-    def __post_init__(self) -> None:
-        for name in ("gain_spread", "converter_gain_spread"):
-            check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
-        check_range("baseline_spread", self.baseline_spread, 0.0, 1e9, "in counts; 0 is off")
 
     def manufacture(self, patch: Patch, rng: np.random.Generator) -> TaxelArray:
         """Draw the taxels of a patch.

@@ -1,11 +1,13 @@
 """Delivery of readings: conversion times of the converters, arrival, and loss."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, Ints, check_positive, check_range
+from skinfield.errors import Floats, InputError, Ints, check_positive
+from skinfield.settings import Positive, Range, Section
 from skinfield.skin import Patch
 
 INPUTS = 12
@@ -53,7 +55,7 @@ def wiring(patch: Patch) -> Wiring:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrossTalk:
+class CrossTalk(Section):
     """Part of the change of other taxels that a taxel shows in addition to its own.
 
     Parameters
@@ -62,10 +64,7 @@ class CrossTalk:
         Of those at the stages before and after it at the same converter. 0: none.
     """
 
-    neighbours: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_range("neighbours", self.neighbours, 0.0, 0.5, "a part of the neighbour's change")
+    neighbours: Annotated[float, Range(0.0, 0.5, "a part of the neighbour's change")] = 0.0
 
     def seen_by_taxels(self, change: Floats, wiring: Wiring) -> Floats:
         """What taxels show, (T, L), of changes (T, L)."""
@@ -126,7 +125,7 @@ class Sampling:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Delivery:
+class Delivery(Section):
     """Clock and transport.
 
     Parameters
@@ -153,23 +152,18 @@ class Delivery:
         it is faster than the board: 50 on recordings of the iCub. 0: each is logged as it arrives.
     """
 
-    rate: float = 20.0
-    conversion_time: float = 0.0
+    rate: Annotated[float, Positive("readings per second")] = 20.0
+    conversion_time: Annotated[float, Range(0.0, 1e6, "in seconds; 0 is off")] = 0.0
     free_running: bool = False
-    delay: float = 0.0
-    jitter: float = 0.0
-    lost_readings: float = 0.0
-    lost_messages: float = 0.0
+    delay: Annotated[float, Range(0.0, 1e6, "in seconds; 0 is off")] = 0.0
+    jitter: Annotated[float, Range(0.0, 1e6, "in seconds; 0 is off")] = 0.0
+    lost_readings: Annotated[float, Range(0.0, 1.0, "a probability; 0 is off")] = 0.0
+    lost_messages: Annotated[float, Range(0.0, 1.0, "a probability; 0 is off")] = 0.0
     holds: bool = True
-    logged_at: float = 0.0
+    logged_at: Annotated[float, Range(0.0, 1e6, "readings per second; 0 is off")] = 0.0
 
-    def __post_init__(self) -> None:
-        check_positive("rate", self.rate, "readings per second")
-        for name in ("conversion_time", "delay", "jitter"):
-            check_range(name, getattr(self, name), 0.0, 1e6, "in seconds; 0 is off")
-        check_range("logged_at", self.logged_at, 0.0, 1e6, "readings per second; 0 is off")
-        for name in ("lost_readings", "lost_messages"):
-            check_range(name, getattr(self, name), 0.0, 1.0, "a probability; 0 is off")
+    def check(self) -> None:
+        """See `Section`."""
         if INPUTS * self.conversion_time > 1.0 / self.rate:
             raise InputError(
                 f"conversion_time is {self.conversion_time:g} s, expected at most "

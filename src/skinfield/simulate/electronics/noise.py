@@ -1,19 +1,22 @@
 """Noise of readings: white, common to a converter, flicker, and a walk."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from skinfield.errors import Floats, check_range
+from skinfield.errors import Floats
+from skinfield.settings import Range, Section
 from skinfield.simulate.electronics.delivery import Wiring
 
+OFF_AT_0 = Range(0.0, 1e9, "a standard deviation; 0 is off")
 BLOCK = 32
 """Taxels whose spectra are in memory at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Noise:
+class Noise(Section):
     """What readings of an untouched skin do. Each is off at 0.
 
     Parameters
@@ -37,16 +40,11 @@ class Noise:
     IEEE Std 952.
     """
 
-    white: float = 0.0
-    spread: float = 0.0
-    common: float = 0.0
-    flicker: float = 0.0
-    walk: float = 0.0
-
-    def __post_init__(self) -> None:
-        for setting in fields(self):
-            value = getattr(self, setting.name)
-            check_range(setting.name, value, 0.0, 1e9, "a standard deviation; 0 is off")
+    white: Annotated[float, OFF_AT_0] = 0.0
+    spread: Annotated[float, OFF_AT_0] = 0.0
+    common: Annotated[float, OFF_AT_0] = 0.0
+    flicker: Annotated[float, OFF_AT_0] = 0.0
+    walk: Annotated[float, OFF_AT_0] = 0.0
 
     def draw(self, taxels: int, rng: np.random.Generator) -> Floats:
         """White noise of each taxel, (L,) counts."""

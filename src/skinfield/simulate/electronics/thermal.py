@@ -1,11 +1,13 @@
 """Temperature: its effect on readings."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, as_floats, check_positive, check_range
+from skinfield.errors import Floats, as_floats
+from skinfield.settings import Positive, Range, Section
 from skinfield.simulate.electronics.delivery import Wiring
 
 ROOM = 298.15
@@ -13,7 +15,7 @@ ROOM = 298.15
 
 
 @dataclass(frozen=True, kw_only=True)
-class ThermalDrift:
+class ThermalDrift(Section):
     """Counts that follow the temperature, with a lag.
 
     Parameters
@@ -30,18 +32,11 @@ class ThermalDrift:
         Temperature at which the baseline was taken.
     """
 
-    per_kelvin: float = 0.0
-    converter_spread: float = 0.0
-    taxel_spread: float = 0.0
-    time_constant: float = 0.0
-    reference: float = ROOM
-
-    def __post_init__(self) -> None:
-        check_range("per_kelvin", self.per_kelvin, -1e9, 1e9, "counts per kelvin; 0 is off")
-        for name in ("converter_spread", "taxel_spread"):
-            check_range(name, getattr(self, name), 0.0, 1e9, "counts per kelvin; 0 is off")
-        check_range("time_constant", self.time_constant, 0.0, 1e9, "seconds; 0 is no lag")
-        check_positive("reference", self.reference, "in kelvin: 25 °C is 298.15")
+    per_kelvin: Annotated[float, Range(-1e9, 1e9, "counts per kelvin; 0 is off")] = 0.0
+    converter_spread: Annotated[float, Range(0.0, 1e9, "counts per kelvin; 0 is off")] = 0.0
+    taxel_spread: Annotated[float, Range(0.0, 1e9, "counts per kelvin; 0 is off")] = 0.0
+    time_constant: Annotated[float, Range(0.0, 1e9, "seconds; 0 is no lag")] = 0.0
+    reference: Annotated[float, Positive("in kelvin: 25 °C is 298.15")] = ROOM
 
     def draw(self, wiring: Wiring, rng: np.random.Generator) -> Floats:
         """Drift of each taxel, (L,) counts/K."""

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Protocol
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,12 +14,12 @@ from skinfield.errors import (
     InputError,
     Ints,
     as_floats,
-    check_count,
     check_finite,
     check_positive,
     check_range,
     check_shape,
 )
+from skinfield.settings import Positive, Range, Section
 from skinfield.simulate.electronics.array import Electronics, icub_electronics
 from skinfield.simulate.electronics.thermal import ROOM
 from skinfield.simulate.indenters.body import Indenter
@@ -47,7 +47,7 @@ class LoadSeries:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoadCell:
+class LoadCell(Section):
     """A cell for compression.
 
     Parameters
@@ -67,23 +67,20 @@ class LoadCell:
         By which its stamps are late.
     """
 
-    full_scale: float = 3.0
-    rate: float = 100.0
+    full_scale: Annotated[float, Positive("in newtons")] = 3.0
+    rate: Annotated[float, Positive("samples per second")] = 100.0
     noise: float = 3e-3
     offset: float = 0.0
-    gain_error: float = 0.0
+    gain_error: Annotated[float, Range(-0.5, 0.5, "relative; 0 is off")] = 0.0
     resolution: float = 0.0
-    delay: float = 0.0
+    delay: Annotated[float, Range(0.0, 10.0, "in seconds; 0 is off")] = 0.0
 
-    def __post_init__(self) -> None:
-        check_positive("full_scale", self.full_scale, "in newtons")
-        check_positive("rate", self.rate, "samples per second")
+    def check(self) -> None:
+        """See `Section`."""
         check_range("rate", self.rate, 0.0, 1e5, "samples per second")
         for name in ("noise", "resolution"):
             check_range(name, getattr(self, name), 0.0, self.full_scale, "in newtons; 0 is off")
         check_range("offset", self.offset, -self.full_scale, self.full_scale, "in newtons")
-        check_range("gain_error", self.gain_error, -0.5, 0.5, "relative; 0 is off")
-        check_range("delay", self.delay, 0.0, 10.0, "in seconds; 0 is off")
 
     def measure(self, time: Floats, force: Floats, rng: np.random.Generator) -> LoadSeries:
         """Sample a force.
@@ -108,7 +105,7 @@ LONGEST = 3600.0  # s, of one part of a press
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoadProfile:
+class LoadProfile(Section):
     """Durations of the parts of a press, and how load rises and falls in it.
 
     Parameters
@@ -131,22 +128,20 @@ class LoadProfile:
         Height above the surface between presses.
     """
 
-    rest: float = 2.5
-    approach: float = 0.5
+    rest: Annotated[float, Range(0.0, LONGEST, "in seconds")] = 2.5
+    approach: Annotated[float, Range(0.0, LONGEST, "in seconds")] = 0.5
     ramp: float = 0.5
-    hold: float = 2.0
+    hold: Annotated[float, Range(0.0, LONGEST, "in seconds")] = 2.0
     release: float = 0.5
-    pause: float = 0.5
+    pause: Annotated[float, Range(0.0, LONGEST, "in seconds")] = 0.5
     smooth: bool = True
-    clearance: float = 5e-3
+    clearance: Annotated[float, Range(0.0, 1.0, "in metres")] = 5e-3
 
-    def __post_init__(self) -> None:
-        for name in ("rest", "approach", "hold", "pause"):
-            check_range(name, getattr(self, name), 0.0, LONGEST, "in seconds")
+    def check(self) -> None:
+        """See `Section`."""
         for name in ("ramp", "release"):
             check_positive(name, getattr(self, name), "in seconds; load cannot jump")
             check_range(name, getattr(self, name), 0.0, LONGEST, "in seconds")
-        check_range("clearance", self.clearance, 0.0, 1.0, "in metres")
 
     @property
     def period(self) -> float:
@@ -280,7 +275,7 @@ class BetweenThree:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Random:
+class Random(Section):
     """Drawn evenly from where taxels are.
 
     Parameters
@@ -292,13 +287,9 @@ class Random:
         At random angles too.
     """
 
-    count: int = 10
-    within: float = 3e-3
+    count: Annotated[int, Range(1, 10_000, "places to press at")] = 10
+    within: Annotated[float, Range(1e-9, 1.0, "of the centre of some taxel, in metres")] = 3e-3
     turned: bool = False
-
-    def __post_init__(self) -> None:
-        check_count("count", self.count, 1, 10_000, "places to press at")
-        check_range("within", self.within, 1e-9, 1.0, "of the centre of some taxel, in metres")
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
         """See `Places.poses`."""
@@ -318,18 +309,13 @@ class Random:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Raster:
+class Raster(Section):
     """A lattice of `rows` by `columns` over the patch's middle; `step` in m, and an `angle`."""
 
-    rows: int = 3
-    columns: int = 3
-    step: float = 5e-3
+    rows: Annotated[int, Range(1, 10_000, "places to press at")] = 3
+    columns: Annotated[int, Range(1, 10_000, "places to press at")] = 3
+    step: Annotated[float, Range(1e-9, 1.0, "between places, in metres")] = 5e-3
     angle: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_count("rows", self.rows, 1, 10_000, "places to press at")
-        check_count("columns", self.columns, 1, 10_000, "places to press at")
-        check_range("step", self.step, 1e-9, 1.0, "between places, in metres")
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
         """See `Places.poses`; row by row, to and fro, as a positioner goes."""
@@ -418,19 +404,15 @@ class Loads:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Temperature:
+class Temperature(Section):
     """Of the surroundings, from the start of a recording to its end, K, by a straight line."""
 
-    start: float = ROOM
-    end: float = ROOM
-
-    def __post_init__(self) -> None:
-        for name in ("start", "end"):
-            check_range(name, getattr(self, name), 200.0, 500.0, "in kelvin: 25 °C is 298.15")
+    start: Annotated[float, Range(200.0, 500.0, "in kelvin: 25 °C is 298.15")] = ROOM
+    end: Annotated[float, Range(200.0, 500.0, "in kelvin: 25 °C is 298.15")] = ROOM
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactAccuracy:
+class ContactAccuracy(Section):
     """How finely contact is solved.
 
     Parameters
@@ -443,18 +425,17 @@ class ContactAccuracy:
         Loads at which a press is solved; between them readings are interpolated in √force.
     """
 
-    extent: float = 24e-3
+    extent: Annotated[float, Range(1e-4, 1.0, "side of the square of skin, in metres")] = 24e-3
     cell: float = 0.5e-3
-    rungs: int = 12
+    rungs: Annotated[int, Range(4, 200, "loads at which a press is solved")] = 12
 
-    def __post_init__(self) -> None:
-        check_range("extent", self.extent, 1e-4, 1.0, "side of the square of skin, in metres")
+    def check(self) -> None:
+        """See `Section`."""
         check_range("cell", self.cell, self.extent / 2000, self.extent / 4, "in metres")
-        check_count("rungs", self.rungs, 4, 200, "loads at which a press is solved")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scenario:
+class Scenario(Section):
     """A rig and its programme.
 
     Each tool presses in a recording of its own: at every place, with every load in order; all of
@@ -484,9 +465,9 @@ class Scenario:
     """
 
     name: str = "rig"
-    seed: int = 0
-    repeats: int = 1
-    first_repeat: int = 0
+    seed: Annotated[int, Range(0, 2**63 - 1, "of all that is random")] = 0
+    repeats: Annotated[int, Range(1, 10_000, "recordings per tool")] = 1
+    first_repeat: Annotated[int, Range(0, 10_000, "number of the first recording")] = 0
     patch: Patch = field(default_factory=icub_hexagon, compare=False)
     layer: Layer = field(default_factory=Layer)
     cover: bool = False
@@ -502,11 +483,9 @@ class Scenario:
     temperature: Temperature = field(default_factory=Temperature)
     solving: ContactAccuracy = field(default_factory=ContactAccuracy)
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """See `Section`."""
         _check_name(self.name)
-        check_count("seed", self.seed, 0, 2**63 - 1, "of all that is random")
-        check_count("repeats", self.repeats, 1, 10_000, "recordings per tool")
-        check_count("first_repeat", self.first_repeat, 0, 10_000, "number of the first recording")
         names = [tool.name for tool in self.tools]
         if not names or len(set(names)) < len(names):
             raise InputError(f"tools are named {names}, expected one or more, of different names")

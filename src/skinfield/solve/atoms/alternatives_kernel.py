@@ -62,8 +62,8 @@ MANY = 12  # seeds of a shape at most
 # the stage, an atom and a shape of it, the seed, how many and of which family, places that were
 # tried, whether atoms were added, whether a rival of theirs is sought, whether BEST is a better set
 # than NOW, whether all shapes are due, places of a walk, when the time is up, the set that was
-# being refined then, or -1, the atom that is explored first; and on how
-# many readings the set was refined so far.
+# being refined then, or -1, the atom that is explored first; on how
+# many readings the set was refined so far; and whether the search went on from another reading.
 (
     MOVE,
     COMPARED,
@@ -83,7 +83,8 @@ MANY = 12  # seeds of a shape at most
     REFINED,
     FIRST_OPEN,
     CARRIED,
-) = range(18)
+    RESUMED,
+) = range(19)
 
 
 class SearchRules(NamedTuple):
@@ -101,6 +102,8 @@ class SearchRules(NamedTuple):
         SEEK atoms, or EXPLORE what is open about those of NOW.
     hurried : bool
         Explore few places of each.
+    drops : bool
+        Take away atoms that others may take the place of, by what each brings.
     """
 
     threshold: float
@@ -108,6 +111,7 @@ class SearchRules(NamedTuple):
     starts: int
     purpose: int
     hurried: bool
+    drops: bool
 
 
 SEEK, EXPLORE = 0, 1
@@ -130,7 +134,7 @@ class SearchMemory(NamedTuple):
     known : (3,) array
         Evidence of BEST, at the end of NOW; the variance of the shared offset; and the cost up to
         which seeds are refined on.
-    state : (18,) int array
+    state : (19,) int array
     """
 
     starts: StartMemory
@@ -152,7 +156,7 @@ class SearchMemory(NamedTuple):
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
             np.zeros(3),
-            np.zeros(CARRIED + 1, np.int64),
+            np.zeros(RESUMED + 1, np.int64),
         )
 
 

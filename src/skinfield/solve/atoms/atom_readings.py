@@ -144,7 +144,7 @@ def add_atom(
     last = min(int((reach + half) / tables.distance_step) + 4, room.radial.shape[1]) - 1
     _radial(tables.coefficients[family], place, tables.log_step, last + 1, room)
     log_slope = scale_slope + thinning  # of u, by ln radius
-    stretch = thinning / (half * half) if points > 1 else 0.0  # of u, by the half-length
+    stretch = thinning / half / half if points > 1 else 0.0  # of u, by the half-length
     nodes, square, deeper = 1.0 / tables.distance_step, reach * reach, u / (1.0 - u)
     farthest, first, after = (last - 2) * tables.distance_step, len(near), 0
     row = jacobian[6 * n : 6 * n + PARAMETERS, : len(near)]

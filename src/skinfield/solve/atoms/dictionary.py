@@ -81,6 +81,8 @@ class Templates(NamedTuple):
         Before that, per newton.
     atoms : (T, 6) array
         Parameters of each, with the force at which it was made.
+    noise : (L,) array, in the quantity's unit
+        Deviations of the taxels, by which they are whitened.
     """
 
     taxels: Ints
@@ -89,6 +91,7 @@ class Templates(NamedTuple):
     templates: NDArray[np.float32]
     norms: Floats
     atoms: Floats
+    noise: Floats
 
 
 class StartMemory(NamedTuple):
@@ -255,6 +258,7 @@ def make_templates(model: FitModel, white: Floats) -> Templates:
         ),
         norms=np.concatenate([norms for _, _, _, norms in kept]),
         atoms=np.concatenate([atoms for atoms, _, _, _ in kept]),
+        noise=1.0 / white,
     )
 
 

@@ -56,8 +56,9 @@ READINGS, WHITE, LEFT, SCORED, DEVIATION, TRIED_WEIGHT, ROWS = 0, 1, 2, 3, 4, 5,
 # Sets of atoms: the answer, one that is tried, the best of those, a step, a single atom.
 NOW, TRIAL, BEST, STEP, ALONE, SETS = 0, 1, 2, 3, 4, 5
 # Places of `FitMemory.sums`: of taxels that are not near, and of the offset that all share; and how
-# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched.
-REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING = range(7)
+# long it takes, ns: a step, and the model error, per atom; what is left over scored, and searched;
+# and templates around an atom listed, and some of their pairs compared.
+REST_COST, REST_TOTAL, SHARED, PACE, INFERRING, SCORING, SEEDING, LISTING, SCANNING = range(9)
 # Places of `FitMemory.marks`, the first two of which are the clock's. MOST: steps in all, and
 # PAUSE: before a pause; 0 for any.
 NEAR, SETTLED, STEPS, LATE, BEGAN, STEPPED, MOST, PAUSE = range(2, 10)
@@ -94,7 +95,7 @@ class FitMemory(NamedTuple):
         Taxels that some atom may be read by.
     around : (M, 3) array
         Circles within which atoms are read by those alone.
-    sums : (8,) array
+    sums : (9,) array
     marks : (16,) int array
     room : TableRoom
     """
@@ -123,7 +124,7 @@ class FitMemory(NamedTuple):
     def of(cls, model: FitModel, most: int) -> "FitMemory":
         """Room for so many atoms."""
         taxels, size = len(model.taxels), PARAMETERS * most
-        sums = np.zeros(8)
+        sums = np.zeros(SCANNING + 1)
         sums[PACE:] = FIRST_PACE
         sums[INFERRING:] *= 5.0
         return cls(
@@ -359,7 +360,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
 
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
-DEEPEST = 0.93  # strain of the gap at the axis
+DEEPEST, ROUND = 0.93, 1e-6  # strain of the gap at the axis; half-length of what is round
 RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
 FIRST_DAMPING, CAREFUL = 1e-3, 0.03  # and at least after a step that failed
 FORESEEN = 0.3  # of the gain of the last step: less is not worth one
@@ -400,9 +401,12 @@ def solve_factored(matrix: Floats, size: int, right: Floats) -> None:
 
 @inner(_nrt=False)
 def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
-    """Bring atoms back to the patch and to where they are tabulated: radius and depth."""
+    """Bring atoms back to the patch and what is tabulated; what shrank to no length is round."""
     tables, places = model.tables, model.places
     for n in range(count):
+        half = np.hypot(atoms[n, 4], atoms[n, 5])
+        if half < ROUND:
+            atoms[n, 4] = atoms[n, 5] = half = 0.0
         for axis in range(2):
             atoms[n, axis] = min(max(atoms[n, axis], places[0, axis]), places[1, axis])
         atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
@@ -410,7 +414,6 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
         if tables.strain.shape[0]:
             place = (atoms[n, 3] - tables.first_log) / tables.log_step
             scale = along(tables.strain[family[n]], place)[0]
-            half = np.hypot(atoms[n, 4], atoms[n, 5])
             thin = 1.0 + 4.0 * half / (np.pi * np.exp(atoms[n, 3]))
             atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
 
@@ -547,9 +550,8 @@ def descend(
         Gain of the last one.
     deadline : int, ns
     """
-    count = memory.counts[which]
-    size, step = 6 * count, memory.steps[0]
-    atoms, family = memory.atoms[which], memory.family[which]
+    count, step = memory.counts[which], memory.steps[0]
+    size, atoms, family = 6 * count, memory.atoms[which], memory.family[which]
     hold(model, atoms, family, count)
     gather(model, memory, which, row)
     memory.costs[which] = evaluate(model, memory, which, row)
@@ -557,8 +559,7 @@ def descend(
     for n in range(count):
         memory.family[STEP, n] = family[n]
     damping, rise = FIRST_DAMPING, RISE
-    memory.marks[SETTLED] = 0
-    memory.marks[STEPPED] = 0
+    memory.marks[SETTLED] = memory.marks[STEPPED] = 0
     if deadline:
         memory.marks[BEGAN] = now_ns(memory.marks)
     for taken in range(steps):
@@ -590,7 +591,7 @@ def descend(
         gain = memory.costs[which] - memory.costs[STEP]
         if gain > 0.0:
             copy_set(memory, STEP, which)
-            off = 2.0 * gain / expected - 1.0
+            off = 2.0 * gain / expected - 1.0 if expected > 0.0 else 1.0
             damping, rise = max(damping * max(1.0 - off * off * off, FALL), 1e-9), RISE
         else:
             damping, rise = max(damping * rise, CAREFUL), 2.0 * rise

@@ -5,37 +5,34 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
-from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel, Priors
+from skinfield.solve.atoms.fit_data import FitData
+from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitModel, Priors
+from skinfield.solve.atoms.lobes_kernel import LONE
+from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, OtherMechanics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
-from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
-from skinfield.solve.atoms.reading_kernel import answer_reading, infer_evidence
 from skinfield.solve.atoms.reading_memory import (
-    EXPLAINED,
-    FIT,
     MEAN_NOISE,
     MISFIT,
-    OFFSET,
     PRESSES,
     RESTING,
     SCALE,
     STAGE,
-    TOTAL,
-    Fit,
     Neighbours,
-    ReadingMemory,
     ReadingRules,
-    forget,
 )
 from skinfield.solve.atoms.render import AtomRenderer
-from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import atom_tables
 from skinfield.solve.packed import Packed
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
+LOBES_NOTE = (
+    "ContactFit: the skin reads too unlike its model to tell how many bodies touch: each lobe of "
+    "its readings is one contact; calibrate"
+)
+STOPPED = "ContactFit stopped"  # begins a note of one reading alone
 MANY, UNLIKE = 10, 0.02  # presses, of which a model error as large is worth a note
 
 
@@ -54,86 +51,6 @@ FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and o
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
-
-
-class FitData:
-    """Scratch memory of a contact fit, and what it remembers of the reading before.
-
-    Parameters
-    ----------
-    fitter : ContactFitter
-
-    Attributes
-    ----------
-    noise : (L,) array, in the quantity's unit
-        Deviation of what is solved next.
-    drawing : Drawing
-        The last answer, drawn.
-    packed : Packed
-        All of it.
-    """
-
-    def __init__(self, fitter: "ContactFitter") -> None:
-        settings, most, noise = fitter.settings, fitter.settings.most_contacts, fitter.noise
-        self.memory = FitMemory.of(fitter.fit_model, most)
-        self.posterior = PosteriorMemory.of(most)
-        self.own = ReadingMemory.of(noise, most, settings.model_error)
-        self.search = SearchMemory.of(fitter.bank, most, settings.starts, len(noise))
-        parts = Fit(
-            fitter.fit_model,
-            fitter.bank,
-            fitter.near,
-            fitter.rules,
-            self.memory,
-            self.search,
-            self.posterior,
-            self.own,
-            Drawing.of(most),
-        )
-        self.drawing = parts.drawing
-        self.packed, self._error = Packed(parts, FIT), settings.model_error
-        self.noise = self.own.noise
-
-    @property
-    def count(self) -> int:
-        """Atoms of the answer."""
-        return int(self.memory.counts[NOW])
-
-    @property
-    def misfit(self) -> float:
-        """What the model is wrong by, part of what taxels read: the middle of what it may be."""
-        return float(self.own.numbers[MISFIT])
-
-    @property
-    def total(self) -> float:
-        """Logarithm of the marginal likelihood of the atoms, whatever the model error.
-
-        Over the density of the stated noise at 0.
-        """
-        if not self.compared:
-            infer_evidence(self.packed.address)
-        return float(self.own.numbers[TOTAL])
-
-    @property
-    def offset(self) -> float:
-        """That all taxels are taken to share, in the quantity's unit."""
-        return float(self.own.numbers[OFFSET])
-
-    @property
-    def explained(self) -> bool:
-        """Whether noise and model error account for what is left over."""
-        return bool(self.own.marks[EXPLAINED])
-
-    @property
-    def compared(self) -> bool:
-        """Whether all sets of atoms were compared, or as many as there may be steps for."""
-        steps, most = self.memory.marks[STEPS], self.memory.marks[MOST]
-        return bool(self.own.marks[STAGE] == RESTING or steps >= most > 0)
-
-    def reset(self) -> None:
-        """Forget the reading before."""
-        self.memory.counts[:], self.posterior.known[:] = 0, 0
-        forget.py_func(self.own, self._error)  # type: ignore[attr-defined]
 
 
 class ContactFitter:
@@ -155,7 +72,7 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
-        thickness = physics.layer.thickness
+        self.thickness = thickness = physics.layer.thickness
         tables = atom_tables(physics)
         taxels = np.ascontiguousarray(model.taxels / thickness)
         priors = Priors(
@@ -181,14 +98,17 @@ class ContactFitter:
             settings.model_error,
             settings.common_mode,
         )
+        compares = settings.check_mechanics and settings.warm
+        self.mechanics = OtherMechanics(self.fit_model, physics if compares else None)
         self._all = np.ones(len(taxels), np.bool_)
         from skinfield.solve.idle_kernel import reading_rests
 
         self._rests = reading_rests
 
-    def data(self) -> FitData:
+    def data(self) -> MechanicsChoice:
         """Make scratch memory."""
-        return FitData(self)
+        known = self.bank, self.near, self.rules, self.noise
+        return MechanicsChoice(self.mechanics, *known, self.thickness)
 
     def touches(self) -> list[Floats]:
         """Readings (L,) of touches by which all that is compiled is run."""
@@ -202,7 +122,7 @@ class ContactFitter:
     def fit(
         self,
         readings: Floats,
-        data: FitData,
+        choice: MechanicsChoice,
         renderer: AtomRenderer,
         out: tuple[Floats, NDArray[np.void]],
         valid: NDArray[np.bool_] | None = None,
@@ -213,8 +133,7 @@ class ContactFitter:
         Writes the pressure (K,) and rows of `CONTACT` into `out`.
         """
         heard, end = self._all if valid is None else valid, deadline_ns or 0
-        fit, grid = data.packed.address, renderer.rows.address
-        return answer_reading(fit, grid, *out, readings, heard, end)
+        return choice.answer(renderer.rows.address, *out, readings, heard, end)
 
     def rests(
         self,
@@ -234,31 +153,41 @@ class ContactFitter:
         return AtomFit(
             renderer=renderer,
             grid=renderer.grid,
-            rows=rows.copy(),
+            rows=np.ndarray(rows.shape, rows.dtype, bytearray(rows.tobytes())),  # quick
             atoms=drawing.atoms[:drawn].copy(),
             family=drawing.family[:drawn].copy(),
             predicted=data.memory.predicted[NOW] + data.offset,
         )
 
-    def notes(self, data: FitData) -> tuple[str, ...]:
+    def notes(self, choice: MechanicsChoice) -> tuple[str, ...]:
         """What is to be told of the last answer, in sentences."""
+        data, likely = choice.fit, choice.likely
+        other = self.mechanics.clauses[choice.acting or likely]
         own, marks, count = data.own, data.memory.marks, data.count
         numbers, presses, offset = own.numbers, int(own.marks[PRESSES]), abs(data.offset)
         late, loud = own.marks[STAGE] != RESTING, numbers[SCALE] > LOUD
         unlike = presses >= MANY and numbers[MISFIT] > UNLIKE
         shared = offset > self.settings.common_mode * numbers[MEAN_NOISE]
-        if not (late or loud or shared or unlike):
+        in_lobes = count > 0 and data.drawing.lobe[0] != LONE
+        if not (late or loud or shared or unlike or other or in_lobes):
             return ()
         notes = []
+        if in_lobes:
+            notes.append(LOBES_NOTE)
         if late:
             steps, most = marks[STEPS], marks[MOST]
             end = f"after {steps} steps" if steps >= most > 0 else "at the deadline"
-            notes.append(f"ContactFit stopped {end}, with {count} found")
+            notes.append(f"{STOPPED} {end}, with {count} found")
         if loud:
             notes.append("ContactFit saw more noise than was stated, and went by what it saw")
         if shared:
             notes.append("ContactFit took what all taxels share for an offset: tare the skin")
-        if unlike:
+        if other:
+            how = "by which it is answered" if choice.acting else "which its intervals include"
+            notes.append(
+                f"ContactFit: this skin reads unlike its model, as if {other}, {how}: calibrate"
+            )
+        elif unlike:
             notes.append(
                 f"ContactFit: this skin reads unlike its model, by {100 * data.misfit:.0f} % press "
                 "after press: Poisson's ratio, cover or gains differ; calibrate"

@@ -187,8 +187,8 @@ def take_noise(fit: Fit, valid: NDArray[np.bool_]) -> float:
             total += now
             count += 1
     mean = total / max(count, 1)
-    ratio = mean / own.numbers[MEAN_NOISE]
-    if changed or not 1.0 / NEW_NOISE < ratio < NEW_NOISE:
+    known = own.numbers[MEAN_NOISE]
+    if changed or not known < NEW_NOISE * mean < NEW_NOISE * NEW_NOISE * known:
         own.numbers[MEAN_NOISE] = mean
         for index in range(len(post.known)):
             post.known[index] = STALE if post.known[index] >= KNOWN else UNKNOWN
@@ -321,8 +321,8 @@ def noise_scale(fit: Fit) -> float:
     share = squares / max(heard - parameters, 1)
     if see > parameters + 2:
         share = max(share, own / (see - parameters))
-    enough = QUIET if scale <= 1.0 else CALM
-    return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
+    enough, least = (QUIET, QUIETEST / scale) if scale <= 1.0 else (CALM, 1.0 / scale)
+    return 1.0 if share > enough else max(float(np.sqrt(share)), least)
 
 
 @inner(_nrt=False)

@@ -175,7 +175,7 @@ def _inverse(memory: FitMemory, post: PosteriorMemory, at: int) -> float:
 @inner(_nrt=False)
 def _visit(post: PosteriorMemory, i: int, j: int, source: int) -> None:
     """Put a place at the end of the queue if it is new and near."""
-    if abs(i) > REACH or abs(j) > REACH or post.put[i + REACH, j + REACH]:
+    if max(i, j) > REACH or min(i, j) < -REACH or post.put[i + REACH, j + REACH]:
         return
     length = post.walk[QUEUED]
     post.put[i + REACH, j + REACH] = 1
@@ -212,6 +212,8 @@ def start_walk(post: PosteriorMemory, seeds: Floats, count: int, family: int) ->
     walk[QUEUED], walk[NEXT], walk[FIRST], walk[FAMILY] = 0, 0, walk[WALKED], family
     post.small[BEST_COST] = np.inf
     determinant = a * d - b * c
+    if determinant == 0.0:
+        determinant = np.inf  # no lattice: all at its origin
     for seed in range(count):
         x, y = seeds[seed, 0] - seeds[0, 0], seeds[seed, 1] - seeds[0, 1]
         i, j = np.rint((x * d - y * c) / determinant), np.rint((y * a - x * b) / determinant)

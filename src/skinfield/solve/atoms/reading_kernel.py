@@ -19,9 +19,15 @@ from skinfield.solve.atoms.alternatives_kernel import (
     ODD,
     SEEK,
     SearchRules,
-    clear_set,
     evidence,
     may_be_without,
+)
+from skinfield.solve.atoms.count_kernel import (
+    exchange,
+    set_aside,
+    settle,
+    try_fewer,
+    try_more,
 )
 from skinfield.solve.atoms.dictionary import best_score
 from skinfield.solve.atoms.fit_kernel import (
@@ -29,6 +35,7 @@ from skinfield.solve.atoms.fit_kernel import (
     LATE,
     MOST,
     NOW,
+    PACE,
     PAUSE,
     READINGS,
     SCORED,
@@ -36,13 +43,13 @@ from skinfield.solve.atoms.fit_kernel import (
     STEPPED,
     STEPS,
     WHITE,
-    descend,
     is_late,
     is_long,
     is_short,
     nearly_slowest,
     take_pace,
 )
+from skinfield.solve.atoms.lobes_kernel import join_by_lobes
 from skinfield.solve.atoms.misfit_kernel import (
     explains,
     infer,
@@ -63,6 +70,7 @@ from skinfield.solve.atoms.reading_memory import (
     DUTY,
     ERROR_FIRST,
     EXPLAINED,
+    FORMER_COUNT,
     GRADUAL,
     HALFWAY,
     HOPELESS,
@@ -76,7 +84,6 @@ from skinfield.solve.atoms.reading_memory import (
     ONLY,
     OPEN_FIRST,
     OPEN_HALFWAY,
-    OTHER_SCALE,
     OTHER_TOTAL,
     OTHERS,
     REFINING,
@@ -84,10 +91,13 @@ from skinfield.solve.atoms.reading_memory import (
     SCALE,
     SEARCHED_BY,
     SEEKING,
+    SPLIT_NOISE,
     SPREAD,
     STAGE,
     TOTAL,
     TURN,
+    UNSURE_FORCE,
+    UNSURE_PLACE,
     WEIGHED,
     Fit,
     forget,
@@ -97,7 +107,6 @@ from skinfield.solve.atoms.rows_kernel import unpack_grid, write_rows
 from skinfield.solve.atoms.search_kernel import (
     BURST,
     OFF_LATTICE,
-    SETTLED_GAIN,
     lay_open,
     search_atoms,
 )
@@ -106,6 +115,7 @@ from skinfield.solve.clock import now_ns
 
 COARSE = 0.1  # model error at which contacts are sought first, and at most
 FINER = 0.25  # part of the inferred one, at which more of them are sought
+FINER_GAIN = 0.5  # ln odds by which what that finds is chosen where it takes several readings
 STRONG = 20.0  # deviations of a reading, from which the model may be what is wrong
 LARGEST = 0.2  # model error, from which on contacts explain nothing
 ROUNDS = 5  # of searches, until the noise is as what is left over
@@ -114,53 +124,21 @@ WORSE = 2.0  # times a model error, from which sets of atoms are compared at onc
 QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 REWEIGHED = 1.3  # times: a model error that differs by less is not weighed by again
 FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it does,
-FAINTER, FAINTEST = 0.7, 2.0  # times what it was when it was looked at last; and always below
+FAINTER = 0.7  # times what it was when it was looked at last
 FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
+ENTRY = 4  # steps of each atom: less is no time to go on with a comparison
 SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
+QUIETER_AGAIN = 0.7  # times the noise when it was looked at whether one is two: then it is again
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER = 0.98  # how far one answer may move what is known of what drawing takes, downwards
 OVERSHOOT = 0.25  # part of that by which work before it ends late at most
 
 
 @inner(_nrt=False)
-def set_aside(fit: Fit) -> None:
-    """Keep the answer while others are compared."""
-    own, memory = fit.own, fit.memory
-    own.marks[OTHERS] = memory.counts[NOW]
-    for n in range(memory.counts[NOW]):
-        own.family[n] = memory.family[NOW, n]
-        for i in range(6):
-            own.atoms[n, i] = memory.atoms[NOW, n, i]
-    for k in range(4):
-        own.numbers[OTHER_SCALE + k] = own.numbers[NUMBERS[k]]
-
-
-NUMBERS = (SCALE, MISFIT, SPREAD, TOTAL)
-
-
-@inner(_nrt=False)
-def exchange(fit: Fit) -> None:
-    """Have NOW be the set that is kept aside, and the other way round."""
-    own, memory = fit.own, fit.memory
-    count = max(own.marks[OTHERS], memory.counts[NOW])
-    for n in range(count):
-        memory.family[NOW, n], own.family[n] = own.family[n], memory.family[NOW, n]
-        for i in range(6):
-            atom = memory.atoms[NOW, n, i]
-            memory.atoms[NOW, n, i] = own.atoms[n, i]
-            own.atoms[n, i] = atom
-    memory.counts[NOW], own.marks[OTHERS] = own.marks[OTHERS], memory.counts[NOW]
-    for k in range(4):
-        value = own.numbers[NUMBERS[k]]
-        own.numbers[NUMBERS[k]] = own.numbers[OTHER_SCALE + k]
-        own.numbers[OTHER_SCALE + k] = value
-
-
-@inner(_nrt=False)
 def search_by(fit: Fit, purpose: int, resume: bool, deadline: int) -> bool:
     """Search with the present weights; whether it may go on later."""
-    own, hurried = fit.rules, fit.own.marks[DUTY] > 0
-    rules = SearchRules(own.threshold, own.most, own.starts, purpose, hurried)
+    own, hurried, drops = fit.rules, fit.own.marks[DUTY] > 0, fit.own.marks[FORMER_COUNT] == 0
+    rules = SearchRules(own.threshold, own.most, own.starts, purpose, hurried, drops)
     return search_atoms(
         fit.model,
         fit.bank,
@@ -223,50 +201,22 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
                 marks[TURN] = 0
                 set_aside(fit)
                 own.numbers[SEARCHED_BY] = FINER * min(own.numbers[MISFIT], COARSE)
+            margin = FINER_GAIN if resume else BETTER
             if not search_round(fit, own.numbers[SEARCHED_BY], common, resume, deadline):
                 if memory.marks[STEPS] >= memory.marks[MOST] > 0:
                     infer(fit, common)
-                    if own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
+                    if own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + FINER_GAIN:
                         marks[STAGE] = SEEKING  # from here on it is the answer
                         return
                 marks[HALFWAY] = 2 - marks[HALFWAY]
                 exchange(fit)
-            elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
+            elif not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + margin:
                 exchange(fit)
                 marks[STAGE], marks[INDEX] = DROPPING, 0
+        elif stage == DROPPING:
+            try_fewer(fit, common, deadline)
         else:
-            if not resume and (memory.counts[NOW] < 2 or marks[INDEX] >= memory.counts[NOW]):
-                marks[STAGE], marks[HALFWAY] = RESTING, 0
-                return
-            if resume:
-                exchange(fit)
-            else:
-                set_aside(fit)
-                memory.counts[NOW] -= 1
-                for n in range(marks[INDEX], memory.counts[NOW]):
-                    memory.family[NOW, n] = memory.family[NOW, n + 1]
-                    for i in range(6):
-                        memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
-            settle(fit, own.numbers[MISFIT], common, BURST, deadline)
-            marks[HALFWAY] = memory.marks[LATE]
-            if memory.marks[LATE]:
-                exchange(fit)
-                return
-            infer(fit, common)
-            if not own.numbers[TOTAL] > own.numbers[OTHER_TOTAL] + BETTER:
-                exchange(fit)
-                marks[INDEX] += 1
-
-
-@inner(_nrt=False)
-def settle(fit: Fit, error: float, common: float, steps: int, deadline: int) -> None:
-    """Move the atoms of NOW to the minimum, weighed by a model error, by so many steps at most."""
-    weigh(fit, error, common)
-    memory = fit.memory
-    if memory.counts[NOW]:
-        descend(fit.model, memory, NOW, READINGS, 0, steps, SETTLED_GAIN, deadline)
-    else:
-        clear_set(memory, NOW)
+            try_more(fit, common, deadline)
 
 
 @inner(_nrt=False)
@@ -294,6 +244,7 @@ def score_of_left(fit: Fit) -> float:
 def begin_comparison(fit: Fit, error: float, only: bool) -> None:
     """Have all be compared anew, from the atoms of NOW on; `only` more or fewer of them."""
     fit.own.marks[ONLY] = fit.memory.counts[NOW] if only else -1
+    fit.own.marks[FORMER_COUNT] = fit.memory.counts[NOW]
     fit.own.marks[STAGE], fit.own.marks[HALFWAY], fit.own.marks[OPEN_HALFWAY] = SEEKING, 0, 0
     fit.own.numbers[SEARCHED_BY], fit.own.marks[OTHERS] = error, 0
     fit.own.marks[GRADUAL] = 0
@@ -333,6 +284,8 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     numbers[BEFORE] = energy
     ended = now_ns(memory.marks)
     later = marks[GRADUAL] and marks[DUTY] == OPEN_FIRST
+    if marks[STAGE] != RESTING and marks[GRADUAL] and marks[DUTY] == ERROR_FIRST:
+        later = is_short(memory, PACE, ENTRY * memory.counts[NOW], deadline)
     if marks[STAGE] != RESTING and not (later or memory.marks[LATE]):
         ended = take_turn(fit, common, deadline)
     if not memory.marks[LATE]:
@@ -403,9 +356,8 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
     lost = not (marks[EXPLAINED] or marks[HOPELESS])
-    if lost and deadline and marks[STAGE] != RESTING:
-        return  # what is sought goes on at once
-    settle(fit, numbers[SPREAD], common, FEW_STEPS if lost else BURST, deadline)
+    few = lost and (not deadline or marks[DUTY] != ERROR_FIRST)
+    settle(fit, numbers[SPREAD], common, FEW_STEPS if few else BURST, deadline)
     explained = explains(fit)
     marks[HOPELESS] = marks[HOPELESS] and not explained
     if marks[STAGE] == RESTING and not (explained or marks[HOPELESS]):
@@ -452,8 +404,8 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         return
     if marks[STAGE] != RESTING or is_short(memory, SCORING, 1, deadline):
         return
-    ratio = numbers[SPREAD] / numbers[WEIGHED]
-    if not 1.0 / REWEIGHED < ratio < REWEIGHED:
+    spread, weighed = numbers[SPREAD], numbers[WEIGHED]
+    if not weighed < REWEIGHED * spread < REWEIGHED * REWEIGHED * weighed:
         settle(fit, numbers[SPREAD], common, BURST, deadline)
         if is_short(memory, SCORING, 1, deadline):
             return
@@ -463,11 +415,15 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     if numbers[IN_VAIN] < 0.0:  # as sets of atoms were just compared
         numbers[IN_VAIN], numbers[LEAST_WORTH] = score, worth
     least = np.sqrt(2.0 * fit.rules.threshold / OFF_LATTICE)
-    known = max(FAINTER * numbers[LEAST_WORTH], FAINTEST * fit.rules.threshold)
-    faint = worth < min(FAINT * fit.rules.threshold, known)
+    faint = worth < min(FAINT * fit.rules.threshold, FAINTER * numbers[LEAST_WORTH])
     if faint or score > max(least, MORE * numbers[IN_VAIN]):
         begin_comparison(fit, numbers[MISFIT], True)
         marks[GRADUAL] = explained and score < np.sqrt(2.0 * fit.rules.threshold)
+        return
+    if numbers[MEAN_NOISE] < QUIETER_AGAIN * numbers[SPLIT_NOISE]:  # more readings in an average
+        begin_comparison(fit, numbers[MISFIT], True)
+        marks[STAGE], marks[GRADUAL] = DROPPING, explained
+        marks[INDEX] = 0
     else:
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)
@@ -512,8 +468,13 @@ def answer_reading(
         highest = max(highest, memory.taxels[WHITE, taxel])
         lowest = min(lowest, own.heard[taxel])
     at_mean = not highest * lowest > QUIETER
-    error = own.numbers[SPREAD]
-    count = write_rows(grid, memory, fit.post, at_mean, error, fit.drawing, pressure, rows)
+    errors, offset = fit.drawing.errors, own.numbers[OFFSET]
+    errors[0], errors[1] = own.numbers[UNSURE_PLACE], own.numbers[UNSURE_FORCE]
+    errors[2] = own.numbers[SPREAD]
+    join_by_lobes(
+        fit.model.taxels, memory, offset, own.heard, errors[2], fit.lobes, fit.drawing.lobe
+    )
+    count = write_rows(grid, memory, fit.post, fit.pairs, at_mean, fit.drawing, pressure, rows)
     took, known = now_ns(memory.marks) - ended, own.numbers[DRAWN]
     if end:
         took += min(max(ended - end, 0), int(OVERSHOOT * known))

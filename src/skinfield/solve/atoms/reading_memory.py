@@ -9,22 +9,27 @@ from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.dictionary import FirstTemplates, Templates
 from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
+from skinfield.solve.atoms.lobes_kernel import Lobes
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.rows_kernel import Drawing
+from skinfield.solve.atoms.split_kernel import PairMemory
 from skinfield.solve.atoms.table import Tables
 from skinfield.solve.packed import PackedType, unpacking
 
 ERRORS: Floats = 1e-3 * np.exp2(np.arange(9.0))  # of the model: parts of what is read
 DRAWING = 12_000.0  # ns, at first: it takes about so long to draw an answer
 
-# Stages of the comparison: atoms of a changed reading; more, by a better model; fewer; none left.
-SEEKING, REFINING, DROPPING, RESTING = range(4)
+# Stages of the comparison: atoms of a changed reading; more, by a better model; fewer; two in the
+# place of one; none left.
+SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # Places of `ReadingMemory.numbers`: times the stated noise; energy of the readings when they were
 # compared; the model error in the middle and in the mean square, and that by which taxels are
 # weighed; place of the press; evidence of the answer; offset; the highest score that was sought in
 # vain; what drawing takes, ns; of the other set its scale, two model errors and evidence; the model
 # error that is searched by; the noise when it last changed; the least worth of atoms when compared;
-# energy of the reading before; the model error when sets of atoms were compared.
+# energy of the reading before; the model error when sets of atoms were compared; the noise when
+# numbers of atoms were compared; deviations of place, thicknesses, and of the force's logarithm, as
+# the mechanics are not sure.
 (
     SCALE,
     COMPARED,
@@ -46,13 +51,17 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     LEAST_WORTH,
     BEFORE,
     COMPARED_SPREAD,
-) = range(20)
+    SPLIT_NOISE,
+    UNSURE_PLACE,
+    UNSURE_FORCE,
+) = range(23)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
 # a comparison may take its time, as the answer explains all; which of `DUTIES` comes
-# first; and whether none explained the readings when all sets of atoms had been compared.
+# first; whether none explained the readings when all sets of atoms had been compared; and how many
+# atoms the reading before had, of which fewer must be clearly better, or 0.
 (
     PRESSES,
     STAGE,
@@ -67,7 +76,8 @@ SEEKING, REFINING, DROPPING, RESTING = range(4)
     GRADUAL,
     DUTY,
     HOPELESS,
-) = range(13)
+    FORMER_COUNT,
+) = range(14)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
@@ -111,7 +121,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (20,) array
+    numbers : (23,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -135,7 +145,7 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(COMPARED_SPREAD + 1)
+        numbers = np.zeros(UNSURE_FORCE + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
         made = cls(
             numbers,
@@ -163,6 +173,8 @@ class Fit(NamedTuple):
     post: PosteriorMemory
     own: ReadingMemory
     drawing: Drawing
+    pairs: PairMemory
+    lobes: Lobes
 
 
 @inner(_nrt=False)
@@ -171,6 +183,7 @@ def forget(own: ReadingMemory, error: float) -> None:
     own.numbers[MISFIT] = own.numbers[SPREAD] = error
     own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
     own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
+    own.numbers[UNSURE_PLACE] = own.numbers[UNSURE_FORCE] = 0.0
     for k in range(len(own.marks)):
         own.marks[k] = 0
     own.marks[STAGE], own.marks[EXPLAINED] = RESTING, 1
@@ -186,7 +199,7 @@ def smallest_fit() -> Fit:
     whole, single = np.zeros(1, np.int64), np.zeros((1, 1), np.float32)
     number = whole.astype(np.int32)
     first = FirstTemplates(single, number, number, number, whole)
-    bank = Templates(whole[None], whole, first, single, np.zeros(1), np.zeros((1, 6)))
+    bank = Templates(whole[None], whole, first, single, np.zeros(1), np.zeros((1, 6)), np.zeros(1))
     return Fit(
         model,
         bank,
@@ -197,6 +210,8 @@ def smallest_fit() -> Fit:
         PosteriorMemory.of(1),
         ReadingMemory.of(np.ones(1), 1, 0.0),
         Drawing.of(1),
+        PairMemory.of(1, 1),
+        Lobes.of(np.zeros((1, 2))),
     )
 
 

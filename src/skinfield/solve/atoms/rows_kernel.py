@@ -22,6 +22,7 @@ from skinfield.estimate.live_contacts_kernel import (
 )
 from skinfield.estimate.row_contacts import SHAPES
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
+from skinfield.solve.atoms.lobes_kernel import LONE, NONE, UNSURE
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
     TERMS,
@@ -32,6 +33,7 @@ from skinfield.solve.atoms.render_kernels import (
     pressure_terms,
     render,
 )
+from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -65,11 +67,17 @@ class Drawing(NamedTuple):
         Number of the body of each.
     order : (W,) int array
         Bodies by falling force.
-    sums : (3, W) array
-        Of bodies: their force, N, and their radius as a ring, m, else 0; and of the model: what it
-        is wrong by.
+    sums : (2, W) array
+        Of bodies: their force, N, and their radius as a ring, m, else 0.
+    errors : (3,) array
+        Deviations of place, thicknesses, and of the force's logarithm, as the mechanics are not
+        sure; and what the model is wrong by, part of what taxels read.
     by : (2, 6, 6) array
         Room.
+    maybe : (W,) int array
+        How many contacts may be in the place of each, or of it and another; 0 where that is sure.
+    lobe : (W,) int array
+        Of each atom of the fit: see `lobes_kernel`.
     drawn : (1,) int array
         N.
     """
@@ -80,7 +88,10 @@ class Drawing(NamedTuple):
     owner: Ints
     order: Ints
     sums: Floats
+    errors: Floats
     by: Floats
+    maybe: Ints
+    lobe: Ints
     drawn: Ints
 
     @classmethod
@@ -93,8 +104,11 @@ class Drawing(NamedTuple):
             np.zeros((room, 6, 6)),
             np.zeros(room, np.int64),
             np.zeros(room, np.int64),
-            np.zeros((3, room)),
+            np.zeros((2, room)),
+            np.zeros(3),
             np.zeros((2, 6, 6)),
+            np.zeros(room, np.int64),
+            np.full(room, LONE, np.int64),
             np.zeros(1, np.int64),
         )
 
@@ -148,6 +162,7 @@ def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None
 def draw_atom(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -172,12 +187,16 @@ def draw_atom(
         by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
         by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
     covariance = drawing.covariance[place]
-    error, hidden = ODD if long or ring else ROUND, drawing.sums[1, 0]
+    error, errors = ODD if long or ring else ROUND, drawing.errors
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
-        if i < 4:
-            covariance[i, i] += error[i // 2] ** 2 + (HIDDEN[i // 2] * hidden) ** 2
+    drawing.maybe[place] = rival_of(memory, pairs, index)
+    if drawing.maybe[place]:
+        mix_covariance(pairs, index, covariance)
+    for i in range(4):
+        unsure = errors[i // 2] ** 2 + (HIDDEN[i // 2] * errors[2]) ** 2
+        covariance[i, i] += error[i // 2] ** 2 + unsure
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -186,40 +205,68 @@ def draw_atom(
 def draw(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     thickness: float,
     at_mean: bool,
     drawing: Drawing,
 ) -> int:
     """Draw the atoms of NOW and number their bodies; how many atoms are drawn."""
     count = 0
-    for index in range(memory.counts[NOW]):
-        if memory.family[NOW, index] != RING:
-            draw_atom(memory, post, index, thickness, at_mean, drawing, count)
-            join(drawing, count)
-            count += 1
-    for index in range(memory.counts[NOW]):
-        if memory.family[NOW, index] == RING and count < len(drawing.atoms) - FEWEST:
-            count = draw_ring(memory, post, index, thickness, at_mean, drawing, count)
+    for rings in range(2):
+        for index in range(memory.counts[NOW]):
+            lobe, room = drawing.lobe[index], len(drawing.atoms) - count
+            is_ring = memory.family[NOW, index] == RING
+            if lobe == NONE or is_ring != (rings == 1) or (is_ring and room <= FEWEST):
+                continue
+            first = count
+            if is_ring:
+                count = draw_ring(memory, post, pairs, index, thickness, at_mean, drawing, count)
+            else:
+                draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, count)
+                join(drawing, count)
+                count += 1
+            if lobe != LONE:
+                join_lobe(drawing, lobe, first, count)
     return count
 
 
 @inner(_nrt=False)
 def join(drawing: Drawing, place: int) -> None:
     """Number the body of an atom, after those before: the lowest of those that it overlaps."""
-    drawing.owner[place], drawing.sums[2, place] = place, 0.0
+    drawing.owner[place], drawing.sums[1, place] = place, 0.0
     for other in range(place):
         one, its = drawing.atoms[place], drawing.atoms[other]
         if square_apart(one, its) < (one[3] + its[3]) ** 2:
-            first, second = drawing.owner[place], drawing.owner[other]
-            for k in range(place + 1):
-                if drawing.owner[k] == first or drawing.owner[k] == second:
-                    drawing.owner[k] = min(first, second)
+            unite(drawing, place, other, place + 1)
+
+
+@inner(_nrt=False)
+def unite(drawing: Drawing, place: int, other: int, count: int) -> None:
+    """Make one body of those of two atoms, of `count`."""
+    first, second = drawing.owner[place], drawing.owner[other]
+    for k in range(count):
+        if drawing.owner[k] == first or drawing.owner[k] == second:
+            drawing.owner[k] = min(first, second)
+
+
+@inner(_nrt=False)
+def join_lobe(drawing: Drawing, lobe: int, first: int, count: int) -> None:
+    """Make the atoms from `first` to `count` one body with those of their lobe before."""
+    for place in range(first, count):
+        drawing.order[place], drawing.sums[1, place] = lobe, 0.0  # no ring
+        for i in range(6 if place > first else 0):
+            for j in range(6):
+                drawing.covariance[place, i, j] = 0.0  # of all small balls, at the first
+    for other in range(first):
+        if drawing.order[other] == lobe:
+            unite(drawing, first, other, count)
 
 
 @inner(_nrt=False)
 def draw_ring(
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     index: int,
     thickness: float,
     at_mean: bool,
@@ -227,9 +274,9 @@ def draw_ring(
     first: int,
 ) -> int:
     """Draw a ring as small balls from a place on; the place after the last."""
-    draw_atom(memory, post, index, thickness, at_mean, drawing, first)
+    draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, first)
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
-    radius = drawing.sums[2, first] = drawing.atoms[first, 3]
+    radius = drawing.sums[1, first] = drawing.atoms[first, 3]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
     number = min(number, len(drawing.atoms) - first)
     for pearl in range(number):
@@ -319,7 +366,7 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
 
     Atoms are independent; the small balls of a ring move as one.
     """
-    total, ring, variance, out = row.normal_force, drawing.sums[2, body], 0.0, row.covariance
+    total, ring, variance, out = row.normal_force, drawing.sums[1, body], 0.0, row.covariance
     for number in range(6):
         out[number] = 0.0
     for n in range(body, body + 1 if ring > 0.0 else count):
@@ -380,13 +427,27 @@ def describe_body(
     row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
     if members == 1:
         atom = drawing.atoms[body]
+        row.maybe = drawing.maybe[body]
         row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
         if atom[4] > LINE * atom[3]:
             row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
     row.area, row.normal_force, row.x, row.y = area, total, x, y
     write_covariance(drawing, count, body, row)
     spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
+    if members > 1 and drawing.errors[2] > UNSURE:
+        widen(drawing.errors[2], row)
     stand(grid, row)
+
+
+@inner
+def widen(error: float, row: Any) -> None:
+    """Add to the covariance of a body of several atoms what all of them are wrong by together."""
+    covariance, moments = row.covariance, row.moments
+    covariance[XX] += error * error * moments[0]
+    covariance[YY] += error * error * moments[1]
+    covariance[XY] += error * error * moments[2]
+    covariance[FORCE_FORCE] += (HIDDEN[1] * error * row.normal_force) ** 2
+    state_deviations(row)
 
 
 @inner
@@ -438,8 +499,8 @@ def write_rows(
     grid: RowGrid,
     memory: FitMemory,
     post: PosteriorMemory,
+    pairs: PairMemory,
     at_mean: bool,
-    error: float,
     drawing: Drawing,
     pressure: Floats,
     rows: Any,
@@ -447,10 +508,8 @@ def write_rows(
     """Write the pressure (K,), Pa, and the contacts of NOW, by falling force; how many there are.
 
     Rows beyond their number keep what they had; where there are more contacts, the strongest count.
-    `error` is what the model is wrong by, part of what taxels read.
     """
-    drawing.sums[1, 0] = error
-    count = drawing.drawn[0] = draw(memory, post, grid.thickness, at_mean, drawing)
+    count = drawing.drawn[0] = draw(memory, post, pairs, grid.thickness, at_mean, drawing)
     return write_bodies(grid, drawing, count, pressure, rows)
 
 

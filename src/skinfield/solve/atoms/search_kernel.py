@@ -37,6 +37,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     PRUNE,
     REFINE,
     REFINED,
+    RESUMED,
     RIVAL,
     RIVALS,
     SEED,
@@ -191,7 +192,10 @@ def begin(
                 clear_set(memory, NOW)
             return NOTHING
         if may_be_without(memory, search, index):
-            state[STAGE] = WITHOUT
+            if rules.drops:
+                state[STAGE] = WITHOUT
+            else:
+                state[INDEX] += 1
             return NOTHING
         memory.counts[ALONE] = 0
         append(memory, ALONE, memory.atoms[NOW, index], memory.family[NOW, index])
@@ -403,9 +407,8 @@ def conclude(
             state[KIND], state[STAGE] = state[KIND] + 1, RIVALS
         else:
             state[MOVE], state[STAGE] = state[MOVE] + 1, SHAPES
-            margin = (
-                CLEARLY if state[UNTIL] or memory.marks[PAUSE] else BETTER
-            )  # readings may be others each time
+            sliced = state[RESUMED] or memory.marks[PAUSE]  # readings may be others each time
+            margin = CLEARLY if sliced else BETTER
             if value > evidence(model, memory, NOW) + margin:
                 copy_set(memory, TRIAL, NOW)
                 state[MOVE] = 0  # all anew: the order of the atoms is another one, too
@@ -493,7 +496,7 @@ def search_atoms(
         Whether it may go on; False where it is done, too.
     """
     state = search.state
-    state[UNTIL] = deadline
+    state[UNTIL], state[RESUMED] = deadline, resume
     memory.marks[STEPPED] = 0
     if resume:
         state[CARRIED] += 1

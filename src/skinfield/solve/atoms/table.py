@@ -15,14 +15,20 @@ and the denominator what a uniform gap would have. A quantity that is linear in 
 :math:`F\,C_0(r, \ln a)`. The tables :math:`C_k` are cubic B-splines over r and ln a.
 """
 
+import hashlib
 import math
+import os
+import tempfile
 from collections.abc import Hashable
+from contextlib import suppress
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from zipfile import BadZipFile
 
 import numpy as np
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import cache_folder, inner, njit
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Physics
 from skinfield.errors import Floats, Ints
 from skinfield.skin import Grid, Patch
@@ -241,6 +247,7 @@ SIGHT = 6.0  # thicknesses beyond the rims of pad and contact, where all reading
 CELL = 0.02  # thicknesses: side of the square that stands for a point load
 SHARE = 0.25  # thicknesses between the points of a ring
 STRAINS = (0.03, 0.15, 0.34, 0.56, 0.76, 0.9)  # of the gap, at its narrowest
+KEPT = 48  # tables on disk
 SHARP = 0.5  # thicknesses: balls that touch within less need nodes at their rim
 DEGREE = 4  # of the polynomial over these
 
@@ -283,9 +290,31 @@ def log_radii(smallest: float, largest: float, step: float) -> Floats:
     return np.asarray(np.log(smallest) - MARGIN * step + step * np.arange(count))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=24)
 def atom_tables(physics: Physics) -> Tables:
-    """Tabulate, once for all taxels of a patch."""
+    """Tabulate, once for all taxels of a patch; of this package's physics, once per machine."""
+    parts = physics.layer, physics.mechanics, physics.quantity
+    if any(not type(part).__module__.startswith("skinfield.") for part in parts):
+        return _tabulate(physics)
+    folder = cache_folder(Path(__file__))  # named after the sources that all of this is made from
+    file = folder / f"{hashlib.sha256(repr(physics).encode()).hexdigest()[:16]}.npz"
+    try:
+        with np.load(file) as known:
+            arrays = [known[name] for name in Tables._fields]
+        return Tables(*arrays[:3], *(float(each) for each in arrays[3:]))
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        made = _tabulate(physics)
+    with suppress(OSError):
+        with tempfile.TemporaryDirectory(dir=folder) as room:
+            np.savez(f"{room}/{file.name}", **made._asdict())
+            Path(room, file.name).replace(file)  # at once: other processes see all of it, or none
+        for old in sorted(folder.glob("*.npz"), key=os.path.getmtime)[:-KEPT]:
+            old.unlink(missing_ok=True)  # another process may be faster
+    return made
+
+
+def _tabulate(physics: Physics) -> Tables:
+    """Readings of all families by radius and distance."""
     h = physics.layer.thickness
     logs = log_radii(SMALLEST, LARGEST, LOG_STEP)
     furthest = np.exp(logs[-1]) + physics.pad_diameter / 2 / h + SIGHT

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
-from skinfield.errors import InputError, check_count, check_type
+from skinfield.errors import InputError, check_type
+from skinfield.settings import Range, Section
 from skinfield.wire.can.messages import CanMessages
 from skinfield.wire.links import BreakingLink, place_text
 from skinfield.wire.links import host_and_port as host_and_port
@@ -13,7 +15,7 @@ INTERFACES = "udp, socketcan or one of python-can's"
 
 
 @dataclass(frozen=True)
-class BusSettings:
+class BusSettings(Section):
     """One CAN bus, or what stands for one.
 
     Parameters
@@ -37,18 +39,17 @@ class BusSettings:
 
     interface: str = "udp"
     channel: str = ""
-    port: int = PORT
+    port: Annotated[int, Range(0, 65535, "of UDP")] = PORT
     peer: str = ""
-    bitrate: int = 0
+    bitrate: Annotated[int, Range(0, 20_000_000, "bit/s, 0 to leave it as it is")] = 0
     options: tuple[tuple[str, str | int | float | bool], ...] = ()
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """See `Section`."""
         for name in ("interface", "channel", "peer"):
             check_type(name, getattr(self, name), str, "text")
         if not self.interface:
             raise InputError(f"interface is '', expected {INTERFACES}")
-        check_count("port", self.port, 0, 65535, "of UDP")
-        check_count("bitrate", self.bitrate, 0, 20_000_000, "bit/s, 0 to leave it as it is")
 
     @property
     def label(self) -> str:

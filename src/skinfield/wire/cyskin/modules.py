@@ -10,11 +10,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import InputError, Ints, check_count
+from skinfield.settings import Range, Section
 from skinfield.signal import Port
 from skinfield.skin.patch import Skin
 
@@ -51,7 +53,7 @@ class Command(IntEnum):
 
 
 @dataclass(frozen=True)
-class CySkinModule:
+class CySkinModule(Section):
     """A triangle with up to 12 sensors.
 
     Parameters
@@ -62,12 +64,8 @@ class CySkinModule:
         Bit s is set if sensor s is there; default all 12.
     """
 
-    sui: int
-    uncut: int = ALL_SENSORS
-
-    def __post_init__(self) -> None:
-        check_count("sui", self.sui, 0, 2**32 - 1, "number of a module")
-        check_count("uncut", self.uncut, 1, ALL_SENSORS, "bits of 12 sensors, at least one")
+    sui: Annotated[int, Range(0, 2**32 - 1, "number of a module")]
+    uncut: Annotated[int, Range(1, ALL_SENSORS, "bits of 12 sensors, at least one")] = ALL_SENSORS
 
     @property
     def sensors(self) -> tuple[int, ...]:
@@ -76,7 +74,7 @@ class CySkinModule:
 
 
 @dataclass(frozen=True)
-class CySkinBoard:
+class CySkinBoard(Section):
     """A board with its modules.
 
     Parameters
@@ -90,13 +88,12 @@ class CySkinBoard:
         Index into the buses of the source.
     """
 
-    number: int
+    number: Annotated[int, Range(0, EXTENDED_ID - 1, "of a board; all ones is everyone")]
     modules: tuple[CySkinModule, ...]
-    bus: int = 0
+    bus: Annotated[int, Range(0, 255, "index into the buses of the source")] = 0
 
-    def __post_init__(self) -> None:
-        check_count("number", self.number, 0, EXTENDED_ID - 1, "of a board; all ones is everyone")
-        check_count("bus", self.bus, 0, 255, "index into the buses of the source")
+    def check(self) -> None:
+        """See `Section`."""
         check_count("modules", len(self.modules), 1, MODULES, "of one board")
 
 

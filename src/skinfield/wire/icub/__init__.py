@@ -3,7 +3,6 @@
 from skinfield.wire.icub.codec import ICubDecoder as ICubDecoder
 from skinfield.wire.icub.codec import ICubEncoder as ICubEncoder
 from skinfield.wire.icub.codec import gains_of as gains_of
-from skinfield.wire.icub.codec import triangle_payloads as triangle_payloads
 from skinfield.wire.icub.commands import BoardState as BoardState
 from skinfield.wire.icub.commands import Firmware as Firmware
 from skinfield.wire.icub.commands import MessageClass as MessageClass

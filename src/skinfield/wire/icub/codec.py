@@ -3,9 +3,9 @@
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from skinfield.errors import InputError, Ints, check_count, check_range, check_shape
+from skinfield.errors import InputError, Ints, check_count, check_range
 from skinfield.signal import Blocks, Status
 from skinfield.signal.block import Octets
 from skinfield.wire.can.messages import CanDecoder, CanMessages
@@ -17,7 +17,6 @@ from skinfield.wire.icub.commands import (
     BoardState,
     Firmware,
     SkinType,
-    TriangleState,
     message_id,
 )
 
@@ -231,33 +230,3 @@ class ICubEncoder:
         data[:, 1:8], data[:, 9:14] = counts[:, :HEAD_TAXELS], counts[:, HEAD_TAXELS:]
         data[:, 14], data[:, 15] = beyond >> 4, (beyond & 15) << 4 | errors
         return data
-
-
-def triangle_payloads(
-    raw: ArrayLike,
-    base: ArrayLike,
-    *,
-    firmware: Firmware = Firmware.MTB4,
-    no_load: int = 240,
-    shift: int = 2,
-    kind: int = SkinType.COMPENSATED,
-) -> tuple[bytes, bytes]:
-    """Head and tail of one triangle; for tests and tools, not for the loop.
-
-    Parameters
-    ----------
-    raw, base : (12,) arrays, converter counts
-        0 to 65535.
-    """
-    triangles = (TriangleState(shift=shift),) * TRIANGLES
-    state = BoardState(firmware=firmware, kind=kind, no_load=no_load, triangles=triangles)
-    encoder = ICubEncoder([(0, 0)], state)
-    for name, values, into in (("raw", raw, encoder.raw), ("base", base, encoder.base)):
-        array = np.asarray(values)
-        check_shape(name, array, (TAXELS,), "one converter count for each channel")
-        if array.dtype.kind not in "iu" or (array < 0).any() or (array > 0xFFFF).any():
-            raise InputError(f"{name} is {array}, expected whole numbers from 0 to 65535")
-        into[0] = array
-    messages = CanMessages(2)
-    encoder.encode(messages, 0, 0)
-    return messages.data[0].tobytes(), messages.data[1].tobytes()

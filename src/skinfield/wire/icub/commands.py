@@ -5,8 +5,10 @@ From the public sources of robotology (icub-main, icub-firmware, icub-firmware-s
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Annotated
 
 from skinfield.errors import check_count, check_type
+from skinfield.settings import Range, Section
 
 BOARDS = 16  # addresses of a bus
 TRIANGLES = 16  # of a board
@@ -55,7 +57,7 @@ def message_id(message_class: int, board: int, triangle: int) -> int:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SetBoard:
+class SetBoard(Section):
     """Skin, period and rest of a board. ``4D type period no_load``.
 
     Parameters
@@ -68,14 +70,9 @@ class SetBoard:
         Byte of an unloaded taxel. 240 on most robots.
     """
 
-    kind: int = 0
-    period_ms: int = 40
-    no_load: int = 240
-
-    def __post_init__(self) -> None:
-        check_count("kind", self.kind, 0, 255, "of skin; 0 is that with correction of drift")
-        check_count("period_ms", self.period_ms, 1, 255, "milliseconds between readings")
-        check_count("no_load", self.no_load, 0, 255, "the byte of an unloaded taxel")
+    kind: Annotated[int, Range(0, 255, "of skin; 0 is that with correction of drift")] = 0
+    period_ms: Annotated[int, Range(1, 255, "milliseconds between readings")] = 40
+    no_load: Annotated[int, Range(0, 255, "the byte of an unloaded taxel")] = 240
 
     @property
     def data(self) -> bytes:
@@ -84,7 +81,7 @@ class SetBoard:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TriangleState:
+class TriangleState(Section):
     """How a board treats one triangle.
 
     Parameters
@@ -97,13 +94,9 @@ class TriangleState:
         Of the converter, 16 bits. 0x2200 on most robots.
     """
 
-    shift: int = 2
+    shift: Annotated[int, Range(0, 15, "bits that the board drops")] = 2
     enabled: bool = True
-    cdc_offset: int = CDC_OFFSET
-
-    def __post_init__(self) -> None:
-        check_count("shift", self.shift, 0, 15, "bits that the board drops")
-        check_count("cdc_offset", self.cdc_offset, 0, 0xFFFF, "16 bits")
+    cdc_offset: Annotated[int, Range(0, 0xFFFF, "16 bits")] = CDC_OFFSET
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,12 +30,13 @@ from binascii import crc_hqx
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 from struct import Struct, error, pack
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import InputError, check_count
+from skinfield.settings import Range, Section
 from skinfield.signal import Status
 from skinfield.skin.reading import UNITS
 
@@ -228,7 +229,7 @@ def encode_counts(values: ArrayLike, packet: Packet) -> bytes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hello:
+class Hello(Section):
     """What a device says of itself, at its start and when asked.
 
     In the payload: channels uint16, kind uint8, unit uint8 (0 count, 1 dC/C0, 2 Pa, 3 the
@@ -251,16 +252,15 @@ class Hello:
         At most 64 bytes of UTF-8.
     """
 
-    channels: int
+    channels: Annotated[int, Range(1, 65535, "of one device")]
     kind: int = PacketKind.SHORTS
     unit: str = "count"
-    period_us: int = 0
+    period_us: Annotated[int, Range(0, 2**32 - 1, "µs, or 0 for unknown")] = 0
     layout: bytes = NO_HASH
     name: str = ""
 
-    def __post_init__(self) -> None:
-        check_count("channels", self.channels, 1, 65535, "of one device")
-        check_count("period_us", self.period_us, 0, 2**32 - 1, "µs, or 0 for unknown")
+    def check(self) -> None:
+        """See `Section`."""
         if self.kind not in DTYPES:
             raise InputError(f"kind is {self.kind}, expected one of counts, such as SHORTS")
         if self.unit not in UNIT_CODES:
