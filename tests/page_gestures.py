@@ -27,11 +27,10 @@ PIXEL = """([x, y]) => {
 }"""
 
 
-FLAT = """() => {  // in the middle of the picture, as it is drawn
-  const { scene } = window.skinfield, box = scene.canvas.getBoundingClientRect();
-  const at = [box.width / 2, box.height / 2];
-  const drawn = scene.pick(...at), rest = scene.pickAtRest(...at);
-  return drawn && rest && Math.hypot(drawn.x - rest.x, drawn.y - rest.y) < 5e-5;
+NOTHING_LEFT = """(since) => {  // in three updates, one after the other
+  const { updates, truth, contacts } = skinfield.state;
+  if (truth.length || contacts.length) window.leftAt = updates;
+  return updates - Math.max(window.leftAt ?? 0, since) >= 3;
 }"""
 
 
@@ -62,6 +61,5 @@ class Hand:
     def lift(self) -> None:
         """Lift all, and wait until nothing is left."""
         self.look.page.keyboard.press("Escape")
-        self.look.until("skinfield.state.truth.length === 0")
+        self.look.until(NOTHING_LEFT, self.look.value("skinfield.state.updates"))
         self.look.wait_rows(lambda rows: not rows)
-        self.look.until(FLAT)
