@@ -1,5 +1,7 @@
 """One patch from readings to contacts: the prepared chain against its parts, and bad input."""
 
+import copy
+import pickle
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -226,6 +228,18 @@ def test_what_is_computed_later_is_of_the_reading_that_was(solver: Any) -> None:
     assert [c.normal_force for c in prompt.contacts] == pytest.approx(
         [c.normal_force for c in whole.contacts[0]]
     )
+
+
+@pytest.mark.parametrize("solver", [sf.GaussianField(), sf.Auto()], ids=repr)
+def test_a_copy_and_what_another_process_gets_answer_the_same(solver: Any) -> None:
+    rec = sf.Reconstructor(PATCH, LAYER, GRID, solver=solver, noise_std=0.001)
+    readings = PRESS.readings(PATCH.plane, PATCH.pad_diameter, "capacitance")
+    copies = copy.deepcopy(rec), pickle.loads(pickle.dumps(rec))
+    expected = rec(readings)
+    for each in copies:
+        found = each(readings)
+        assert np.array_equal(found.pressure, expected.pressure)
+        assert found.normal_force == expected.normal_force > 1.0
 
 
 @pytest.mark.parametrize("solver", [sf.GaussianField(), sf.NonNegative()], ids=repr)

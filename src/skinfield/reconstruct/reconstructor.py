@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -271,6 +272,13 @@ class Reconstructor:
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
         self.plans.reset()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies, and what another process gets, are prepared anew and have seen no reading."""
+        names = ("mechanics", "quantity", "solver", "finder", "precision")
+        settings = {name: getattr(self, name) for name in names}
+        settings["noise_std"] = self.model.noise_std
+        return partial(Reconstructor, **settings), (self.patch, self.layer, self.grid)
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
