@@ -43,11 +43,11 @@ class DeadlineMargin:
         """Take note that all is done now, and the solver was when it was `solved`; if in time.
 
         Learnt is what was left to do after that, and by how much the solver was later than it
-        should have been, up to thrice as much: more is for want of time, and no margin helps.
+        should have been, up to twice as much: more is for want of time, and no margin helps.
         """
         now = time.perf_counter_ns() if now is None else now
         rest, over = now - solved, solved - (end - self.margin_ns)
-        took = rest + min(max(over, 0), 3 * rest)
+        took = rest + min(max(over, 0), 2 * rest)
         change = EARLIER
         if took > self.margin_ns:
             change = LATER if took < PAUSED * self.margin_ns else SLIGHTLY

@@ -5,7 +5,8 @@ left over hardly shows it, and the force is off by 40 % all the same. The margin
 contacts that are fitted anew by it does show it (MacKay 2003, chapter 28), by some nats a press. So
 each press is fitted by every mechanics, until the sum over presses is sure; meanwhile what they
 make of the contact differently is part of what is not known of it. Then nothing is fitted but by
-the one that is more probable.
+the one that is more probable. A contact that goes on, at rest or sliding, is one press: what its
+form is unlike those of the model would else tell the same of the mechanics over and over.
 """
 
 import time
@@ -27,9 +28,10 @@ from skinfield.solve.atoms.reading_memory import (
     BEFORE,
     COMPARED,
     DRAWN,
-    PRESSES,
+    OPEN_HALFWAY,
     RESTING,
     STAGE,
+    STEPS_AT_ONCE,
     UNSURE_FORCE,
     UNSURE_PLACE,
     Neighbours,
@@ -50,6 +52,8 @@ FEW = 3  # contacts: what more of them are may be a palm, which tells nothing
 PIECE = 4  # times what drawing an answer takes: less time is not worth beginning
 MAKING = 30_000_000_000  # ns, in which all tables are surely made
 WHOLE = 100_000_000  # ns, in which all are tried in one go
+BESIDE = 8  # steps beside a reading, where a contact goes on from the one before
+ELSEWHERE = 3.0  # thicknesses from one reading to the next: then it is another contact
 SPARE = 0.1  # of the time that is left when a reading is answered, for what may wait
 
 
@@ -161,7 +165,8 @@ class MechanicsChoice:
             fit.reset()
         self.here[:], self.odds[:], self.odds[0] = 0.0, UNLIKELY, 0.0
         self._trial, self._steps = -1, 0
-        self._press, self._next, self._energy = 0, 1, 0.0
+        self._presses, self._press, self._next, self._energy = 0, 0, 1, 0.0
+        self._last = (np.inf, np.inf)
 
     def answer(
         self,
@@ -177,15 +182,25 @@ class MechanicsChoice:
         See `answer_reading`; `grid` is the address of the `RowGrid`.
         """
         rest = grid, pressure, rows, readings, heard, end
+        held = self.fit.count > 0
         count = answer_reading(self.fit.packed.address, *rest)
+        goes_on = self._is_near(rows[:count]) and held
+        self._presses += count > 0 and not goes_on
         if not self._is_due(end):
             return count
         if self._trial < 0:
             self._begin(rows[0], readings, heard)
-        whole = not end or end - time.perf_counter_ns() > WHOLE
-        if self._try(grid, pressure, len(rows), 0 if whole else end) and whole:
+        far = not end or end - time.perf_counter_ns() > WHOLE
+        steps = BESIDE if far and goes_on else 0
+        if self._try(grid, pressure, len(rows), 0 if far else end, steps) and far:
             count = answer_reading(self.fit.packed.address, *rest)
         return count
+
+    def _is_near(self, rows: NDArray[np.void]) -> bool:
+        """Whether a contact is about where the first one was in the reading before."""
+        apart = np.hypot(rows["x"] - self._last[0], rows["y"] - self._last[1]) * self._scale[0]
+        self._last = (float(rows[0]["x"]), float(rows[0]["y"])) if len(rows) else (np.inf, np.inf)
+        return bool((apart < ELSEWHERE).any())
 
     def _is_due(self, end: int) -> bool:
         """Whether a press is to be tried by each, if there is time until `end`, ns."""
@@ -196,8 +211,8 @@ class MechanicsChoice:
             if own.marks[STAGE] != RESTING or not 0 < self.fit.count <= FEW:
                 return False
             energy = own.numbers[BEFORE]
-            if own.marks[PRESSES] != self._press:
-                due = energy > CLEAR and own.marks[PRESSES] >= self._next
+            if self._presses != self._press:
+                due = energy > CLEAR and self._presses >= self._next
             else:
                 due = energy > STRONGER * self._energy
             if not due:
@@ -213,20 +228,22 @@ class MechanicsChoice:
     def _begin(self, row: Any, readings: Floats, heard: NDArray[np.bool_]) -> None:
         """Have a reading be fitted by each, over the time of the next ones if need be."""
         self._make_trials()
-        own = self.fit.own
-        press, self._energy = int(own.marks[PRESSES]), max(float(own.numbers[BEFORE]), CLEAR)
-        if press != self._press:
+        self._energy = max(float(self.fit.own.numbers[BEFORE]), CLEAR)
+        if self._presses != self._press:
             odds = self.odds + self.here
             self.odds[:] = np.maximum(odds - odds[self.acting], -SETTLED)
-        self._press, self._trial, self._steps = press, 0, 0
+        self._press, self._trial, self._steps = self._presses, 0, 0
         self._totals[self.acting] = self.fit.infer()
         self._places[:] = row["x"], row["y"], np.log(row["normal_force"])
         np.copyto(self._reading, readings)
         np.copyto(self._heard, heard)
         np.copyto(self._its_noise, self.fit.noise)
 
-    def _try(self, grid: int, pressure: Floats, most: int, end: int) -> bool:
-        """Go on fitting that reading by each; True where all is done, and decided."""
+    def _try(self, grid: int, pressure: Floats, most: int, end: int, steps: int) -> bool:
+        """Go on fitting that reading by each; True where all is done, and decided.
+
+        By so many `steps`, 0 for any, and till a part of the time to `end`, 0 for any, is up.
+        """
         now, before = time.perf_counter_ns(), 0
         if end:
             least = int(PIECE * self.fit.own.numbers[DRAWN])
@@ -237,14 +254,17 @@ class MechanicsChoice:
             if not self._steps:
                 memory.counts[:] = 0
                 np.copyto(trial.noise, self._its_noise)
-            memory.marks[MOST] = TRIED - self._steps
+            memory.marks[MOST], trial.own.marks[STEPS_AT_ONCE] = TRIED - self._steps, steps
             count = answer_reading(address, grid, room, rows, self._reading, self._heard, before)
             self._steps += max(memory.marks[STEPS], 1)
-            if trial.own.marks[STAGE] != RESTING and self._steps < TRIED:
+            halfway = trial.own.marks[STAGE] != RESTING or (steps and trial.own.marks[OPEN_HALFWAY])
+            if halfway and self._steps < TRIED:
                 return False
             self._totals[self._tried[self._trial]] = trial.infer()
             self._keep_place(rows[:count])
             self._trial, self._steps = self._trial + 1, 0
+            if steps and self._trial < len(self._trials):
+                return False
         self._decide()
         return True
 

@@ -64,6 +64,7 @@ from skinfield.solve.atoms.reading_memory import (
     BEFORE,
     COMPARED,
     COMPARED_SPREAD,
+    COMPARISON_FIRST,
     DRAWN,
     DROPPING,
     DUTIES,
@@ -94,6 +95,7 @@ from skinfield.solve.atoms.reading_memory import (
     SPLIT_NOISE,
     SPREAD,
     STAGE,
+    STEPS_AT_ONCE,
     TOTAL,
     TURN,
     UNSURE_FORCE,
@@ -127,7 +129,7 @@ FAINT = 4.0  # times what an atom must bring: below, it is looked at whether it 
 FAINTER = 0.7  # times what it was when it was looked at last
 FEW_STEPS = 2  # of refinement, where other atoms are missed: these are sought
 ENTRY = 4  # steps of each atom: less is no time to go on with a comparison
-SLICE = 32  # steps of a comparison in one reading, where the answer is as good as any
+SLICE = 32  # steps of what may wait, in one reading, where the answer is as good as any
 QUIETER_AGAIN = 0.7  # times the noise when it was looked at whether one is two: then it is again
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER = 0.98  # how far one answer may move what is known of what drawing takes, downwards
@@ -281,6 +283,7 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
         begin_comparison(fit, COARSE if marks[IS_STRONG] else FINER * COARSE, False)
         if is_late(memory, NOW, deadline):
             settle(fit, numbers[SPREAD], common, BURST, 0)
+    gradual = marks[GRADUAL] or marks[STAGE] == RESTING
     numbers[BEFORE] = energy
     ended = now_ns(memory.marks)
     later = marks[GRADUAL] and marks[DUTY] == OPEN_FIRST
@@ -289,7 +292,10 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     if marks[STAGE] != RESTING and not (later or memory.marks[LATE]):
         ended = take_turn(fit, common, deadline)
     if not memory.marks[LATE]:
+        steps = SLICE if gradual else marks[STEPS_AT_ONCE]
+        memory.marks[PAUSE] = memory.marks[STEPS] + steps if steps else 0
         marks[OPEN_HALFWAY] = search_by(fit, EXPLORE, marks[OPEN_HALFWAY] == 1, deadline)
+        memory.marks[PAUSE] = 0
         ended = now_ns(memory.marks)
     lay_open(fit.model, memory, fit.post)
     marks[EXPLAINED] = explains(fit) and numbers[MISFIT] < LARGEST
@@ -304,10 +310,11 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
     Returns the time at which the comparison was interrupted or at its end.
     """
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
-    memory.marks[PAUSE] = memory.marks[STEPS] + SLICE if marks[GRADUAL] else 0
+    steps = SLICE if marks[GRADUAL] else marks[STEPS_AT_ONCE]
+    memory.marks[PAUSE] = memory.marks[STEPS] + steps if steps else 0
     compare(fit, common, deadline)
     ended = now_ns(memory.marks)
-    paused = memory.marks[STEPS] >= memory.marks[PAUSE] > 0
+    paused = marks[GRADUAL] and memory.marks[STEPS] >= memory.marks[PAUSE] > 0
     memory.marks[PAUSE] = 0
     resting = marks[STAGE] == RESTING
     memory.marks[LATE] = not (resting or paused)
@@ -356,7 +363,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     """Move the atoms of the reading before, and see whether others are to be compared."""
     memory, marks, numbers = fit.memory, fit.own.marks, fit.own.numbers
     lost = not (marks[EXPLAINED] or marks[HOPELESS])
-    few = lost and (not deadline or marks[DUTY] != ERROR_FIRST)
+    few = lost and (not deadline or marks[DUTY] == COMPARISON_FIRST)
     settle(fit, numbers[SPREAD], common, FEW_STEPS if few else BURST, deadline)
     explained = explains(fit)
     marks[HOPELESS] = marks[HOPELESS] and not explained

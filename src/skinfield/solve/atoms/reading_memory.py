@@ -60,8 +60,9 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
 # a comparison may take its time, as the answer explains all; which of `DUTIES` comes
-# first; whether none explained the readings when all sets of atoms had been compared; and how many
-# atoms the reading before had, of which fewer must be clearly better, or 0.
+# first; whether none explained the readings when all sets of atoms had been compared; how many
+# atoms the reading before had, of which fewer must be clearly better, or 0; and how many steps all
+# this may take in one reading, where no answer waits for it, or 0 for any.
 (
     PRESSES,
     STAGE,
@@ -77,7 +78,8 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     DUTY,
     HOPELESS,
     FORMER_COUNT,
-) = range(14)
+    STEPS_AT_ONCE,
+) = range(15)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
