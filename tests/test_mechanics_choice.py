@@ -9,7 +9,7 @@ import pytest
 import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.solve.atoms import table
-from skinfield.solve.atoms.mechanics_choice import other_physics
+from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, other_physics
 
 PATCH, LAYER, NOISE, FORCE = sf.layouts.hexagon72(), sf.Layer(), 5e-4, 1.5
 GRID = sf.Grid.square(PATCH, nodes=12)
@@ -104,3 +104,40 @@ def test_no_table_is_made_under_a_deadline(operator):
     assert not other.fitter.mechanics.is_ready
     other.solve(reading, other.data())
     assert other.fitter.mechanics.is_ready
+
+
+def sliding(layer, mechanics, count, force=FORCE):
+    """Readings of a ball that slides over the skin, 0.5 mm from one to the next."""
+    ball = sf.simulate.Sphere(radius=7e-3, force=force)
+    true = sf.simulate.press(layer, [ball], extent=24e-3, cell=0.3e-3, mechanics=mechanics)
+    rng = np.random.default_rng(5)
+    for k in range(count):
+        clean = true.capacitance(PATCH.plane - [(k % 24 - 12) * 5e-4, 1e-3], PATCH.pad_diameter)
+        yield clean + rng.normal(scale=NOISE, size=len(PATCH))
+
+
+def test_a_contact_that_slides_is_one_press(operator):
+    data, skin = operator.data(), WORLDS["an inextensible cover"]
+    for reading in sliding(*skin, 20):
+        operator.solve(reading, data)
+    assert data.choice.acting == 0
+    for _ in range(2):  # other presses tell it
+        operator.solve(np.zeros(len(PATCH)), data)
+        operator.solve(*sliding(*skin, 1), data)
+    assert data.choice.acting == 2
+
+
+def test_mechanics_are_tried_beside_the_readings_of_a_contact_that_goes_on(operator, monkeypatch):
+    decided, data = [], operator.data()
+    decide = MechanicsChoice._decide
+    monkeypatch.setattr(MechanicsChoice, "_decide", lambda it: decided.append(1) or decide(it))
+    operator.solve(*sliding(*WORLDS[""], 1, 0.3 * FORCE), data)
+    assert len(decided) == 1  # a press that begins is tried at once
+    counts = []
+    for reading in sliding(*WORLDS[""], 23):  # it became stronger
+        operator.solve(reading, data)
+        counts.append(len(decided))
+    assert counts[4] == 1
+    for reading in sliding(*WORLDS[""], 23):
+        operator.solve(reading, data)
+    assert len(decided) > 1
