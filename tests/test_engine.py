@@ -326,7 +326,7 @@ def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
         valid[missing] = False
         given = {name: values.copy() for name, values in readings.items()}
         given["other"][missing] = np.nan
-        given["hexagon72"][[1, 2]] = -np.inf  # no skin reads that
+        given["hexagon72"][[1, 2]] = -np.inf, 1e30  # no skin reads that
         estimates = searching(given)
         assert estimates.report["hexagon72"].invalid == 2
         alone = operator.without(valid)

@@ -97,6 +97,11 @@ def test_apply_is_the_call_and_allocates_nothing() -> None:
 ZEROS = np.zeros(72)
 
 
+def test_contacts_are_counted_without_room_for_them() -> None:
+    read = PRESS.capacitance(PATCH.plane, PATCH.pad_diameter)
+    assert CAPACITANCE.into(read, CAPACITANCE.rows(0)) == 1
+
+
 @pytest.mark.parametrize(
     ("readings", "how", "message"),
     [
@@ -106,12 +111,15 @@ ZEROS = np.zeros(72)
         (np.full(72, np.nan), {}, r"readings\[0\] has no valid taxel \(1 of 1 readings\)"),
         (np.r_[np.zeros(71), np.inf], {}, r"readings\[0, 71\] is inf, expected finite numbers"),
         (["a"] * 72, {}, r"readings is .* expected numbers"),
-        (np.r_[-1.0, np.zeros(71)], {}, r"readings\[0, 0\] is -1.0, expected above -1"),
+        (np.r_[-1.0, np.zeros(71)], {}, r"readings\[0, 0\] is -1.0, expected between -1 and 100"),
+        (np.r_[np.zeros(71), 1e30], {}, r"readings\[0, 71\] is 1e\+30, .* mark such taxels with"),
         (ZEROS, {"valid": np.ones(3)}, r"valid has shape \(3,\), expected \(72,\)"),
         (ZEROS, {"stamp_ns": np.arange(3)}, r"stamp_ns has shape \(3,\), expected one, or \(1,\)"),
+        (ZEROS, {"stamp_ns": "now"}, "stamp_ns is 'now', expected whole nanoseconds"),
         (ZEROS, {"deadline": "x"}, "deadline is .* seconds for each reading"),
         (ZEROS, {"deadline": 0.0}, "deadline is .* seconds for each reading"),
         (ZEROS, {"deadline": np.nan}, "deadline is .* seconds for each reading"),
+        (ZEROS, {"deadline": True}, "deadline is True, .* seconds for each reading"),
     ],
 )
 def test_bad_readings_are_named(readings: Any, how: dict[str, Any], message: str) -> None:

@@ -25,7 +25,7 @@ class FileError(InputError):
 
 def check_positive(name: str, value: float, why: str) -> None:
     """Raise InputError unless `value` is finite and greater than zero."""
-    if not _holds(lambda: 0.0 < value < float("inf")):
+    if isinstance(value, bool | np.bool_) or not _holds(lambda: 0.0 < value < float("inf")):
         raise InputError(f"{name} is {value!r}, expected a finite number above 0: {why}")
 
 
@@ -126,4 +126,12 @@ def as_floats(name: str, values: ArrayLike) -> Floats:
             return np.asarray(np.ma.filled(values.astype(np.float64), np.nan))
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"{name} is {values!r}, expected numbers: {error}") from error
+        raise InputError(f"{name} is {values!r:.80}, expected numbers: {error}") from error
+
+
+def as_stamps(name: str, values: ArrayLike) -> Ints:
+    """Convert to int64, or raise InputError that names the argument."""
+    try:
+        return np.asarray(values, dtype=np.int64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is {values!r:.80}, expected whole nanoseconds") from error

@@ -50,14 +50,15 @@ class Quantity(ABC):
         Of a reading; "1" for a ratio.
     typical_noise : float
         Standard deviation of one reading where nobody has measured it, in `unit`.
-    lowest : float
-        No reading can be as low as this, in `unit`; minus infinity where any can.
+    lowest, highest : float
+        No reading can be as low, or as high, as this, in `unit`.
     """
 
     symbol: ClassVar[str]
     unit: ClassVar[str] = "1"
     typical_noise: ClassVar[float] = 0.002
     lowest: ClassVar[float] = -np.inf
+    highest: ClassVar[float] = 1e12  # of a stress, Pa: as stiff as diamond
 
     @abstractmethod
     def matrix(
@@ -148,6 +149,7 @@ class Capacitance(Quantity):
 
     symbol = "ΔC/C₀"
     lowest = -1.0  # a pad cannot lose all its capacitance
+    highest = 100.0  # of the gap, 1 % is left
 
     def __post_init__(self) -> None:
         if self.order is not None:

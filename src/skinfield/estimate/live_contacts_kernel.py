@@ -94,7 +94,7 @@ def take_rows(
         With its memory, `out_words`.
     """
     told = min(many, len(out))
-    for word in range(told * (len(out_words) // len(out))):
+    for word in range(told * (len(out_words) // max(len(out), 1))):
         out_words[word] = words[word]
     for place in range(told):
         out[place].patch = patch

@@ -133,7 +133,7 @@ class Updater:
         check_shape("calibration", table, (self.sizes.taxels, 4), "baseline, gain, noise, alive")
         baseline, alive = table[:, 0].copy(), table[:, 3] > 0
         per_gain = 1.0 / np.where(alive, table[:, 1], 1.0)
-        limits = self._clamps, self._lowest_of(table[alive])
+        limits = self._clamps, self._limits_of(table[alive])
         how = self._how, self._scale
         self._calibrated: tuple[Any, ...] = baseline, per_gain, alive, *limits, *how
         noise, least = self._noise_std, table.copy()
@@ -143,15 +143,16 @@ class Updater:
         self._means.calibrate(noise, rounding)
         self._smoothed_ns[:] = 0
 
-    def _lowest_of(self, known: Floats) -> float:
+    def _limits_of(self, known: Floats) -> tuple[float, float]:
         """What no taxel reads, in the quantity's unit, by the calibration (N, 4) of the living."""
-        lowest = float(self.model_config.quantity.lowest)
+        quantity = self.model_config.quantity
+        lowest, highest = float(quantity.lowest), float(quantity.highest)
         if self._binding.unit != "count":
-            return lowest
+            return lowest, highest
         change = lowest_change(self.model_config.board, known)
         if self._how == self._kernel.STRAIN:
             change = change / (1.0 + change) if change > -1.0 else -np.inf
-        return max(lowest, change * self._scale)
+        return max(lowest, change * self._scale), highest
 
     def tune(self, tuning: Tuning) -> None:
         """Go by this, which `Limits.check` has passed, from now on."""

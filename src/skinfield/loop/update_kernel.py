@@ -26,7 +26,7 @@ def condition(
     per_gain: Floats,
     alive: Flags,
     clamps: tuple[float, float],
-    lowest: float,
+    limits: tuple[float, float],
     how: int,
     scale: float,
     oldest_ns: int,
@@ -52,8 +52,8 @@ def condition(
         Of the calibration; `per_gain` is 1 / gain.
     clamps : pair of float, counts
         At or beyond these a count tells nothing.
-    lowest : float
-        Of the quantity: what no skin reads.
+    limits : pair of float
+        Of the quantity: between these are all that a skin may read.
     how, scale : int, float
         `CHANGE` or `STRAIN`, and what that is multiplied by.
     oldest_ns : int, ns
@@ -92,8 +92,8 @@ def condition(
                 if how == STRAIN and value > -1.0:
                     value = value / (1.0 + value)
                 value *= scale
-                good = lowest < value < np.inf
-                if value <= lowest:
+                good = limits[0] < value < limits[1]
+                if value <= limits[0]:
                     lacking[taxel] = -value
             values[taxel] = value if good else 0.0
             valid[taxel] = good

@@ -86,9 +86,9 @@ class Conditioner:
         return self.counted(counts)[0]
 
     def counted(self, counts: Floats) -> tuple[Floats, int]:
-        """Readings, and how many of them are too low for any skin: those are invalid, too."""
+        """Readings, and how many of them no skin reads: those are invalid, too."""
         values = self._values(counts)
-        impossible = values <= self.quantity.lowest
+        impossible = (values <= self.quantity.lowest) | (values >= self.quantity.highest)
         count = int(impossible.sum())
         return (np.where(impossible, np.nan, values) if count else values), count
 
@@ -235,8 +235,8 @@ def impossible_note(count: int, quantity: Quantity) -> tuple[str, ...]:
     if not count:
         return ()
     return (
-        f"{count} values are {quantity.lowest:g} or less, which no skin reads: "
-        "invalid; check gain and baseline",
+        f"{count} values are not between {quantity.lowest:g} and {quantity.highest:g}, which no "
+        "skin reads: invalid; check gain and baseline",
     )
 
 

@@ -23,6 +23,7 @@ from skinfield.errors import (
     InputError,
     Ints,
     as_floats,
+    as_stamps,
     check_offers,
     check_positive,
     check_shape,
@@ -226,7 +227,7 @@ class Reconstructor:
         table, mask = checked_readings(readings, valid, self.patch, self.quantity)
         if deadline is not None:
             check_positive("deadline", deadline, "seconds for each reading")
-        answer, stamps = self.plans.answer, np.asarray(stamp_ns, dtype=np.int64)
+        answer, stamps = self.plans.answer, as_stamps("stamp_ns", stamp_ns)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
@@ -309,7 +310,8 @@ def checked_readings(
     check_shape("readings", table, (None, len(patch)), f"one per taxel of {patch.name!r}")
     if not len(table):
         raise InputError("readings is empty, expected one reading or more")
-    if valid is None and table.min() > quantity.lowest and table.max() < np.inf:  # nor any NaN
+    lowest, highest = quantity.lowest, quantity.highest
+    if valid is None and table.min() > lowest and table.max() < highest:  # nor is any NaN
         every = np.empty(table.shape, np.bool_)
         every.fill(True)
         return table, every
@@ -319,12 +321,12 @@ def checked_readings(
             f"readings[{row}, {taxel}] is {table[row, taxel]}, expected finite numbers: "
             "mark a taxel that did not answer with NaN"
         )
-    impossible = np.argwhere(table <= quantity.lowest)
+    impossible = np.argwhere((table <= lowest) | (table >= highest))
     if len(impossible):
         row, taxel = impossible[0]
         raise InputError(
-            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected above "
-            f"{quantity.lowest:g} ({len(impossible)} are not): no skin reads that; mark "
+            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected between "
+            f"{lowest:g} and {highest:g} ({len(impossible)} are not): no skin reads that; mark "
             "such taxels with NaN, and check the gain"
         )
     mask = ~np.isnan(table)

@@ -27,7 +27,7 @@ def open_cycle(
     given: Floats,
     asked: Flags,
     places: Ints,
-    lowest: float,
+    limits: tuple[float, float],
     how: int,
     per_noise: Floats,
     valid: Flags,
@@ -53,7 +53,7 @@ def open_cycle(
         if how < 2:
             place = places[taxel]
             value = given[place]
-            good = np.isfinite(value) and value > lowest and asked[place]
+            good = limits[0] < value < limits[1] and asked[place]
             if not good:
                 value = 0.0
             elif how == 1:

@@ -121,7 +121,8 @@ class EngineReadings:
     def linearise(self) -> None:
         """Take what was given into `linear` as the quantity says; 0 for what is not valid."""
         raw = self.given[self.places]
-        good = np.isfinite(raw) & (raw > self.quantity.lowest) & self.wanted[self.places]
+        lowest, highest = self.quantity.lowest, self.quantity.highest
+        good = (raw > lowest) & (raw < highest) & self.wanted[self.places]
         self.valid[:] = good
         self.linear[:] = self.quantity.linearise(np.where(good, raw, 0.0), self.linear)
 

@@ -74,7 +74,7 @@ class Clockwork:
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
         self._opened = (
             *(intake.given, intake.wanted, intake.places),
-            *(float(intake.quantity.lowest), intake.how),
+            *((float(intake.quantity.lowest), float(intake.quantity.highest)), intake.how),
             *(intake.per_noise, intake.valid, self.starts, first.start.gaussian is not None),
             *(intake.linear, intake.white, intake.present),
             *(state.invalid, state.integers, state.numbers, state.settled),

@@ -13,6 +13,7 @@ from skinfield.solve.atoms.lobes_kernel import LONE
 from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, OtherMechanics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
 from skinfield.solve.atoms.reading_memory import (
+    GRADUAL,
     MEAN_NOISE,
     MISFIT,
     PRESSES,
@@ -165,7 +166,8 @@ class ContactFitter:
         other = self.mechanics.clauses[choice.acting or likely]
         own, marks, count = data.own, data.memory.marks, data.count
         numbers, presses, offset = own.numbers, int(own.marks[PRESSES]), abs(data.offset)
-        late, loud = own.marks[STAGE] != RESTING, numbers[SCALE] > LOUD
+        late = own.marks[STAGE] != RESTING and not own.marks[GRADUAL]  # else it may take its time
+        loud = numbers[SCALE] > LOUD
         unlike = presses >= MANY and numbers[MISFIT] > UNLIKE
         shared = offset > self.settings.common_mode * numbers[MEAN_NOISE]
         in_lobes = count > 0 and data.drawing.lobe[0] != LONE
