@@ -28,7 +28,10 @@ from skinfield.solve.atoms.reading_memory import (
     BEFORE,
     COMPARED,
     DRAWN,
+    GOES_ON,
+    OPEN_FORCE,
     OPEN_HALFWAY,
+    OPEN_PLACE,
     RESTING,
     STAGE,
     STEPS_AT_ONCE,
@@ -53,7 +56,8 @@ PIECE = 4  # times what drawing an answer takes: less time is not worth beginnin
 MAKING = 30_000_000_000  # ns, in which all tables are surely made
 WHOLE = 100_000_000  # ns, in which all are tried in one go
 BESIDE = 8  # steps beside a reading, where a contact goes on from the one before
-ELSEWHERE = 3.0  # thicknesses from one reading to the next: then it is another contact
+# How far contacts are apart by another ratio, or cover: thicknesses, and logarithm of the force.
+APART = np.array([[0.5, 0.35], [0.3, 0.75]])
 SPARE = 0.1  # of the time that is left when a reading is answered, for what may wait
 
 
@@ -166,7 +170,7 @@ class MechanicsChoice:
         self.here[:], self.odds[:], self.odds[0] = 0.0, UNLIKELY, 0.0
         self._trial, self._steps = -1, 0
         self._presses, self._press, self._next, self._energy = 0, 0, 1, 0.0
-        self._last = (np.inf, np.inf)
+        self._leave_open()
 
     def answer(
         self,
@@ -182,9 +186,8 @@ class MechanicsChoice:
         See `answer_reading`; `grid` is the address of the `RowGrid`.
         """
         rest = grid, pressure, rows, readings, heard, end
-        held = self.fit.count > 0
         count = answer_reading(self.fit.packed.address, *rest)
-        goes_on = self._is_near(rows[:count]) and held
+        goes_on = bool(self.fit.own.marks[GOES_ON])
         self._presses += count > 0 and not goes_on
         if not self._is_due(end):
             return count
@@ -195,12 +198,6 @@ class MechanicsChoice:
         if self._try(grid, pressure, len(rows), 0 if far else end, steps) and far:
             count = answer_reading(self.fit.packed.address, *rest)
         return count
-
-    def _is_near(self, rows: NDArray[np.void]) -> bool:
-        """Whether a contact is about where the first one was in the reading before."""
-        apart = np.hypot(rows["x"] - self._last[0], rows["y"] - self._last[1]) * self._scale[0]
-        self._last = (float(rows[0]["x"]), float(rows[0]["y"])) if len(rows) else (np.inf, np.inf)
-        return bool((apart < ELSEWHERE).any())
 
     def _is_due(self, end: int) -> bool:
         """Whether a press is to be tried by each, if there is time until `end`, ns."""
@@ -290,8 +287,17 @@ class MechanicsChoice:
         squares = shares @ np.square(apart) / shares.sum()
         own.numbers[UNSURE_PLACE] = np.sqrt(0.5 * (squares[0] + squares[1]))
         own.numbers[UNSURE_FORCE] = np.sqrt(squares[2])
+        self._leave_open()
         rival = np.delete(odds, self.acting).max()
         self._next = self._press + (FEWER if rival < -SETTLED else 1)
+
+    def _leave_open(self) -> None:
+        """State how far a press that begins may be off, before it was tried."""
+        own, odds = self.fit.own, self.odds + self.here
+        shares = np.exp(odds - odds.max())
+        shares = np.delete(shares / shares.sum(), self.acting)
+        squares = shares @ np.square(APART[: len(shares)])
+        own.numbers[OPEN_PLACE], own.numbers[OPEN_FORCE] = np.sqrt(squares)
 
     def _answer_by(self, number: int) -> None:
         """Have another mechanics answer from now on; what it was tried by goes by this one."""

@@ -72,19 +72,24 @@ from skinfield.solve.atoms.reading_memory import (
     ERROR_FIRST,
     EXPLAINED,
     FORMER_COUNT,
+    GOES_ON,
     GRADUAL,
     HALFWAY,
     HOPELESS,
     IN_VAIN,
     INDEX,
     IS_STRONG,
+    LAST_X,
+    LAST_Y,
     LEAST_WORTH,
     MEAN_NOISE,
     MISFIT,
     OFFSET,
     ONLY,
     OPEN_FIRST,
+    OPEN_FORCE,
     OPEN_HALFWAY,
+    OPEN_PLACE,
     OTHER_TOTAL,
     OTHERS,
     REFINING,
@@ -133,6 +138,7 @@ SLICE = 32  # steps of what may wait, in one reading, where the answer is as goo
 QUIETER_AGAIN = 0.7  # times the noise when it was looked at whether one is two: then it is again
 MORE = 1.3  # times the score of what was sought in vain, from which it is sought again
 FASTER = 0.98  # how far one answer may move what is known of what drawing takes, downwards
+ELSEWHERE = 3.0  # thicknesses from one reading to the next: then it is another contact
 OVERSHOOT = 0.25  # part of that by which work before it ends late at most
 
 
@@ -436,6 +442,22 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)
 
 
+@inner(_nrt=False)
+def see_what_goes_on(fit: Fit, held: bool) -> None:
+    """See whether a contact goes on; of one that does not, the mechanics are open."""
+    own, memory, count = fit.own, fit.memory, fit.memory.counts[NOW]
+    numbers, goes_on = own.numbers, False
+    for n in range(count):
+        atom = memory.atoms[NOW, n]
+        apart = np.hypot(atom[0] - numbers[LAST_X], atom[1] - numbers[LAST_Y])
+        goes_on = goes_on or (held and apart < ELSEWHERE)
+    own.marks[GOES_ON] = goes_on
+    if count:
+        numbers[LAST_X], numbers[LAST_Y] = memory.atoms[NOW, 0, 0], memory.atoms[NOW, 0, 1]
+        if not goes_on:
+            numbers[UNSURE_PLACE], numbers[UNSURE_FORCE] = numbers[OPEN_PLACE], numbers[OPEN_FORCE]
+
+
 @njit
 def infer_evidence(fit_address: int) -> None:
     """Infer the model error and the evidence of the answer of an interrupted search."""
@@ -469,7 +491,9 @@ def answer_reading(
     fit, grid = unpack_fit(fit_address), unpack_grid(grid_address)
     own, memory = fit.own, fit.memory
     end = deadline - int(own.numbers[DRAWN]) if deadline else 0
+    held = memory.counts[NOW] > 0
     ended = find_contacts(fit, readings, valid, max(end, 1) if deadline else 0)
+    see_what_goes_on(fit, held)
     highest, lowest = 0.0, np.inf
     for taxel in range(len(readings)):
         highest = max(highest, memory.taxels[WHITE, taxel])

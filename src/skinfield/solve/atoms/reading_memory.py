@@ -29,7 +29,7 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # error that is searched by; the noise when it last changed; the least worth of atoms when compared;
 # energy of the reading before; the model error when sets of atoms were compared; the noise when
 # numbers of atoms were compared; deviations of place, thicknesses, and of the force's logarithm, as
-# the mechanics are not sure.
+# the mechanics are not sure; these of a press that begins; and where the first atom last was.
 (
     SCALE,
     COMPARED,
@@ -54,15 +54,20 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     SPLIT_NOISE,
     UNSURE_PLACE,
     UNSURE_FORCE,
-) = range(23)
+    OPEN_PLACE,
+    OPEN_FORCE,
+    LAST_X,
+    LAST_Y,
+) = range(27)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
 # readings are strong; how many atoms there were where only more of them are sought, or -1; whether
 # a comparison may take its time, as the answer explains all; which of `DUTIES` comes
 # first; whether none explained the readings when all sets of atoms had been compared; how many
-# atoms the reading before had, of which fewer must be clearly better, or 0; and how many steps all
-# this may take in one reading, where no answer waits for it, or 0 for any.
+# atoms the reading before had, of which fewer must be clearly better, or 0; how many steps all
+# this may take in one reading, where no answer waits for it, or 0 for any; and whether a contact is
+# about where the first one was in the reading before.
 (
     PRESSES,
     STAGE,
@@ -79,7 +84,8 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     HOPELESS,
     FORMER_COUNT,
     STEPS_AT_ONCE,
-) = range(15)
+    GOES_ON,
+) = range(16)
 # What each reading ends with; by turns, while the time does not suffice for all.
 ERROR_FIRST, COMPARISON_FIRST, OPEN_FIRST, DUTIES = range(4)
 # Rows of `ReadingMemory.errors`: by this reading, the press before, all before it, and room.
@@ -123,7 +129,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (23,) array
+    numbers : (27,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -147,7 +153,7 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(UNSURE_FORCE + 1)
+        numbers = np.zeros(LAST_Y + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
         made = cls(
             numbers,
@@ -185,6 +191,7 @@ def forget(own: ReadingMemory, error: float) -> None:
     own.numbers[MISFIT] = own.numbers[SPREAD] = error
     own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
     own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
+    own.numbers[LAST_X] = own.numbers[LAST_Y] = np.inf
     own.numbers[UNSURE_PLACE] = own.numbers[UNSURE_FORCE] = 0.0
     for k in range(len(own.marks)):
         own.marks[k] = 0

@@ -40,9 +40,9 @@ from skinfield.solve.packed import PackedType, unpacking
 PEARLS = 64  # small balls that all rings together become
 FEWEST, MOST = 8, 32  # of one ring
 SHARE = 0.5  # thicknesses between them
-# What no residual shows, in thicknesses, and part of the force: scale of the modulus and of the
-# thickness, a body that is no perfect ball, flat end, line or ring; and more per model error.
-ROUND, ODD = np.array([0.05, 0.07]), np.array([0.25, 0.1])
+# What no residual shows, in thicknesses, and part of the force: the modulus, by 2 Shore A, pads
+# that lie elsewhere, what is no perfect ball or flat end, line, or ring; and more per model error.
+ROUND, LONG, ANNULAR = np.array([0.065, 0.09]), np.array([0.25, 0.15]), np.array([0.25, 0.25])
 HIDDEN = np.array([3.0, 1.5])
 OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
@@ -187,7 +187,7 @@ def draw_atom(
         by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
         by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
     covariance = drawing.covariance[place]
-    error, errors = ODD if long or ring else ROUND, drawing.errors
+    error, errors = ANNULAR if ring else LONG if long else ROUND, drawing.errors
     for i in range(6):
         for j in range(6):
             covariance[i, j] = post.covariance[index, i, j]
