@@ -301,6 +301,8 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
         steps = SLICE if gradual else marks[STEPS_AT_ONCE]
         memory.marks[PAUSE] = memory.marks[STEPS] + steps if steps else 0
         marks[OPEN_HALFWAY] = search_by(fit, EXPLORE, marks[OPEN_HALFWAY] == 1, deadline)
+        if memory.marks[STEPS] >= memory.marks[PAUSE] > 0:
+            memory.marks[LATE] = 0
         memory.marks[PAUSE] = 0
         ended = now_ns(memory.marks)
     lay_open(fit.model, memory, fit.post)
