@@ -173,4 +173,4 @@ def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path:
     table = tmp_path / "low.csv"
     table.write_text("\n".join([*lines[:-1], ",".join(["2.98", *["-3"] * 72])]) + "\n")
     said = run("reconstruct", table, "--skin", "hexagon72")
-    assert "72 values are -1 or less" in " ".join(said.split())
+    assert "72 values are not between -1 and 100" in " ".join(said.split())
