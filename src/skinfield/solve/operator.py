@@ -16,7 +16,7 @@ from skinfield.skin import Grid
 from skinfield.solve.gaussian_model import GaussianModel, SetError, TaxelSet
 
 EXACT = ModelError()
-EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest it is too short in one call of fifty
+EARLIER, LATER = 0.999, 1.1  # changes of a margin: at rest it is too short in one call of a hundred
 PAUSED, SLIGHTLY = 2.0, 1.02  # times the margin: what took so long was mostly the machine's doing
 
 
@@ -43,11 +43,11 @@ class DeadlineMargin:
         """Take note that all is done now, and the solver was when it was `solved`; if in time.
 
         Learnt is what was left to do after that, and by how much the solver was later than it
-        should have been, up to twice as much: more is for want of time, and no margin helps.
+        should have been, up to thrice as much: more is for want of time, and no margin helps.
         """
         now = time.perf_counter_ns() if now is None else now
         rest, over = now - solved, solved - (end - self.margin_ns)
-        took = rest + min(max(over, 0), 2 * rest)
+        took = rest + min(max(over, 0), 3 * rest)
         change = EARLIER
         if took > self.margin_ns:
             change = LATER if took < PAUSED * self.margin_ns else SLIGHTLY

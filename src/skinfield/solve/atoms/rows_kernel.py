@@ -42,7 +42,7 @@ FEWEST, MOST = 8, 32  # of one ring
 SHARE = 0.5  # thicknesses between them
 # What no residual shows, in thicknesses, and part of the force: the modulus, by 2 Shore A, pads
 # that lie elsewhere, what is no perfect ball or flat end, line, or ring; and more per model error.
-ROUND, LONG, ANNULAR = np.array([0.065, 0.09]), np.array([0.25, 0.15]), np.array([0.25, 0.25])
+ROUND, LONG, ANNULAR = np.array([0.1, 0.09]), np.array([0.25, 0.15]), np.array([0.25, 0.25])
 HIDDEN = np.array([3.0, 1.5])
 OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
