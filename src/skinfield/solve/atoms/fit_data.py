@@ -4,7 +4,6 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.dictionary import Templates
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel
-from skinfield.solve.atoms.lobes_kernel import Lobes
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.reading_kernel import infer_evidence
 from skinfield.solve.atoms.reading_memory import (
@@ -23,6 +22,7 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.split_kernel import PairMemory
+from skinfield.solve.atoms.strips_kernel import Strips
 from skinfield.solve.packed import Packed
 
 
@@ -63,8 +63,9 @@ class FitData:
         self.noise = self.own.noise
         self.search = SearchMemory.of(bank, most, rules.starts, len(noise))
         known, room = (model, bank, near, rules), (self.memory, self.search, self.posterior)
-        pairs, lobes = PairMemory.of(len(noise), most), Lobes.of(model.taxels)
-        self.packed = Packed(Fit(*known, *room, self.own, self.drawing, pairs, lobes), FIT)
+        pairs = PairMemory.of(len(noise), most)
+        strips = Strips.of(model.taxels, rules.thickness)
+        self.packed = Packed(Fit(*known, *room, self.own, self.drawing, pairs, strips), FIT)
         self._error = rules.model_error
 
     @property

@@ -22,7 +22,6 @@ from skinfield.estimate.live_contacts_kernel import (
 )
 from skinfield.estimate.row_contacts import SHAPES
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
-from skinfield.solve.atoms.lobes_kernel import LONE, NONE, UNSURE
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
     TERMS,
@@ -34,6 +33,7 @@ from skinfield.solve.atoms.render_kernels import (
     render,
 )
 from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
+from skinfield.solve.atoms.strips_kernel import LONE, NONE, UNSURE
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -76,8 +76,8 @@ class Drawing(NamedTuple):
         Room.
     maybe : (W,) int array
         How many contacts may be in the place of each, or of it and another; 0 where that is sure.
-    lobe : (W,) int array
-        Of each atom of the fit: see `lobes_kernel`.
+    strip : (W,) int array
+        Of each atom of the fit: see `strips_kernel`.
     drawn : (1,) int array
         N.
     """
@@ -91,7 +91,7 @@ class Drawing(NamedTuple):
     errors: Floats
     by: Floats
     maybe: Ints
-    lobe: Ints
+    strip: Ints
     drawn: Ints
 
     @classmethod
@@ -214,9 +214,9 @@ def draw(
     count = 0
     for rings in range(2):
         for index in range(memory.counts[NOW]):
-            lobe, room = drawing.lobe[index], len(drawing.atoms) - count
+            strip, room = drawing.strip[index], len(drawing.atoms) - count
             is_ring = memory.family[NOW, index] == RING
-            if lobe == NONE or is_ring != (rings == 1) or (is_ring and room <= FEWEST):
+            if strip == NONE or is_ring != (rings == 1) or (is_ring and room <= FEWEST):
                 continue
             first = count
             if is_ring:
@@ -225,8 +225,8 @@ def draw(
                 draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, count)
                 join(drawing, count)
                 count += 1
-            if lobe != LONE:
-                join_lobe(drawing, lobe, first, count)
+            if strip != LONE:
+                join_strip(drawing, strip, first, count)
     return count
 
 
@@ -250,15 +250,15 @@ def unite(drawing: Drawing, place: int, other: int, count: int) -> None:
 
 
 @inner(_nrt=False)
-def join_lobe(drawing: Drawing, lobe: int, first: int, count: int) -> None:
-    """Make the atoms from `first` to `count` one body with those of their lobe before."""
+def join_strip(drawing: Drawing, strip: int, first: int, count: int) -> None:
+    """Make the atoms from `first` to `count` one body with those of their strip before."""
     for place in range(first, count):
-        drawing.order[place], drawing.sums[1, place] = lobe, 0.0  # no ring
+        drawing.order[place], drawing.sums[1, place] = strip, 0.0  # no ring
         for i in range(6 if place > first else 0):
             for j in range(6):
                 drawing.covariance[place, i, j] = 0.0  # of all small balls, at the first
     for other in range(first):
-        if drawing.order[other] == lobe:
+        if drawing.order[other] == strip:
             unite(drawing, first, other, count)
 
 

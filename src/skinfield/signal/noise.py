@@ -1,0 +1,100 @@
+"""Noise of each taxel where it is neither Gaussian nor equal: rare jumps, clipping at rest.
+
+Most of a real taxel's noise may be jumps that come once in a hundred readings, so that its own few
+quiet readings show none of it. What they show is shrunk towards what all taxels of the patch show
+together, as the variance of a normal sample is towards its inverse-gamma prior (Gelman et al. 2013,
+Bayesian Data Analysis, section 2.6), and widened where values far out are more than they should be.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.signal.boards import Bools
+from skinfield.signal.stationary import median
+
+PRIOR = 10.0  # readings that the patch's noise counts for, beside a taxel's own
+TOUCHED = 6.0  # times the usual deviation: where a neighbour is that far out, something may touch
+LYING = 20.0  # the same of what lies on the skin all the time: less is a rest that has drifted
+MOST = 5.0  # times the patch's median noise: more is a touch, or a fault
+FAR = 3e-3  # share of values beyond `FAR_DEVIATIONS`, if all is Gaussian
+FAR_DEVIATIONS = 2.97
+LOW = 20.0  # percent of readings, in which a taxel is not touched
+ENOUGH = 5.0  # values beyond, that tell how many there are
+
+Neighbours = NDArray[np.int64]
+
+
+def touched_readings(apart: Floats, usual: float, neighbours: Neighbours) -> Bools:
+    """Where (T, L) a neighbour of a taxel is far from its rest, as a touch makes it.
+
+    Parameters
+    ----------
+    apart : (T, L) array
+        From rest; NaN where a taxel did not answer.
+    usual : float
+        Deviation of the patch.
+    neighbours : (P, 2) int array
+        Pairs of taxels, such as `Patch.neighbours`.
+    """
+    far = np.nan_to_num(np.abs(apart)) > TOUCHED * usual
+    count = np.zeros(apart.shape[::-1], np.int64)
+    np.add.at(count, neighbours[:, 0], far.T[neighbours[:, 1]])
+    np.add.at(count, neighbours[:, 1], far.T[neighbours[:, 0]])
+    return np.asarray(count.T > 0)
+
+
+def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
+    """Noise (L,) of taxels by their own quiet values and those of all others.
+
+    Parameters
+    ----------
+    apart : (T, L) array
+        From rest, drift removed; NaN where a taxel did not answer.
+    neighbours : (P, 2) int array, optional
+        Pairs of taxels: values are left out where a neighbour is touched.
+
+    Returns
+    -------
+    (L,) array
+        NaN of a taxel without a value.
+    """
+    there = ~np.isnan(apart)
+    varying = np.abs(apart[there & (apart != 0.0)])
+    if not len(varying):
+        return np.where(there.any(axis=0), 0.0, np.nan)
+    usual = 1.4826 * float(np.median(varying))
+    if neighbours is not None:
+        there &= ~touched_readings(apart, usual, neighbours)
+    square = np.square(np.clip(np.nan_to_num(apart), -MOST * usual, MOST * usual))
+    squares, count = np.sum(square, axis=0, where=there), there.sum(axis=0)
+    patch = float(squares.sum() / max(count.sum(), 1))
+    noise = np.sqrt((squares + PRIOR * patch) / (count + PRIOR))
+    noise = np.minimum(noise, MOST * float(np.median(noise)))
+    if count.sum() * FAR >= ENOUGH:
+        far = float(np.quantile(np.abs(apart / noise)[there], 1.0 - FAR))
+        noise = noise * max(far / FAR_DEVIATIONS, 1.0)
+    return np.where(np.isnan(apart).all(axis=0), np.nan, noise)
+
+
+def quiet_level(counts: Floats, neighbours: Neighbours) -> Floats:
+    """Median (L,) of each taxel where neither it nor a neighbour stands out.
+
+    Of a taxel that always does by far, beside one that does, 0: something lies on the skin all the
+    time, and only the board knows the rest. Any other that always does rests there.
+
+    Parameters
+    ----------
+    counts : (T, L) array
+        Of a board that takes the rest off itself, so that most taxels rest near 0.
+    neighbours : (P, 2) int array
+        Pairs of taxels.
+    """
+    low = np.nanpercentile(counts, LOW, axis=0)
+    apart = counts - low
+    varying = np.abs(apart[apart > 0.0])
+    usual = 1.4826 * float(np.median(varying)) if len(varying) else 0.0
+    lies = touched_readings(low[None], usual, neighbours)[0] & (low > LYING * usual)
+    quiet = ~touched_readings(apart, usual, neighbours) & (apart < TOUCHED * usual)
+    level = median(np.where(quiet, counts, np.nan))
+    return np.where(lies, 0.0, np.where(np.isnan(level), low, level))
