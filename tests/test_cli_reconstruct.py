@@ -87,7 +87,7 @@ def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path
     rows = list(csv.DictReader((tmp_path / "c.csv").open()))
     pressed = [row for row in rows if int(row["reading"]) >= 100 and int(row["contact"]) == 0]
     assert len(pressed) == 50
-    force = np.array([float(row["normal_force_N"]) for row in pressed])
+    force = np.array([float(row["force_N"]) for row in pressed])
     assert np.median(force) == pytest.approx(1.5, rel=0.15)  # a field finds 1.5 N within 40 %
     places = np.array([(row["x_m"], row["y_m"]) for row in pressed], float)
     apart = np.linalg.norm(places - PATCH.plane[30], axis=1)

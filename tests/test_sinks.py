@@ -117,7 +117,7 @@ def test_contacts_come_back_with_every_reading(tmp_path: Path, suffix: str) -> N
         made = one.contacts[number]
         assert [row[k] for k in ("x_m", "y_m", "z_m")] == pytest.approx(made.position.tolist())
         assert [row[k] for k in ("fx_N", "fy_N", "fz_N")] == pytest.approx(made.force.tolist())
-        assert row["normal_force_N"] == pytest.approx(-made.force[2])
+        assert row["force_N"] == pytest.approx(-made.force[2])
         assert row["area_m2"] == pytest.approx(made.area)
         assert row["place_std_m"] == pytest.approx(np.sqrt(2e-8))
         assert (row["shape"], row["radius_m"]) == ("other", 3e-3)

@@ -4,6 +4,7 @@ import importlib as _importlib
 import typing as _typing
 
 if _typing.TYPE_CHECKING:
+    from skinfield import calibrate as calibrate
     from skinfield import simulate as simulate
     from skinfield.elastic import BaseStress as BaseStress
     from skinfield.elastic import BondedLayer as BondedLayer
@@ -23,6 +24,8 @@ if _typing.TYPE_CHECKING:
     from skinfield.loop import connect as connect
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.engine import Engine as Engine
+    from skinfield.signal import find_faults as find_faults
+    from skinfield.signal import load_calibration as load_calibration
     from skinfield.skin import Grid as Grid
     from skinfield.skin import Patch as Patch
     from skinfield.skin import Skin as Skin
@@ -43,6 +46,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "BaseStress": "skinfield.elastic:BaseStress",
     "BondedLayer": "skinfield.elastic:BondedLayer",
     "Capacitance": "skinfield.elastic:Capacitance",
+    "calibrate": "skinfield.calibrate",
     "connect": "skinfield.loop:connect",
     "Contact": "skinfield.estimate:Contact",
     "ContactFinder": "skinfield.estimate:ContactFinder",
@@ -51,6 +55,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Detector": "skinfield.solve.detection:Detector",
     "Engine": "skinfield.reconstruct.engine:Engine",
     "Estimate": "skinfield.estimate:Estimate",
+    "find_faults": "skinfield.signal:find_faults",
     "Gap": "skinfield.elastic:Gap",
     "GaussianField": "skinfield.solve:GaussianField",
     "Grid": "skinfield.skin:Grid",
@@ -58,6 +63,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Inverse": "skinfield.solve:Inverse",
     "Layer": "skinfield.elastic:Layer",
     "layouts": "skinfield.skin.generators",
+    "load_calibration": "skinfield.signal:load_calibration",
     "load_layout": "skinfield.files.layouts.load:load_layout",
     "NonNegative": "skinfield.solve:NonNegative",
     "load_contacts": "skinfield.files:load_contacts",

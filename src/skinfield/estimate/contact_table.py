@@ -13,7 +13,7 @@ WORDS = ("solver", "shape")
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
 READING = ("reading", "stamp_ns", "time_s", "total_force_N", "solver", "valid_taxels")
 CONTACT = (
-    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
+    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "force_N", "force_std_N"),
     *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
     *("shape", "radius_m"),
 )

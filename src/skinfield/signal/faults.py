@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
-from skinfield.signal.noise import touched_readings
+from skinfield.signal.noise import is_touched, usual_deviation
 from skinfield.signal.stationary import (
+    LEAST_READINGS,
     fast_noise,
     median,
     readings_per_value,
@@ -53,7 +54,7 @@ STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its o
 STUCK_LONGER = 3.0  # times its longest earlier run
 TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
 SATURATED_SHARE = 0.5  # of its readings
-APART = 4.0  # deviations of the logarithm of taxels' noise, that none is from the others
+APART = 5.0  # deviations of the logarithm of taxels' noise, that none is from the others
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,9 +176,10 @@ def _too_noisy(counts: Floats, patch: Patch | None, calibration: Calibration | N
     hold = readings_per_value(counts)
     if patch is not None:
         apart = counts - median(counts)
-        varying = np.abs(apart[apart != 0.0])
-        usual = 1.4826 * float(np.nanmedian(varying)) if len(varying) else 0.0
-        counts = np.where(touched_readings(apart, usual, patch.neighbours), np.nan, counts)
+        usual = usual_deviation(apart)
+        touched = is_touched(apart, usual, patch.neighbours)
+        touched[:, (~touched).sum(axis=0) < LEAST_READINGS] = True  # too few to judge by
+        counts = np.where(touched, np.nan, counts)
     noise = fast_noise(counts, hold)
     if calibration is not None:
         expected = np.where(calibration.alive, calibration.noise_std, np.inf)

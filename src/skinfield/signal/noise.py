@@ -15,11 +15,13 @@ from skinfield.signal.stationary import median
 
 PRIOR = 10.0  # readings that the patch's noise counts for, beside a taxel's own
 TOUCHED = 6.0  # times the usual deviation: where a neighbour is that far out, something may touch
-LYING = 20.0  # the same of what lies on the skin all the time: less is a rest that has drifted
+STAYS = 4  # readings in a row that are away from rest to one side under a touch
+LYING = 40.0  # the same of what lies on the skin all the time: less is a rest that has drifted
 MOST = 5.0  # times the patch's median noise: more is a touch, or a fault
 FAR = 3e-3  # share of values beyond `FAR_DEVIATIONS`, if all is Gaussian
 FAR_DEVIATIONS = 2.97
 LOW = 20.0  # percent of readings, in which a taxel is not touched
+QUIETER = 25.0  # percent of readings, that are not touched
 ENOUGH = 5.0  # values beyond, that tell how many there are
 
 Neighbours = NDArray[np.int64]
@@ -44,6 +46,25 @@ def touched_readings(apart: Floats, usual: float, neighbours: Neighbours) -> Boo
     return np.asarray(count.T > 0)
 
 
+def is_touched(apart: Floats, usual: float, neighbours: Neighbours) -> Bools:
+    """Where (T, L) a taxel is touched, or a neighbour: it stays away from rest, as no jump does."""
+    from scipy.ndimage import binary_opening
+
+    held, long = np.nan_to_num(apart), np.ones((STAYS, 1), np.bool_)
+    above, below = (binary_opening(sign * held > TOUCHED * usual, long) for sign in (1.0, -1.0))
+    return np.asarray(above | below | touched_readings(apart, usual, neighbours))
+
+
+def usual_deviation(apart: Floats) -> float:
+    """Deviation from rest (T, L) of the median taxel that has any, in the quieter readings."""
+    away = np.sort(np.where(apart == 0.0, np.nan, np.abs(apart)), axis=1)  # NaN comes last
+    count = (~np.isnan(away)).sum(axis=1)
+    if not count.any():
+        return 0.0
+    middle = away[np.arange(len(away)), np.maximum(count - 1, 0) // 2][count > 0]
+    return 1.4826 * float(np.percentile(middle, QUIETER))
+
+
 def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
     """Noise (L,) of taxels by their own quiet values and those of all others.
 
@@ -60,10 +81,9 @@ def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
         NaN of a taxel without a value.
     """
     there = ~np.isnan(apart)
-    varying = np.abs(apart[there & (apart != 0.0)])
-    if not len(varying):
+    usual = usual_deviation(apart)
+    if not usual > 0.0:
         return np.where(there.any(axis=0), 0.0, np.nan)
-    usual = 1.4826 * float(np.median(varying))
     if neighbours is not None:
         there &= ~touched_readings(apart, usual, neighbours)
     square = np.square(np.clip(np.nan_to_num(apart), -MOST * usual, MOST * usual))
@@ -92,8 +112,7 @@ def quiet_level(counts: Floats, neighbours: Neighbours) -> Floats:
     """
     low = np.nanpercentile(counts, LOW, axis=0)
     apart = counts - low
-    varying = np.abs(apart[apart > 0.0])
-    usual = 1.4826 * float(np.median(varying)) if len(varying) else 0.0
+    usual = usual_deviation(apart)
     lies = touched_readings(low[None], usual, neighbours)[0] & (low > LYING * usual)
     quiet = ~touched_readings(apart, usual, neighbours) & (apart < TOUCHED * usual)
     level = median(np.where(quiet, counts, np.nan))

@@ -375,7 +375,10 @@ class AutoOperator:
             if field is None or contest.winner == FIELD or field.gap <= self.problem.tolerance:
                 contest.energy, contest.count, contest.readings = energy, count, 0
         if contest.winner == FIELD:
-            return data.take(field or self._by_field(readings, data, deadline_ns))
+            field = field or self._by_field(readings, data, deadline_ns)
+            if not (fit.in_strips and field.operator is self.linear_field):
+                return data.take(field)
+            contest.winner = CONTACTS  # no pressure explains a hand on a skin so unlike its model
         return found
 
     def _by_field(

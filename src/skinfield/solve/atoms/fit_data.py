@@ -22,7 +22,7 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.split_kernel import PairMemory
-from skinfield.solve.atoms.strips_kernel import Strips
+from skinfield.solve.atoms.strips_kernel import LONE, Strips
 from skinfield.solve.packed import Packed
 
 
@@ -106,6 +106,11 @@ class FitData:
         """Whether all sets of atoms were compared, or as many as there may be steps for."""
         steps, most = self.memory.marks[STEPS], self.memory.marks[MOST]
         return bool(self.own.marks[STAGE] == RESTING or steps >= most > 0)
+
+    @property
+    def in_strips(self) -> bool:
+        """Whether the model is far off, and fingers' strips say which atoms are one contact."""
+        return bool(self.count > 1 and self.drawing.strip[0] != LONE)
 
     def use(self, model: FitModel) -> None:
         """Go by another model of the same taxels, from now on."""

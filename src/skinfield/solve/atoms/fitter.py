@@ -24,7 +24,6 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.settings import FitSettings
-from skinfield.solve.atoms.strips_kernel import LONE
 from skinfield.solve.atoms.table import atom_tables
 from skinfield.solve.packed import Packed
 
@@ -171,7 +170,7 @@ class ContactFitter:
         loud = numbers[SCALE] > LOUD
         unlike = presses >= MANY and numbers[MISFIT] > UNLIKE
         shared = offset > self.settings.common_mode * numbers[MEAN_NOISE]
-        in_strips = count > 0 and data.drawing.strip[0] != LONE
+        in_strips = data.in_strips
         if not (late or loud or shared or unlike or other or in_strips):
             return ()
         notes = []

@@ -23,10 +23,12 @@ LEAST_WIDTH = 0.9  # distances of taxels: narrower, a strip would miss those on 
 DEVIATIONS = 5.0  # from which on a taxel is touched
 PART = 0.2  # of the highest reading but one, from which on a taxel is touched
 QUIET = 0.5  # of that, below which it is not
+BELOW = 0.35  # of that, by which none reads below rest under a hand
 GAP = 0.7  # touched taxels that one in a strip that is not outweighs
 PRICE = 1.6  # touched taxels that a strip must win
-MOST = 40  # touched taxels that strips are drawn between
+MOST = 48  # touched taxels that strips are drawn between
 NEAR = 200  # taxels that strips are judged by
+REACH = 1.0  # squares of half a width, within which an atom is in a strip
 STRIPS = 12
 LONE, NONE = -1, -2  # strip of an atom that is as it is drawn, and of one that is no contact
 
@@ -81,14 +83,20 @@ def gather_touched(
 ) -> tuple[int, int]:
     """Gather the touched taxels, then all others near them; how many of each.
 
+    None where one reads further below rest than a press of others makes it.
+
     `tables[0]` are they, `values[0]` what covering each is worth.
     """
-    highest, second = 0.0, 0.0
+    highest, second, lowest = 0.0, 0.0, 0.0
     for taxel in range(len(readings)):
         value = readings[taxel] - offset
+        if noise[taxel] < np.inf:
+            lowest = min(lowest, value + DEVIATIONS * noise[taxel])
         if value > DEVIATIONS * noise[taxel] and value > second:
             highest, second = max(highest, value), min(highest, value)
     taxels, worth, touched = strips.tables[0], strips.values[0], 0
+    if -lowest > BELOW * second:
+        return 0, 0
     for taxel in range(len(readings)):
         least = max(DEVIATIONS * noise[taxel], PART * second)
         if readings[taxel] - offset > least and touched < MOST:
@@ -161,7 +169,7 @@ def join_by_strips(
     """Write the strip of each atom of NOW into `out` (W,); whether any are joined or are none.
 
     An atom is in the nearest strip, unless that is more than its width away. Where no atom is in
-    any, all stay as they are.
+    any, or where more is touched than fingers do, all stay as they are.
 
     Parameters
     ----------
@@ -180,10 +188,12 @@ def join_by_strips(
     if not error > UNSURE or count < 2:
         return False
     touched, near = gather_touched(places, memory.taxels[READINGS], offset, noise, strips)
+    if touched == 0 or touched == MOST:  # no hand
+        return False
     found = find_strips(places, touched, near, strips)
     for n in range(count):
         x, y = memory.atoms[NOW, n, 0], memory.atoms[NOW, n, 1]
-        nearest = 4.0 * strips.half * strips.half
+        nearest = REACH * strips.half * strips.half
         out[n] = NONE
         for strip in range(found):
             away = square_away(x, y, strips.ends[strip])
