@@ -54,7 +54,7 @@ STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its o
 STUCK_LONGER = 3.0  # times its longest earlier run
 TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
 SATURATED_SHARE = 0.5  # of its readings
-APART = 5.0  # deviations of the logarithm of taxels' noise, that none is from the others
+APART = 4.5  # deviations of the logarithm of taxels' noise, that none is from the others
 
 
 @dataclass(frozen=True, eq=False)
