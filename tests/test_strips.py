@@ -7,7 +7,7 @@ import pytest
 
 from skinfield.compiled import njit
 from skinfield.solve.atoms.fit_kernel import NOW, READINGS
-from skinfield.solve.atoms.rows_kernel import Drawing, join_strip
+from skinfield.solve.atoms.rows_kernel import Drawing, divide, join_strip
 from skinfield.solve.atoms.strips_kernel import LONE, NONE, Strips, join_by_strips
 
 PITCH, THICKNESS = 6.5e-3, 2e-3  # m
@@ -101,3 +101,18 @@ def test_a_ring_in_a_strip_is_drawn_within_its_memory() -> None:
     assert (drawing.sums[1, :3] == 0.0).all()
     assert (drawing.covariance[0] == 1.0).all()
     assert not drawing.covariance[1:3].any()
+
+
+def test_a_wide_atom_is_divided_among_the_strips_that_it_reads_for() -> None:
+    strips, drawing = Strips.of(PLACES, THICKNESS), Drawing.of(4)
+    drawing.atoms[0] = 5.0 * PITCH, 2.5 * PITCH, 3.0, 0.02, 0.0, 0.0
+    strips.middle[:2] = [(5.0 * PITCH / THICKNESS, y * PITCH / THICKNESS, 1.0) for y in (2.0, 5.0)]
+    strips.middle[1, 2] = 0.5
+    drawing.covariance[0] = np.eye(6)
+    assert divide.py_func(drawing, strips, 0, THICKNESS, 1) == 0  # type: ignore[attr-defined]
+    assert divide.py_func(drawing, strips, 1, THICKNESS, 1) == 1  # type: ignore[attr-defined]
+    assert drawing.atoms[:2, 2] == pytest.approx([2.0, 1.0])
+    assert drawing.atoms[1, :2] == pytest.approx([5.0 * PITCH, 5.0 * PITCH])
+    assert drawing.covariance[:2, 2, 2] == pytest.approx([4.0 / 9.0, 1.0 / 9.0])
+    assert drawing.covariance[1, 0, 0] > 1.0
+    assert drawing.owner[1] == 1

@@ -18,8 +18,11 @@ TOUCHED = 6.0  # times the usual deviation: where a neighbour is that far out, s
 STAYS = 4  # readings in a row that are away from rest to one side under a touch
 LYING = 40.0  # the same of what lies on the skin all the time: less is a rest that has drifted
 MOST = 5.0  # times the patch's median noise: more is a touch, or a fault
-FAR = 3e-3  # share of values beyond `FAR_DEVIATIONS`, if all is Gaussian
-FAR_DEVIATIONS = 2.97
+FAR, FARTHER = 1e-2, 1e-3  # shares of values, by which a tail is told
+# Degrees of freedom of Student's t that tails are compared with.
+FREEDOMS = np.array([3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 30.0])
+SURE = 3.0  # standard errors, by which a tail is heavier than a Gaussian's, if it is taken for one
+ONCE = 1000.0  # readings of all taxels, of which one may have a value so far out
 LOW = 20.0  # percent of readings, in which a taxel is not touched
 QUIETER = 25.0  # percent of readings, that are not touched
 ENOUGH = 5.0  # values beyond, that tell how many there are
@@ -92,9 +95,36 @@ def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
     noise = np.sqrt((squares + PRIOR * patch) / (count + PRIOR))
     noise = np.minimum(noise, MOST * float(np.median(noise)))
     if count.sum() * FAR >= ENOUGH:
-        far = float(np.quantile(np.abs(apart / noise)[there], 1.0 - FAR))
-        noise = noise * max(far / FAR_DEVIATIONS, 1.0)
+        noise = noise * tail_factor(np.abs(apart / noise)[there], len(noise))
     return np.where(np.isnan(apart).all(axis=0), np.nan, noise)
+
+
+def tail_factor(away: Floats, taxels: int) -> float:
+    """How many times wider a normal distribution is that reaches as far as values do.
+
+    It does where one reading of all taxels in `ONCE` has a value beyond. Values so rare are not in
+    a recording: Student's t leads there from two shares of values that are. At least 1.
+
+    Parameters
+    ----------
+    away : (N,) array
+        Distances from rest, in deviations.
+    taxels : int
+    """
+    from scipy.stats import norm, t
+
+    far, farther = np.quantile(away, [1.0 - FAR, 1.0 - FARTHER])
+    factor = max(float(far / norm.isf(FAR / 2)), 1.0)
+    count, usual = len(away) * FARTHER, float(norm.isf(FARTHER / 2))
+    error = 1.0 / (usual**2 * np.sqrt(max(count, 1e-9)))  # of a quantile, part of it
+    gaussian = far * usual / norm.isf(FAR / 2)
+    if count < ENOUGH or farther < gaussian * (1.0 + SURE * error):
+        return factor
+    ratios = t.isf(FARTHER / 2, FREEDOMS) / t.isf(FAR / 2, FREEDOMS)
+    freedom = FREEDOMS[int(np.argmin(np.abs(ratios * far - farther)))]
+    rare = 0.5 / (ONCE * taxels)
+    reach = far * t.isf(rare, freedom) / t.isf(FAR / 2, freedom)
+    return max(float(reach / norm.isf(rare)), factor)
 
 
 def quiet_level(counts: Floats, neighbours: Neighbours) -> Floats:

@@ -22,7 +22,7 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.split_kernel import PairMemory
-from skinfield.solve.atoms.strips_kernel import LONE, Strips
+from skinfield.solve.atoms.strips_kernel import Strips
 from skinfield.solve.packed import Packed
 
 
@@ -64,7 +64,7 @@ class FitData:
         self.search = SearchMemory.of(bank, most, rules.starts, len(noise))
         known, room = (model, bank, near, rules), (self.memory, self.search, self.posterior)
         pairs = PairMemory.of(len(noise), most)
-        strips = Strips.of(model.taxels, rules.thickness)
+        self.strips = strips = Strips.of(model.taxels, rules.thickness)
         self.packed = Packed(Fit(*known, *room, self.own, self.drawing, pairs, strips), FIT)
         self._error = rules.model_error
 
@@ -110,7 +110,12 @@ class FitData:
     @property
     def in_strips(self) -> bool:
         """Whether the model is far off, and fingers' strips say which atoms are one contact."""
-        return bool(self.count > 1 and self.drawing.strip[0] != LONE)
+        return bool(self.strips.counts[0] > 0)
+
+    @property
+    def touched(self) -> int:
+        """Taxels that strips were drawn between."""
+        return int(self.strips.counts[1])
 
     def use(self, model: FitModel) -> None:
         """Go by another model of the same taxels, from now on."""

@@ -507,7 +507,9 @@ def answer_reading(
     join_by_strips(
         fit.model.taxels, memory, offset, own.heard, errors[2], fit.strips, fit.drawing.strip
     )
-    count = write_rows(grid, memory, fit.post, fit.pairs, at_mean, fit.drawing, pressure, rows)
+    count = write_rows(
+        grid, memory, fit.post, fit.pairs, fit.strips, at_mean, fit.drawing, pressure, rows
+    )
     took, known = now_ns(memory.marks) - ended, own.numbers[DRAWN]
     if end:
         took += min(max(ended - end, 0), int(OVERSHOOT * known))

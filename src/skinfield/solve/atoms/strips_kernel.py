@@ -5,7 +5,8 @@ what the others are wrong by: their evidence says nothing of how many bodies tou
 readings stand out does: a finger, laid down or on its tip, is a strip as wide as a finger and at
 most as long. The strips are those that cover most taxels that are touched and fewest that are not,
 each at a price, one after the other (the greedy cover of Nemhauser, Wolsey and Fisher 1978). Atoms
-in one strip are one contact; atoms in none make up for readings below rest.
+in one strip are one contact; atoms in none make up for readings below rest; and a strip without an
+atom is part of the nearest that is wide enough to read for both.
 """
 
 from typing import NamedTuple
@@ -20,7 +21,7 @@ from skinfield.solve.atoms.fit_kernel import NOW, READINGS, FitMemory
 UNSURE = 0.1  # model error, from which on evidence does not say how many contacts there are
 HALF_WIDTH, LENGTH = 6e-3, 0.05  # m, of the axis of a finger's strip
 LEAST_WIDTH = 0.9  # distances of taxels: narrower, a strip would miss those on both sides
-DEVIATIONS = 5.0  # from which on a taxel is touched
+DEVIATIONS = 3.0  # from which on a taxel is touched
 PART = 0.2  # of the highest reading but one, from which on a taxel is touched
 QUIET = 0.5  # of that, below which it is not
 BELOW = 0.35  # of that, by which none reads below rest under a hand
@@ -42,6 +43,10 @@ class Strips(NamedTuple):
         Of a strip's width, and of its axis, in thicknesses.
     ends : (STRIPS, 4) array
         Of the strips that were found: x, y, x, y.
+    middle : (STRIPS, 3) array
+        Of them: x, y, and the sum of the readings that they were drawn for.
+    counts : (2,) int array
+        Strips that were found, 0 where atoms are as they are drawn; touched taxels.
     values : (2, L) array
     tables : (3, L) int array
     covered : (MOST * (MOST + 1) / 2, NEAR) bool array
@@ -50,6 +55,8 @@ class Strips(NamedTuple):
     half: float
     length: float
     ends: Floats
+    middle: Floats
+    counts: Ints
     values: Floats
     tables: Ints
     covered: NDArray[np.bool_]
@@ -64,8 +71,9 @@ class Strips(NamedTuple):
         half = max(HALF_WIDTH / thickness, LEAST_WIDTH * float(np.median(nearest[:, -1])))
         room = np.zeros((MOST * (MOST + 1) // 2, NEAR), np.bool_)
         tables = np.zeros((2, count), np.int64)
-        ends, values = np.zeros((STRIPS, 4)), np.zeros((2, count))
-        return cls(half, LENGTH / thickness, ends, values, tables, room)
+        ends, middle, values = np.zeros((STRIPS, 4)), np.zeros((STRIPS, 3)), np.zeros((2, count))
+        counts = np.zeros(2, np.int64)
+        return cls(half, LENGTH / thickness, ends, middle, counts, values, tables, room)
 
 
 @inner
@@ -118,8 +126,10 @@ def gather_touched(
 
 
 @inner
-def find_strips(places: Floats, touched: int, near: int, strips: Strips) -> int:
-    """Write the `ends` of the strips that cover most of what is touched; how many there are."""
+def find_strips(
+    places: Floats, readings: Floats, offset: float, touched: int, near: int, strips: Strips
+) -> int:
+    """Write `ends` and `middle` of the strips that cover most of what is touched; how many."""
     taxels, worth, covered, ends = strips.tables[0], strips.values[0], strips.covered, strips.ends
     square, count = strips.half * strips.half, 0
     for i in range(touched):
@@ -149,9 +159,17 @@ def find_strips(places: Floats, touched: int, near: int, strips: Strips) -> int:
         j = best - (i * touched - i * (i - 1) // 2) + i
         for k in range(2):
             ends[count, k], ends[count, k + 2] = places[taxels[i], k], places[taxels[j], k]
+        middle = strips.middle[count]
+        middle[:] = 0.0
         for n in range(near):
             if covered[best, n]:
+                if n < touched and worth[n] > 0.0:
+                    value = readings[taxels[n]] - offset
+                    middle[2] += value
+                    for k in range(2):
+                        middle[k] += value * places[taxels[n], k]
                 worth[n] = 0.0
+        middle[0], middle[1] = middle[0] / middle[2], middle[1] / middle[2]
         count += 1
     return count
 
@@ -182,15 +200,18 @@ def join_by_strips(
     error : float
         What the model is wrong by, part of what taxels read.
     """
-    count, in_strip = memory.counts[NOW], 0
+    count, in_strip, readings = memory.counts[NOW], 0, memory.taxels[READINGS]
+    strips.counts[:] = 0
     for n in range(len(out)):
         out[n] = LONE
-    if not error > UNSURE or count < 2:
+    if not error > UNSURE or count == 0:
         return False
-    touched, near = gather_touched(places, memory.taxels[READINGS], offset, noise, strips)
+    touched, near = gather_touched(places, readings, offset, noise, strips)
     if touched == 0 or touched == MOST:  # no hand
         return False
-    found = find_strips(places, touched, near, strips)
+    found = find_strips(places, readings, offset, touched, near, strips)
+    if count == 1 and found < 2:
+        return False
     for n in range(count):
         x, y = memory.atoms[NOW, n, 0], memory.atoms[NOW, n, 1]
         nearest = REACH * strips.half * strips.half
@@ -203,4 +224,6 @@ def join_by_strips(
     if not in_strip:
         for n in range(count):
             out[n] = LONE
-    return in_strip > 0
+        return False
+    strips.counts[0], strips.counts[1] = found, touched
+    return True
