@@ -1,5 +1,6 @@
 """Calibration by uniform pressure: foams with memory whose truth is known, and a real insole."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from scipy.io import loadmat
 from scipy.signal import lfilter
 
 import skinfield as sf
-from skinfield.calibrate import PressureCalibration
+from skinfield import signal
+from skinfield.calibrate import PressureCalibration, save_calibration
 from skinfield.errors import FileError, InputError
 
 INSOLE = Path(__file__).resolve().parents[2] / "shared" / "data" / "insole-plenum"
@@ -115,27 +117,44 @@ def test_wrong_input_is_named() -> None:
         sf.calibrate.pressure(counts, reference)
 
 
+@cache
+def small_calibration() -> PressureCalibration:
+    """Of three taxels."""
+    reference = plenum(1500, 8)
+    return sf.calibrate.pressure(foam(reference, 3, 8), reference)
+
+
 def test_it_is_kept_in_a_file(tmp_path: Path) -> None:
     reference = plenum(1500, 8)
     counts = foam(reference, 5, 8)
     made = sf.calibrate.pressure(counts, reference)
-    made.save(tmp_path / "foam.npz")
-    back = PressureCalibration.load(tmp_path / "foam.npz")
-    np.testing.assert_array_equal(made.pressure(counts), back.pressure(counts))
-    assert back.reasons == made.reasons
-    with pytest.raises(FileError):
-        PressureCalibration.load(tmp_path / "nothing.npz")
+    for ending in ("npz", "toml"):
+        save_calibration(made, tmp_path / f"foam.{ending}")
+        back = sf.load_calibration(tmp_path / f"foam.{ending}")
+        np.testing.assert_array_equal(made.pressure(counts), back.pressure(counts))
+        assert back.reasons == made.reasons
+    with pytest.raises(FileError, match="5 taxels, expected 72"):
+        sf.load_calibration(tmp_path / "foam.toml", sf.layouts.hexagon72())
+    with pytest.raises(FileError, match="calibration by pressure, expected one of counts"):
+        signal.load_calibration(tmp_path / "foam.toml")
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.binary(max_size=200))
-def test_any_bytes_are_no_calibration(
-    tmp_path_factory: pytest.TempPathFactory, data: bytes
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(["foam.npz", "foam.toml"]), st.data())
+def test_a_damaged_file_is_an_error_or_a_calibration(
+    tmp_path_factory: pytest.TempPathFactory, name: str, data: st.DataObject
 ) -> None:
-    path = tmp_path_factory.mktemp("any") / "any.npz"
-    path.write_bytes(data)
-    with pytest.raises(FileError):
-        PressureCalibration.load(path)
+    path = tmp_path_factory.mktemp("any") / name
+    save_calibration(small_calibration(), path)
+    content = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))]))
+    try:
+        back = sf.load_calibration(path)
+    except FileError:
+        return
+    assert len(back) == 3
 
 
 def test_an_insole_is_answered_better_than_by_lines() -> None:

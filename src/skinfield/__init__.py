@@ -6,6 +6,7 @@ import typing as _typing
 if _typing.TYPE_CHECKING:
     from skinfield import calibrate as calibrate
     from skinfield import simulate as simulate
+    from skinfield.calibrate import load_calibration as load_calibration
     from skinfield.elastic import BaseStress as BaseStress
     from skinfield.elastic import BondedLayer as BondedLayer
     from skinfield.elastic import Capacitance as Capacitance
@@ -25,7 +26,6 @@ if _typing.TYPE_CHECKING:
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.engine import Engine as Engine
     from skinfield.signal import find_faults as find_faults
-    from skinfield.signal import load_calibration as load_calibration
     from skinfield.skin import Grid as Grid
     from skinfield.skin import Patch as Patch
     from skinfield.skin import Skin as Skin
@@ -63,7 +63,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Inverse": "skinfield.solve:Inverse",
     "Layer": "skinfield.elastic:Layer",
     "layouts": "skinfield.skin.generators",
-    "load_calibration": "skinfield.signal:load_calibration",
+    "load_calibration": "skinfield.calibrate:load_calibration",
     "load_layout": "skinfield.files.layouts.load:load_layout",
     "NonNegative": "skinfield.solve:NonNegative",
     "load_contacts": "skinfield.files:load_contacts",

@@ -2,3 +2,5 @@
 
 from skinfield.calibrate.by_pressure import PressureCalibration as PressureCalibration
 from skinfield.calibrate.by_pressure import pressure as pressure
+from skinfield.calibrate.file import load_calibration as load_calibration
+from skinfield.calibrate.file import save_calibration as save_calibration

@@ -13,12 +13,11 @@ Bayes; Gelman et al. 2013, Bayesian Data Analysis, chapter 5). Places of taxels 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import FileError, Floats, InputError, as_floats, check_positive, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 
 MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0, 500.0))  # readings
 WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.05, 0.12, 0.25, 0.5))  # parts of a taxel's span
@@ -71,6 +70,12 @@ class PressureCalibration:
     one_gain_rmse: Floats
     reasons: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        taxels, terms = len(self.reasons), 2 + len(self.time_constants) + len(self.widths)
+        check_shape("weights", self.weights, (taxels, terms), "taxels and terms")
+        for name in ("rest", "span", "step", "rmse", "line_rmse", "one_gain_rmse"):
+            check_shape(name, getattr(self, name), (taxels,), "one per taxel")
+
     def __len__(self) -> int:
         return len(self.rest)
 
@@ -108,54 +113,6 @@ class PressureCalibration:
         features = _features(table - self.rest, self.span, self.time_constants, self.widths)
         pressures = np.einsum("ktl,lk->tl", features, self.weights)
         return np.where(_stepped(table, self.step), np.nan, pressures)
-
-    def save(self, path: Path | str) -> None:
-        """Write it to a file (.npz).
-
-        Raises
-        ------
-        FileError
-            If it cannot be written.
-        """
-        arrays = {name: getattr(self, name) for name in _ARRAYS}
-        try:
-            with Path(path).open("wb") as file:
-                np.savez(file, kind=KIND, reasons=np.array(self.reasons), **arrays)
-        except OSError as error:
-            raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
-
-    @classmethod
-    def load(cls, path: Path | str) -> "PressureCalibration":
-        """Read what `save` wrote.
-
-        Raises
-        ------
-        FileError
-            If the file is missing or is none.
-        """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                if str(file["kind"]) != KIND:
-                    raise ValueError(f"it is a {str(file['kind'])[:40]!r}")
-                arrays = {name: np.array(file[name], np.float64) for name in _ARRAYS}
-                reasons = tuple(map(str, file["reasons"]))
-            taxels = len(reasons)
-            terms = 2 + len(arrays["time_constants"]) + len(arrays["widths"])
-            check_shape("weights", arrays["weights"], (taxels, terms), "taxels and terms")
-            for name in ("rest", "span", "step", "rmse", "line_rmse", "one_gain_rmse"):
-                check_shape(name, arrays[name], (taxels,), "one per taxel")
-        except OSError as error:
-            raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
-        except Exception as error:  # zipfile, zlib and NumPy raise all kinds on garbage
-            raise FileError(f"{path} is no calibration by pressure: {error}") from error
-        return cls(**arrays, reasons=reasons)
-
-
-KIND = "skinfield-pressure-calibration"
-_ARRAYS = (
-    "weights", "time_constants", "widths", "rest", "span", "step", "rmse", "line_rmse",
-    "one_gain_rmse",
-)  # fmt: skip
 
 
 def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
