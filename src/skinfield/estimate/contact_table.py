@@ -1,4 +1,4 @@
-"""The table of contacts: one row per contact, in SI units; a reading without one has a row too."""
+"""The table of contacts: one row per contact, in SI units; a reading without one has none."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,7 +19,6 @@ CONTACT = (
 )
 COLUMNS = (*READING, "contact", *CONTACT)
 KINDS = [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in COLUMNS]
-NONE = -1  # `contact` of a reading without contact
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
@@ -38,8 +37,6 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
     every = zip(forces.tolist(), stamps, names, each, strict=True)
     for k, (force, stamp, name, contacts) in enumerate(every):
         reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])
-        if not contacts:
-            yield (*reading, NONE, *(None,) * len(CONTACT))
         for number, contact in enumerate(contacts):
             yield (*reading, number, *map(_or_none, _values(contact)))
 
