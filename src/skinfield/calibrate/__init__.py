@@ -1,5 +1,7 @@
 """Calibration of taxels from recordings in which what presses them is known."""
 
+from skinfield.calibrate.by_force import ForceCalibration as ForceCalibration
+from skinfield.calibrate.by_force import force as force
 from skinfield.calibrate.by_pressure import PressureCalibration as PressureCalibration
 from skinfield.calibrate.by_pressure import pressure as pressure
 from skinfield.calibrate.file import load_calibration as load_calibration

@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from skinfield.calibrate.by_force import ForceCalibration
 from skinfield.calibrate.by_pressure import PressureCalibration
 from skinfield.errors import FileError, InputError
 from skinfield.signal import Calibration
@@ -13,8 +14,11 @@ from skinfield.signal import calibration as counts
 from skinfield.signal.calibration_file import read_file, write_file
 from skinfield.skin import Patch
 
-KINDS: dict[str, type[Any]] = {"pressure": PressureCalibration}
-AnyCalibration = Calibration | PressureCalibration
+KINDS: dict[str, type[Any]] = {
+    "force": ForceCalibration,
+    "pressure": PressureCalibration,
+}
+AnyCalibration = Calibration | ForceCalibration | PressureCalibration
 
 
 def save_calibration(calibration: AnyCalibration, path: Path | str) -> None:
