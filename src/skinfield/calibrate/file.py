@@ -8,6 +8,7 @@ import numpy as np
 
 from skinfield.calibrate.by_force import ForceCalibration
 from skinfield.calibrate.by_pressure import PressureCalibration
+from skinfield.calibrate.by_touch import TouchCalibration
 from skinfield.errors import FileError, InputError
 from skinfield.signal import Calibration
 from skinfield.signal import calibration as counts
@@ -17,8 +18,9 @@ from skinfield.skin import Patch
 KINDS: dict[str, type[Any]] = {
     "force": ForceCalibration,
     "pressure": PressureCalibration,
+    "touch": TouchCalibration,
 }
-AnyCalibration = Calibration | ForceCalibration | PressureCalibration
+AnyCalibration = Calibration | ForceCalibration | PressureCalibration | TouchCalibration
 
 
 def save_calibration(calibration: AnyCalibration, path: Path | str) -> None:

@@ -15,7 +15,7 @@ from skinfield.errors import Floats, InputError, as_floats
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from skinfield.calibrate import ForceCalibration, PressureCalibration
+    from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
@@ -23,6 +23,7 @@ calibrate = new_app(
     "calibrate",
     """Calibrate a skin against loads that are known, and try the calibration on another recording.
 
+  skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
   skinfield calibrate force palm.csv scale.csv --skin palm.toml -o cal.toml --report palm
   skinfield calibrate pressure bag.csv gauge.csv --unit kPa -o cal.toml
   skinfield calibrate check cal.toml other.csv other_scale.csv --skin palm.toml
@@ -258,6 +259,86 @@ def by_pressure(
 
 
 @calibrate.command
+def touch(
+    recording: str,
+    /,
+    *,
+    layout: options.LayoutText,
+    patch: options.PatchName = None,
+    known: float | None = None,
+    at: str | None = None,
+    output: Annotated[str | None, options.OUTPUT] = None,
+    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    counts: options.Counts = options.CountSettings(),
+    elastomer: options.OfElastomer = Elastomer(),
+) -> None:
+    """Calibrate a skin by touches of which nothing is known.
+
+    Some hundred presses of balls, fingertips or tools, one at a time, all over the skin, tell how
+    thick the elastomer is, its Poisson's ratio, whether a cover lies on it, and the gain of each
+    taxel beside the others. Forces remain relative until one is known, as of a weight laid down.
+
+      skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
+      skinfield calibrate touch presses.csv --skin palm.toml --known 0.981 --at 12.5,14 -o cal.toml
+
+    Parameters
+    ----------
+    recording : str
+        Of the presses.
+    known : float, optional
+        Force, N, of what presses during --at.
+    at : str, optional
+        FROM,TO: when the known force pressed, s after the first reading.
+    output : str, optional
+        Calibration file (.toml, .npz), for `skinfield reconstruct --calibration`.
+    report_folder : str, optional
+        DIR for a page with a figure and a verdict.
+    """
+    from skinfield.calibrate import touch as fit
+    from skinfield.calibrate.plot import draw_gains
+    from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.elastic import Capacitance
+    from skinfield.files import open_recording
+    from skinfield.files.recordings.matching import readings_for
+    from skinfield.reconstruct.diagnostics import condition
+
+    _check_files(output, report_folder, force)
+    if (known is None) != (at is None):
+        raise InputError("--known and --at belong together: a force, and when it pressed")
+    plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
+    layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
+    found = readings_for(open_recording(recording), plan.patch)
+    readings, known_of = condition(found, plan.patch, layer, Capacitance(), how)
+    forces = None
+    if known is not None:
+        forces = np.where(_part_of(found.stamp_ns, at), known, np.nan)
+    with report.progress("fitting presses and skin"):
+        made = fit(
+            plan.patch, readings, noise_std=known_of.noise_std, layer=layer, known_force=forces
+        )
+    if known_of.conditioner.calibration is not None:
+        made = made.with_counts(known_of.conditioner.calibration)
+    facts = {
+        "recording": recording, "presses": f"{made.presses}, {made.left_out} left out",
+        "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
+        "Poisson's ratio": f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}",
+        "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
+        "forces": "relative" if made.relative else "newtons",
+    }  # fmt: skip
+    result = {
+        "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
+        "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
+        "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
+    }  # fmt: skip
+    gains = {"Gain of each taxel": draw_gains(plan.patch, made.gain, "gain (1: the mean's)")}
+    report.say_notes(known_of.notes)
+    shown = "Calibration by touch", facts, gains if report_folder else {}, known_of.notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+@calibrate.command
 def check(
     calibration: Annotated[str, Parameter(name="CAL")],
     recording: str,
@@ -383,7 +464,7 @@ def _timeline(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "F
 
 
 def _finish(
-    made: "ForceCalibration | PressureCalibration",
+    made: "ForceCalibration | PressureCalibration | TouchCalibration",
     result: dict[str, Any],
     shown: "tuple[str, dict[str, str], dict[str, Figure], tuple[str, ...]]",
     output: str | None,

@@ -21,6 +21,7 @@ from skinfield.settings import Positive, Range, Section, from_plain
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from skinfield.calibrate import TouchCalibration
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.signal import Calibration
@@ -257,9 +258,28 @@ def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
         from skinfield.files.mcap.live import LiveRecording
 
         return LiveRecording.open(Path(path)).calibrations.get(patch.name)
-    from skinfield.signal import load_calibration
+    from skinfield.calibrate import TouchCalibration, load_calibration
+    from skinfield.signal import Calibration
 
-    return load_calibration(path, patch)
+    made = load_calibration(path, patch)
+    counts = made.counts if isinstance(made, TouchCalibration) else made
+    if not isinstance(counts, Calibration):
+        raise InputError(
+            f"--calibration is {path!r}, which holds a {type(made).__name__}, expected what turns "
+            "counts into readings: of counts, or by touches of a recording in counts; "
+            "`skinfield calibrate check` answers by the others"
+        )
+    return counts
+
+
+def touched_skin(path: str | None) -> "TouchCalibration | None":
+    """Calibration by touches of a file, which knows the layer, if it is one."""
+    if path is None or path.lower().endswith(LIVE):
+        return None
+    from skinfield.calibrate import TouchCalibration, load_calibration
+
+    made = load_calibration(path)
+    return made if isinstance(made, TouchCalibration) else None
 
 
 def settings_in(path: str) -> Settings | None:

@@ -90,6 +90,18 @@ class JobPlan:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
+        if skin := options.touched_skin(counts.calibration):
+            found = {
+                "thickness_mm": skin.thickness * 1e3,
+                "modulus_kpa": skin.young_modulus * 1e-3,
+                "poisson": skin.poisson_ratio,
+            }
+            for name, value in found.items():
+                if getattr(elastomer, name) is None:
+                    elastomer = replace(elastomer, **{name: value})  # type: ignore[arg-type]
+            if skin.covered and model.mechanics is None:
+                model = replace(model, mechanics="covered-layer")
+            report.note(skin.verdict)
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)

@@ -1,0 +1,285 @@
+r"""Calibration by touches of which nothing is known: layer, cover, gains of taxels, noise.
+
+Some hundred presses of anything, anywhere, say what the skin is like, as each is read by several
+taxels: a joint fit of the presses and of what they share (see `touch_fit`). What they cannot tell
+is the scale of force: the modulus times a gain that all taxels have in common. So forces remain
+relative until one of them is known.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.calibrate.press_tables import PressTables
+from skinfield.calibrate.touch_fit import Data, JointFit, State, start
+from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
+from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.signal import Calibration
+from skinfield.signal.noise import quiet_level, shared_noise
+from skinfield.skin import Patch
+
+LEAST, MOST = 20, 400  # presses
+STRONG = 8.0  # deviations, that the highest reading of a press is above rest at least
+FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
+SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
+ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
+FIRST = 2  # of these, by which the fit begins
+AGAIN = 2  # times with the nodes of the tables and weights that were found
+BETWEEN_NODES = np.array([0.01, 0.001])  # of ln thickness and ratio: what tables are off by
+RATIO = 0.46  # Poisson's, at which it begins
+
+
+@dataclass(frozen=True, eq=False)
+class TouchCalibration:
+    """What touches say of a skin.
+
+    Attributes
+    ----------
+    thickness, thickness_std : float, m
+    poisson_ratio, poisson_std : float
+    young_modulus : float, Pa
+        Assumed, unless forces were known.
+    covered : bool
+        Whether an inextensible cover lies on the layer.
+    gain, gain_std : (L,) arrays
+        Of each taxel beside the others: their geometric mean is 1.
+    noise_std : (L,) array, in the quantity's unit
+        Of readings divided by the gains.
+    model_error : float
+        Part of what taxels read, by which the model is wrong.
+    presses, left_out : int
+        Of which it was made, and which no ball explains.
+    force_ratio : float
+        Known forces over assumed ones; NaN where no force was known.
+    counts : Calibration, optional
+        From counts to readings, these gains included; without it readings are taken.
+    """
+
+    thickness: float
+    thickness_std: float
+    poisson_ratio: float
+    poisson_std: float
+    young_modulus: float
+    covered: bool
+    gain: Floats
+    gain_std: Floats
+    noise_std: Floats
+    model_error: float
+    presses: int
+    left_out: int
+    force_ratio: float
+    counts: Calibration | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("gain_std", "noise_std"):
+            check_shape(name, getattr(self, name), self.gain.shape, "one per taxel")
+        if self.gain.ndim != 1 or not (self.gain > 0.0).all():
+            raise InputError("gain holds what is not above 0, expected one above 0 per taxel")
+
+    def __len__(self) -> int:
+        return len(self.gain)
+
+    @property
+    def layer(self) -> Layer:
+        """The elastomer."""
+        return Layer(self.thickness, self.young_modulus, self.poisson_ratio)
+
+    @property
+    def mechanics(self) -> BondedLayer:
+        """How it deforms."""
+        return BondedLayer(inextensible_cover=self.covered)
+
+    @property
+    def relative(self) -> bool:
+        """Whether forces are in units of their own: no known one was among the touches."""
+        return bool(np.isnan(self.force_ratio))
+
+    @property
+    def verdict(self) -> str:
+        """What was found, in a sentence."""
+        spread = float(np.std(np.log(self.gain)))
+        scale = (
+            f"forces are relative: they go with the modulus, assumed {self.young_modulus * 1e-3:g} "
+            "kPa, until one is known"
+            if self.relative
+            else f"modulus {self.young_modulus * 1e-3:.4g} kPa"
+        )
+        return (
+            f"thickness {self.thickness * 1e3:.3f} ± {self.thickness_std * 1e3:.3f} mm, Poisson's "
+            f"ratio {self.poisson_ratio:.4f} ± {self.poisson_std:.4f}, "
+            f"{'under a cover' if self.covered else 'no cover'}; gains spread by {spread:.1%}, "
+            f"each known to {float(np.median(self.gain_std)):.1%}; "
+            f"model error {self.model_error:.1%}; "
+            f"{self.presses} presses, {self.left_out} left out; {scale}"
+        )
+
+    def __repr__(self) -> str:
+        return f"TouchCalibration({self.verdict})"
+
+    def readings(self, values: ArrayLike) -> Floats:
+        """What a `Reconstructor` takes of counts, or of readings, (L,) or (T, L)."""
+        if self.counts is not None:
+            return self.counts.relative_capacitance_from_counts(values)
+        return np.asarray(as_floats("values", values) / self.gain)
+
+    def with_counts(self, counts: Calibration) -> "TouchCalibration":
+        """The same for counts, which a calibration turned into the readings of the touches."""
+        own = replace(counts, gain=counts.gain * self.gain, basis=f"{counts.basis}; touches")
+        return replace(self, counts=own)
+
+
+def touch(
+    patch: Patch,
+    readings: ArrayLike,
+    *,
+    quantity: Quantity | None = None,
+    noise_std: ArrayLike | None = None,
+    layer: Layer | None = None,
+    known_force: ArrayLike | None = None,
+) -> TouchCalibration:
+    """Calibrate a skin by touches of which nothing is known.
+
+    Parameters
+    ----------
+    patch : Patch
+        Of L taxels.
+    readings : (T, L) array, in the quantity's unit
+        Of balls, fingertips or the like, one at a time, all over the patch; idle ones are passed
+        over. NaN where a taxel did not answer.
+    quantity : Quantity, optional
+        What a reading is. Default `Capacitance()`.
+    noise_std : float or (L,) array, optional
+        Of one reading. Default as its quiet readings show it.
+    layer : Layer, optional
+        About what is expected, of which the modulus is taken. Default `Layer()`.
+    known_force : (T,) array, N, optional
+        NaN of readings whose force is not known. One is enough for newtons.
+
+    Raises
+    ------
+    InputError
+        If there are too few touches, or arrays do not go together.
+    """
+    table = as_floats("readings", readings)
+    check_shape("readings", table, (None, len(patch)), "readings and taxels of the patch")
+    quantity, nominal = quantity or Capacitance(), layer or Layer()
+    if noise_std is None:
+        level = quiet_level(table, patch.neighbours)
+        noise = shared_noise(table - level, patch.neighbours)
+        noise = np.where(noise > 0.0, noise, quantity.typical_noise)
+    else:
+        noise = np.broadcast_to(as_floats("noise_std", noise_std), (len(patch),)).copy()
+        if not (noise > 0.0).all():
+            raise InputError(f"noise_std is {noise.min()}, expected above 0: no reading is exact")
+    rows = pressed_readings(table, noise)
+    if len(rows) < LEAST:
+        raise InputError(
+            f"readings hold {len(rows)} touches above {STRONG:g} times the noise, expected "
+            f"{LEAST} or more, better a hundred, all over the patch"
+        )
+    heard = ~np.isnan(table[rows])
+    data = Data(np.nan_to_num(table[rows]), heard, noise, patch.plane)
+    first = [
+        _fitted(data, patch, nominal, quantity, covered, ERRORS[: FIRST + 1])
+        for covered in (False, True)
+    ]
+    covered = max(first, key=lambda each: each.evidence).covered
+    made, forces = _fitted(data, patch, nominal, quantity, covered, ERRORS).finished(nominal)
+    if known_force is None:
+        return made
+    known = as_floats("known_force", known_force)
+    check_shape("known_force", known, (len(table),), "one per reading, NaN where not known")
+    ratios = known[rows] / forces
+    ratios = ratios[np.isfinite(ratios) & (ratios > 0.0)]
+    if not len(ratios):
+        raise InputError("known_force knows no force of a touch, expected one above 0 N or more")
+    ratio = float(np.exp(np.median(np.log(ratios))))
+    return replace(made, young_modulus=made.young_modulus * ratio, force_ratio=ratio)
+
+
+def pressed_readings(table: Floats, noise: Floats) -> NDArray[np.int64]:
+    """Numbers of readings (T, L) in which something presses, at most `MOST`, evenly chosen."""
+    over = np.nan_to_num(table) / noise
+    pressed = np.flatnonzero((over.max(axis=1) > STRONG) & (over.max(axis=1) > -over.min(axis=1)))
+    if len(pressed) > MOST:
+        pressed = pressed[np.linspace(0, len(pressed) - 1, MOST).round().astype(int)]
+    return pressed
+
+
+@dataclass(frozen=True, eq=False)
+class _SkinFit:
+    """A fit under a cover or without; `evidence` is that of a press."""
+
+    fit: JointFit
+    state: State
+    used: NDArray[np.bool_]
+    evidence: float
+    covered: bool
+
+    def finished(self, nominal: Layer) -> tuple[TouchCalibration, Floats]:
+        """Calibration, and forces (T,), N; NaN of presses that are left out."""
+        fit, state, spread = self.fit, self.state, np.zeros((2, 2))
+        for _ in range(AGAIN):
+            fit.tables.centre_on(*state.skin)
+            state, spread = fit.refine(state)
+        whole = np.linalg.inv(fit.normal(state).schur)
+        deviation = np.sqrt(np.maximum(np.diag(whole), 0.0))
+        deviation[:2] = np.maximum(deviation[:2], np.sqrt(np.maximum(np.diag(spread), 0.0)))
+        deviation[:2] = np.hypot(deviation[:2], BETWEEN_NODES)
+        gain, thickness = np.exp(state.log_gain), float(np.exp(state.skin[0]))
+        forces = np.full(len(self.used), np.nan)
+        forces[self.used] = np.exp(state.touches[:, 2])
+        made = TouchCalibration(
+            thickness=thickness,
+            thickness_std=thickness * float(deviation[0]),
+            poisson_ratio=float(state.skin[1]),
+            poisson_std=float(deviation[1]),
+            young_modulus=nominal.young_modulus,
+            covered=self.covered,
+            gain=gain,
+            gain_std=gain * deviation[2:],
+            noise_std=fit.data.noise / gain,
+            model_error=fit.error,
+            presses=int(self.used.sum()),
+            left_out=int((~self.used).sum()),
+            force_ratio=float("nan"),
+        )
+        return made, forces
+
+
+def _fitted(
+    data: Data,
+    patch: Patch,
+    nominal: Layer,
+    quantity: Quantity,
+    covered: bool,
+    errors: tuple[float, ...],
+) -> _SkinFit:
+    """Fit of presses and skin, under a cover or without."""
+    tables = PressTables(nominal, quantity, patch.pad_diameter, covered)
+    skin = np.array([np.log(nominal.thickness), RATIO])
+    tables.centre_on(*skin)
+    state = State(start(data, tables, skin, ERRORS[0]), skin, np.zeros(len(data.noise)))
+    whole, used = state.touches.copy(), np.ones(len(data.readings), np.bool_)
+    best: _SkinFit | None = None
+    for place, error in enumerate(errors):
+        fit = JointFit(data.only(used), tables, skin, error)
+        for _ in range(AGAIN):
+            tables.centre_on(*state.skin)
+            state = fit.run(state)
+        whole[used] = state.touches
+        normal = fit.normal(state)
+        if place >= FIRST:
+            evidence = normal.evidence / int(used.sum())
+            if best is None or evidence > best.evidence:
+                best = _SkinFit(fit, state, used.copy(), evidence, covered)
+            continue
+        squares, count = normal.squares.sum(axis=1), fit.data.heard.sum(axis=1)
+        most = count + FREEDOM * np.sqrt(2.0 * count)
+        odd = squares > np.maximum(most, SLACK * np.median(squares))
+        if (~odd).sum() >= LEAST:
+            used[np.flatnonzero(used)[odd]] = False
+            state = replace(state, touches=whole[used])
+    assert best is not None
+    return best

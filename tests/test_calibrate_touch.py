@@ -1,0 +1,115 @@
+"""Calibration by unknown touches, which another program pressed: layer, cover, gains."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import refused, run
+from scipy.interpolate import CubicSpline
+
+import skinfield as sf
+from skinfield.calibrate import save_calibration
+from skinfield.errors import InputError
+from skinfield.files import save_recording
+from skinfield.simulate import Sphere, press
+from skinfield.skin.reading import Recording
+
+PATCH = sf.layouts.hexagon72()
+NOISE = 5e-4
+
+
+@cache
+def touches(
+    count: int = 160, seed: int = 0, thickness: float = 2.3e-3, ratio: float = 0.47
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Readings (T, L) of balls anywhere by the axisymmetric press, gains, and forces (T,), N."""
+    rng, layer = np.random.default_rng(seed), sf.Layer(thickness, 150e3, ratio)
+    far, kinds = np.linspace(0.0, 66e-3, 331), []
+    for _ in range(8):
+        radius, force = np.exp(rng.uniform(np.log([3e-3, 0.3]), np.log([12e-3, 3.0])))
+        ball = press(layer, [Sphere(radius=radius, force=force)], 20e-3, 0.4e-3)
+        places = np.column_stack([far, 0.0 * far])
+        read = ball.readings(places, PATCH.pad_diameter, "capacitance")
+        kinds.append((CubicSpline(far, read), force))
+    low, high = PATCH.plane.min(axis=0), PATCH.plane.max(axis=0)
+    gain = np.exp(0.1 * rng.standard_normal(len(PATCH)))
+    gain /= np.exp(np.log(gain).mean())
+    chosen, where = rng.integers(8, size=count), rng.uniform(low, high, (count, 2))
+    away = np.linalg.norm(PATCH.plane[None] - where[:, None], axis=2)
+    readings = np.array([kinds[k][0](each) for k, each in zip(chosen, away, strict=True)]) * gain
+    forces = np.array([kinds[k][1] for k in chosen])
+    return readings + NOISE * rng.standard_normal(readings.shape), gain, forces
+
+
+@cache
+def found() -> sf.calibrate.TouchCalibration:
+    """With ten known forces, as of a skin half as stiff."""
+    readings, _, forces = touches()
+    some, known = np.argsort(readings.max(axis=1))[-40:-30], np.full(len(readings), np.nan)
+    known[some] = 0.5 * forces[some]
+    return sf.calibrate.touch(PATCH, readings, noise_std=NOISE, known_force=known)
+
+
+def test_layer_and_gains_are_found_by_touches_alone() -> None:
+    made, gain = found(), touches()[1]
+    assert made.layer.thickness == pytest.approx(2.3e-3, rel=0.03)
+    assert made.layer.poisson_ratio == pytest.approx(0.47, abs=0.004)
+    assert not made.covered
+    off = np.std(np.log(made.gain / gain))
+    assert 0.01 < off < 0.7 * np.std(np.log(gain))
+    assert off < 2.0 * np.median(made.gain_std)
+    assert np.log(made.gain).mean() == pytest.approx(0.0, abs=1e-9)
+    assert made.young_modulus == pytest.approx(75e3, rel=0.1)
+    assert not made.relative
+
+
+def test_a_reconstructor_knows_the_skin_by_it() -> None:
+    made, (readings, _, forces) = found(), touches()
+    strong = np.flatnonzero((readings.max(axis=1) > 0.05) & (readings.max(axis=1) < 0.5))[:15]
+    errors = []
+    fit = sf.ContactFit(check_mechanics=False)
+    told = sf.Reconstructor(PATCH, calibration=made, solver=fit)
+    for rec in (told, sf.Reconstructor(PATCH, solver=fit)):
+        answers = []
+        for row in strong:
+            rec.reset()
+            answers.append(float(rec(readings[row]).normal_force))
+        stiffer = 150e3 / rec.layer.young_modulus
+        errors.append(np.median(np.abs(stiffer * np.array(answers) / forces[strong] - 1.0)))
+    assert rec.layer != made.layer
+    assert errors[0] < 0.5 * errors[1]
+    assert errors[0] < 0.08
+
+
+def test_too_few_touches_are_refused() -> None:
+    with pytest.raises(InputError, match=r"hold 0 touches .* expected 20 or more"):
+        sf.calibrate.touch(PATCH, np.zeros((100, 72)), noise_std=NOISE)
+
+
+def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: Path) -> None:
+    readings = touches()[0]
+    idle = NOISE * np.random.default_rng(3).standard_normal((100, 72))
+    held = np.repeat(readings, 4, axis=0)  # readings of each press
+    counts = np.rint(20_000.0 + 20_000.0 * np.vstack([idle, held]))
+    skin, cal = tmp_path / "presses.csv", tmp_path / "cal.toml"
+    save_recording(Recording(np.arange(len(counts)) * 20_000_000, counts), skin)
+    words = (skin, "--skin", "hexagon72", "--gain", 20_000)
+    said = run("calibrate", "touch", *words, "-o", cal, "--report", tmp_path / "page", "--json")
+    result = json.loads(next(line for line in said.splitlines() if line.startswith("{")))
+    assert result["thickness_mm"] == pytest.approx(2.3, rel=0.05)
+    assert result["relative"]
+    assert "forces are relative" in result["verdict"]
+    assert (tmp_path / "page" / "gain-of-each-taxel.png").stat().st_size > 10_000
+    made = sf.load_calibration(cal, PATCH)
+    np.testing.assert_allclose(made.readings(counts[100:]), held / made.gain, atol=5e-3)
+    table = tmp_path / "contacts.csv"
+    said = run("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal, "-o", table)
+    assert f"thickness {made.thickness * 1e3:.3f}" in said
+    assert len(table.read_text().splitlines()) > 60
+    save_calibration(
+        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2], 4)]), cal
+    )
+    words = ("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal)
+    assert "which holds a ForceCalibration" in refused(*words)
