@@ -172,3 +172,22 @@ def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path:
     table.write_text("\n".join([*lines[:-1], ",".join(["2.98", *["-3"] * 72])]) + "\n")
     said = run("reconstruct", table, "--skin", "hexagon72")
     assert "72 values are not between -1 and 100" in " ".join(said.split())
+
+
+def test_rest_is_what_taxels_read_in_the_stretch_that_is_named(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    away = np.linalg.norm(PATCH.plane - PATCH.plane[30], axis=1)
+    weight = 60.0 * np.exp(-np.square(away / 6e-3))  # lies there for 4 of 5 s
+    counts = 240.0 - np.where(np.arange(250)[:, None] < 200, weight, 0.0)
+    counts = np.rint(counts + 0.6 * rng.standard_normal(counts.shape))
+    skin, out = tmp_path / "weight.csv", tmp_path / "c.csv"
+    save_recording(Recording(np.arange(250) * 20_000_000, counts), skin)
+    words = ("reconstruct", skin, "--skin", "hexagon72", "-o", out, "--force")
+    run(*words, "--tare", "4.1,4.9")
+    found = {int(row["reading"]) for row in csv.DictReader(out.open())}
+    assert len(found & set(range(200))) > 190
+    assert len(found & set(range(201, 250))) <= 1
+    run(*words, "--tare", "0,3.9")  # who says so tares the weight away
+    assert len({int(row["reading"]) for row in csv.DictReader(out.open())} & set(range(200))) <= 2
+    assert "--tare is '4', expected two numbers" in refused(*words, "--tare", "4")
+    assert "tare is 7,8 s, expected a part of the recording" in refused(*words, "--tare", "7,8")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skinfield.cli import options, report
 from skinfield.cli.main import new_app
 from skinfield.cli.settings import Elastomer, ModelSettings
-from skinfield.errors import Floats, InputError, as_floats
+from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -506,10 +506,7 @@ def _part_of(stamps: NDArray[np.int64], seconds: str | None) -> NDArray[np.bool_
     """Readings from one time to another, after the first reading."""
     if seconds is None:
         return np.ones(len(stamps), dtype=np.bool_)
-    ends = seconds.split(",")
-    if len(ends) != 2:
-        raise InputError(f"--seconds is {seconds!r}, expected two numbers such as 0,6.5")
-    low, high = as_floats("--seconds", ends)
+    low, high = options.times_of("--seconds", seconds)
     time = (stamps - stamps[0]) * 1e-9
     part = (time >= low) & (time <= high)
     if not part.any():

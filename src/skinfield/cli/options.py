@@ -86,6 +86,9 @@ class CountSettings(Section):
         Time constant of an exponential filter, ms; 0: none.
     noise : float, optional
         Standard deviation of a reading, in the quantity's unit.
+    tare : str, optional
+        FROM,TO: when nothing touched, s after the first reading; taxels rest at what they read
+        then. Default the quietest stretch.
     """
 
     board: Literal["auto", "icub", "cyskin"] = "auto"
@@ -94,9 +97,12 @@ class CountSettings(Section):
     calibration: str | None = None
     smoothing_ms: Annotated[float, Range(0.0, 1e6, "ms; 0: none")] = 0.0
     noise: Annotated[float | None, Positive("no reading is exact")] = None
+    tare: str | None = None
 
     def check(self) -> None:
         """See `Section`."""
+        if self.tare is not None:
+            times_of("--tare", self.tare)
         if self.gain is not None and not 0 < abs(self.gain) < inf:
             raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
 
@@ -249,7 +255,19 @@ def conditioning_of(patch: "sf.Patch", counts: CountSettings) -> "Conditioning":
         calibration=None if path is None else calibration_in(path, patch),
         filter=Exponential(time_constant=seconds) if seconds else NoFilter(),
         noise_std=counts.noise,
+        tare=None if counts.tare is None else times_of("--tare", counts.tare),
     )
+
+
+def times_of(flag: str, text: str) -> tuple[float, float]:
+    """Two times, s, such as 0,6.5; InputError for what is none."""
+    try:
+        begin, end = map(float, text.split(","))
+    except ValueError:
+        begin, end = 0.0, -1.0
+    if not 0.0 <= begin < end < inf:
+        raise InputError(f"{flag} is {text!r}, expected two numbers such as 0,6.5, in s")
+    return begin, end
 
 
 def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":

@@ -37,6 +37,26 @@ def check_skin(patch: object, layer: object, mechanics: object, quantity: object
     check_offers("mechanics", mechanics, needs, "a model such as BondedLayer() or HalfSpace()")
     needs = ("matrix", "linearise", "typical_noise")
     check_offers("quantity", quantity, needs, "one of Capacitance(), BaseStress() and Gap()")
+    assert isinstance(layer, Layer)
+    check_units(layer)
+
+
+THINNEST, THICKEST = 2e-5, 0.2  # m
+SOFTEST, STIFFEST = 500.0, 5e8  # Pa: gels, plastics
+
+
+def check_units(layer: Layer) -> None:
+    """Raise InputError for a layer that no skin has, but one in other units than m and Pa has."""
+    if not THINNEST <= layer.thickness <= THICKEST:
+        raise InputError(
+            f"layer.thickness is {layer.thickness:.3g} m, expected {THINNEST:g} to {THICKEST:g} m: "
+            "2 mm is 2e-3"
+        )
+    if not SOFTEST <= layer.young_modulus <= STIFFEST:
+        raise InputError(
+            f"layer.young_modulus is {layer.young_modulus:.3g} Pa, expected {SOFTEST:g} to "
+            f"{STIFFEST:g} Pa: 150 kPa is 150e3"
+        )
 
 
 class Quantity(ABC):

@@ -44,6 +44,8 @@ class Conditioning:
         Over time, before the reconstruction.
     noise_std : float, in the quantity's unit, optional
         Default as measured in the recording's quietest stretch.
+    tare : pair of float, s, optional
+        From when to when after the first reading nothing touched: rest is what taxels read then.
     """
 
     board: Convention | None = None
@@ -51,6 +53,7 @@ class Conditioning:
     calibration: Calibration | None = None
     filter: Filter = field(default_factory=NoFilter)
     noise_std: float | None = None
+    tare: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if self.noise_std is not None:
@@ -287,9 +290,10 @@ def _of_counts(
                 f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
                 "scales with it; loads that are known give the true one",
             )
-        noise, baseline, said = _noise(blocks, board, rate, patch)
+        resting = blocks if how.tare is None else _stretch(blocks, *how.tare)
+        noise, baseline, said = _noise(resting, board, rate, patch)
         notes += said
-        if baseline is not None and _measures(board, baseline):
+        if baseline is not None and (how.tare is not None or _measures(board, baseline)):
             calibration = Calibration.from_baseline(
                 patch, baseline, gain=gain, alive=faults.usable, even_if_loaded=True
             )
@@ -300,8 +304,35 @@ def _of_counts(
             )
     else:
         calibration = calibration.without(~faults.usable)
+        if how.tare is not None:
+            _, found, said = _noise(_stretch(blocks, *how.tare), board, rate, patch)
+            notes += said
+            if found is not None:
+                rest = np.where(found.measured, found.baseline, calibration.baseline)
+                calibration = replace(calibration, baseline=rest)
     conditioner = Conditioner(quantity, layer, calibration, board)
     return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
+
+
+def _stretch(blocks: Blocks, begin: float, end: float) -> Blocks:
+    """The readings from one time to another, s after the first."""
+    origin = int(next(blocks()).stamp_ns[0])
+
+    def parts() -> Iterator[Recording]:
+        none = True
+        for block in blocks():
+            seconds = (block.stamp_ns - origin) * 1e-9
+            inside = (seconds >= begin) & (seconds <= end)
+            if inside.any():
+                none = False
+                yield replace(block, stamp_ns=block.stamp_ns[inside], counts=block.counts[inside])
+        if none:
+            raise InputError(
+                f"tare is {begin:g},{end:g} s, expected a part of the recording: no reading lies "
+                "between"
+            )
+
+    return parts
 
 
 def _measures(board: Convention, baseline: Baseline) -> bool:

@@ -377,7 +377,7 @@ def checked_readings(
         raise InputError(
             f"readings[{row}, {taxel}] is {table[row, taxel]}, expected between "
             f"{lowest:g} and {highest:g} ({len(impossible)} are not): no skin reads that; mark "
-            "such taxels with NaN, and check the gain"
+            "such taxels with NaN, and check the gain; counts need a calibration"
         )
     mask = ~np.isnan(table)
     if valid is not None:
