@@ -50,3 +50,16 @@ def test_taxels_far_noisier_than_all_others_are_found(rate: float) -> None:
         counts[:, broken] += np.rint(6000.0 * rng.standard_normal(len(counts)))
         found += sf.find_faults(counts, PATCH).verdict[broken] == Verdict.NOISY
     assert found >= 9
+
+
+def test_a_taxel_at_a_clipped_rest_is_dead_only_if_neighbours_are_pressed() -> None:
+    rng, middle = np.random.default_rng(3), int(np.argmin(np.abs(PATCH.plane).sum(axis=1)))
+    counts = np.rint(np.clip(40.0 * rng.standard_normal((60, len(PATCH))), 0.0, None))
+    counts[:, middle] = 0.0
+    assert sf.find_faults(counts, PATCH, CySkinCount()).usable.all()
+    assert sf.find_faults(counts, None, CySkinCount()).usable.all()
+    away = np.linalg.norm(PATCH.plane - PATCH.plane[middle], axis=1) / PATCH.pitch
+    counts[20:30] += np.rint(8000.0 * np.exp(-0.5 * np.square(away)))
+    counts[:, middle] = 0.0
+    verdict = sf.find_faults(counts, PATCH, CySkinCount()).verdict
+    assert np.flatnonzero(verdict == Verdict.DEAD).tolist() == [middle]

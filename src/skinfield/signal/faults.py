@@ -54,6 +54,8 @@ STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its o
 STUCK_LONGER = 3.0  # times its longest earlier run
 TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
 SATURATED_SHARE = 0.5  # of its readings
+CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
+PRESSED, AROUND = 30.0, 3  # times the usual deviation; neighbours, and readings, that tell the dead
 APART = 4.5  # deviations of the logarithm of taxels' noise, that none is from the others
 
 
@@ -132,13 +134,34 @@ def find_faults(
     verdict[_too_noisy(counts, patch, calibration) & varying] = Verdict.NOISY
     verdict[_stuck(changed, stepped, run, clamped[-1]) & varying] = Verdict.STUCK
     if decided:
-        verdict[~varying] = Verdict.DEAD
+        verdict[~varying & ~_rests(counts, patch, varying)] = Verdict.DEAD
     verdict[clamped.mean(axis=0) > SATURATED_SHARE] = Verdict.SATURATED
     verdict[absent] = Verdict.ABSENT
     since = np.where(verdict == Verdict.OK, -1, 0)
     since = np.where(verdict == Verdict.STUCK, len(counts) - run, since)
     sentences = _sentences(verdict, since, counts, clamped, decided)
     return Faults(verdict, since, decided, sentences)
+
+
+def _rests(counts: Floats, patch: Patch | None, varying: Bools) -> Bools:
+    """Taxels that do not vary as their board clips at rest (L,), where nothing pressed them.
+
+    Most of a clipped taxel's values are the lowest that there are. One that never leaves it is dead
+    only if it stays where several neighbours at once are pressed.
+    """
+    lowest = np.nanmin(counts)
+    at_rest = counts == lowest
+    if not varying.any() or np.mean(at_rest[:, varying]) < CLIPPED:
+        return np.zeros(len(varying), bool)
+    rests: Bools = np.all(at_rest | np.isnan(counts), axis=0)
+    if patch is None:
+        return rests
+    apart = counts - median(counts)
+    pressed = np.nan_to_num(apart) > PRESSED * usual_deviation(apart)
+    around = np.zeros(counts.shape, np.int64)
+    for one, other in (patch.neighbours.T, patch.neighbours.T[::-1]):
+        np.add.at(around.T, one, pressed.T[other])
+    return np.asarray(rests & ((around >= AROUND).sum(axis=0) < AROUND))
 
 
 def _enough(seen: Bools, varying: Bools, least: int) -> bool:
