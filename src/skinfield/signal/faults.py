@@ -55,6 +55,7 @@ STUCK_LONGER = 3.0  # times its longest earlier run
 TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
 SATURATED_SHARE = 0.5  # of its readings
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
+RARE, LONG = 0.05, 100  # part of the taxels, and readings, of which those that rest are dead
 PRESSED, AROUND = 30.0, 3  # times the usual deviation; neighbours, and readings, that tell the dead
 APART = 4.5  # deviations of the logarithm of taxels' noise, that none is from the others
 
@@ -147,13 +148,16 @@ def _rests(counts: Floats, patch: Patch | None, varying: Bools) -> Bools:
     """Taxels that do not vary as their board clips at rest (L,), where nothing pressed them.
 
     Most of a clipped taxel's values are the lowest that there are. One that never leaves it is dead
-    only if it stays where several neighbours at once are pressed.
+    only if it stays where several neighbours at once are pressed, or if hardly any other does so in
+    a long recording.
     """
     lowest = np.nanmin(counts)
     at_rest = counts == lowest
     if not varying.any() or np.mean(at_rest[:, varying]) < CLIPPED:
         return np.zeros(len(varying), bool)
     rests: Bools = np.all(at_rest | np.isnan(counts), axis=0)
+    if rests.mean() < RARE and len(counts) >= LONG:
+        return np.zeros(len(varying), bool)
     if patch is None:
         return rests
     apart = counts - median(counts)
