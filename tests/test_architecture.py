@@ -18,6 +18,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"loop"},
     {"wire"},
     {"files"},
+    {"calibrate"},
     {"reconstruct"},
     {"design", "testing"},
     {"solve"},

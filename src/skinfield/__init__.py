@@ -4,6 +4,7 @@ import importlib as _importlib
 import typing as _typing
 
 if _typing.TYPE_CHECKING:
+    from skinfield import calibrate as calibrate
     from skinfield import simulate as simulate
     from skinfield.elastic import BaseStress as BaseStress
     from skinfield.elastic import BondedLayer as BondedLayer
@@ -43,6 +44,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "BaseStress": "skinfield.elastic:BaseStress",
     "BondedLayer": "skinfield.elastic:BondedLayer",
     "Capacitance": "skinfield.elastic:Capacitance",
+    "calibrate": "skinfield.calibrate",
     "connect": "skinfield.loop:connect",
     "Contact": "skinfield.estimate:Contact",
     "ContactFinder": "skinfield.estimate:ContactFinder",

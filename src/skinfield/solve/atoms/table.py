@@ -19,7 +19,7 @@ import hashlib
 import math
 import os
 import tempfile
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -295,7 +295,7 @@ def atom_tables(physics: Physics) -> Tables:
     """Tabulate, once for all taxels of a patch; of this package's physics, once per machine."""
     parts = physics.layer, physics.mechanics, physics.quantity
     if any(not type(part).__module__.startswith("skinfield.") for part in parts):
-        return _tabulate(physics)
+        return tabulate(physics)
     folder = cache_folder(Path(__file__))  # named after the sources that all of this is made from
     file = folder / f"{hashlib.sha256(repr(physics).encode()).hexdigest()[:16]}.npz"
     try:
@@ -303,7 +303,7 @@ def atom_tables(physics: Physics) -> Tables:
             arrays = [known[name] for name in Tables._fields]
         return Tables(*arrays[:3], *(float(each) for each in arrays[3:]))
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-        made = _tabulate(physics)
+        made = tabulate(physics)
     with suppress(OSError):
         with tempfile.TemporaryDirectory(dir=folder) as room:
             np.savez(f"{room}/{file.name}", **made._asdict())
@@ -313,15 +313,19 @@ def atom_tables(physics: Physics) -> Tables:
     return made
 
 
-def _tabulate(physics: Physics) -> Tables:
-    """Readings of all families by radius and distance."""
+def tabulate(
+    physics: Physics,
+    families: Sequence[int] = FAMILIES,
+    bounds: tuple[float, float] = (SMALLEST, LARGEST),
+) -> Tables:
+    """Readings of families by radius, within bounds in thicknesses, and by distance."""
     h = physics.layer.thickness
-    logs = log_radii(SMALLEST, LARGEST, LOG_STEP)
+    logs = log_radii(*bounds, LOG_STEP)
     furthest = np.exp(logs[-1]) + physics.pad_diameter / 2 / h + SIGHT
     distances = np.arange(0.0, furthest, DISTANCE_STEP)
     nonlinear = isinstance(physics.quantity, Capacitance) and physics.quantity.order != 1
     make = _nonlinear if nonlinear else _linear
-    values, strain = make(physics, np.exp(logs) * h, distances * h)
+    values, strain = make(physics, families, np.exp(logs) * h, distances * h)
     curvature = [np.log(curvature_force(physics.layer, a)) for a in np.exp(logs) * h]
     return Tables(
         coefficients=splines(values, (1, 3)),
@@ -344,7 +348,9 @@ def splines(values: Floats, axes: tuple[int, ...]) -> Floats:
     return np.ascontiguousarray(values)
 
 
-def _linear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats, Floats]:
+def _linear(
+    physics: Physics, families: Sequence[int], radii: Floats, distances: Floats
+) -> tuple[Floats, Floats]:
     """Readings per newton (families, radii, 1, distances), by rings of point loads."""
     from scipy.interpolate import CubicSpline
 
@@ -352,12 +358,12 @@ def _linear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats,
     mesh = np.arange(0.0, distances[-1] + radii[-1] + h, CELL * h)
     spline = CubicSpline(mesh, _point_response(physics, mesh), bc_type="clamped")
     point = PointResponse(mesh, np.ascontiguousarray(spline.c.T), CELL * h, CELL * h, 0)
-    out = np.empty((len(FAMILIES), len(radii), 1, len(distances)))
-    for family in FAMILIES:
+    out = np.empty((len(families), len(radii), 1, len(distances)))
+    for row, family in enumerate(families):
         for index, radius in enumerate(radii):
             rings, forces = load_quadrature(physics.layer, physics.mechanics, family, radius)
             counts = 8 + np.ceil(np.pi * rings / (SHARE * h)).astype(np.int64)
-            out[family, index, 0] = ring_sums(distances, rings, forces, counts, point)
+            out[row, index, 0] = ring_sums(distances, rings, forces, counts, point)
     return out, np.empty((0, 0))
 
 
@@ -373,7 +379,9 @@ def _point_response(physics: Physics, distances: Floats) -> Floats:
     return np.asarray(matrix[:, 0] / cell**2)
 
 
-def _nonlinear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats, Floats]:
+def _nonlinear(
+    physics: Physics, families: Sequence[int], radii: Floats, distances: Floats
+) -> tuple[Floats, Floats]:
     """Polynomials in the strain at the axis (families, radii, terms, distances), strain per N."""
     from skinfield.elastic.round_gap import RoundGap
 
@@ -382,18 +390,18 @@ def _nonlinear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floa
     depths = np.array(STRAINS)
     powers = np.vander(depths, DEGREE + 1, increasing=True)
     fit = np.linalg.pinv(powers)
-    out = np.empty((len(FAMILIES), len(radii), DEGREE + 1, len(distances)))
-    strain = np.empty((len(FAMILIES), len(radii)))
+    out = np.empty((len(families), len(radii), DEGREE + 1, len(distances)))
+    strain = np.empty((len(families), len(radii)))
     smooth = RoundGap.of(pad / h, distances / h)
-    for family in FAMILIES:
+    for row, family in enumerate(families):
         for index, radius in enumerate(radii):
             gap = smooth
             if family != BALL or radius < SHARP * h:  # the surface is steep, or bent, at edges
                 edges = np.array(_rim(layer, radius) if family == RING else (radius,))
                 gap = RoundGap.of(pad / h, distances / h, edges / h)
             each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
-            strain[family, index] = top = each.max()
+            strain[row, index] = top = each.max()
             readings = gap.readings(depths[:, None] * (each / top))
             reduced = readings * ((1 - depths) / depths)[:, None]
-            out[family, index] = fit @ reduced
+            out[row, index] = fit @ reduced
     return out, strain
