@@ -80,7 +80,7 @@ def test_tables_are_kept_on_disk(operator, tmp_path, monkeypatch):
     made, read = [], table.atom_tables.__wrapped__
     monkeypatch.setattr(table, "cache_folder", lambda file: tmp_path)
     monkeypatch.setattr(
-        table, "_tabulate", lambda physics: made.append(1) or operator.fitter.fit_model.tables
+        table, "tabulate", lambda physics: made.append(1) or operator.fitter.fit_model.tables
     )
     physics = operator.model.physics
     first, second = read(physics), read(physics)

@@ -141,7 +141,9 @@ def alone(
         diagonal = np.einsum("tii->ti", hessian)
         diagonal *= 1.0 + damping[:, None]
         step = np.linalg.solve(hessian, downhill[..., None])[..., 0]
-        tried = _bounded(touches + np.clip(step, [-4e-3, -4e-3, -1, -0.5], [4e-3, 4e-3, 1, 0.5]), skin)
+        tried = _bounded(
+            touches + np.clip(step, [-4e-3, -4e-3, -1, -0.5], [4e-3, 4e-3, 1, 0.5]), skin
+        )
         new, new_rest, new_slopes = cost_of(tried)
         better = new < costs
         gain = np.where(better, costs - new, 0.0).max()
