@@ -340,7 +340,7 @@ def real_foot(recording: str, force: str, layout: str) -> None:
     load: dict[int, float] = {}
     for row in rows:
         stamp = int(row["stamp_ns"])
-        load[stamp] = load.get(stamp, 0.0) + float(row["normal_force_N"] or 0.0)
+        load[stamp] = load.get(stamp, 0.0) + float(row["force_N"] or 0.0)
     table.unlink()
     result.unlink()
     stamps, skin = np.array(list(load)), np.array(list(load.values()))

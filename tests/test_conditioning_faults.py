@@ -22,7 +22,7 @@ def healthy(readings=500, taxels=60, seed=0):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_healthy_skin_has_no_fault(seed):
-    faults = find_faults(healthy(seed=seed), ICubByte())
+    faults = find_faults(healthy(seed=seed), convention=ICubByte())
     assert (faults.verdict == Verdict.OK).all()
     assert faults.usable.all()
     assert faults.sentences == ()
@@ -36,7 +36,7 @@ def test_each_fault_is_found_by_its_name():
     counts[:, 30] = 0
     counts[:, 40] += 30 * np.random.default_rng(1).standard_normal(500)
     counts = np.clip(np.rint(counts), 0, 255)
-    faults = find_faults(counts, ICubByte())
+    faults = find_faults(counts, convention=ICubByte())
     wanted = np.zeros(60, int)
     wanted[3], wanted[7:10], wanted[20] = Verdict.ABSENT, Verdict.DEAD, Verdict.STUCK
     wanted[30], wanted[40] = Verdict.SATURATED, Verdict.NOISY
@@ -50,7 +50,7 @@ def test_each_fault_is_found_by_its_name():
 def test_a_high_load_is_not_a_fault():
     counts = healthy()
     counts[200:300, 5] = 0
-    faults = find_faults(counts, ICubByte())
+    faults = find_faults(counts, convention=ICubByte())
     assert faults.verdict[5] == Verdict.OK
     assert any("invalid only there: 5" in s for s in faults.sentences)
     valid = valid_from_counts(counts, ICubByte())
@@ -61,20 +61,20 @@ def test_a_high_load_is_not_a_fault():
 def test_a_load_held_at_the_clamp_to_the_end_is_not_stuck():
     counts = healthy()
     counts[350:, 5] = 0
-    assert find_faults(counts, ICubByte()).verdict[5] == Verdict.OK
+    assert find_faults(counts, convention=ICubByte()).verdict[5] == Verdict.OK
 
 
 def test_a_slow_port_is_not_stuck():
     held = np.repeat(healthy(200), 5, axis=0)
-    assert (find_faults(held, ICubByte()).verdict == Verdict.OK).all()
+    assert (find_faults(held, convention=ICubByte()).verdict == Verdict.OK).all()
 
 
 def test_a_frozen_port_is_undecided_and_says_so():
-    faults = find_faults(np.full((300, 20), 240.0), ICubByte())
+    faults = find_faults(np.full((300, 20), 240.0), convention=ICubByte())
     assert not faults.decided
     assert (faults.verdict == Verdict.OK).all()
     assert any("frozen port" in s for s in faults.sentences)
-    assert not find_faults(healthy(5), ICubByte()).decided
+    assert not find_faults(healthy(5), convention=ICubByte()).decided
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.15, 0.3, 0.5])
@@ -85,7 +85,7 @@ def test_a_quiet_taxel_that_rounding_keeps_still_is_neither_dead_nor_stuck(noise
         counts = np.rint(level + own * rng.standard_normal((1000, 72)))
         counts[:20, 8] = np.rint(209.3 + 0.4 * rng.standard_normal(20))  # touched, then at rest
         for start in range(0, 1000, 100):
-            faults = find_faults(counts[start : start + 100], ICubByte())
+            faults = find_faults(counts[start : start + 100], convention=ICubByte())
             assert (faults.verdict == Verdict.OK).all(), (start, faults.sentences)
 
 
@@ -94,7 +94,7 @@ def test_a_dead_taxel_is_found_as_soon_as_noise_outweighs_the_rounding():
     own = 0.93 * np.exp(0.5 * rng.standard_normal(72))
     counts = np.rint(240.0 + own * rng.standard_normal((100, 72)))
     counts[:, 5] = 240.0
-    faults = find_faults(counts, ICubByte())
+    faults = find_faults(counts, convention=ICubByte())
     assert faults.decided
     assert np.flatnonzero(faults.verdict == Verdict.DEAD).tolist() == [5]
 
@@ -105,10 +105,10 @@ def test_noise_is_measured_against_the_calibration_where_there_is_one():
     calm = np.full(60, 3.0)
     calm[11] = 0.4
     calibration = Calibration.from_convention(patch, ICubByte(), gain=-171, noise_std=calm)
-    faults = find_faults(counts, ICubByte(), calibration=calibration)
+    faults = find_faults(counts, convention=ICubByte(), calibration=calibration)
     assert np.flatnonzero(faults.verdict).tolist() == [11]
     with pytest.raises(InputError, match="59 columns, expected 60"):
-        find_faults(counts[:, 1:], ICubByte(), calibration=calibration)
+        find_faults(counts[:, 1:], convention=ICubByte(), calibration=calibration)
 
 
 def test_validity_of_one_reading():

@@ -50,9 +50,9 @@ def test_the_foot_stands_on_the_ground_and_the_result_says_so(healthy_foot):
 
 
 def test_the_dead_board_is_found_and_nothing_else(healthy_foot, foot_with_a_dead_board):
-    assert (find_faults(healthy_foot[1], ICubByte()).verdict == Verdict.OK).all()
+    assert (find_faults(healthy_foot[1], convention=ICubByte()).verdict == Verdict.OK).all()
     patch, counts = foot_with_a_dead_board
-    dead = np.flatnonzero(find_faults(counts, ICubByte()).verdict == Verdict.DEAD)
+    dead = np.flatnonzero(find_faults(counts, convention=ICubByte()).verdict == Verdict.DEAD)
     assert len(dead) == 40
     assert patch.channel[dead].min() == 96
     assert patch.channel[dead].max() == 143
@@ -60,7 +60,7 @@ def test_the_dead_board_is_found_and_nothing_else(healthy_foot, foot_with_a_dead
 
 def test_the_convention_gives_a_baseline_where_no_stretch_does(foot_with_a_dead_board):
     patch, counts = foot_with_a_dead_board
-    faults = find_faults(counts, ICubByte())
+    faults = find_faults(counts, convention=ICubByte())
     noise = estimate_baseline(counts, RATE, convention=ICubByte()).noise_std
     calibration = Calibration.from_convention(
         patch, ICubByte(), gain=-171.0, noise_std=noise, alive=faults.usable

@@ -143,7 +143,7 @@ FOUND = {
 @pytest.mark.parametrize("make", [icub_electronics, cyskin_electronics])
 def test_planted_defects_are_found_and_nothing_else(make):
     array, _, read = recorded(make(), 30.0, defects=PLANTED)
-    faults = find_faults(read.counts, array.electronics.board.convention)
+    faults = find_faults(read.counts, None, array.electronics.board.convention)
     expected = [FOUND[Defect(kind)] for kind in array.defect]
     assert faults.verdict.tolist() == expected, faults.sentences
     stop = array.stops_after[20] * 20.0

@@ -106,9 +106,9 @@ def test_faults_of_stretches_are_those_of_the_whole() -> None:
     counts[:, 17] += np.random.default_rng(1).normal(scale=30, size=8000).round()  # noisy
     counts[2000:4000, 19] = 240.0  # still for one stretch, then alive
     counts[:, 23] = np.where(np.arange(8000) % 10 < 8, 255, 250)  # mostly at a clamp
-    whole = find_faults(counts, ICubByte())
+    whole = find_faults(counts, convention=ICubByte())
     parts = np.split(counts, 4)
-    found = merged_faults([find_faults(part, ICubByte()) for part in parts], [2000] * 4)
+    found = merged_faults([find_faults(part, convention=ICubByte()) for part in parts], [2000] * 4)
     np.testing.assert_array_equal(found.verdict, whole.verdict)
     kinds = ("ABSENT", "DEAD", "STUCK", "STUCK", "NOISY", "OK", "SATURATED")
     taxels = found.verdict[[3, 7, 11, 13, 17, 19, 23]]

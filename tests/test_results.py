@@ -78,7 +78,7 @@ def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path
         100 + k for k, each in enumerate(contacts) for _ in range(max(len(each), 1))
     ]
     for k in (0, 30):
-        load = sum(row["normal_force_N"] or 0 for row in table if row["reading"] == 100 + k)
+        load = sum(row["force_N"] or 0 for row in table if row["reading"] == 100 + k)
         assert load == pytest.approx(sum(c.normal_force for c in contacts[k]), rel=1e-6)
 
 

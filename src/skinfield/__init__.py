@@ -6,6 +6,7 @@ import typing as _typing
 if _typing.TYPE_CHECKING:
     from skinfield import calibrate as calibrate
     from skinfield import simulate as simulate
+    from skinfield.calibrate import load_calibration as load_calibration
     from skinfield.elastic import BaseStress as BaseStress
     from skinfield.elastic import BondedLayer as BondedLayer
     from skinfield.elastic import Capacitance as Capacitance
@@ -24,6 +25,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.loop import connect as connect
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.engine import Engine as Engine
+    from skinfield.signal import find_faults as find_faults
     from skinfield.skin import Grid as Grid
     from skinfield.skin import Patch as Patch
     from skinfield.skin import Skin as Skin
@@ -53,6 +55,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Detector": "skinfield.solve.detection:Detector",
     "Engine": "skinfield.reconstruct.engine:Engine",
     "Estimate": "skinfield.estimate:Estimate",
+    "find_faults": "skinfield.signal:find_faults",
     "Gap": "skinfield.elastic:Gap",
     "GaussianField": "skinfield.solve:GaussianField",
     "Grid": "skinfield.skin:Grid",
@@ -60,6 +63,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Inverse": "skinfield.solve:Inverse",
     "Layer": "skinfield.elastic:Layer",
     "layouts": "skinfield.skin.generators",
+    "load_calibration": "skinfield.calibrate:load_calibration",
     "load_layout": "skinfield.files.layouts.load:load_layout",
     "NonNegative": "skinfield.solve:NonNegative",
     "load_contacts": "skinfield.files:load_contacts",

@@ -1,6 +1,7 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
-from typing import TYPE_CHECKING, Annotated
+import warnings
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
@@ -12,16 +13,19 @@ from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, as_floats
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from skinfield.calibrate import ForceCalibration, PressureCalibration
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 calibrate = new_app(
     "calibrate",
-    """Calibrate a skin against loads that are known.
+    """Calibrate a skin against loads that are known, and try the calibration on another recording.
 
-The gain from counts to capacitance and the elastomer's modulus are rarely known, and every force
-is proportional to them. A force sensor recorded beside the skin gives their product.
-
+  skinfield calibrate force palm.csv scale.csv --skin palm.toml -o cal.toml --report palm
+  skinfield calibrate pressure bag.csv gauge.csv --unit kPa -o cal.toml
+  skinfield calibrate check cal.toml other.csv other_scale.csv --skin palm.toml
   skinfield calibrate scale skin/right_foot right_foot/analog:o --skin right_foot.txt""",
 )
 
@@ -111,6 +115,291 @@ def scale(
         )
         save(figure, plot)
     report.finish(as_json, result, (output, plot), lines)
+
+
+@calibrate.command(name="force")
+def by_force(
+    recording: str,
+    labels_file: Annotated[str, Parameter(name="LABELS")],
+    /,
+    *,
+    layout: options.LayoutText,
+    patch: options.PatchName = None,
+    time: str | None = None,
+    columns: str | None = None,
+    labels: str | None = None,
+    unit: str = "N",
+    output: Annotated[str | None, options.OUTPUT] = None,
+    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+) -> None:
+    """Calibrate the total force on a patch by a force sensor, or a robot's probe.
+
+    RECORDING is the skin's. LABELS is a log of fx fy fz, or a table of numbers: by time, if both
+    have times (a delay is found), else row by row. Of three axes the strongest is taken, into the
+    skin. A dead sensor is refused.
+
+      skinfield calibrate force skin/r_foot r_foot/analog:o --skin r_foot.txt -o cal.toml
+      skinfield calibrate force palm.csv scale.csv --labels force_N --skin palm.toml -o cal.toml
+
+    Parameters
+    ----------
+    recording : str
+        Of the skin.
+    labels_file : str
+        Forces: a log, a CSV, FILE.mat:NAME, FILE.npz:NAME.
+    time : str, optional
+        Column of the times of RECORDING, where it is a plain table.
+    columns : str, optional
+        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
+    labels : str, optional
+        Columns of the forces, one or three. Default all but the times.
+    unit : str
+        Of the labels: N or kN.
+    output : str, optional
+        Calibration file (.toml, .npz).
+    report_folder : str, optional
+        DIR for a page with figures and a verdict.
+    """
+    from skinfield.calibrate import force as fit
+    from skinfield.calibrate.plot import draw_gains
+    from skinfield.cli.calibration_inputs import label_series, skin_series, together
+
+    _check_files(output, report_folder, force)
+    its = options.patch_of(options.skin_from_text(layout), patch)
+    skin = skin_series(recording, its, time, columns)
+    counts, forces, notes = together(skin, label_series(labels_file, labels, unit))
+    made = fit(its, counts, forces if forces.shape[1] == 3 else forces[:, 0])
+    facts = {
+        "recording": recording, "labels": labels_file, "readings": str(len(counts)),
+        "mean force": f"{made.mean_force:.4g} N", "error": f"{made.residual_std:.3g} N rms",
+    }  # fmt: skip
+    result = {"rmse_N": made.residual_std, "constant_rmse_N": made.constant_rmse} | {
+        "sum_rmse_N": made.sum_rmse, "ridge_rmse_N": made.ridge_rmse, "verdict": made.verdict
+    }  # fmt: skip
+    figures = {}
+    if report_folder:
+        wanted = forces[:, int(np.argmax(np.square(forces).mean(axis=0)))]
+        wanted = -wanted if wanted.mean() < 0.0 else wanted
+        figures = {
+            "Force over the readings": _timeline(made.force(counts), wanted, its.name),
+            "Gain of each taxel": draw_gains(its, made.gain * 1e3, "gain (mN per count)"),
+        }
+    report.say_notes(notes)
+    shown = "Calibration by force", facts, figures, notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+@calibrate.command(name="pressure")
+def by_pressure(
+    recording: str,
+    labels_file: Annotated[str, Parameter(name="PRESSURE")],
+    /,
+    *,
+    time: str | None = None,
+    columns: str | None = None,
+    labels: str | None = None,
+    unit: str = "Pa",
+    output: Annotated[str | None, options.OUTPUT] = None,
+    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+) -> None:
+    """Calibrate the taxels of a foam by a known uniform pressure, as of a vacuum bag.
+
+    Places of taxels are not needed. A solid silicone, which no uniform pressure thins, is refused.
+
+      skinfield calibrate pressure bag.csv gauge.csv --labels p_kPa --unit kPa -o cal.toml
+      skinfield calibrate pressure a.mat:trial.C a.mat:trial.P --columns 3- --unit bar -o cal.toml
+
+    Parameters
+    ----------
+    recording : str
+        Of the skin, readings evenly spaced in time.
+    labels_file : str
+        The pressure: a CSV, FILE.mat:NAME, FILE.npz:NAME.
+    time : str, optional
+        Column of the times of RECORDING, where it is a plain table.
+    columns : str, optional
+        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
+    labels : str, optional
+        Column of the pressure. Default the only one beside the times.
+    unit : str
+        Of the pressure: Pa, kPa, bar, mbar, psi.
+    output : str, optional
+        Calibration file (.toml, .npz).
+    report_folder : str, optional
+        DIR for a page with figures and a verdict.
+    """
+    from skinfield.calibrate import pressure as fit
+    from skinfield.calibrate.plot import draw_errors
+    from skinfield.cli.calibration_inputs import label_series, skin_series, together
+
+    _check_files(output, report_folder, force)
+    skin = skin_series(recording, None, time, columns)
+    counts, reference, notes = together(skin, label_series(labels_file, labels, unit))
+    made = fit(counts, reference[:, 0])
+    broken = {f"taxel {k}": why for k, why in enumerate(made.reasons) if why}
+    facts = {
+        "recording": recording, "pressure": labels_file, "readings": str(len(counts)),
+        "time constants": ", ".join(f"{each:g}" for each in made.time_constants) + " readings",
+        "taxels": f"{int(made.usable.sum())} of {len(made)} answer",
+    }  # fmt: skip
+    result = {
+        "rmse_Pa": float(np.median(made.rmse[made.usable])), "usable": int(made.usable.sum()),
+        "line_rmse_Pa": float(np.median(made.line_rmse[made.usable])), "verdict": made.verdict,
+    }  # fmt: skip
+    figures = {"Error of each taxel": draw_errors(made)} if report_folder else {}
+    report.say_notes(notes)
+    notes = (*notes, *(f"{name}: {why}" for name, why in broken.items()))  # on the page
+    shown = "Calibration by pressure", facts, figures, notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+@calibrate.command
+def check(
+    calibration: Annotated[str, Parameter(name="CAL")],
+    recording: str,
+    labels_file: Annotated[str | None, Parameter(name="LABELS")] = None,
+    /,
+    *,
+    layout: Annotated[str | None, options.LayoutText] = None,
+    patch: options.PatchName = None,
+    time: str | None = None,
+    columns: str | None = None,
+    labels: str | None = None,
+    unit: str | None = None,
+    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+) -> None:
+    """Try a calibration on another recording.
+
+    It says what the calibration answers there, and with labels how far that is off, beside a
+    constant.
+
+      skinfield calibrate check cal.toml other.csv other_force.csv --skin palm.toml
+
+    Parameters
+    ----------
+    calibration : str
+        File of `skinfield calibrate force` or `pressure`.
+    recording : str
+        Of the skin.
+    labels_file : str, optional
+        Forces or pressures of that recording.
+    layout : str, optional
+        Layout file, or a generator by name, where columns are found by it.
+    time : str, optional
+        Column of the times of RECORDING, where it is a plain table.
+    columns : str, optional
+        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
+    labels : str, optional
+        Columns of the labels. Default all but the times.
+    unit : str, optional
+        Of the labels. Default N or Pa.
+    report_folder : str, optional
+        DIR for a page with a figure and a verdict.
+    """
+    from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
+    from skinfield.cli.calibration_inputs import label_series, skin_series, together
+
+    _check_files(None, report_folder, force)
+    made = load_calibration(calibration)
+    if not isinstance(made, ForceCalibration | PressureCalibration):
+        raise InputError(
+            f"{calibration} is of {type(made).__name__}, expected one by force or pressure: one of "
+            "counts is tried by `skinfield reconstruct --calibration`"
+        )
+    by_force = isinstance(made, ForceCalibration)
+    its = options.patch_of(options.skin_from_text(layout), patch) if layout else None
+    if its is not None and len(its) != len(made):
+        raise InputError(f"{calibration} has {len(made)} taxels, expected {len(its)} of {layout}")
+    skin = skin_series(recording, its, time, columns)
+    if skin.values.shape[1] != len(made):
+        raise InputError(
+            f"{recording} has {skin.values.shape[1]} columns, expected {len(made)} as {calibration}"
+            ": give its layout (--skin), or the columns (--columns)"
+        )
+    name, notes = "N" if by_force else "Pa", skin.notes
+    if labels_file is None:
+        low, middle, high = np.nanpercentile(_answer(made, skin.values), [1.0, 50.0, 99.0])
+        result: dict[str, Any] = {f"low_{name}": low, f"high_{name}": high}
+        verdict = f"answers {low:.4g} to {high:.4g} {name} (1 to 99 %), median {middle:.4g}"
+        figures = {}
+    else:
+        label = label_series(labels_file, labels, unit or name)
+        counts, wanted, notes = together(skin, label)
+        answer = _answer(made, counts)
+        strongest = wanted[:, int(np.argmax(np.square(wanted).mean(axis=0)))]
+        strongest = -strongest if by_force and strongest.mean() < 0.0 else strongest
+        off = answer - (strongest if by_force else strongest[:, None])
+        with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
+            rmse = float(np.nanmedian(np.sqrt(np.nanmean(np.square(off), axis=0))))
+            shown = answer if by_force else np.nanmedian(answer, axis=1)
+        known = made.mean_force if isinstance(made, ForceCalibration) else strongest.mean()
+        constant = float(np.sqrt(np.mean(np.square(strongest - known))))
+        result = {f"rmse_{name}": rmse, f"constant_rmse_{name}": constant}
+        better = "" if rmse < constant else "; a constant is better"
+        verdict = f"{rmse:.4g} {name} off (rms), a constant {constant:.4g}{better}"
+        figures = {"Over the readings": _timeline(shown, strongest, recording, name)}
+    result["verdict"] = verdict
+    page = None
+    if report_folder:
+        from skinfield.cli.calibration_report import write_report
+
+        facts = {"calibration": calibration, "made": made.verdict, "recording": recording}
+        page = write_report(report_folder, "Calibration, tried", verdict, facts, figures, notes)
+    report.say_notes(notes)
+    report.finish(as_json, result, (page,), [verdict])
+
+
+def _answer(made: "ForceCalibration | PressureCalibration", counts: Floats) -> Floats:
+    """Force (T,), N, or pressure (T, L), Pa."""
+    from skinfield.calibrate import ForceCalibration
+
+    return made.force(counts) if isinstance(made, ForceCalibration) else made.pressure(counts)
+
+
+def _check_files(output: str | None, report_folder: str | None, force: bool) -> None:
+    from skinfield.cli.calibration_report import check_folder
+
+    report.check_output("--output", output, force, ".toml", ".npz")
+    check_folder(report_folder, force)
+
+
+def _timeline(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "Figure":
+    """Answers and labels (T,) over the readings, and their difference."""
+    from skinfield.signal.plot import draw_timeline
+
+    figure = draw_timeline(
+        np.arange(len(answer)), answer, wanted, label="skin", reference_label="label", title=title
+    )
+    figure.axes[0].set_ylabel("force (N)" if unit == "N" else f"pressure ({unit})")
+    figure.axes[1].set_ylabel(f"difference ({unit})")
+    figure.axes[1].set_xlabel("reading")
+    return figure
+
+
+def _finish(
+    made: "ForceCalibration | PressureCalibration",
+    result: dict[str, Any],
+    shown: "tuple[str, dict[str, str], dict[str, Figure], tuple[str, ...]]",
+    output: str | None,
+    report_folder: str | None,
+    as_json: bool,
+) -> None:
+    """Write what is wanted, and say how good it is."""
+    from skinfield.calibrate import save_calibration
+    from skinfield.cli.calibration_report import write_report
+
+    page, (title, facts, figures, notes) = None, shown
+    if output:
+        save_calibration(made, output)
+    if report_folder:
+        page = write_report(report_folder, title, made.verdict, facts, figures, notes)
+    report.finish(as_json, result, (output, page), [made.verdict])
 
 
 def _loads_of(

@@ -1,4 +1,4 @@
-"""The table of contacts: one row per contact, in SI units; a reading without one has a row too."""
+"""The table of contacts: one row per contact, in SI units; a reading without one has none."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,13 +13,12 @@ WORDS = ("solver", "shape")
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
 READING = ("reading", "stamp_ns", "time_s", "total_force_N", "solver", "valid_taxels")
 CONTACT = (
-    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
+    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "force_N", "force_std_N"),
     *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
     *("shape", "radius_m"),
 )
 COLUMNS = (*READING, "contact", *CONTACT)
 KINDS = [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in COLUMNS]
-NONE = -1  # `contact` of a reading without contact
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
@@ -38,8 +37,6 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
     every = zip(forces.tolist(), stamps, names, each, strict=True)
     for k, (force, stamp, name, contacts) in enumerate(every):
         reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])
-        if not contacts:
-            yield (*reading, NONE, *(None,) * len(CONTACT))
         for number, contact in enumerate(contacts):
             yield (*reading, number, *map(_or_none, _values(contact)))
 

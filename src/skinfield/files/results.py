@@ -426,8 +426,8 @@ def load_contacts(path: str | Path, readings: slice = slice(None)) -> "pyarrow.T
     Returns
     -------
     pyarrow.Table
-        One row per contact and reading, and one with `contact` -1 for a reading without contact;
-        units stand in the names of the columns. ``to_pandas()`` makes a data frame of it.
+        One row per contact and reading; a reading without a contact has none. Units stand in the
+        names of the columns. ``to_pandas()`` makes a data frame of it.
 
     Raises
     ------

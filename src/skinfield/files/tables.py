@@ -172,10 +172,8 @@ class ContactWriter(TableFile):
     Parameters
     ----------
     path : str or Path
-        Ends in `.csv` or `.parquet`. One row per contact and reading, and one row with `contact`
-        -1 and nothing in the contact's own columns for a reading without contact, so that every
-        reading is there: `table[table.contact >= 0]` are the contacts,
-        `table.drop_duplicates("reading")` the readings. Units stand in the names of the columns.
+        Ends in `.csv` or `.parquet`. One row per contact and reading; a reading without a contact
+        has none. Units stand in the names of the columns.
 
     Raises
     ------

@@ -185,7 +185,10 @@ def survey(
     readings = sum(map(len, blocks()))
     if first.unit != "count":
         _check_unit(first, quantity)
-        conditioner, (noise, _, notes) = Conditioner(quantity, layer), _noise(blocks, None, rate)
+        conditioner, (noise, _, notes) = (
+            Conditioner(quantity, layer),
+            _noise(blocks, None, rate, patch),
+        )
         if how.board is not None or how.gain is not None or how.calibration is not None:
             notes += (f"in {first.unit} already: board, gain and calibration are not used",)
     else:
@@ -273,7 +276,7 @@ def _of_counts(
     blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning, rate: float
 ) -> tuple[Conditioner, Floats, tuple[str, ...]]:
     board, notes = (how.board, ()) if how.board is not None else _board_of(blocks)
-    faults = _faults(blocks, board, how.calibration)
+    faults = _faults(blocks, patch, board, how.calibration)
     notes += faults.sentences
     calibration = how.calibration
     if calibration is None:
@@ -284,7 +287,7 @@ def _of_counts(
                 f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
                 "scales with it; loads that are known give the true one",
             )
-        noise, baseline, said = _noise(blocks, board, rate)
+        noise, baseline, said = _noise(blocks, board, rate, patch)
         notes += said
         if baseline is not None and _measures(board, baseline):
             calibration = Calibration.from_baseline(
@@ -305,10 +308,12 @@ def _measures(board: Convention, baseline: Baseline) -> bool:
     """Whether a baseline is better than the rest by convention, if there is one."""
     if not np.isfinite(board.rest):
         return True
-    return baseline.quiet and not isinstance(board, CySkinCount)
+    return baseline.quiet or isinstance(board, CySkinCount)
 
 
-def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) -> Faults:
+def _faults(
+    blocks: Blocks, patch: Patch, board: Convention, calibration: Calibration | None
+) -> Faults:
     """Of every block with a number in it, put together."""
     found: list[Faults] = []
     lengths: list[int] = []
@@ -317,15 +322,15 @@ def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) 
             continue
         if np.isnan(block.counts).all() and (found or len(block) < FEWEST):
             continue
-        found.append(find_faults(block.counts, board, calibration=calibration))
+        found.append(find_faults(block.counts, patch, board, calibration=calibration))
         lengths.append(len(block))
     if not found:  # whatever there is, or a word on what there is not
-        return find_faults(next(blocks()).counts, board, calibration=calibration)
+        return find_faults(next(blocks()).counts, patch, board, calibration=calibration)
     return merged_faults(found, lengths)
 
 
 def _noise(
-    blocks: Blocks, board: Convention | None, rate: float
+    blocks: Blocks, board: Convention | None, rate: float, patch: Patch
 ) -> tuple[Floats, Baseline | None, tuple[str, ...]]:
     """Noise of one reading (L,), NaN where it cannot be told; the baseline it belongs to; notes."""
     best: tuple[Baseline, int] | None = None
@@ -335,7 +340,11 @@ def _noise(
         if enough:
             on = f", {before} readings on" if before else ""
             found = estimate_baseline(
-                block.counts, rate, convention=board, source=block.source + on
+                block.counts,
+                rate,
+                convention=board,
+                source=block.source + on,
+                neighbours=patch.neighbours,
             )
             if best is None or _rank(found, board) < _rank(best[0], board):
                 best = found, before

@@ -210,6 +210,8 @@ class Plan:
     finder : ContactFinder
     precision : numpy.float64 or numpy.float32
         Of products.
+    alive : (L,) bool array, optional
+        Taxels that `write` goes by. Default all.
     """
 
     def __init__(
@@ -220,8 +222,9 @@ class Plan:
         grid: Grid,
         finder: ContactFinder,
         precision: type[np.floating[Any]] = np.float64,
+        alive: NDArray[np.bool_] | None = None,
     ) -> None:
-        self.deformation, self.grid = deformation, grid
+        self.deformation, self.grid, self._alive = deformation, grid, alive
         self._parts = deformation, nodes, precision
         whole = len(nodes) == len(operator.model.grid)
         self._nodes = None if whole or operator.linear is not None else nodes
@@ -291,9 +294,10 @@ class Plan:
     ) -> int:
         """Write the contacts of one reading (L,) into rows of `CONTACT`; how many there are."""
         data, live, whitened, read = self._live
+        operator = self.whole if self._alive is None else self.of(self._alive)
         end = None if deadline is None else until(deadline, time.perf_counter_ns())
         by = end if data.margin is None else data.margin.before(end)
-        solution = self.whole.solve(reading, data, by)
+        solution = operator.solve(reading, data, by)
         if data.rows is not None and data.count >= 0:
             return int(live.take(data.rows, data.count, NO_SHIFT, stamp_ns, out))
         np.multiply(solution.readings, whitened, out=read)

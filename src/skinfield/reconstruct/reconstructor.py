@@ -1,7 +1,7 @@
 """Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -31,7 +31,9 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
+from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.reconstruct.plan import LinearFields, Plan
+from skinfield.signal import Calibration
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -112,6 +114,9 @@ class Reconstructor:
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
         Of the prepared matrix; float32 halves the time per reading.
+    calibration : Calibration or TouchCalibration, optional
+        As `skinfield.load_calibration` reads it. Readings are then counts, or whatever it was made
+        from; noise, and by touches layer and mechanics, are those of the calibration.
 
     Raises
     ------
@@ -143,24 +148,29 @@ class Reconstructor:
         noise_std: ArrayLike | None = None,
         finder: ContactFinder | None = None,
         precision: type[np.floating[Any]] = np.float64,
+        calibration: Any = None,
     ) -> None:
         self.patch = patch
-        self.layer = Layer() if layer is None else layer
-        self.mechanics = BondedLayer() if mechanics is None else mechanics
+        known = check_calibration(calibration, patch)
+        self.layer = layer or getattr(known, "layer", None) or Layer()
+        self.mechanics = mechanics or getattr(known, "mechanics", None) or BondedLayer()
         self.quantity = Capacitance() if quantity is None else quantity
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_skin(patch, self.layer, self.mechanics, self.quantity)
         check_parts(self.solver, self.finder, grid)
+        self.calibration = known
+        self._readings_from, usual = readings_from(known, self.quantity, self.layer)
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
-        noise = self.quantity.typical_noise if noise_std is None else noise_std
+        noise = usual if noise_std is None else noise_std
         support, nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        parts = self.deformation, nodes, self.grid, self.finder, precision
+        alive = known.alive if isinstance(known, Calibration) else None
+        parts = self.deformation, nodes, self.grid, self.finder, precision, alive
         self.plans = Plan(self.solver.prepare(self.model), *parts)
         self._linear = np.empty(len(patch), precision)
         self._run_in()
@@ -224,6 +234,8 @@ class Reconstructor:
             For a wrong number of taxels, an infinite reading, or none that is valid.
         """
         start = time.perf_counter_ns()
+        if self._readings_from is not None:
+            readings = self._readings_from(as_floats("readings", readings))
         table, mask = checked_readings(readings, valid, self.patch, self.quantity)
         if deadline is not None:
             check_positive("deadline", deadline, "seconds for each reading")
@@ -256,7 +268,7 @@ class Reconstructor:
         Parameters
         ----------
         readings : (L,) float64 array, in the quantity's unit
-            All taxels valid.
+            All taxels valid. With a calibration, counts; these are converted anew at each call.
         out : structured array of `CONTACT`, such as `rows()`
             Receives the contacts by falling force; those after the last keep what they had.
         stamp_ns : int, ns
@@ -268,6 +280,8 @@ class Reconstructor:
         int
             How many contacts there are, which may be more than rows.
         """
+        if self._readings_from is not None:
+            readings = self._readings_from(readings)
         return self.plans.write(readings, out, stamp_ns, deadline)
 
     def reset(self) -> None:
@@ -276,14 +290,15 @@ class Reconstructor:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies, and what another process gets, are prepared anew and have seen no reading."""
-        names = ("mechanics", "quantity", "solver", "finder", "precision")
+        names = ("mechanics", "quantity", "solver", "finder", "precision", "calibration")
         settings = {name: getattr(self, name) for name in names}
         settings["noise_std"] = self.model.noise_std
         return partial(Reconstructor, **settings), (self.patch, self.layer, self.grid)
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
-        self(np.zeros(len(self.patch)))
+        zero, every = np.zeros(len(self.patch)), np.ones(len(self.patch), np.bool_)
+        self.plans.answer(zero, every, np.int64(0), time.perf_counter_ns(), None)
         self.reset()
         self.plans.run_in()
 
@@ -300,6 +315,41 @@ def check_parts(solver: object, finder: object, grid: object) -> None:
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:
         check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
+
+
+def check_calibration(calibration: Any, patch: Patch) -> Any:
+    """Raise InputError for a calibration of another patch, or one that no reading comes from."""
+    if calibration is None or isinstance(calibration, Calibration):
+        if calibration is not None:
+            calibration.check_patch(patch)
+        return calibration
+    if not hasattr(calibration, "readings"):
+        name = type(calibration).__name__
+        own = next((each for each in ("pressure", "force") if hasattr(calibration, each)), None)
+        raise InputError(
+            f"calibration is of {name}, expected one of counts or by touches, such as "
+            "skinfield.load_calibration reads"
+            + (f": this one answers by itself, calibration.{own}(counts)" if own else "")
+        )
+    if len(calibration) != len(patch):
+        raise InputError(
+            f"calibration has {len(calibration)} taxels, expected {len(patch)} as patch "
+            f"{patch.name!r}: it belongs to another layout"
+        )
+    return calibration
+
+
+def readings_from(
+    calibration: Any, quantity: Quantity, layer: Layer
+) -> tuple[Callable[[Floats], Floats] | None, ArrayLike]:
+    """What turns recorded numbers into readings, if anything does; and their noise."""
+    if calibration is None:
+        return None, quantity.typical_noise
+    if isinstance(calibration, Calibration):
+        conditioner = Conditioner(quantity, layer, calibration)
+        noise = conditioner.noise_in_quantity(calibration.quantity_std())
+        return conditioner, np.where(np.isfinite(noise), noise, quantity.typical_noise)
+    return calibration.readings, calibration.noise_std
 
 
 def checked_readings(

@@ -8,6 +8,7 @@ import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.signal.boards import Bools, Convention
+from skinfield.signal.noise import Neighbours, quiet_level, shared_noise
 from skinfield.signal.stationary import (
     LEAST_READINGS,
     MOVING,
@@ -83,6 +84,7 @@ def estimate_baseline(
     seconds: float = 2.0,
     convention: Convention | None = None,
     source: str = "",
+    neighbours: Neighbours | None = None,
 ) -> Baseline:
     """Estimate the baseline and its noise, robustly.
 
@@ -100,6 +102,9 @@ def estimate_baseline(
         Lets the result say whether something lies on the skin.
     source : str
         File or port, for the stamp.
+    neighbours : (P, 2) int array, optional
+        Pairs of taxels, such as `Patch.neighbours`: where the board clips what is below rest, rest
+        and noise are then told from touches all over the recording; see `shared_noise`.
 
     Raises
     ------
@@ -133,6 +138,9 @@ def estimate_baseline(
     noise[moving] = np.minimum(noise[moving], fast_noise(window[:, moving], stretch.hold))
     if convention is not None:
         level[moving] = _unpressed(window[:, moving], noise[moving], convention.direction)
+    if neighbours is not None and floor.any():
+        level = np.where(present, quiet_level(counts, neighbours), np.nan)
+        noise = np.fmax(shared_noise(counts - level, neighbours), _QUANTISATION if whole else 0.0)
     correlation = readings_per_independent(x)
     loaded = _loaded(level, noise, convention)
     span = f"readings {stretch.start} to {stretch.stop}"

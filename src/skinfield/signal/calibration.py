@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import FileError, Floats, InputError, as_floats, check_shape
-from skinfield.settings import plain_from_toml, text_of_file
 from skinfield.signal.baseline import Baseline
 from skinfield.signal.boards import Bools, Convention
+from skinfield.signal.calibration_file import read_file, write_file
 from skinfield.skin import Patch
 
 
@@ -299,8 +299,7 @@ def strain_from_relative_capacitance(relative_capacitance: ArrayLike) -> Floats:
     return np.asarray(change / (1.0 + change))
 
 
-FORMAT = "skinfield-calibration"
-VERSION = 1
+KIND = "counts"
 _COLUMNS = ("baseline", "gain", "noise_std", "alive", "uid")
 _TEXTS = ("patch_name", "unit", "basis")
 
@@ -313,69 +312,51 @@ def save_calibration(calibration: Calibration, path: Path | str) -> None:
     FileError
         If the ending is another, or the file cannot be written.
     """
-    path = Path(path)
-    table: dict[str, Any] = {"format": FORMAT, "version": VERSION}
-    table |= {name: getattr(calibration, name) for name in (*_TEXTS, *_COLUMNS)}
-    try:
-        if _ending(path) == ".npz":
-            with path.open("wb") as file:
-                np.savez(file, **table)
-        else:
-            path.write_text(_toml(table), encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+    write_file(path, KIND, table_from_calibration(calibration))
 
 
 def load_calibration(path: Path | str, patch: Patch | None = None) -> Calibration:
-    """Read a calibration; with `patch`, one that must be that patch's, by uid.
+    """Read a calibration of counts; with `patch`, one that must be that patch's, by uid.
 
     Raises
     ------
     FileError
-        If the file is missing, of another format or version, broken, or of another patch.
+        If the file is missing, of another format, kind or version, broken, or of another patch.
     """
-    path = Path(path)
-    if _ending(path) == ".npz":
-        content = _read_npz(path)
-    else:
-        content = plain_from_toml(text_of_file(path), str(path))
-    _check_head(path, content)
-    missing = [name for name in (*_COLUMNS, *_TEXTS) if name not in content]
-    if missing:
-        raise FileError(f"{path} lacks {', '.join(missing)}: expected as save_calibration writes")
+    kind, content = read_file(path)
+    if kind != KIND:
+        raise FileError(f"{path} is a calibration by {kind}, expected one of counts")
     try:
-        columns = {name: _column(name, content[name]) for name in _COLUMNS}
-        patch_name, unit, basis = (str(content[name]) for name in _TEXTS)
-        calibration = Calibration(**columns, patch_name=patch_name, unit=unit, basis=basis)
+        calibration = calibration_from_table(content)
         if patch is not None:
             calibration.check_patch(patch)
-    except (InputError, ValueError, TypeError, OverflowError) as error:
+    except InputError as error:
         raise FileError(f"{path}: {error}") from error
     return calibration
 
 
-def _ending(path: Path) -> str:
-    if path.suffix not in (".npz", ".toml"):
-        raise FileError(f"{path} ends in {path.suffix!r}, expected .npz or .toml")
-    return path.suffix
+def table_from_calibration(calibration: Calibration) -> dict[str, Any]:
+    """Arrays and texts of a calibration, by name, as a file holds them."""
+    table = {name: getattr(calibration, name) for name in (*_TEXTS, *_COLUMNS)}
+    # hexadecimal text, as TOML's integers end at 63 bits
+    return table | {"uid": [f"{uid:#x}" for uid in calibration.uid.tolist()]}
 
 
-def _check_head(path: Path, content: Mapping[str, Any]) -> None:
-    if str(content.get("format")) != FORMAT:
-        raise FileError(
-            f"{path} has format {str(content.get('format'))[:40]!r}, expected {FORMAT!r}: "
-            "this is not a calibration"
-        )
-    if str(content.get("version")) != str(VERSION):
-        raise FileError(
-            f"{path} has version {str(content.get('version'))[:40]}, expected {VERSION}: "
-            "it was written by another release"
-        )
+def calibration_from_table(table: Mapping[str, Any]) -> Calibration:
+    """Calibration of what a file holds; InputError for what is none."""
+    missing = [name for name in (*_COLUMNS, *_TEXTS) if name not in table]
+    if missing:
+        raise InputError(f"{', '.join(missing)} is missing, expected as save_calibration writes")
+    try:
+        columns = {name: _column(name, table[name]) for name in _COLUMNS}
+        patch_name, unit, basis = (str(table[name]) for name in _TEXTS)
+        return Calibration(**columns, patch_name=patch_name, unit=unit, basis=basis)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise InputError(str(error)) from error
 
 
 def _column(name: str, values: Any) -> Any:
     if name == "uid":
-        # hexadecimal text, as TOML's integers end at 63 bits
         uids = np.asarray(values).tolist()
         return np.array([int(u, 16) if isinstance(u, str) else index(u) for u in uids], np.uint64)
     array = np.asarray(values)
@@ -386,22 +367,3 @@ def _column(name: str, values: Any) -> Any:
             f"{'true or false' if name == 'alive' else 'numbers'}, one per taxel"
         )
     return array
-
-
-def _read_npz(path: Path) -> Mapping[str, Any]:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
-    except Exception as error:  # zipfile, zlib and NumPy raise all kinds on garbage
-        raise FileError(f"{path} is not an NPZ file that can be read: {error}") from error
-
-
-def _toml(table: dict[str, Any]) -> str:
-    import tomli_w
-
-    lists = {name: table[name].tolist() for name in _COLUMNS}
-    lists["uid"] = [f"{uid:#x}" for uid in lists["uid"]]
-    head = "# counts = baseline + gain * relative change of capacitance\n"
-    return head + tomli_w.dumps(table | lists)

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
-from skinfield.signal.stationary import fast_noise, readings_per_value, recorded, whole_numbers
+from skinfield.signal.noise import is_touched, usual_deviation
+from skinfield.signal.stationary import (
+    LEAST_READINGS,
+    fast_noise,
+    median,
+    readings_per_value,
+    recorded,
+    whole_numbers,
+)
+from skinfield.skin import Patch
 
 
 class Verdict(IntEnum):
@@ -45,6 +54,7 @@ STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its o
 STUCK_LONGER = 3.0  # times its longest earlier run
 TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
 SATURATED_SHARE = 0.5  # of its readings
+APART = 4.5  # deviations of the logarithm of taxels' noise, that none is from the others
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +88,11 @@ class Faults:
 
 
 def find_faults(
-    counts: Floats, convention: Convention | None = None, *, calibration: Calibration | None = None
+    counts: Floats,
+    patch: Patch | None = None,
+    convention: Convention | None = None,
+    *,
+    calibration: Calibration | None = None,
 ) -> Faults:
     """Judge each taxel over a recording.
 
@@ -86,6 +100,8 @@ def find_faults(
     ----------
     counts : (T, L) array, counts
         NaN where a taxel did not answer.
+    patch : Patch, optional
+        Of the taxels: noise is then judged where no neighbour is touched.
     convention : Convention, optional
         Knows the clamps; without it no taxel is found saturated.
     calibration : Calibration, optional
@@ -113,7 +129,7 @@ def find_faults(
     decided = decided and _enough(stepped, varying, LEAST_STEPS)
     run = _final_run(counts)
     verdict = np.zeros(taxels, np.int8)
-    verdict[_too_noisy(counts, calibration) & varying] = Verdict.NOISY
+    verdict[_too_noisy(counts, patch, calibration) & varying] = Verdict.NOISY
     verdict[_stuck(changed, stepped, run, clamped[-1]) & varying] = Verdict.STUCK
     if decided:
         verdict[~varying] = Verdict.DEAD
@@ -155,14 +171,25 @@ def _stuck(changed: Bools, stepped: Bools, run: NDArray[np.int64], clamped_now: 
     return stuck
 
 
-def _too_noisy(counts: Floats, calibration: Calibration | None) -> Bools:
-    noise = fast_noise(counts, readings_per_value(counts))
+def _too_noisy(counts: Floats, patch: Patch | None, calibration: Calibration | None) -> Bools:
+    """Taxels far noisier than theirs, or than any of a skin whose taxels differ as they do."""
+    hold = readings_per_value(counts)
+    if patch is not None:
+        apart = counts - median(counts)
+        usual = usual_deviation(apart)
+        touched = is_touched(apart, usual, patch.neighbours)
+        touched[:, (~touched).sum(axis=0) < LEAST_READINGS] = True  # too few to judge by
+        counts = np.where(touched, np.nan, counts)
+    noise = fast_noise(counts, hold)
     if calibration is not None:
         expected = np.where(calibration.alive, calibration.noise_std, np.inf)
-    else:
-        varying = noise[~np.isnan(noise)]
-        expected = np.full(len(noise), np.median(varying) if len(varying) else np.inf)
-    return np.asarray((noise > TOO_NOISY * expected) & (expected > 0))
+        return np.asarray((noise > TOO_NOISY * expected) & (expected > 0))
+    varied = noise[noise > 0.0]
+    if not len(varied):
+        return np.zeros(len(noise), bool)
+    middle = np.median(np.log(varied))
+    spread = 1.4826 * float(np.median(np.abs(np.log(varied) - middle)))
+    return np.asarray(noise > np.exp(middle + max(np.log(TOO_NOISY), APART * spread)))
 
 
 def _sentences(

@@ -41,6 +41,7 @@ WORTH = 0.15  # of the readings, root mean square: what is left over if a model 
 WORST = 4.0  # or times the noise
 RISE = 1.5  # of the readings' squares over the noise, after which the hypotheses are compared again
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
+HAND = 0.25  # of the taxels: fewer are touched by a hand, where contacts are told by strips
 CONTACTS, FIELD = 0, 1
 COMPARING = 25_000  # ns: the evidence of a field takes about so long
 PATIENCE = 50  # readings in which contacts are sought bit by bit, before a field answers instead
@@ -375,7 +376,11 @@ class AutoOperator:
             if field is None or contest.winner == FIELD or field.gap <= self.problem.tolerance:
                 contest.energy, contest.count, contest.readings = energy, count, 0
         if contest.winner == FIELD:
-            return data.take(field or self._by_field(readings, data, deadline_ns))
+            field = field or self._by_field(readings, data, deadline_ns)
+            few = fit.touched < HAND * np.count_nonzero(self.white)
+            if not (fit.in_strips and (few or field.operator is self.linear_field)):
+                return data.take(field)
+            contest.winner = CONTACTS  # a field says nothing of a hand on a skin unlike its model
         return found
 
     def _by_field(

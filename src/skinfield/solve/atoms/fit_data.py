@@ -4,7 +4,6 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.dictionary import Templates
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitMemory, FitModel
-from skinfield.solve.atoms.lobes_kernel import Lobes
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.reading_kernel import infer_evidence
 from skinfield.solve.atoms.reading_memory import (
@@ -23,6 +22,7 @@ from skinfield.solve.atoms.reading_memory import (
 )
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.split_kernel import PairMemory
+from skinfield.solve.atoms.strips_kernel import Strips
 from skinfield.solve.packed import Packed
 
 
@@ -63,8 +63,9 @@ class FitData:
         self.noise = self.own.noise
         self.search = SearchMemory.of(bank, most, rules.starts, len(noise))
         known, room = (model, bank, near, rules), (self.memory, self.search, self.posterior)
-        pairs, lobes = PairMemory.of(len(noise), most), Lobes.of(model.taxels)
-        self.packed = Packed(Fit(*known, *room, self.own, self.drawing, pairs, lobes), FIT)
+        pairs = PairMemory.of(len(noise), most)
+        self.strips = strips = Strips.of(model.taxels, rules.thickness)
+        self.packed = Packed(Fit(*known, *room, self.own, self.drawing, pairs, strips), FIT)
         self._error = rules.model_error
 
     @property
@@ -105,6 +106,16 @@ class FitData:
         """Whether all sets of atoms were compared, or as many as there may be steps for."""
         steps, most = self.memory.marks[STEPS], self.memory.marks[MOST]
         return bool(self.own.marks[STAGE] == RESTING or steps >= most > 0)
+
+    @property
+    def in_strips(self) -> bool:
+        """Whether the model is far off, and fingers' strips say which atoms are one contact."""
+        return bool(self.strips.counts[0] > 0)
+
+    @property
+    def touched(self) -> int:
+        """Taxels that strips were drawn between."""
+        return int(self.strips.counts[1])
 
     def use(self, model: FitModel) -> None:
         """Go by another model of the same taxels, from now on."""

@@ -9,7 +9,6 @@ from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitModel, Priors
-from skinfield.solve.atoms.lobes_kernel import LONE
 from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, OtherMechanics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
 from skinfield.solve.atoms.reading_memory import (
@@ -29,8 +28,8 @@ from skinfield.solve.atoms.table import atom_tables
 from skinfield.solve.packed import Packed
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
-LOBES_NOTE = (
-    "ContactFit: the skin reads too unlike its model to tell how many bodies touch: each lobe of "
+STRIPS_NOTE = (
+    "ContactFit: the skin reads too unlike its model to tell how many bodies touch: each strip of "
     "its readings is one contact; calibrate"
 )
 STOPPED = "ContactFit stopped"  # begins a note of one reading alone
@@ -98,6 +97,7 @@ class ContactFitter:
             int(settings.warm),
             settings.model_error,
             settings.common_mode,
+            thickness,
         )
         compares = settings.check_mechanics and settings.warm
         self.mechanics = OtherMechanics(self.fit_model, physics if compares else None)
@@ -170,12 +170,12 @@ class ContactFitter:
         loud = numbers[SCALE] > LOUD
         unlike = presses >= MANY and numbers[MISFIT] > UNLIKE
         shared = offset > self.settings.common_mode * numbers[MEAN_NOISE]
-        in_lobes = count > 0 and data.drawing.lobe[0] != LONE
-        if not (late or loud or shared or unlike or other or in_lobes):
+        in_strips = data.in_strips
+        if not (late or loud or shared or unlike or other or in_strips):
             return ()
         notes = []
-        if in_lobes:
-            notes.append(LOBES_NOTE)
+        if in_strips:
+            notes.append(STRIPS_NOTE)
         if late:
             steps, most = marks[STEPS], marks[MOST]
             end = f"after {steps} steps" if steps >= most > 0 else "at the deadline"

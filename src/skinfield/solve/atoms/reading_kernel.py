@@ -49,7 +49,6 @@ from skinfield.solve.atoms.fit_kernel import (
     nearly_slowest,
     take_pace,
 )
-from skinfield.solve.atoms.lobes_kernel import join_by_lobes
 from skinfield.solve.atoms.misfit_kernel import (
     explains,
     infer,
@@ -117,6 +116,7 @@ from skinfield.solve.atoms.search_kernel import (
     lay_open,
     search_atoms,
 )
+from skinfield.solve.atoms.strips_kernel import join_by_strips
 from skinfield.solve.atoms.table import BALL
 from skinfield.solve.clock import now_ns
 
@@ -504,10 +504,12 @@ def answer_reading(
     errors, offset = fit.drawing.errors, own.numbers[OFFSET]
     errors[0], errors[1] = own.numbers[UNSURE_PLACE], own.numbers[UNSURE_FORCE]
     errors[2] = own.numbers[SPREAD]
-    join_by_lobes(
-        fit.model.taxels, memory, offset, own.heard, errors[2], fit.lobes, fit.drawing.lobe
+    join_by_strips(
+        fit.model.taxels, memory, offset, own.heard, errors[2], fit.strips, fit.drawing.strip
     )
-    count = write_rows(grid, memory, fit.post, fit.pairs, at_mean, fit.drawing, pressure, rows)
+    count = write_rows(
+        grid, memory, fit.post, fit.pairs, fit.strips, at_mean, fit.drawing, pressure, rows
+    )
     took, known = now_ns(memory.marks) - ended, own.numbers[DRAWN]
     if end:
         took += min(max(ended - end, 0), int(OVERSHOOT * known))

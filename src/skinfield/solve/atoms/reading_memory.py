@@ -9,10 +9,10 @@ from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.dictionary import FirstTemplates, Templates
 from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
-from skinfield.solve.atoms.lobes_kernel import Lobes
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.rows_kernel import Drawing
 from skinfield.solve.atoms.split_kernel import PairMemory
+from skinfield.solve.atoms.strips_kernel import Strips
 from skinfield.solve.atoms.table import Tables
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -113,7 +113,7 @@ class Neighbours(NamedTuple):
 class ReadingRules(NamedTuple):
     """What the fit of a reading goes by; see `ContactFit`.
 
-    `threshold` is the gain in cost that a contact must bring.
+    `threshold` is the gain in cost that a contact must bring, `thickness` the layer's, m.
     """
 
     threshold: float
@@ -122,6 +122,7 @@ class ReadingRules(NamedTuple):
     warm: int
     model_error: float
     common_mode: float
+    thickness: float
 
 
 class ReadingMemory(NamedTuple):
@@ -182,7 +183,7 @@ class Fit(NamedTuple):
     own: ReadingMemory
     drawing: Drawing
     pairs: PairMemory
-    lobes: Lobes
+    strips: Strips
 
 
 @inner(_nrt=False)
@@ -213,14 +214,14 @@ def smallest_fit() -> Fit:
         model,
         bank,
         Neighbours(whole, whole, np.zeros(1), np.zeros(1)),
-        ReadingRules(0.0, 1, 1, 1, 0.0, 0.0),
+        ReadingRules(0.0, 1, 1, 1, 0.0, 0.0, 1.0),
         FitMemory.of(model, 1),
         SearchMemory.of(bank, 1, 1, 1),
         PosteriorMemory.of(1),
         ReadingMemory.of(np.ones(1), 1, 0.0),
         Drawing.of(1),
         PairMemory.of(1, 1),
-        Lobes.of(np.zeros((1, 2))),
+        Strips.of(np.zeros((1, 2)), 1.0),
     )
 
 

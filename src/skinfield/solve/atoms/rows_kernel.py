@@ -22,7 +22,6 @@ from skinfield.estimate.live_contacts_kernel import (
 )
 from skinfield.estimate.row_contacts import SHAPES
 from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
-from skinfield.solve.atoms.lobes_kernel import LONE, NONE, UNSURE
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
     TERMS,
@@ -34,6 +33,7 @@ from skinfield.solve.atoms.render_kernels import (
     render,
 )
 from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
+from skinfield.solve.atoms.strips_kernel import LONE, NONE, UNSURE, Strips
 from skinfield.solve.atoms.table import BALL, FLAT, RIM, RING
 from skinfield.solve.packed import PackedType, unpacking
 
@@ -76,8 +76,8 @@ class Drawing(NamedTuple):
         Room.
     maybe : (W,) int array
         How many contacts may be in the place of each, or of it and another; 0 where that is sure.
-    lobe : (W,) int array
-        Of each atom of the fit: see `lobes_kernel`.
+    strip : (W,) int array
+        Of each atom of the fit: see `strips_kernel`.
     drawn : (1,) int array
         N.
     """
@@ -91,7 +91,7 @@ class Drawing(NamedTuple):
     errors: Floats
     by: Floats
     maybe: Ints
-    lobe: Ints
+    strip: Ints
     drawn: Ints
 
     @classmethod
@@ -206,6 +206,7 @@ def draw(
     memory: FitMemory,
     post: PosteriorMemory,
     pairs: PairMemory,
+    strips: Strips,
     thickness: float,
     at_mean: bool,
     drawing: Drawing,
@@ -214,20 +215,64 @@ def draw(
     count = 0
     for rings in range(2):
         for index in range(memory.counts[NOW]):
-            lobe, room = drawing.lobe[index], len(drawing.atoms) - count
+            strip, room = drawing.strip[index], len(drawing.atoms) - count
             is_ring = memory.family[NOW, index] == RING
-            if lobe == NONE or is_ring != (rings == 1) or (is_ring and room <= FEWEST):
+            if strip == NONE or is_ring != (rings == 1) or (is_ring and room <= FEWEST):
                 continue
             first = count
             if is_ring:
                 count = draw_ring(memory, post, pairs, index, thickness, at_mean, drawing, count)
             else:
                 draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, count)
-                join(drawing, count)
+                if strip == LONE:
+                    join(drawing, count)
+                else:
+                    drawing.owner[count] = count
                 count += 1
-            if lobe != LONE:
-                join_lobe(drawing, lobe, first, count)
+            if strip != LONE:
+                join_strip(drawing, strip, first, count)
+    for strip in range(strips.counts[0]):
+        count += divide(drawing, strips, strip, thickness, count)
     return count
+
+
+@inner(_nrt=False)
+def divide(drawing: Drawing, strips: Strips, strip: int, thickness: float, count: int) -> int:
+    """Draw a part of an atom for a strip that has none; 1 if there is one, else 0.
+
+    The parts are as strong as what is read in the strips, and as unsure as a strip is wide.
+    """
+    parent, nearest = -1, np.inf
+    x, y = thickness * strips.middle[strip, 0], thickness * strips.middle[strip, 1]
+    for n in range(count):
+        if drawing.order[n] == strip:
+            return 0
+        apart = np.hypot(drawing.atoms[n, 0] - x, drawing.atoms[n, 1] - y) - drawing.atoms[n, 3]
+        if apart < nearest:
+            parent, nearest = n, apart
+    if parent < 0 or count == len(drawing.atoms):
+        return 0
+    own, half = strips.middle[drawing.order[parent], 2], thickness * strips.half
+    share = strips.middle[strip, 2] / (strips.middle[strip, 2] + own)
+    for i in range(6):
+        drawing.atoms[count, i] = drawing.atoms[parent, i]
+    drawing.atoms[count, 0], drawing.atoms[count, 1] = x, y
+    drawing.atoms[count, 2] = share * drawing.atoms[parent, 2]
+    drawing.atoms[parent, 2] *= 1.0 - share
+    drawing.atoms[count, 3] = min(drawing.atoms[parent, 3], half)
+    drawing.atoms[count, 4], drawing.maybe[count], drawing.order[count] = 0.0, 0, strip
+    drawing.family[count], drawing.owner[count] = drawing.family[parent], count
+    drawing.sums[1, count] = 0.0
+    for i in range(6):
+        for j in range(6):
+            known = drawing.covariance[parent, i, j]
+            drawing.covariance[count, i, j] = known if i == j else 0.0
+            for k in (i, j):
+                drawing.covariance[parent, i, j] *= 1.0 - share if k == 2 else 1.0
+    drawing.covariance[count, 2, 2] *= share * share
+    for i in range(2):
+        drawing.covariance[count, i, i] += half * half / 3.0
+    return 1
 
 
 @inner(_nrt=False)
@@ -250,15 +295,15 @@ def unite(drawing: Drawing, place: int, other: int, count: int) -> None:
 
 
 @inner(_nrt=False)
-def join_lobe(drawing: Drawing, lobe: int, first: int, count: int) -> None:
-    """Make the atoms from `first` to `count` one body with those of their lobe before."""
+def join_strip(drawing: Drawing, strip: int, first: int, count: int) -> None:
+    """Make the atoms from `first` to `count` one body with those of their strip before."""
     for place in range(first, count):
-        drawing.order[place], drawing.sums[1, place] = lobe, 0.0  # no ring
+        drawing.order[place], drawing.sums[1, place] = strip, 0.0  # no ring
         for i in range(6 if place > first else 0):
             for j in range(6):
                 drawing.covariance[place, i, j] = 0.0  # of all small balls, at the first
     for other in range(first):
-        if drawing.order[other] == lobe:
+        if drawing.order[other] == strip:
             unite(drawing, first, other, count)
 
 
@@ -500,6 +545,7 @@ def write_rows(
     memory: FitMemory,
     post: PosteriorMemory,
     pairs: PairMemory,
+    strips: Strips,
     at_mean: bool,
     drawing: Drawing,
     pressure: Floats,
@@ -509,7 +555,7 @@ def write_rows(
 
     Rows beyond their number keep what they had; where there are more contacts, the strongest count.
     """
-    count = drawing.drawn[0] = draw(memory, post, pairs, grid.thickness, at_mean, drawing)
+    count = drawing.drawn[0] = draw(memory, post, pairs, strips, grid.thickness, at_mean, drawing)
     return write_bodies(grid, drawing, count, pressure, rows)
 
 

@@ -1,0 +1,332 @@
+r"""Calibration by uniform pressure, as of a vacuum bag or a plenum, with what a foam remembers.
+
+The pressure on a taxel is a sum of what it reads and of what it read before,
+
+.. math:: p = a + b\, y + \sum_k c_k\, (g_k * y) + \sum_j d_j\, H_j(y),
+
+with causal exponentials :math:`g_k` of time constants that all taxels share (a Prony series run
+backwards), and play operators :math:`H_j` of widths that are parts of the taxel's span (Prandtl and
+Ishlinskii's hysteresis; Kuhnen 2003, European Journal of Control 9, 407). Coefficients of a taxel,
+in units of its own slope, are drawn towards those of all taxels as far as these agree (empirical
+Bayes; Gelman et al. 2013, Bayesian Data Analysis, chapter 5). Places of taxels are not needed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
+
+MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0, 500.0))  # readings
+WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.05, 0.12, 0.25, 0.5))  # parts of a taxel's span
+PARTS = 4  # contiguous parts, of which each is foretold from the others
+LEAST = 200  # readings
+STEADY = 5  # readings, whose medians are compared to see a step
+STEPS = 1.5  # times the largest step of a calibration, beyond which
+LEAST_STEP = 4.0  # counts more a taxel is broken
+FOLLOWS = 0.9  # correlation with the pressure, below which a taxel is broken
+SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
+FAR = 4.0  # times the median error of taxels: such a one is broken
+CORRELATED = 400.0  # readings that tell as much as an independent one: what a foam errs by lasts
+Numbers = Sequence[float] | Floats
+ERROR = 0.015  # of the highest pressure: what is left over, until it is known
+
+
+@dataclass(frozen=True, eq=False)
+class PressureCalibration:
+    """Pressure on each taxel from its readings, causally.
+
+    Attributes
+    ----------
+    weights : (L, 2 + K + J) array, Pa and Pa per count
+        Constant, slope, exponentials, plays; NaN of a broken taxel.
+    time_constants : (K,) array, readings
+    widths : (J,) array
+        Of the plays, parts of `span`.
+    rest, span : (L,) array, counts
+        Median of the readings at the least pressure, and from there to the highest.
+    step : (L,) array, counts
+        Within five readings, beyond which no pressure moves a taxel.
+    rmse : (L,) array, Pa
+        Of parts of the recording foretold from the other parts.
+    line_rmse : (L,) array, Pa
+        The same of a line per taxel, without memory.
+    one_gain_rmse : (L,) array, Pa
+        The same of one line for all taxels.
+    reasons : tuple of str
+        Of each taxel why it is broken; empty of one that is not.
+    """
+
+    weights: Floats
+    time_constants: Floats
+    widths: Floats
+    rest: Floats
+    span: Floats
+    step: Floats
+    rmse: Floats
+    line_rmse: Floats
+    one_gain_rmse: Floats
+    reasons: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        taxels, terms = len(self.reasons), 2 + len(self.time_constants) + len(self.widths)
+        check_shape("weights", self.weights, (taxels, terms), "taxels and terms")
+        for name in ("rest", "span", "step", "rmse", "line_rmse", "one_gain_rmse"):
+            check_shape(name, getattr(self, name), (taxels,), "one per taxel")
+
+    def __len__(self) -> int:
+        return len(self.rest)
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Taxels that answer, (L,)."""
+        return np.isfinite(self.weights[:, 0])
+
+    @property
+    def verdict(self) -> str:
+        """How good it is, in a sentence."""
+        good = self.usable
+        ours, line, one = (
+            float(np.median(each[good])) * 1e-3
+            for each in (self.rmse, self.line_rmse, self.one_gain_rmse)
+        )
+        better = "" if ours < line else "; memory gains nothing here, a line is as good"
+        return (
+            f"{int(good.sum())} of {len(self)} taxels answer, {ours:.3g} kPa off (median, foretold "
+            f"from other parts of the recording); a line each {line:.3g}, one line for all "
+            f"{one:.3g} kPa{better}"
+        )
+
+    def __repr__(self) -> str:
+        return f"PressureCalibration({self.verdict})"
+
+    def pressure(self, counts: ArrayLike) -> Floats:
+        """Pressure (T, L), Pa, from readings (T, L); NaN where a taxel is broken or did not answer.
+
+        That of a reading depends on it and on those before, so that the first is taken to have
+        lasted. A taxel that steps as no pressure moves it, as where its converter changes over, is
+        broken from then on.
+        """
+        table = _table(counts, len(self))
+        features = _features(table - self.rest, self.span, self.time_constants, self.widths)
+        pressures = np.einsum("ktl,lk->tl", features, self.weights)
+        return np.where(_stepped(table, self.step), np.nan, pressures)
+
+
+def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
+    """Calibrate taxels by a pressure that is the same on all of them.
+
+    Parameters
+    ----------
+    counts : (T, L) array
+        Readings in order, evenly spaced; NaN where a taxel did not answer.
+    pressure_pa : (T,) array, Pa
+        Positive in compression.
+
+    Returns
+    -------
+    PressureCalibration
+        With memory if parts of the recording are foretold better by it.
+
+    Raises
+    ------
+    InputError
+        If the arrays do not go together, the pressure does not change, is in other units than Pa,
+        or no taxel follows it, as on a solid silicone, which a uniform pressure does not thin.
+    """
+    reference = as_floats("pressure_pa", pressure_pa)
+    check_shape("pressure_pa", reference, (None,), "one per reading")
+    table = _table(counts, None)
+    _check_together(table, reference)
+    rest, span = _range_of(table, reference)
+    broken = _broken(table, reference, span)
+    _check_any(broken)
+    use = np.flatnonzero([not why for why in broken])
+    best: tuple[float, tuple[float, ...], tuple[float, ...], Floats] | None = None
+    errors = {}
+    for constants in MEMORIES:
+        for widths in WIDTHS:
+            features = _features(table[:, use] - rest[use], span[use], constants, widths)
+            found = _foretold(features, reference)
+            errors[constants, widths] = found
+            score = float(np.median(found))
+            if best is None or score < best[0]:
+                best = score, constants, widths, found
+    assert best is not None
+    _, constants, widths, own = best
+    whole = _features(table[:, use] - rest[use], span[use], constants, widths)
+    fitted = _fit(whole, reference)
+    far = own > FAR * np.median(own)
+    for row in np.flatnonzero(far):
+        broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, the median taxel {best[0] * 1e-3:.3g}"
+    fitted[far] = np.nan
+    taxels = table.shape[1]
+    weights: Floats = np.full((taxels, fitted.shape[1]), np.nan)
+    weights[use] = fitted
+    figures = np.full((3, taxels), np.nan)
+    figures[0, use], figures[1, use] = own, errors[(), ()]
+    figures[2, use] = _one_line(table[:, use], reference)
+    figures[:, use[far]] = np.nan
+    step = STEPS * np.nanmax(np.abs(_shifts(table)), axis=0, initial=0.0) + LEAST_STEP
+    rmse, line, one = figures
+    memory: tuple[Floats, Floats] = np.array(constants), np.array(widths)
+    return PressureCalibration(weights, *memory, rest, span, step, rmse, line, one, tuple(broken))
+
+
+def _table(counts: ArrayLike, taxels: int | None) -> Floats:
+    table = as_floats("counts", counts)
+    check_shape("counts", table, (None, taxels), "readings and taxels")
+    endless = np.argwhere(np.isinf(table))
+    if len(endless):
+        row, taxel = endless[0]
+        raise InputError(
+            f"counts[{row}, {taxel}] is {table[row, taxel]}, expected a number, or NaN where a "
+            "taxel did not answer"
+        )
+    return table
+
+
+def _check_together(table: Floats, reference: Floats) -> None:
+    if len(table) != len(reference):
+        raise InputError(
+            f"counts has {len(table)} readings and pressure_pa {len(reference)}, expected as many: "
+            "cut both to what they share, from the common beginning"
+        )
+    if len(table) < LEAST:
+        raise InputError(f"counts has {len(table)} readings, expected {LEAST} or more, in order")
+    bad = np.flatnonzero(~np.isfinite(reference))
+    if len(bad):
+        raise InputError(f"pressure_pa[{bad[0]}] is {reference[bad[0]]}, expected a number, in Pa")
+    span = float(np.ptp(reference))
+    check_positive("the span of pressure_pa", span, "Pa: a pressure that changes")
+    if span < 100.0:
+        raise InputError(
+            f"pressure_pa spans {span:.3g} Pa, expected hundreds or more: it is in "
+            f"{'bar' if span < 20.0 else 'kPa'}, most likely; give Pa (1 bar is 1e5 Pa)"
+        )
+
+
+def _range_of(table: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Rest (L,), and how far a taxel reads from there at the highest pressure, at least a count."""
+    low = table[reference <= np.quantile(reference, 0.05)]
+    high = table[reference >= np.quantile(reference, 0.95)]
+    with np.errstate(all="ignore"):
+        gone = np.isnan(low).all(axis=0) | np.isnan(high).all(axis=0)
+        low, high = np.where(gone, 0.0, low), np.where(gone, 0.0, high)
+        rest, top = np.nanmedian(low, axis=0), np.nanmedian(high, axis=0)
+    return np.asarray(rest), np.asarray(np.maximum(np.abs(top - rest), 1.0))
+
+
+def _broken(table: Floats, reference: Floats, span: Floats) -> list[str]:
+    """Why each taxel is broken, in words; empty of one that follows the pressure."""
+    broken = []
+    for taxel in range(table.shape[1]):
+        readings, why = table[:, taxel], ""
+        there = np.isfinite(readings)
+        if there.mean() < 0.9:
+            why = f"answers in {there.mean():.0%} of the readings"
+        elif not np.ptp(readings[there]) > 0.0:
+            why = f"frozen at {readings[there][0]:g}"
+        else:
+            step = np.diff(readings[there])
+            noise = float(np.median(np.abs(step)))
+            follows = abs(float(np.corrcoef(readings[there], reference[there])[0, 1]))
+            if span[taxel] < SPAN * noise:
+                why = f"spans {span[taxel]:.3g} counts, its noise is {noise:.3g}"
+            elif follows < FOLLOWS:
+                why = f"follows the pressure by a correlation of {follows:.2f} only"
+        broken.append(why)
+    return broken
+
+
+def _check_any(broken: Sequence[str]) -> None:
+    if all(broken):
+        raise InputError(
+            f"none of {len(broken)} taxels follows the pressure (the first: {broken[0]}), expected "
+            "some: a solid silicone is not thinned by a uniform pressure, only a foam or air is; "
+            "or counts and pressure_pa do not begin together"
+        )
+
+
+def _shifts(table: Floats) -> Floats:
+    """Change (T, L) of the median of five readings since five readings before."""
+    from scipy.ndimage import median_filter
+
+    middle = median_filter(np.nan_to_num(table), size=(STEADY, 1), origin=(STEADY // 2, 0))
+    change = np.zeros_like(middle)
+    change[STEADY:] = middle[STEADY:] - middle[:-STEADY]
+    return np.where(np.isnan(table), 0.0, change)
+
+
+def _stepped(table: Floats, step: Floats) -> NDArray[np.bool_]:
+    """Where (T, L) a taxel has once stepped further than any pressure moves it."""
+    return np.logical_or.accumulate(np.abs(_shifts(table)) > step, axis=0)
+
+
+def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers) -> Floats:
+    """One, change from rest, its exponentials and its plays, (2 + K + J, T, L).
+
+    A reading that is missing is as the one before, but NaN itself.
+    """
+    from scipy.signal import lfilter
+
+    gone = np.isnan(change)
+    if gone.any():
+        last = np.maximum.accumulate(np.where(gone, 0, np.arange(len(change))[:, None]), axis=0)
+        change = np.nan_to_num(np.take_along_axis(change, last, axis=0))
+    features = [np.where(gone, np.nan, 1.0), change]
+    for constant in constants:
+        stays = float(np.exp(-1.0 / constant))
+        begin = stays * change[:1]
+        features.append(lfilter([1.0 - stays], [1.0, -stays], change, axis=0, zi=begin)[0])
+    for width in widths:
+        held, reach = np.array(change), width * span / 2.0
+        for reading in range(1, len(held)):
+            low, high = change[reading] - reach, change[reading] + reach
+            held[reading] = np.clip(held[reading - 1], low, high)
+        features.append(held)
+    return np.stack(features)
+
+
+def _foretold(features: Floats, reference: Floats) -> Floats:
+    """Error (L,), Pa rms, of contiguous parts foretold from the others."""
+    squares = np.zeros(features.shape[2])
+    for part in np.array_split(np.arange(len(reference)), PARTS):
+        rest = np.ones(len(reference), np.bool_)
+        rest[part] = False
+        weights = _fit(features[:, rest], reference[rest])
+        guess = np.einsum("ktl,lk->tl", features[:, part], weights)
+        squares += np.nansum((guess - reference[part, None]) ** 2, axis=0)
+    return np.asarray(np.sqrt(squares / len(reference)))
+
+
+def _fit(features: Floats, reference: Floats) -> Floats:
+    """Weights (L, 2 + K + J) of taxels, each drawn towards those of all."""
+    features = np.nan_to_num(features)
+    terms = len(features)
+    gram = np.einsum("ktl,mtl->lkm", features, features)
+    along = np.einsum("ktl,t->lk", features, reference)
+    lines = np.linalg.solve(gram[:, :2, :2] + 1e-9 * np.eye(2), along[:, :2, None])[..., 0]
+    unit = np.ones((len(lines), terms))
+    unit[:, 0] = ERROR * np.abs(reference).max()
+    unit[:, 1:] = lines[:, 1:]  # the slope
+    variance = unit[:, 0] ** 2 * CORRELATED
+    gram = gram * unit[:, :, None] * unit[:, None, :] / variance[:, None, None]
+    along = along * unit / variance[:, None]
+    weights = np.linalg.solve(gram + 1e-6 * np.eye(terms), along[..., None])[..., 0]
+    for _ in range(5):
+        middle = np.median(weights, axis=0)
+        spread = np.maximum(1.4826 * np.median(np.abs(weights - middle), axis=0), 1e-3)
+        prior = np.diag(1.0 / np.square(spread))
+        weights = np.linalg.solve(gram + prior, (along + prior @ middle)[..., None])[..., 0]
+    return np.asarray(weights * unit)
+
+
+def _one_line(table: Floats, reference: Floats) -> Floats:
+    """Error (L,), Pa rms, of one line for all taxels."""
+    there = np.isfinite(table)
+    wanted = np.broadcast_to(reference[:, None], table.shape)
+    slope, constant = np.polyfit(table[there], wanted[there], 1)
+    return np.asarray(np.sqrt(np.nanmean((slope * table + constant - wanted) ** 2, axis=0)))

@@ -1,0 +1,134 @@
+"""Recordings and labels of a calibration, side by side: columns, times, units, delay."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from skinfield.errors import FileError, Floats, InputError
+from skinfield.skin import Patch
+
+UNITS = {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "N": 1.0, "kN": 1e3}
+LATE, STEP = 1.0, 0.025  # s: delays that are tried
+BETTER = 0.02  # of a correlation, by which a delay must be better than none
+FEWEST = 50  # rows that both have
+
+
+class Series(NamedTuple):
+    """Numbers (T, C), their seconds (T,) if they have any, and notes."""
+
+    values: Floats
+    seconds: Floats | None
+    notes: tuple[str, ...] = ()
+
+
+def skin_series(name: str, patch: Patch | None, time: str | None, columns: str | None) -> Series:
+    """Counts (T, L) of a recording; without a patch, of its columns in their order."""
+    from skinfield.files import open_recording
+    from skinfield.files.numbers import is_numbers, read_numbers
+    from skinfield.files.recordings.matching import readings_for
+
+    inside = is_numbers(name) and not Path(name).exists()  # FILE:NAME
+    if not (columns or time or inside or Path(name).suffix.lower() in (".mat", ".npy")):
+        recording = open_recording(name)
+        if patch is not None:
+            recording = readings_for(recording, patch)
+        return Series(recording.counts, recording.stamp_ns / 1e9, recording.notes)
+    table = read_numbers(name)
+    values = table.columns(columns) if columns else table.values
+    if patch is not None and values.shape[1] != len(patch):
+        if values.shape[1] != patch.n_channels:
+            raise InputError(
+                f"{name} has {values.shape[1]} columns, expected {len(patch)}, one per taxel of "
+                f"{patch.name!r}, or {patch.n_channels}, its channels: choose them with --columns"
+            )
+        values = values[:, patch.channel]
+    return Series(values, table.time(time))
+
+
+def label_series(name: str, labels: str | None, unit: str) -> Series:
+    """Labels (T, N) in SI units: of a force log its fx, fy and fz, else of columns by name."""
+    from skinfield.files import open_recording
+    from skinfield.files.numbers import is_numbers, read_numbers
+
+    if unit not in UNITS:
+        raise InputError(f"--unit is {unit!r}, expected one of {', '.join(UNITS)}")
+    if labels is None:
+        try:
+            sensor = open_recording(name)
+        except (FileError, InputError):
+            sensor = None  # then it is a table
+        if sensor is not None and sensor.unit == "N, N m":
+            return Series(sensor.counts[:, :3] * UNITS[unit], sensor.stamp_ns / 1e9, sensor.notes)
+        if not is_numbers(name):
+            open_recording(name)  # says what is wrong with it
+            raise InputError(f"{name} is of a skin, expected labels: the skin's recording is first")
+    table = read_numbers(name)
+    seconds = table.time()
+    if labels is None:
+        chosen = [column for column in table.names if not _is_time(column)]
+        labels = ",".join(chosen)
+    return Series(table.columns(labels) * UNITS[unit], seconds)
+
+
+def _is_time(name: str) -> bool:
+    from skinfield.files.numbers import TIMES
+
+    return name in TIMES
+
+
+def together(skin: Series, label: Series) -> tuple[Floats, Floats, tuple[str, ...]]:
+    """Counts (T, L) and labels (T, N) of the same instants, and what was done to that end.
+
+    Raises
+    ------
+    InputError
+        If they have too little in common.
+    """
+    counts, values, notes = skin.values, label.values, skin.notes + label.notes
+    if skin.seconds is None or label.seconds is None:
+        rows = min(len(counts), len(values))
+        if len(counts) != len(values):
+            notes += (
+                f"{len(counts)} readings and {len(values)} labels, without common times: taken "
+                f"as begun together, the first {rows} of both",
+            )
+        counts, values = counts[:rows], values[:rows]
+    else:
+        late = delay_of(skin, label)
+        if late:
+            notes += (f"labels are {late * 1e3:+.0f} ms late: taken back",)
+        at = skin.seconds + late
+        inside = (at >= label.seconds[0]) & (at <= label.seconds[-1])
+        counts = counts[inside]
+        values = np.column_stack([np.interp(at[inside], label.seconds, v) for v in values.T])
+    if len(counts) < FEWEST:
+        raise InputError(
+            f"recording and labels have {len(counts)} readings in common, expected {FEWEST} or "
+            "more: are both of one experiment, by one clock?"
+        )
+    return counts, values, notes
+
+
+def delay_of(skin: Series, label: Series) -> float:
+    """How late labels are, s: where they follow the sum of counts best, if clearly so."""
+    assert skin.seconds is not None
+    assert label.seconds is not None
+    rest = np.nan_to_num(np.nanmedian(skin.values, axis=0))
+    load = np.nan_to_num(skin.values - rest).sum(axis=1)
+    strongest = int(np.argmax(np.nanvar(label.values, axis=0)))
+    best, late, usual = -1.0, 0.0, -1.0
+    delays = np.arange(-LATE, LATE + STEP / 2.0, STEP)
+    for delay in sorted(delays, key=abs):
+        at = skin.seconds + delay
+        inside = (at >= label.seconds[0]) & (at <= label.seconds[-1])
+        if inside.sum() < FEWEST:
+            continue
+        wanted = np.interp(at[inside], label.seconds, label.values[:, strongest])
+        if not (np.ptp(wanted) > 0.0 and np.ptp(load[inside]) > 0.0):
+            continue
+        follows = abs(float(np.corrcoef(load[inside], wanted)[0, 1]))
+        usual = follows if usual < 0.0 else usual
+        if follows > best:
+            best, late = follows, float(delay)
+    return late if best > usual + BETTER else 0.0

@@ -1,0 +1,204 @@
+"""Tables of numbers by any column names: CSV, MATLAB and NumPy files of labels and readings.
+
+force.csv                              columns by the line of names above them
+trial.mat, trial.mat:experiment.C      the one matrix in it, or that of a name
+pokes.npz:normal_force_n               an array of a name; force.npy
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, Floats, InputError
+
+TIMES = {"time_s": 1.0, "t": 1.0, "time": 1.0, "stamp_ns": 1e-9, "time_ms": 1e-3}  # s
+ENDINGS = (".csv", ".txt", ".mat", ".npz", ".npy")
+SHOWN = 6  # names in a message
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """Columns of numbers.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the columns; their numbers, from 1, where the file names none.
+    values : (T, C) array
+        NaN where a place is empty.
+    source : str
+    """
+
+    names: tuple[str, ...]
+    values: Floats
+    source: str
+
+    def column(self, wanted: str) -> Floats:
+        """Values (T,) of a column by its name, or by its number from 1.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        if wanted in self.names:
+            return self.values[:, self.names.index(wanted)]
+        if wanted.isdecimal() and 1 <= int(wanted) <= len(self.names):
+            return self.values[:, int(wanted) - 1]
+        known = ", ".join(self.names[:SHOWN]) + (", ..." if len(self.names) > SHOWN else "")
+        raise InputError(
+            f"column {wanted!r} is not in {self.source}, expected one of its {len(self.names)}: "
+            f"{known}"
+        )
+
+    def columns(self, wanted: str) -> Floats:
+        """Values (T, N) of columns such as "force_z", "fx,fy,fz" or "3-282"."""
+        found: list[Floats] = []
+        for each in wanted.split(","):
+            first, dash, last = each.partition("-")
+            if dash and first.isdecimal() and (last.isdecimal() or not last):
+                end = int(last) if last else len(self.names)
+                found += [self.column(str(number)) for number in range(int(first), end + 1)]
+            else:
+                found.append(self.column(each.strip()))
+        return np.column_stack(found)
+
+    def time(self, wanted: str | None = None) -> Floats | None:
+        """Seconds (T,) of a column, or of the one that is named like a time; None without any.
+
+        Raises
+        ------
+        InputError
+            If the column is none, or its times do not rise as those of a skin do.
+        """
+        name = wanted or next((name for name in self.names if name in TIMES), None)
+        if name is None:
+            return None
+        seconds = self.column(name) * TIMES.get(name, 1.0)
+        step = float(np.nanmedian(np.diff(seconds))) if len(seconds) > 1 else 1e-2
+        if not 1e-5 <= step <= 10.0:
+            raise InputError(
+                f"column {name!r} of {self.source} goes on by {step:g} from row to row, expected "
+                "seconds of a sensor, 0.00001 to 10 s: are they milliseconds? name it time_ms"
+            )
+        return seconds
+
+
+def is_numbers(text: str) -> bool:
+    """Whether a file's name is one of `read_numbers`."""
+    return Path(_parted(text)[0]).suffix.lower() in ENDINGS
+
+
+def read_numbers(text: str) -> Numbers:
+    """Read a table of numbers; see above for how files and what is in them are named.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, or holds no table of numbers.
+    """
+    name, inside = _parted(text)
+    path = Path(name)
+    kind = path.suffix.lower()
+    if kind not in ENDINGS:
+        raise FileError(f"{name} ends in {kind!r}, expected one of {', '.join(ENDINGS)}")
+    try:
+        if kind in (".csv", ".txt"):
+            return _of_text(path)
+        values = _of_arrays(_arrays(path, kind), inside, name)
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(f"{name} cannot be read: {error.strerror or error}") from error
+    except Exception as error:  # SciPy, NumPy and zipfile raise all kinds on garbage
+        raise FileError(f"{name} holds no numbers that can be read: {error}") from error
+    return Numbers(tuple(str(k + 1) for k in range(values.shape[1])), values, text)
+
+
+def _parted(text: str) -> tuple[str, str]:
+    """A file's name, and the name of what is in it."""
+    head, colon, inside = text.rpartition(":")
+    return (head, inside) if colon and Path(head).suffix.lower() in ENDINGS else (text, "")
+
+
+def _of_text(path: Path) -> Numbers:
+    lines = [line for line in path.read_text("utf-8-sig").splitlines() if line.strip()]
+    lines = [line for line in lines if not line.lstrip().startswith(("#", "%"))]
+    if not lines:
+        raise FileError(f"{path} is empty, expected a line of names above lines of numbers")
+    delimiter = next((each for each in (",", ";", "\t") if each in lines[0]), None)
+    rows = list(csv.reader(lines, delimiter=delimiter)) if delimiter else [r.split() for r in lines]
+    head = [each.strip() for each in rows[0]]
+    named = not all(map(_is_number, head))
+    names = tuple(head) if named else tuple(str(k + 1) for k in range(len(head)))
+    values = np.full((len(rows) - named, len(names)), np.nan)
+    for place, row in enumerate(rows[named:]):
+        if len(row) != len(names):
+            raise FileError(
+                f"{path}: row {place + 1} has {len(row)} values, expected {len(names)} as its "
+                "first line"
+            )
+        for column, each in enumerate(row):
+            if each.strip() and not _is_number(each):
+                raise FileError(f"{path}: row {place + 1} holds {each[:20]!r}, expected a number")
+            values[place, column] = float(each) if each.strip() else np.nan
+    return Numbers(names, values, str(path))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _arrays(path: Path, kind: str) -> Mapping[str, Any]:
+    if kind == ".npy":
+        return {"": np.load(path, allow_pickle=False)}
+    if kind == ".npz":
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    with path.open("rb") as file:
+        if file.read(8)[1:4] == b"HDF":
+            raise FileError(
+                f"{path} is a MATLAB file of version 7.3, expected an older one: in MATLAB, "
+                "save(name, '-v7')"
+            )
+    from scipy.io import loadmat
+
+    content = loadmat(path, squeeze_me=True, struct_as_record=False)
+    return {name: value for name, value in content.items() if not name.startswith("__")}
+
+
+def _of_arrays(content: Mapping[str, Any], inside: str, name: str) -> Floats:
+    """The array of a name, or the only one, as (T, C)."""
+    found = _flat(content)
+    if inside in found:
+        chosen = found[inside]
+    elif not inside and len(found) == 1:
+        chosen = next(iter(found.values()))
+    else:
+        known = ", ".join(sorted(found)[:SHOWN])
+        raise FileError(
+            f"{name} holds {known or 'no array'}, expected "
+            + (f"{inside!r} among them" if inside else f"one named so: {name}:NAME")
+        )
+    return np.array(chosen.reshape(len(chosen), -1), np.float64)
+
+
+def _flat(content: Mapping[str, Any], before: str = "") -> dict[str, NDArray[Any]]:
+    """Arrays of numbers by their names, those in structs as struct.field."""
+    found: dict[str, NDArray[Any]] = {}
+    for name, value in content.items():
+        if hasattr(value, "_fieldnames"):
+            fields = {each: getattr(value, each) for each in value._fieldnames}
+            found |= _flat(fields, f"{before}{name}.")
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "iufb" and value.ndim >= 1:
+            found[f"{before}{name}"] = value
+    return found
