@@ -1,81 +1,88 @@
-"""Tables of presses for any thickness and Poisson's ratio, interpolated between nodes.
+"""What balls do to a layer of any thickness and Poisson's ratio, interpolated between nodes.
 
-In thicknesses, readings depend on the pad's size and on Poisson's ratio alone, and smoothly: three
-nodes in each are enough. A table is made when it is first needed, and kept on disk.
+In thicknesses, readings depend on the pad's size and on Poisson's ratio alone. They are analytic in
+both, so polynomials through Chebyshev nodes converge fast (Trefethen 2019, Approximation Theory and
+Approximation Practice, chapter 8); near 0.5, where a thin layer turns from compressible to
+incompressible within a few hundredths, those of the logarithm of 1 - 2ν and a bit.
 """
 
-import hashlib
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from skinfield.compiled import cache_folder
 from skinfield.elastic import BondedLayer, Layer, Physics, Quantity
 from skinfield.errors import Floats
 from skinfield.solve.atoms.table import BALL, Tables, tabulate
 
-LOG_STEP = 0.25  # of ln thickness, from node to node
-RATIOS = (0.1, 0.2, 0.3, 0.37, 0.42, 0.46, 0.485, 0.5)
-BOUNDS = (0.2, 3.0)  # thicknesses: radii of contact
+RADII = (0.2, 4.0)  # of contacts, in thicknesses
+RATIOS = (0.2, 0.5)  # Poisson's
+RATIO_NODES = 6
+WIDE, NARROW = (0.6, 5), (0.15, 3)  # of ln thickness: half the range, and nodes
+BIT = 0.1
 
 
 class PressTables:
-    """What balls do to a layer of any thickness and Poisson's ratio.
+    """Tables of balls about one thickness.
 
     Parameters
     ----------
     layer : Layer
-        Of the nominal thickness, about which the nodes stand.
+        Of the thickness in the middle.
     quantity : Quantity
     pad_diameter : float, m
     cover : bool
-        Whether it lies under an inextensible cover.
+        Whether an inextensible cover lies on it.
+    half_range : float
+        Of ln thickness, that the tables are good for.
+    nodes : int
+        In it.
     """
 
     def __init__(
-        self, layer: Layer, quantity: Quantity, pad_diameter: float, cover: bool = False
+        self,
+        layer: Layer,
+        quantity: Quantity,
+        pad_diameter: float,
+        cover: bool,
+        half_range: float = WIDE[0],
+        nodes: int = WIDE[1],
     ) -> None:
-        self._physics = Physics(layer, BondedLayer(cover), quantity, pad_diameter)
-        self._known: dict[tuple[int, int], Tables] = {}
+        self.layer, self.cover, self.pad_radius = layer, cover, pad_diameter / 2.0
+        middle = float(np.log(layer.thickness))
+        self.range = middle - half_range, middle + half_range
+        self._logs = chebyshev(*self.range, nodes)
+        self._bends = chebyshev(_bend(RATIOS[1]), _bend(RATIOS[0]), RATIO_NODES)
+        mechanics = BondedLayer(cover)
+        each = []
+        for log in self._logs:
+            for ratio in 0.5 * (1.0 + BIT - np.exp(self._bends)):
+                skin = replace(layer, thickness=float(np.exp(log)), poisson_ratio=float(ratio))
+                physics = Physics(skin, mechanics, quantity, pad_diameter)
+                each.append(tabulate(physics, (BALL,), RADII))
+        reach = min(table.coefficients.shape[3] for table in each)
+        self._first = each[0]
+        self._values = np.array([table.coefficients[..., :reach] for table in each])
+        self._strains = np.array([table.strain for table in each])
 
     def at(self, log_thickness: float, ratio: float) -> Tables:
-        """Table for ln(thickness/m) and Poisson's ratio, quadratic between nodes."""
-        place = (log_thickness - np.log(self._physics.layer.thickness)) / LOG_STEP
-        middle = round(place)
-        steps = np.arange(middle - 1, middle + 2)
-        nearest = int(np.argmin(np.abs(np.array(RATIOS[1:-1]) - ratio))) + 1
-        ratios = range(nearest - 1, nearest + 2)
-        along = lagrange(steps.astype(float), place)
-        across = lagrange(np.array(RATIOS)[list(ratios)], ratio)
-        each = [self._node(int(step), index) for step in steps for index in ratios]
-        shares = np.outer(along, across).ravel()
-        reach = min(table.coefficients.shape[3] for table in each)
-        names = ("coefficients", "strain", "curvature")
-        mixed = {
-            name: np.ascontiguousarray(
-                sum(
-                    share * getattr(table, name)[..., : reach if name == names[0] else None]
-                    for share, table in zip(shares, each, strict=True)
-                )
-            )
-            for name in names
-        }
-        pad = self._physics.pad_diameter / 2 / float(np.exp(log_thickness))
-        return each[0]._replace(pad_radius=pad, **mixed)
+        """Table for ln(thickness/m) and Poisson's ratio."""
+        along = lagrange(self._logs, log_thickness)
+        share = np.outer(along, lagrange(self._bends, _bend(ratio))).ravel()
+        return self._first._replace(
+            coefficients=np.tensordot(share, self._values, 1),
+            strain=np.tensordot(share, self._strains, 1),
+            pad_radius=self.pad_radius / float(np.exp(log_thickness)),
+        )
 
-    def _node(self, step: int, index: int) -> Tables:
-        key = step, index
-        if key not in self._known:
-            base = self._physics.layer
-            layer = replace(
-                base,
-                thickness=base.thickness * float(np.exp(LOG_STEP * step)),
-                poisson_ratio=RATIOS[index],
-            )
-            self._known[key] = kept_table(replace(self._physics, layer=layer))
-        return self._known[key]
+
+def _bend(ratio: float) -> float:
+    return float(np.log(1.0 + BIT - 2.0 * ratio))
+
+
+def chebyshev(low: float, high: float, count: int) -> Floats:
+    """Chebyshev nodes (N,) of an interval."""
+    place = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    return np.asarray((low + high) / 2.0 + (high - low) / 2.0 * place)
 
 
 def lagrange(nodes: Floats, place: float) -> Floats:
@@ -87,18 +94,3 @@ def lagrange(nodes: Floats, place: float) -> Floats:
             for node, row in zip(nodes, others, strict=True)
         ]
     )
-
-
-def kept_table(physics: Physics) -> Tables:
-    """Table of balls, from disk where it was made before."""
-    folder = cache_folder(Path(__file__))
-    file = folder / f"{hashlib.sha256(repr(physics).encode()).hexdigest()[:16]}.npz"
-    with suppress(OSError, ValueError, KeyError, EOFError), np.load(file) as known:
-        arrays = [known[name] for name in Tables._fields]
-        return Tables(*arrays[:3], *(float(each) for each in arrays[3:]))
-    made = tabulate(physics, (BALL,), BOUNDS)
-    with suppress(OSError):
-        part = file.with_suffix(f".{id(made)}.npz")
-        np.savez(part, **made._asdict())
-        part.replace(file)  # at once: other processes see all of it, or none
-    return made
