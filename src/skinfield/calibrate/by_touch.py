@@ -12,21 +12,34 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.calibrate.press_tables import NARROW, PressTables
-from skinfield.calibrate.touch_fit import OWN, Data, JointFit, Normal, State, alone, read, start
+from skinfield.calibrate.touch_fit import (
+    ALONE,
+    OWN,
+    Data,
+    JointFit,
+    Normal,
+    Priors,
+    State,
+    alone,
+    read,
+    start,
+)
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity, check_skin
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.signal.noise import shared_noise
 from skinfield.skin import Patch
 
+import os
+DEBUG=os.environ.get('DBG')
 LEAST = 20  # presses
 SOME, MOST = 60, 400  # presses that choose the cover, and that are fitted at last
-LOUD = 20.0  # times the noise, that a press is read with by one taxel at least
+LOUD = 12.0  # times the noise, that a press is read with by one taxel at least
 RATIO = 0.47  # Poisson's, where the search begins: at 0.5 there is one way to go
 FIRST_ERROR = 0.1  # of the model, before anything is fitted
 ERRORS = np.geomspace(1e-3, 0.3, 40)  # of the model
 FAR = 3.0  # times the usual misfit, beyond which a press is none of one ball
-STAGES = 3
+STAGES = 6
 FORCE_ERROR = 0.01  # of a force that a press is known by
 
 
@@ -237,6 +250,7 @@ class _Fit:
     state: State  # of the presses that are kept
     kept: NDArray[np.bool_]
     error: float
+    priors: Priors
     normal: Normal
     likelihood: Floats  # logarithm, of each press
 
@@ -257,32 +271,41 @@ def _fitted(patch: Patch, data: Data, layer: Layer, nominal: Floats) -> _Fit:
         skin, centre = best.state.skin, best.state.skin[0]
         near = replace(layer, thickness=float(np.exp(centre)))
         tables = PressTables(near, data.quantity, patch.pad_diameter, best.tables.cover, *NARROW)
-        best = _stages(data, tables, nominal, skin, best.state.log_gain, best.error)
+        best = _stages(data, tables, nominal, skin, best.state.log_gain, best.error, best.priors)
         if abs(best.state.skin[0] - centre) < 0.9 * NARROW[0]:
             return best
 
 
 def _stages(
-    data: Data, tables: PressTables, nominal: Floats, skin: Floats, log_gain: Floats, error: float
+    data: Data,
+    tables: PressTables,
+    nominal: Floats,
+    skin: Floats,
+    log_gain: Floats,
+    error: float,
+    before: Priors | None = None,
 ) -> _Fit:
     state = State(np.empty((len(data.readings), OWN)), skin, log_gain)
     state = replace(state, touches=start(data, tables, state, error))
+    priors = before or Priors.wide(nominal, np.median(state.touches[:, 2:], axis=0))
     for _ in range(STAGES):
-        touches, _ = alone(data, tables, state, error)
+        touches, _ = alone(data, tables, state, data.weight(error), priors, ALONE)
         state = replace(state, touches=touches)
         misfit = _squares(data, tables, state, error)
         kept = misfit < FAR * np.median(misfit)
-        fit = JointFit(data.only(kept), tables, nominal, error)
+        fit = JointFit(data.only(kept), tables, priors, error)
         part = fit.run(replace(state, touches=touches[kept]))
+        priors = priors.updated(part, fit.normal(part))
         touches = touches.copy()
         touches[kept] = part.touches
         state = replace(part, touches=touches)
         error = _model_error(data.only(kept), tables, part)
+        if DEBUG: print('  h',np.exp(part.skin[0])*1e3,part.skin[1],'err',error,'kept',kept.sum(),len(kept),'gs',priors.gain_std,np.linalg.inv(priors.precision).round(4).tolist(),'chi2',(_squares(data.only(kept),tables,part,error)).mean(),tables.cover,flush=True)
     squares = _squares(data, tables, state, error) * data.heard.sum(axis=1)
     spread = np.where(data.heard, np.log(data.variance(error)), 0.0)
     likelihood = -0.5 * (squares + spread.sum(axis=1))
-    last = JointFit(data.only(kept), tables, nominal, error)
-    return _Fit(tables, part, kept, error, last.normal(part), likelihood)
+    last = JointFit(data.only(kept), tables, priors, error)
+    return _Fit(tables, part, kept, error, priors, last.normal(part), likelihood)
 
 
 def _rest(data: Data, tables: PressTables, state: State) -> Floats:

@@ -8,6 +8,7 @@ predicted of them, so that least squares stay least squares from step to step.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,11 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.atom_readings import predict
 
 OWN, SHARED = 4, 2
-GAIN_STD = 0.15  # of ln gain, before any press
+GAIN_STD, GAIN_LEAST = 0.15, 0.01  # of ln gain, before any press, and after
 THICKNESS_STD = 0.5  # of ln thickness
 RATIO_STD = 0.15
-FORCE_STD, RADIUS_STD = 3.0, 0.8  # of ln force and ln radius, about the presses' medians
-PLACE_STD = 0.1  # m, about where a press started
+FORCE_STD, RADIUS_STD = 3.0, 0.8  # of ln force and ln radius, before any press
+PLACE_STD = 1.0  # m
 COMMON = 1e-5  # to which the mean of ln gains is 0
 BESIDE = 0.03  # part of the highest reading that the model error is a part of anywhere
 STEP = np.array([0.02, 0.004])  # for derivatives by ln thickness and Poisson's ratio
@@ -30,8 +31,9 @@ STARTS = (0.35, 0.7, 1.4)  # radii of contact in thicknesses
 PEAK = 0.15  # of the highest reading, above which taxels tell the place
 LONGEST = np.array([3e-3, 3e-3, 1.0, 0.5])  # step of a press
 LONGEST_SKIN = np.array([0.15, 0.03])
-ALONE, TOGETHER = 25, 40  # steps at most
-DONE = 1e-3  # gain in cost of the last step, per press
+ALONE, FOLLOW, TOGETHER = 25, 4, 40  # steps at most
+DONE = 1e-2  # gain in cost of the last step
+DAMPING = 1e-6  # to begin with: the valley between thickness, gains and forces is long and flat
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,13 +91,17 @@ class State:
 def read(
     tables: PressTables, touches: Floats, skin: Floats, taxels: Floats
 ) -> tuple[Floats, Floats]:
-    """Readings (T, L) of presses without gains, and derivatives (T, 4, L)."""
+    """Readings (T, L) of presses without gains, and derivatives (T, 4, L).
+
+    Beyond the radii that are tabulated, readings stay: smaller contacts look the same.
+    """
     thickness = float(np.exp(skin[0]))
     table, family = tables.at(skin[0], skin[1]), np.zeros(1, np.int64)
     atoms = np.zeros((len(touches), 1, 6))
     atoms[:, 0, :2] = touches[:, :2] / thickness
     atoms[:, 0, 2] = touches[:, 2]
-    atoms[:, 0, 3] = touches[:, 3] - skin[0]
+    wanted = touches[:, 3] - skin[0]
+    atoms[:, 0, 3] = np.clip(wanted, *np.log(RADII))
     places = np.ascontiguousarray(taxels / thickness)
     out, slopes = np.empty((len(touches), len(taxels))), np.empty((len(touches), OWN, len(taxels)))
     room = np.empty((1, 6, len(taxels)))
@@ -103,7 +109,65 @@ def read(
         predict(atom, family, places, table, out[row], room)
         slopes[row] = room[0, :OWN]
     slopes[:, :2] /= thickness
+    slopes[atoms[:, 0, 3] != wanted, 3] = 0.0
     return out, slopes
+
+
+@dataclass(frozen=True, eq=False)
+class Priors:
+    """What gains and presses are like, as those of this skin show (empirical Bayes).
+
+    Attributes
+    ----------
+    skin : (2,) array
+        ln thickness and Poisson's ratio, in the middle.
+    gain_std : float
+        Of ln gain.
+    centre : (2,) array, or (T, 2)
+        Of ln force and ln radius.
+    precision : (2, 2) array
+        Inverse of their covariance.
+    """
+
+    skin: Floats
+    gain_std: float
+    centre: Floats
+    precision: Floats
+
+    @classmethod
+    def wide(cls, skin: Floats, centre: Floats) -> "Priors":
+        """Before presses have shown anything."""
+        return cls(skin, GAIN_STD, centre, np.diag([FORCE_STD**-2.0, RADIUS_STD**-2.0]))
+
+    @cached_property
+    def block(self) -> Floats:
+        """Information (4, 4) on each press."""
+        block = np.eye(OWN) / PLACE_STD**2
+        block[2:, 2:] = self.precision
+        return block
+
+    def pull(self, touches: Floats) -> Floats:
+        """By which presses (T, 4) are drawn to what is usual."""
+        out = np.zeros_like(touches)
+        out[:, 2:] = (self.centre - touches[:, 2:]) @ self.precision
+        return out
+
+    def squares(self, touches: Floats) -> Floats:
+        """Of each press's distance (T,) from what is usual, in deviations."""
+        off = touches[:, 2:] - self.centre
+        return np.asarray(((off @ self.precision) * off).sum(axis=1))
+
+    def updated(self, state: State, normal: "Normal") -> "Priors":
+        """As the most likely ones are, given a fit with these (Dempster, Laird and Rubin 1977)."""
+        spread = np.linalg.inv(normal.schur)
+        gains = state.log_gain**2 + np.diag(spread)[SHARED:]
+        centre = state.touches[:, 2:].mean(axis=0)
+        off = state.touches[:, 2:] - centre
+        joint = normal.coupling[:, :, 2:]
+        own = normal.own[:, 2:, 2:] + joint.transpose(0, 2, 1) @ spread @ joint
+        covariance = (off.T @ off) / len(off) + own.mean(axis=0)
+        gain_std = max(float(np.sqrt(gains.mean())), GAIN_LEAST)
+        return Priors(self.skin, gain_std, centre, np.linalg.inv(covariance))
 
 
 def start(data: Data, tables: PressTables, state: State, error: float) -> Floats:
@@ -124,51 +188,46 @@ def start(data: Data, tables: PressTables, state: State, error: float) -> Floats
             found = read(tables, touches, state.skin, data.taxels)[0].max(axis=1)
             found = np.maximum(linear(found, np.empty_like(found)), 1e-9 * wanted)
             touches[:, 2] += np.clip(np.log(wanted / found), -5.0, 5.0)
-        tried.append(alone(data, tables, replace(state, touches=touches), error))
+        begin, priors = replace(state, touches=touches), Priors.wide(state.skin, touches[:, 2:])
+        tried.append(alone(data, tables, begin, data.weight(error), priors, ALONE))
     best = np.argmin([cost for _, cost in tried], axis=0)
     return np.array([touches for touches, _ in tried])[best, rows]
 
 
-def alone(data: Data, tables: PressTables, state: State, error: float) -> tuple[Floats, Floats]:
+def alone(
+    data: Data, tables: PressTables, state: State, weight: Floats, priors: "Priors", steps: int
+) -> tuple[Floats, Floats]:
     """Refine each press for itself; the presses (T, 4), and their costs (T,)."""
-    weight, gain = data.weight(error), np.exp(state.log_gain)
-    prior = np.array([PLACE_STD, PLACE_STD, FORCE_STD, RADIUS_STD]) ** -2.0
-    touches = centre = state.touches
-    damping = np.full(len(touches), 1e-2)
+    gain, touches = np.exp(state.log_gain), state.touches
+    damping = np.full(len(touches), DAMPING)
 
     def cost_of(touches: Floats) -> tuple[Floats, Floats, Floats]:
         predicted, slopes = read(tables, touches, state.skin, data.taxels)
         rest = data.readings - gain * predicted
-        square = (weight * rest**2).sum(axis=1) + ((touches - centre) ** 2) @ prior
+        square = (weight * rest**2).sum(axis=1) + priors.squares(touches)
         return 0.5 * square, rest, gain * slopes
 
     costs, rest, slopes = cost_of(touches)
-    for _ in range(ALONE):
-        hessian = _blocks(slopes, weight) + np.diag(prior)
-        downhill = np.einsum("til,tl->ti", slopes, weight * rest) - prior * (touches - centre)
+    for _ in range(steps):
+        hessian = _blocks(slopes, weight) + priors.block
+        downhill = np.einsum("til,tl->ti", slopes, weight * rest) + priors.pull(touches)
         np.einsum("tii->ti", hessian)[:] *= 1.0 + damping[:, None]
         step = np.linalg.solve(hessian, downhill[..., None])[..., 0]
-        tried = _moved(touches, step, state.skin)
+        tried = touches + np.clip(step, -LONGEST, LONGEST)
         new, new_rest, new_slopes = cost_of(tried)
         better = new < costs
         gained = np.where(better, costs - new, 0.0).max()
         touches = np.where(better[:, None], tried, touches)
         costs = np.where(better, new, costs)
         rest[better], slopes[better] = new_rest[better], new_slopes[better]
-        damping = np.where(better, damping * 0.3, np.minimum(damping * 5.0, 1e6))
-        if better.any() and gained < DONE:
+        damping = np.where(better, damping * 0.1, np.clip(damping * 10.0, 1e-3, 1e6))
+        if better.any() and gained < DONE / 10.0:
             break
     return touches, costs
 
 
 def _blocks(slopes: Floats, weight: Floats) -> Floats:
     return (slopes * weight[:, None]) @ slopes.transpose(0, 2, 1)
-
-
-def _moved(touches: Floats, step: Floats, skin: Floats) -> Floats:
-    moved = touches + np.clip(step, -LONGEST, LONGEST)
-    moved[:, 3] = np.clip(moved[:, 3], *(skin[0] + np.log(RADII)))
-    return moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,25 +260,23 @@ class JointFit:
     ----------
     data : Data
     tables : PressTables
-    nominal : (2,) array
-        ln thickness and Poisson's ratio about which the prior is.
+    priors : Priors
     error : float
         Part of what taxels read by which the model is wrong.
     """
 
-    def __init__(self, data: Data, tables: PressTables, nominal: Floats, error: float) -> None:
-        self.data, self.tables, self.nominal = data, tables, nominal
+    def __init__(self, data: Data, tables: PressTables, priors: Priors, error: float) -> None:
+        self.data, self.tables, self.priors = data, tables, priors
         self.weight = data.weight(error)
-        self._centre = np.zeros(2)
 
     def cost(self, state: State) -> float:
         """Half the weighted squares of residuals and of what priors say."""
         plain, _ = read(self.tables, state.touches, state.skin, self.data.taxels)
         rest = self.data.readings - plain * np.exp(state.log_gain)
-        away = (state.skin - self.nominal) / (THICKNESS_STD, RATIO_STD)
-        off = (state.touches[:, 2:] - self._centre) / (FORCE_STD, RADIUS_STD)
-        total = float((self.weight * rest**2).sum()) + float(away @ away) + float((off**2).sum())
-        return 0.5 * (total + float((state.log_gain**2).sum()) / GAIN_STD**2)
+        away = (state.skin - self.priors.skin) / (THICKNESS_STD, RATIO_STD)
+        total = float((self.weight * rest**2).sum()) + float(away @ away)
+        total += float(self.priors.squares(state.touches).sum())
+        return 0.5 * (total + float((state.log_gain**2).sum()) / self.priors.gain_std**2)
 
     def normal(self, state: State, damping: float = 0.0) -> Normal:
         """Normal equations at a state."""
@@ -228,10 +285,9 @@ class JointFit:
         predicted, slopes = plain * gain, slopes * gain
         rest = self.data.readings - predicted
         shared = self._skin_slopes(state) * gain  # (2, T, L)
-        prior = np.array([PLACE_STD, PLACE_STD, FORCE_STD, RADIUS_STD]) ** -2.0
-        hessian = _blocks(slopes, weight) + np.diag(prior)
-        pull = np.einsum("til,tl->ti", slopes, weight * rest)
-        pull[:, 2:] -= prior[2:] * (state.touches[:, 2:] - self._centre)
+        gain_prior = self.priors.gain_std**-2
+        hessian = _blocks(slopes, weight) + self.priors.block
+        pull = np.einsum("til,tl->ti", slopes, weight * rest) + self.priors.pull(state.touches)
         np.einsum("tii->ti", hessian)[:] *= 1.0 + damping
         own = np.linalg.inv(hessian)
         size, count = SHARED + len(gain), len(plain)
@@ -240,7 +296,7 @@ class JointFit:
         block[:2, 2:] = np.einsum("itl,tl->il", shared, weight * predicted)
         block[2:, :2] = block[:2, 2:].T
         diagonal = np.einsum("ii->i", block)
-        diagonal[2:] = (weight * predicted**2).sum(axis=0) + GAIN_STD**-2
+        diagonal[2:] = (weight * predicted**2).sum(axis=0) + gain_prior
         diagonal[:2] += np.array([THICKNESS_STD, RATIO_STD]) ** -2.0
         diagonal *= 1.0 + damping
         block[2:, 2:] += (COMMON * len(gain)) ** -2.0
@@ -252,8 +308,8 @@ class JointFit:
         schur = block - flat @ cross.transpose(1, 0, 2).reshape(size, -1).T
         downhill = np.empty(size)
         downhill[:2] = np.einsum("itl,tl->i", shared, weight * rest)
-        downhill[:2] -= (state.skin - self.nominal) / np.square([THICKNESS_STD, RATIO_STD])
-        downhill[2:] = (weight * rest * predicted).sum(axis=0) - state.log_gain / GAIN_STD**2
+        downhill[:2] -= (state.skin - self.priors.skin) / np.square([THICKNESS_STD, RATIO_STD])
+        downhill[2:] = (weight * rest * predicted).sum(axis=0) - state.log_gain * gain_prior
         downhill -= np.einsum("tij,tj->i", coupling, pull)
         return Normal((schur + schur.T) / 2.0, downhill, own, pull, coupling)
 
@@ -270,15 +326,31 @@ class JointFit:
         return np.array(out)
 
     def run(self, state: State, steps: int = TOGETHER) -> State:
-        """Go downhill (Levenberg 1944) until nothing is gained."""
-        self._centre = np.median(state.touches[:, 2:], axis=0)
-        damping, cost = 1e-3, self.cost(state)
+        """Go downhill (Levenberg 1944) until nothing is gained.
+
+        After each step presses follow what is shared: their valleys are curved, and a straight
+        step would leave them.
+        """
+        damping, cost = DAMPING, self.cost(state)
         for _ in range(steps):
             tried = self._step(state, self.normal(state, damping))
+            ends = [
+                alone(
+                    self.data,
+                    self.tables,
+                    replace(tried, touches=begin),
+                    self.weight,
+                    self.priors,
+                    FOLLOW,
+                )
+                for begin in (tried.touches, state.touches)
+            ]
+            better = ends[0][1] <= ends[1][1]
+            tried = replace(tried, touches=np.where(better[:, None], ends[0][0], ends[1][0]))
             new = self.cost(tried)
             if new < cost:
-                gained, state, cost, damping = cost - new, tried, new, damping * 0.2
-                if gained < DONE * len(state.touches):
+                gained, state, cost, damping = cost - new, tried, new, damping * 0.1
+                if gained < DONE and damping <= DAMPING:
                     break
             elif damping > 1e4:
                 break
@@ -303,4 +375,5 @@ class JointFit:
         own -= np.einsum("tij,i->tj", normal.coupling, step)
         skin = np.clip(state.skin + step[:SHARED], lows, highs)
         log_gain = state.log_gain + step[SHARED:]
-        return State(_moved(state.touches, own, skin), skin, log_gain - log_gain.mean())
+        touches = state.touches + np.clip(own, -LONGEST, LONGEST)
+        return State(touches, skin, log_gain - log_gain.mean())
