@@ -40,6 +40,7 @@ FIRST_ERROR = 0.1  # of the model, before anything is fitted
 ERRORS = np.geomspace(1e-3, 0.3, 40)  # of the model
 FAR = 3.0  # times the usual misfit, beyond which a press is none of one ball
 STAGES = 6
+SLOWLY = 0.3  # of the model error, to which it falls at most from stage to stage
 FORCE_ERROR = 0.01  # of a force that a press is known by
 
 
@@ -271,7 +272,7 @@ def _fitted(patch: Patch, data: Data, layer: Layer, nominal: Floats) -> _Fit:
         skin, centre = best.state.skin, best.state.skin[0]
         near = replace(layer, thickness=float(np.exp(centre)))
         tables = PressTables(near, data.quantity, patch.pad_diameter, best.tables.cover, *NARROW)
-        best = _stages(data, tables, nominal, skin, best.state.log_gain, best.error, best.priors)
+        best = _stages(data, tables, nominal, skin, best.state.log_gain, 0.03, best.priors)
         if abs(best.state.skin[0] - centre) < 0.9 * NARROW[0]:
             return best
 
@@ -289,7 +290,12 @@ def _stages(
     state = replace(state, touches=start(data, tables, state, error))
     priors = before or Priors.wide(nominal, np.median(state.touches[:, 2:], axis=0))
     for _ in range(STAGES):
-        touches, _ = alone(data, tables, state, data.weight(error), priors, ALONE)
+        afresh = replace(state, touches=start(data, tables, state, error))
+        ends = [
+            alone(data, tables, each, data.weight(error), priors, ALONE) for each in (state, afresh)
+        ]
+        better = ends[0][1] <= ends[1][1]
+        touches = np.where(better[:, None], ends[0][0], ends[1][0])
         state = replace(state, touches=touches)
         misfit = _squares(data, tables, state, error)
         kept = misfit < FAR * np.median(misfit)
@@ -299,7 +305,7 @@ def _stages(
         touches = touches.copy()
         touches[kept] = part.touches
         state = replace(part, touches=touches)
-        error = _model_error(data.only(kept), tables, part)
+        error = max(_model_error(data.only(kept), tables, part), SLOWLY * error)
         if DEBUG: print('  h',np.exp(part.skin[0])*1e3,part.skin[1],'err',error,'kept',kept.sum(),len(kept),'gs',priors.gain_std,np.linalg.inv(priors.precision).round(4).tolist(),'chi2',(_squares(data.only(kept),tables,part,error)).mean(),tables.cover,flush=True)
     squares = _squares(data, tables, state, error) * data.heard.sum(axis=1)
     spread = np.where(data.heard, np.log(data.variance(error)), 0.0)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from skinfield.calibrate.press_tables import RADII, RATIOS, PressTables
 from skinfield.elastic import Quantity
@@ -28,6 +29,8 @@ COMMON = 1e-5  # to which the mean of ln gains is 0
 BESIDE = 0.03  # part of the highest reading that the model error is a part of anywhere
 STEP = np.array([0.02, 0.004])  # for derivatives by ln thickness and Poisson's ratio
 STARTS = (0.35, 0.7, 1.4)  # radii of contact in thicknesses
+AROUND, AWAY = 12, (0.3, 0.6, 0.9)  # places about the highest reading: in directions, and pitches
+MATCHES, REFINED = 2, 8
 PEAK = 0.15  # of the highest reading, above which taxels tell the place
 LONGEST = np.array([3e-3, 3e-3, 1.0, 0.5])  # step of a press
 LONGEST_SKIN = np.array([0.15, 0.03])
@@ -171,27 +174,53 @@ class Priors:
 
 
 def start(data: Data, tables: PressTables, state: State, error: float) -> Floats:
-    """Each press for itself (T, 4), from several radii, for a skin that is taken to be known."""
-    rows = np.arange(len(data.readings))
+    """Each press for itself (T, 4), for a skin that is taken to be known.
+
+    Readings have many minima between and beside taxels: the best of many places and radii, by the
+    force that explains most, are refined.
+    """
+    rows, weight = np.arange(len(data.readings)), data.weight(error)
     peak = np.argmax(np.where(data.heard, data.readings, -np.inf), axis=1)
-    top = data.readings[rows, peak]
-    weight = np.where(data.heard, np.maximum(data.readings - PEAK * top[:, None], 0.0), 0.0)
-    middle = weight @ data.taxels / weight.sum(axis=1, keepdims=True)
-    linear = data.quantity.linearise
-    wanted = linear(top, np.empty_like(top))
-    tried = []
+    above = np.maximum(data.readings - PEAK * data.readings[rows, peak, None], 0.0)
+    above = np.where(data.heard, above, 0.0)
+    middle = above @ data.taxels / above.sum(axis=1, keepdims=True)
+    pitch = float(np.median(cKDTree(data.taxels).query(data.taxels, 2)[0][:, 1]))
+    angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    circle = pitch * np.column_stack([np.cos(angles), np.sin(angles)])
+    away = np.concatenate([np.zeros((1, 2)), *(part * circle for part in AWAY)])
+    places = [middle, *(data.taxels[peak] + offset for offset in away)]
+    tried, costs = [], []
     for radius in STARTS:
-        touches = np.empty((len(middle), OWN))
-        touches[:, :2] = 0.5 * (middle + data.taxels[peak])
-        touches[:, 2], touches[:, 3] = -1.0, state.skin[0] + np.log(radius)
-        for _ in range(6):
-            found = read(tables, touches, state.skin, data.taxels)[0].max(axis=1)
-            found = np.maximum(linear(found, np.empty_like(found)), 1e-9 * wanted)
-            touches[:, 2] += np.clip(np.log(wanted / found), -5.0, 5.0)
+        for place in places:
+            touches, cost = _matched(data, tables, state, weight, place, np.log(radius))
+            tried.append(touches)
+            costs.append(cost)
+    best = np.argsort(costs, axis=0)[:REFINED]
+    ends = []
+    for order in best:
+        touches = np.array(tried)[order, rows]
         begin, priors = replace(state, touches=touches), Priors.wide(state.skin, touches[:, 2:])
-        tried.append(alone(data, tables, begin, data.weight(error), priors, ALONE))
-    best = np.argmin([cost for _, cost in tried], axis=0)
-    return np.array([touches for touches, _ in tried])[best, rows]
+        ends.append(alone(data, tables, begin, weight, priors, ALONE))
+    winner = np.argmin([cost for _, cost in ends], axis=0)
+    return np.array([touches for touches, _ in ends])[winner, rows]
+
+
+def _matched(
+    data: Data, tables: PressTables, state: State, weight: Floats, place: Floats, radius: float
+) -> tuple[Floats, Floats]:
+    """Presses (T, 4) at places with the force that explains most, and what is left (T,)."""
+    linear, gain = data.quantity.linearise, np.exp(state.log_gain)
+    wanted = linear(data.readings, np.empty_like(data.readings))
+    touches = np.empty((len(place), OWN))
+    touches[:, :2], touches[:, 2], touches[:, 3] = place, -2.0, state.skin[0] + radius
+    for _ in range(MATCHES):
+        found = gain * read(tables, touches, state.skin, data.taxels)[0]
+        found = linear(found, np.empty_like(found))
+        size = np.maximum((weight * found**2).sum(axis=1), 1e-300)
+        factor = np.maximum((weight * found * wanted).sum(axis=1) / size, 1e-3)
+        touches[:, 2] += np.log(factor)
+    left = gain * read(tables, touches, state.skin, data.taxels)[0] - data.readings
+    return touches, (weight * left**2).sum(axis=1)
 
 
 def alone(
