@@ -13,15 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.calibrate.press_tables import NARROW, PressTables
 from skinfield.calibrate.touch_fit import (
-    ALONE,
     OWN,
     Data,
     JointFit,
     Normal,
     Priors,
     State,
-    alone,
     read,
+    refined,
     start,
 )
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity, check_skin
@@ -30,16 +29,14 @@ from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.signal.noise import shared_noise
 from skinfield.skin import Patch
 
-import os
-DEBUG=os.environ.get('DBG')
 LEAST = 20  # presses
 SOME, MOST = 60, 400  # presses that choose the cover, and that are fitted at last
 LOUD = 12.0  # times the noise, that a press is read with by one taxel at least
 RATIO = 0.47  # Poisson's, where the search begins: at 0.5 there is one way to go
-FIRST_ERROR = 0.1  # of the model, before anything is fitted
+FIRST_ERROR, NEXT_ERROR = 0.1, 0.03  # of the model, to begin with: of some presses, of all
 ERRORS = np.geomspace(1e-3, 0.3, 40)  # of the model
 FAR = 3.0  # times the usual misfit, beyond which a press is none of one ball
-STAGES = 6
+STAGES = 4
 SLOWLY = 0.3  # of the model error, to which it falls at most from stage to stage
 FORCE_ERROR = 0.01  # of a force that a press is known by
 
@@ -175,9 +172,7 @@ def touch(
     if (forces <= 0.0).any() or np.isinf(forces).any():
         raise InputError("known has a force of 0 or less, or infinity, expected N, or NaN")
     chosen = _presses(table, heard, noise, ~np.isnan(forces))
-    data = Data(
-        np.where(heard, table, 0.0)[chosen], heard[chosen], noise, patch.plane, quantity
-    )
+    data = Data(np.where(heard, table, 0.0)[chosen], heard[chosen], noise, patch.plane, quantity)
     nominal = np.array([np.log(layer.thickness), layer.poisson_ratio])
     fit = _fitted(patch, data, layer, nominal)
     state, kept, normal = fit.state, fit.kept, fit.normal
@@ -272,7 +267,7 @@ def _fitted(patch: Patch, data: Data, layer: Layer, nominal: Floats) -> _Fit:
         skin, centre = best.state.skin, best.state.skin[0]
         near = replace(layer, thickness=float(np.exp(centre)))
         tables = PressTables(near, data.quantity, patch.pad_diameter, best.tables.cover, *NARROW)
-        best = _stages(data, tables, nominal, skin, best.state.log_gain, 0.03, best.priors)
+        best = _stages(data, tables, nominal, skin, best.state.log_gain, NEXT_ERROR, best.priors)
         if abs(best.state.skin[0] - centre) < 0.9 * NARROW[0]:
             return best
 
@@ -286,27 +281,22 @@ def _stages(
     error: float,
     before: Priors | None = None,
 ) -> _Fit:
+    """Fit under a model error that falls to what is left, presses begun afresh each time."""
     state = State(np.empty((len(data.readings), OWN)), skin, log_gain)
     state = replace(state, touches=start(data, tables, state, error))
     priors = before or Priors.wide(nominal, np.median(state.touches[:, 2:], axis=0))
     for _ in range(STAGES):
         afresh = replace(state, touches=start(data, tables, state, error))
-        ends = [
-            alone(data, tables, each, data.weight(error), priors, ALONE) for each in (state, afresh)
-        ]
-        better = ends[0][1] <= ends[1][1]
-        touches = np.where(better[:, None], ends[0][0], ends[1][0])
-        state = replace(state, touches=touches)
+        state = refined(data, tables, [state, afresh], data.weight(error), priors)
         misfit = _squares(data, tables, state, error)
         kept = misfit < FAR * np.median(misfit)
         fit = JointFit(data.only(kept), tables, priors, error)
-        part = fit.run(replace(state, touches=touches[kept]))
+        part = fit.run(replace(state, touches=state.touches[kept]))
         priors = priors.updated(part, fit.normal(part))
-        touches = touches.copy()
+        touches = state.touches.copy()
         touches[kept] = part.touches
         state = replace(part, touches=touches)
         error = max(_model_error(data.only(kept), tables, part), SLOWLY * error)
-        if DEBUG: print('  h',np.exp(part.skin[0])*1e3,part.skin[1],'err',error,'kept',kept.sum(),len(kept),'gs',priors.gain_std,np.linalg.inv(priors.precision).round(4).tolist(),'chi2',(_squares(data.only(kept),tables,part,error)).mean(),tables.cover,flush=True)
     squares = _squares(data, tables, state, error) * data.heard.sum(axis=1)
     spread = np.where(data.heard, np.log(data.variance(error)), 0.0)
     likelihood = -0.5 * (squares + spread.sum(axis=1))
@@ -337,9 +327,7 @@ def _model_error(data: Data, tables: PressTables, state: State) -> float:
     return float(ERRORS[int(np.argmin(costs))])
 
 
-def _scale(
-    force: Floats, state: State, normal: Normal, spread: Floats
-) -> tuple[float, float]:
+def _scale(force: Floats, state: State, normal: Normal, spread: Floats) -> tuple[float, float]:
     """By which forces are larger than those found, and its standard deviation as a part."""
     which = ~np.isnan(force)
     share = 1.0 / (normal.own[which, 2, 2] + FORCE_ERROR**2)

@@ -196,13 +196,9 @@ def start(data: Data, tables: PressTables, state: State, error: float) -> Floats
             tried.append(touches)
             costs.append(cost)
     best = np.argsort(costs, axis=0)[:REFINED]
-    ends = []
-    for order in best:
-        touches = np.array(tried)[order, rows]
-        begin, priors = replace(state, touches=touches), Priors.wide(state.skin, touches[:, 2:])
-        ends.append(alone(data, tables, begin, weight, priors, ALONE))
-    winner = np.argmin([cost for _, cost in ends], axis=0)
-    return np.array([touches for touches, _ in ends])[winner, rows]
+    begins = [replace(state, touches=np.array(tried)[order, rows]) for order in best]
+    usual = Priors.wide(state.skin, begins[0].touches[:, 2:])
+    return refined(data, tables, begins, weight, usual).touches
 
 
 def _matched(
@@ -224,7 +220,7 @@ def _matched(
 
 
 def alone(
-    data: Data, tables: PressTables, state: State, weight: Floats, priors: "Priors", steps: int
+    data: Data, tables: PressTables, state: State, weight: Floats, priors: Priors, steps: int
 ) -> tuple[Floats, Floats]:
     """Refine each press for itself; the presses (T, 4), and their costs (T,)."""
     gain, touches = np.exp(state.log_gain), state.touches
@@ -253,6 +249,21 @@ def alone(
         if better.any() and gained < DONE / 10.0:
             break
     return touches, costs
+
+
+def refined(
+    data: Data,
+    tables: PressTables,
+    begins: list[State],
+    weight: Floats,
+    priors: Priors,
+    steps: int = ALONE,
+) -> State:
+    """Refine each press for itself, from the one of several beginnings that leads furthest down."""
+    ends = [alone(data, tables, begin, weight, priors, steps) for begin in begins]
+    best = np.argmin([cost for _, cost in ends], axis=0)
+    touches = np.array([touches for touches, _ in ends])[best, np.arange(len(best))]
+    return replace(begins[0], touches=touches)
 
 
 def _blocks(slopes: Floats, weight: Floats) -> Floats:
@@ -363,19 +374,8 @@ class JointFit:
         damping, cost = DAMPING, self.cost(state)
         for _ in range(steps):
             tried = self._step(state, self.normal(state, damping))
-            ends = [
-                alone(
-                    self.data,
-                    self.tables,
-                    replace(tried, touches=begin),
-                    self.weight,
-                    self.priors,
-                    FOLLOW,
-                )
-                for begin in (tried.touches, state.touches)
-            ]
-            better = ends[0][1] <= ends[1][1]
-            tried = replace(tried, touches=np.where(better[:, None], ends[0][0], ends[1][0]))
+            begins = [tried, replace(tried, touches=state.touches)]
+            tried = refined(self.data, self.tables, begins, self.weight, self.priors, FOLLOW)
             new = self.cost(tried)
             if new < cost:
                 gained, state, cost, damping = cost - new, tried, new, damping * 0.1
