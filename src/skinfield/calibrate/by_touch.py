@@ -176,7 +176,7 @@ def touch(
     nominal = np.array([np.log(layer.thickness), layer.poisson_ratio])
     fit = _fitted(patch, data, layer, nominal)
     state, kept, normal = fit.state, fit.kept, fit.normal
-    spread = np.linalg.inv(normal.schur)
+    spread = np.asarray(np.linalg.inv(normal.schur), np.float64)
     std = np.sqrt(np.diag(spread))
     modulus, modulus_std = layer.young_modulus, np.nan
     force = forces[chosen][kept]

@@ -180,7 +180,7 @@ def start(data: Data, tables: PressTables, state: State, error: float) -> Floats
     force that explains most, are refined.
     """
     rows, weight = np.arange(len(data.readings)), data.weight(error)
-    peak = np.argmax(np.where(data.heard, data.readings, -np.inf), axis=1)
+    peak = np.where(data.heard, data.readings, -np.inf).argmax(axis=1)
     above = np.maximum(data.readings - PEAK * data.readings[rows, peak, None], 0.0)
     above = np.where(data.heard, above, 0.0)
     middle = above @ data.taxels / above.sum(axis=1, keepdims=True)
@@ -329,7 +329,7 @@ class JointFit:
         hessian = _blocks(slopes, weight) + self.priors.block
         pull = np.einsum("til,tl->ti", slopes, weight * rest) + self.priors.pull(state.touches)
         np.einsum("tii->ti", hessian)[:] *= 1.0 + damping
-        own = np.linalg.inv(hessian)
+        own = np.asarray(np.linalg.inv(hessian), np.float64)
         size, count = SHARED + len(gain), len(plain)
         block = np.zeros((size, size))
         block[:2, :2] = np.einsum("itl,tl,jtl->ij", shared, weight, shared)
