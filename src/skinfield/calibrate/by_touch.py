@@ -26,10 +26,11 @@ from skinfield.calibrate.touch_fit import (
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity, check_skin
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.reconstruct.reconstructor import checked_readings
-from skinfield.signal.noise import shared_noise
+from skinfield.signal.noise import TOUCHED, shared_noise, usual_deviation
 from skinfield.skin import Patch
 
 LEAST = 20  # presses
+IDLE = 20  # readings, from which on they alone tell the noise
 SOME, MOST = 60, 400  # presses that choose the cover, and that are fitted at last
 LOUD = 12.0  # times the noise, that a press is read with by one taxel at least
 RATIO = 0.47  # Poisson's, where the search begins: at 0.5 there is one way to go
@@ -175,7 +176,7 @@ def touch(
     data = Data(np.where(heard, table, 0.0)[chosen], heard[chosen], noise, patch.plane, quantity)
     nominal = np.array([np.log(layer.thickness), layer.poisson_ratio])
     fit = _fitted(patch, data, layer, nominal)
-    state, kept, normal = fit.state, fit.kept, fit.normal
+    state, kept, normal = fit.state, fit.fitted, fit.normal
     spread = np.asarray(np.linalg.inv(normal.schur), np.float64)
     std = np.sqrt(np.diag(spread))
     modulus, modulus_std = layer.young_modulus, np.nan
@@ -210,7 +211,10 @@ def touch(
 
 def _noise(patch: Patch, table: Floats, noise_std: ArrayLike | None) -> Floats:
     if noise_std is None:
-        noise = shared_noise(table, patch.neighbours)
+        highest = np.nanmax(np.abs(table), axis=1, initial=0.0)
+        idle = highest < TOUCHED * usual_deviation(table)
+        quiet = table[idle] if idle.sum() >= IDLE else table
+        noise = shared_noise(quiet, patch.neighbours)
         noise = np.where(np.isnan(noise), np.nanmedian(noise), noise)
     else:
         noise = as_floats("noise_std", noise_std)
@@ -243,8 +247,8 @@ class _Fit:
     """Of one skin, with a cover or without."""
 
     tables: PressTables
-    state: State  # of the presses that are kept
-    kept: NDArray[np.bool_]
+    state: State  # of the presses that are fitted
+    fitted: NDArray[np.bool_]
     error: float
     priors: Priors
     normal: Normal
@@ -261,7 +265,7 @@ def _fitted(patch: Patch, data: Data, layer: Layer, nominal: Floats) -> _Fit:
     for cover in (False, True):
         tables = PressTables(layer, data.quantity, patch.pad_diameter, cover)
         tries.append(_stages(some, tables, nominal, skin, np.zeros(len(patch)), FIRST_ERROR))
-    both = tries[0].kept & tries[1].kept
+    both = tries[0].fitted & tries[1].fitted
     best = max(tries, key=lambda each: float(each.likelihood[both].sum()))
     while True:
         skin, centre = best.state.skin, best.state.skin[0]

@@ -1,4 +1,4 @@
-"""What balls do to a layer of any thickness and Poisson's ratio, interpolated between nodes.
+"""Tables of balls on a layer of any thickness and Poisson's ratio, between Chebyshev nodes.
 
 In thicknesses, readings depend on the pad's size and on Poisson's ratio alone. They are analytic in
 both, so polynomials through Chebyshev nodes converge fast (Trefethen 2019, Approximation Theory and

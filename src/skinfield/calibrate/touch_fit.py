@@ -184,7 +184,8 @@ def start(data: Data, tables: PressTables, state: State, error: float) -> Floats
     above = np.maximum(data.readings - PEAK * data.readings[rows, peak, None], 0.0)
     above = np.where(data.heard, above, 0.0)
     middle = above @ data.taxels / above.sum(axis=1, keepdims=True)
-    pitch = float(np.median(cKDTree(data.taxels).query(data.taxels, 2)[0][:, 1]))
+    apart, _ = cKDTree(data.taxels).query(data.taxels, [2])
+    pitch = float(np.median(apart))
     angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
     circle = pitch * np.column_stack([np.cos(angles), np.sin(angles)])
     away = np.concatenate([np.zeros((1, 2)), *(part * circle for part in AWAY)])
