@@ -20,8 +20,10 @@ from skinfield.estimate import (
 )
 from skinfield.estimate.finder import GridLevel, contacts_on, level_of
 from skinfield.estimate.live_contacts import LiveContacts
+from skinfield.signal.drift import Drift
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
+from skinfield.solve.atoms.fit_kernel import NOW
 from skinfield.solve.operator import Data
 
 NO_SHIFT: Floats = np.zeros(2)
@@ -194,6 +196,54 @@ class LinearFields(LinearOperator):
         return np.asarray(moved.reshape(3, -1).T, dtype=np.float64)
 
 
+class Followed:
+    """Memory of an operator from reading to reading: its own, and where taxels rest.
+
+    Where they rest is followed beside contacts; see `Drift`. A linear operator answers readings as
+    they are, and so does one that finds no contacts by itself.
+
+    Parameters
+    ----------
+    operator : Operator
+        Of all taxels.
+    """
+
+    def __init__(self, operator: Operator) -> None:
+        self.data: Any = operator.data()
+        noise = operator.model.noise_std
+        self.drift = None if self.data.rows is None else Drift(noise)
+        self._every = np.ones(len(noise), np.bool_)
+
+    def solve(
+        self,
+        operator: Operator,
+        reading: Floats,
+        valid: NDArray[np.bool_] | None,
+        stamp_ns: int,
+        end: int | None,
+    ) -> Solution:
+        """Answer a reading (L,) by a time, ns, less the rest of its taxels; then follow the rest.
+
+        The operator is that of the `valid` (L,) ones; None for all.
+        """
+        data, drift = self.data, self.drift
+        by = end if data.margin is None else data.margin.before(end)
+        if drift is None:
+            return operator.solve(reading, data, by)
+        solution: Solution = operator.solve(drift.take(reading, stamp_ns), data, by)
+        if data.count >= 0:  # else a field answers
+            fit, every = data.fit, self._every if valid is None else valid
+            predicted = fit.memory.predicted[NOW] if data.count else None
+            drift.learn(every, stamp_ns, predicted, fit.misfit, data.count)
+        return solution
+
+    def reset(self) -> None:
+        """Forget the readings before."""
+        self.data.reset()
+        if self.drift is not None:
+            self.drift.reset()
+
+
 class Plan:
     """What is prepared of a patch: an operator of all taxels, and of sets of them as they come.
 
@@ -234,7 +284,7 @@ class Plan:
         self.whole: Operator = operator
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
         self.find = FieldContacts(finder, grid, self._nodes)
-        self._spare: list[Data] = []  # of threads that are not at work
+        self._spare: list[Followed] = []  # of threads that are not at work
 
     def of(self, valid: NDArray[np.bool_]) -> Operator:
         """Operator of the valid taxels, (L,); it takes all readings."""
@@ -261,14 +311,13 @@ class Plan:
         """
         end, operator = until(deadline, start), self.of(valid)
         try:
-            data = self._spare.pop()
+            memory = self._spare.pop()
         except IndexError:
-            data = self.whole.data()
-        by = end if data.margin is None else data.margin.before(end)
-        solution = operator.solve(reading, data, by)
+            memory = Followed(self.whole)
+        solution, data = memory.solve(operator, reading, valid, int(stamp_ns), end), memory.data
         solved, solution = time.perf_counter_ns(), solution.keep()
         margin = data.margin if data.searched else None  # else it could not have been any earlier
-        self._spare.append(data)
+        self._spare.append(memory)
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
         parts = valid, self.grid, self.deformation, self.find, self._nodes
         estimate = Estimate.later(
@@ -293,18 +342,18 @@ class Plan:
         self, reading: Floats, out: NDArray[np.void], stamp_ns: int, deadline: float | None
     ) -> int:
         """Write the contacts of one reading (L,) into rows of `CONTACT`; how many there are."""
-        data, live, whitened, read = self._live
-        operator = self.whole if self._alive is None else self.of(self._alive)
+        memory, live, whitened, read = self._live
+        data, valid = memory.data, self._alive
+        operator = self.whole if valid is None else self.of(valid)
         end = None if deadline is None else until(deadline, time.perf_counter_ns())
-        by = end if data.margin is None else data.margin.before(end)
-        solution = operator.solve(reading, data, by)
+        solution = memory.solve(operator, reading, valid, stamp_ns, end)
         if data.rows is not None and data.count >= 0:
             return int(live.take(data.rows, data.count, NO_SHIFT, stamp_ns, out))
         np.multiply(solution.readings, whitened, out=read)
         return int(live(0, solution.pressure, stamp_ns, out, read))
 
     @cached_property
-    def _live(self) -> tuple[Data, LiveContacts, Floats, Floats]:
+    def _live(self) -> tuple["Followed", LiveContacts, Floats, Floats]:
         """Memory of `write`, how contacts become rows, one over the noise, and room."""
         if self._nodes is not None:
             raise InputError(
@@ -313,15 +362,15 @@ class Plan:
             )
         known, noise = self.whole, self.whole.model.noise_std
         live = LiveContacts([self.find.level(known)])
-        return known.data(), live, 1.0 / noise, np.zeros_like(noise)
+        return Followed(known), live, 1.0 / noise, np.zeros_like(noise)
 
     def reset(self) -> None:
         """Forget the readings before."""
-        for data in self._spare:
-            data.reset()
+        for memory in self._spare:
+            memory.reset()
         if "_live" in vars(self):
-            data, live, *_ = self._live
-            data.reset()
+            memory, live, *_ = self._live
+            memory.reset()
             live.reset()
 
     def run_in(self) -> None:

@@ -76,7 +76,7 @@ def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
     apart : (T, L) array
         From rest, drift removed; NaN where a taxel did not answer.
     neighbours : (P, 2) int array, optional
-        Pairs of taxels: values are left out where a neighbour is touched.
+        Pairs of taxels: values are left out where a taxel or a neighbour is touched.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def shared_noise(apart: Floats, neighbours: Neighbours | None = None) -> Floats:
     if not usual > 0.0:
         return np.where(there.any(axis=0), 0.0, np.nan)
     if neighbours is not None:
-        there &= ~touched_readings(apart, usual, neighbours)
+        there &= ~is_touched(apart, usual, neighbours)
     square = np.square(np.clip(np.nan_to_num(apart), -MOST * usual, MOST * usual))
     squares, count = np.sum(square, axis=0, where=there), there.sum(axis=0)
     patch = float(squares.sum() / max(count.sum(), 1))

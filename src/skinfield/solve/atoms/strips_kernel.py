@@ -4,9 +4,10 @@ A soft finger on a skin that reads unlike its model is several atoms, each of wh
 what the others are wrong by: their evidence says nothing of how many bodies touch. Where the
 readings stand out does: a finger, laid down or on its tip, is a strip as wide as a finger and at
 most as long. The strips are those that cover most taxels that are touched and fewest that are not,
-each at a price, one after the other (the greedy cover of Nemhauser, Wolsey and Fisher 1978). Atoms
-in one strip are one contact; atoms in none make up for readings below rest; and a strip without an
-atom is part of the nearest that is wide enough to read for both.
+one after the other (the greedy cover of Nemhauser, Wolsey and Fisher 1978): as many as the touched
+area says that there are fingers (see `fingers_kernel`), or, where it is no hand's, as are worth a
+price. Atoms in one strip are one contact; atoms in none make up for readings below rest; and a
+strip without an atom is part of the nearest that is wide enough to read for both.
 """
 
 from typing import NamedTuple
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.fingers_kernel import FingerClasses, count_fingers
 from skinfield.solve.atoms.fit_kernel import NOW, READINGS, FitMemory
 
 UNSURE = 0.1  # model error, from which on evidence does not say how many contacts there are
@@ -50,6 +52,7 @@ class Strips(NamedTuple):
     values : (2, L) array
     tables : (3, L) int array
     covered : (MOST * (MOST + 1) / 2, NEAR) bool array
+    hands : FingerClasses
     """
 
     half: float
@@ -60,6 +63,7 @@ class Strips(NamedTuple):
     values: Floats
     tables: Ints
     covered: NDArray[np.bool_]
+    hands: FingerClasses
 
     @classmethod
     def of(cls, places: Floats, thickness: float) -> "Strips":
@@ -68,12 +72,14 @@ class Strips(NamedTuple):
 
         count = len(places)
         nearest = np.asarray(cKDTree(places).query(places, min(2, count))[0]).reshape(count, -1)
-        half = max(HALF_WIDTH / thickness, LEAST_WIDTH * float(np.median(nearest[:, -1])))
+        pitch = float(np.median(nearest[:, -1]))
+        half = max(HALF_WIDTH / thickness, LEAST_WIDTH * pitch)
         room = np.zeros((MOST * (MOST + 1) // 2, NEAR), np.bool_)
         tables = np.zeros((2, count), np.int64)
         ends, middle, values = np.zeros((STRIPS, 4)), np.zeros((STRIPS, 3)), np.zeros((2, count))
         counts = np.zeros(2, np.int64)
-        return cls(half, LENGTH / thickness, ends, middle, counts, values, tables, room)
+        hands = FingerClasses.of(1e3 * thickness, pitch, MOST)
+        return cls(half, LENGTH / thickness, ends, middle, counts, values, tables, room, hands)
 
 
 @inner
@@ -127,9 +133,19 @@ def gather_touched(
 
 @inner
 def find_strips(
-    places: Floats, readings: Floats, offset: float, touched: int, near: int, strips: Strips
+    places: Floats,
+    readings: Floats,
+    offset: float,
+    touched: int,
+    near: int,
+    fingers: int,
+    strips: Strips,
 ) -> int:
-    """Write `ends` and `middle` of the strips that cover most of what is touched; how many."""
+    """Write `ends` and `middle` of the strips that cover most of what is touched; how many.
+
+    As many as there are fingers, as long as some cover more than they cost; 0 for any number of
+    those that are worth a price.
+    """
     taxels, worth, covered, ends = strips.tables[0], strips.values[0], strips.covered, strips.ends
     square, count = strips.half * strips.half, 0
     for i in range(touched):
@@ -142,8 +158,8 @@ def find_strips(
                 x, y = places[taxels[n], 0], places[taxels[n], 1]
                 is_in = apart <= strips.length**2 and square_away(x, y, ends[0]) < square
                 covered[row, n] = is_in
-    while count < len(ends):
-        best, won = -1, PRICE
+    while count < (min(fingers, len(ends)) if fingers else len(ends)):
+        best, won = -1, 0.0 if fingers else PRICE
         for row in range(touched * (touched + 1) // 2):
             total = 0.0
             for n in range(near):
@@ -209,7 +225,8 @@ def join_by_strips(
     touched, near = gather_touched(places, readings, offset, noise, strips)
     if touched == 0 or touched == MOST:  # no hand
         return False
-    found = find_strips(places, readings, offset, touched, near, strips)
+    fingers = count_fingers(places, readings, offset, strips.tables[0], touched, strips.hands)
+    found = find_strips(places, readings, offset, touched, near, fingers, strips)
     if count == 1 and found < 2:
         return False
     for n in range(count):

@@ -1,0 +1,116 @@
+"""Drift of rest, followed beside what touches."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.signal.drift import FOLLOWED, JUMP, USUAL, Drift
+
+NOISE, RATE = 2e-3, 50.0
+STEP_NS = int(1e9 / RATE)
+PATCH = sf.layouts.hexagon72()
+PLANE = np.asarray(PATCH.plane)
+LAYER = sf.Layer()
+
+
+def drift_of(taxels: int = 72) -> Drift:
+    """Of the patch's first taxels."""
+    return Drift(np.full(taxels, NOISE))
+
+
+def follow(drift: Drift, readings: np.ndarray, pattern: np.ndarray | None = None) -> np.ndarray:
+    """Readings (T, L) less their rest; with a contact that reads a pattern, if any."""
+    every, left = np.ones(readings.shape[1], np.bool_), np.zeros_like(readings)
+    for k, reading in enumerate(readings):
+        stamp = drift._stamp_ns + STEP_NS
+        known: tuple[Any, ...] = ()
+        if pattern is not None:
+            known = pattern if pattern.ndim == 1 else pattern[k], 0.01, 1
+        left[k] = drift.take(reading, stamp)
+        drift.learn(every, stamp, *known)
+    return left
+
+
+def walk(rng: np.random.Generator, readings: int, rms: float) -> np.ndarray:
+    """Random walks (T, L) that are this far off at the end, root mean square."""
+    return np.cumsum(rng.normal(0.0, rms / np.sqrt(readings), (readings, len(PATCH))), axis=0)
+
+
+def test_the_gain_becomes_that_of_a_steady_kalman_filter() -> None:
+    drift = drift_of(1)
+    follow(drift, np.zeros((4000, 1)))
+    walk_variance = (USUAL / FOLLOWED * NOISE) ** 2
+    before = 0.5 * (walk_variance + np.sqrt(walk_variance**2 + 4 * walk_variance * NOISE**2))
+    after = before * NOISE**2 / (before + NOISE**2)  # of the Riccati equation
+    assert drift.variance[0] == pytest.approx(after, rel=1e-3)
+
+
+def test_a_walk_is_followed_and_noise_alone_moves_little() -> None:
+    rng, readings = np.random.default_rng(1), int(60 * RATE)
+    noise = rng.normal(0.0, NOISE, (readings, len(PATCH)))
+    walked = walk(rng, readings, NOISE)
+    left = follow(drift_of(), walked + noise)[readings // 2 :]
+    assert (left - noise[readings // 2 :]).std() == pytest.approx(0.2 * NOISE, rel=0.4)
+    quiet = drift_of()
+    follow(quiet, noise)
+    assert 0.01 < quiet.rest.std() / NOISE < 0.1
+
+
+def test_a_jump_moves_the_rest_by_no_more_than_its_limit() -> None:
+    drift, other = drift_of(), drift_of()
+    follow(drift, np.zeros((500, 72)))
+    follow(other, np.zeros((500, 72)))
+    follow(drift, np.full((1, 72), 1.0))
+    follow(other, np.full((1, 72), JUMP * NOISE))
+    assert 0.0 < drift.rest[0] < 1.05 * other.rest[0] < 0.1 * NOISE
+
+
+def pattern() -> np.ndarray:
+    """What a ball of 1 N reads."""
+    ball = sf.simulate.Sphere(radius=6e-3, position=(-16e-3, 8e-3), force=1.0)
+    return np.asarray(sf.simulate.press(LAYER, [ball]).capacitance(PLANE, PATCH.pad_diameter))
+
+
+def test_what_rests_stays_while_taxels_drift() -> None:
+    rng, readings, touch = np.random.default_rng(2), int(300 * RATE), pattern()
+    ramp = np.linspace(0, 1, readings)[:, None] * rng.normal(0.0, 5e-3, len(PATCH))
+    noise = rng.normal(0.0, NOISE, ramp.shape)
+    drift = drift_of()
+    left = follow(drift, touch + ramp + noise, touch)[-200:].mean(axis=0)
+    assert left @ touch / (touch @ touch) == pytest.approx(1.0, abs=0.03)
+    assert np.abs(left - touch).max() < NOISE < 0.2 * np.abs(ramp[-1]).max()
+
+
+def test_a_touch_that_grows_or_moves_is_no_drift() -> None:
+    rng, touch = np.random.default_rng(3), pattern()
+    drift, readings = drift_of(), int(20 * RATE)
+    noise = rng.normal(0.0, NOISE, (readings, len(PATCH)))
+    follow(drift, touch + noise, touch)
+    growing = np.linspace(1, 2, readings)[:, None] * touch
+    grown = follow(drift, growing + noise, growing)[-50:]
+    assert grown.mean(axis=0) @ touch / (touch @ touch) == pytest.approx(1.975, abs=0.06)
+    moved = np.roll(touch, 6)  # another module reads it
+    left = follow(drift, moved + noise, moved)[-50:].mean(axis=0)
+    assert left @ moved / (moved @ moved) == pytest.approx(1.0, abs=0.06)
+
+
+def test_an_older_stamp_begins_anew() -> None:
+    drift = drift_of()
+    follow(drift, np.full((500, 72), NOISE))
+    assert drift.rest.all()
+    drift.take(np.zeros(72), 1)
+    assert not drift.rest.any()
+
+
+def test_an_idle_skin_that_drifts_is_silent_and_both_doors_agree() -> None:
+    rng, readings = np.random.default_rng(4), int(30 * RATE)
+    rec = sf.Reconstructor(PATCH, LAYER, noise_std=NOISE)
+    walked = walk(rng, readings, NOISE) + rng.normal(0.0, NOISE, (readings, len(PATCH)))
+    stamps = (np.arange(readings) + 1) * STEP_NS
+    found = [len(each) for each in rec(walked, stamp_ns=stamps).contacts]
+    assert np.mean(found) < 3e-3
+    rows = rec.rows()
+    other = [rec.into(row, rows, stamp_ns=int(t)) for row, t in zip(walked, stamps, strict=True)]
+    assert found == other
