@@ -41,9 +41,7 @@ def figures(places, readings, noise, strips, out):
     hands, taxels = strips.hands, strips.tables[0]
     apart = 1e3 * kernel.HANDS_APART / hands.unit
     count = min(kernel.number_parts(places, taxels, touched, apart, hands.parts[0]), len(out))
-    kernel.number_parts(
-        places, taxels, touched, kernel.ISLANDS_APART * hands.pitch, hands.parts[1]
-    )
+    kernel.number_parts(places, taxels, touched, kernel.ISLANDS_APART * hands.pitch, hands.parts[1])
     found = 0
     for hand in range(count):
         size = kernel.measure_hand(places, readings, 0.0, taxels, touched, hand, hands)

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from live_skins import REST, cycle_of, pressed_counts, settings
+from test_live_update import answered
 
 import skinfield as sf
 from skinfield.signal.drift import FOLLOWED, JUMP, USUAL, Drift
@@ -24,7 +26,7 @@ def follow(drift: Drift, readings: np.ndarray, pattern: np.ndarray | None = None
     """Readings (T, L) less their rest; with a contact that reads a pattern, if any."""
     every, left = np.ones(readings.shape[1], np.bool_), np.zeros_like(readings)
     for k, reading in enumerate(readings):
-        stamp = drift._stamp_ns + STEP_NS
+        stamp = int(drift._stamps[0]) + STEP_NS
         known: tuple[Any, ...] = ()
         if pattern is not None:
             known = pattern if pattern.ndim == 1 else pattern[k], 0.01, 1
@@ -114,3 +116,37 @@ def test_an_idle_skin_that_drifts_is_silent_and_both_doors_agree() -> None:
     rows = rec.rows()
     other = [rec.into(row, rows, stamp_ns=int(t)) for row, t in zip(walked, stamps, strict=True)]
     assert found == other
+
+
+def test_patches_that_nothing_touches_are_followed_alike_together_and_alone() -> None:
+    rng = np.random.default_rng(5)
+    noise = np.full(72, NOISE)
+    starts = np.array([0, 30, 72])
+    together, every = Drift(noise, starts), np.ones(72, np.bool_)
+    alone = Drift(noise[:30]), Drift(noise[30:])
+    for k in range(200):
+        reading, stamp = rng.normal(NOISE, NOISE, 72), (k + 1) * STEP_NS
+        together.take(reading)
+        together.learn_idle(every, np.array([True, k % 2 == 0]), np.array([stamp, stamp]))
+        for patch, each in enumerate(alone):
+            its = slice(*starts[patch : patch + 2])
+            if patch == 0 or k % 2 == 0:
+                each.take(reading[its], stamp)
+                each.learn(every[its], stamp)
+    assert together.rest == pytest.approx(np.concatenate([each.rest for each in alone]))
+    assert together.rest.mean() > 0.1 * NOISE
+
+
+def test_a_live_skin_that_drifts_is_silent_and_keeps_what_rests_on_it() -> None:
+    updater = cycle_of(settings())
+    rng, readings = np.random.default_rng(6), 3000  # 30 s at 100 Hz
+    drift = np.linspace(0.0, 1.0, readings)[:, None] * rng.normal(0.0, 1.0, 72)  # bytes
+    counts = REST + drift + rng.normal(0.0, 0.6, drift.shape)
+    idle = [slot.patches["contacts"][0] for slot in answered(updater, np.rint(counts))]
+    assert np.mean(idle) < 0.01
+    counts += pressed_counts(1.0) - REST
+    held = answered(updater, np.rint(counts))
+    force = np.array([slot.contacts[0, :8]["normal_force"].sum() for slot in held])
+    number = np.array([slot.patches["contacts"][0] for slot in held])
+    assert np.mean(number == 1) > 0.95
+    assert np.median(force[-200:]) == pytest.approx(np.median(force[100:300]), rel=0.05)

@@ -95,7 +95,7 @@ def test_fingers_on_their_tips_are_counted(fingers: int) -> None:
     rng = np.random.default_rng(fingers)
     found = np.array([fingers_of(tips(rng, fingers, (110.0, 55.0))) for _ in range(40)])
     assert abs(found.mean() - fingers) < 0.6
-    assert 0.35 < (found == fingers).mean()
+    assert (found == fingers).mean() > 0.35
 
 
 def test_the_unit_of_places_does_not_matter() -> None:

@@ -17,6 +17,7 @@ from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.signal import Channels, Convention
+from skinfield.signal.drift import Drift
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
 SURE = 6.0  # standard deviations, of boards that are noisier
@@ -60,7 +61,7 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
         each.begin_from(its[: row["contacts"]], int(row["stamp_ns"]))
 
 
-CONTACT_WORDS, IDLE = CONTACT.itemsize // 8, int(Answer.IDLE)
+CONTACT_WORDS, IDLE, FOUND = CONTACT.itemsize // 8, int(Answer.IDLE), int(Answer.CONTACTS)
 
 
 DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
@@ -106,6 +107,8 @@ class Updater:
         )
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
         self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
+        self._drift = Drift(baseline.noise_std, self._binding.starts)
+        self._idle, self._follows = np.zeros(patches, np.bool_), False
         known = model_config.quantity, model_config.layer, self._binding.unit
         strains, self._scale = quantity_scale(*known)
         self._how = int(update_kernel.STRAIN if strains else update_kernel.CHANGE)
@@ -141,6 +144,7 @@ class Updater:
         counted = self._binding.unit == "count"
         rounding = rounding_of(least, noise / DOUBT) if counted else np.zeros_like(noise)
         self._means.calibrate(noise, rounding)
+        self._drift.reset()
         self._smoothed_ns[:] = 0
 
     def _limits_of(self, known: Floats) -> tuple[float, float]:
@@ -216,6 +220,7 @@ class Updater:
         if reset:
             self.engine.reset()
             self._means.reset()
+            self._drift.reset()
             go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
@@ -236,12 +241,14 @@ class Updater:
 
     def _run(self, budget: float | None) -> None:
         """Answer what was taken in; of a touch that rests, contacts by the mean of its readings."""
-        if self._smoothing or not self.engine.finds_contacts:
+        self._follows = self.engine.finds_contacts and not self._smoothing
+        if not self._follows:
             self.engine.run(self._values, self._given, budget=budget)
             return
-        means = self._means
+        means, results = self._means, self.engine.results
+        left = self._drift.take(self._values)
         np.greater(self._kept.patches["answer"], IDLE, out=self._hot)
-        means.take(self._values, self._given, self._arrived, self._newest, self._hot)
+        means.take(left, self._given, self._arrived, self._newest, self._hot)
         self._kernel.doubt_neighbours(
             self._lacking,
             self._arrived,
@@ -251,6 +258,8 @@ class Updater:
             means.noise_std,
         )
         self.engine.run(means.values, self._given, means.noise_std, budget=budget)
+        np.equal(results.answer, IDLE, out=self._idle)
+        self._drift.learn_idle(self._given, self._idle, self._newest)
 
     def _take(self, channels: Channels, now_ns: int) -> int:
         """Read the newest counts of all taxels; how many patches have new ones."""
@@ -297,6 +306,10 @@ class Updater:
             if results.answer[patch] > IDLE:
                 pressure = results.pressure_of(patch)
                 kept.pressure[patch, : len(pressure)] = pressure
+            if self._follows and results.answer[patch] == FOUND:
+                its = slice(*self._binding.starts[patch : patch + 2])
+                known = self._given[its], int(self._newest[patch]), *results.explained_of(patch)
+                self._drift.learn(*known, patch)
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self._threshold:
@@ -331,6 +344,7 @@ class Updater:
         """Know of no reading and no contact."""
         self.engine.reset()
         self._means.reset()
+        self._drift.reset()
         self._smoothed_ns[:] = 0
         self._kept.patches[:] = np.zeros(1, PATCH)
         go_on_from(self._kept, self._contacts)

@@ -24,7 +24,6 @@ from skinfield.signal.drift import Drift
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.atoms.fit_kernel import NOW
-from skinfield.solve.operator import Data
 
 NO_SHIFT: Floats = np.zeros(2)
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
@@ -199,8 +198,8 @@ class LinearFields(LinearOperator):
 class Followed:
     """Memory of an operator from reading to reading: its own, and where taxels rest.
 
-    Where they rest is followed beside contacts; see `Drift`. A linear operator answers readings as
-    they are, and so does one that finds no contacts by itself.
+    Where they rest is followed beside contacts; see `Drift`. An operator that finds no contacts by
+    itself answers readings as they are, and so does one that starts each reading anew.
 
     Parameters
     ----------
@@ -211,7 +210,7 @@ class Followed:
     def __init__(self, operator: Operator) -> None:
         self.data: Any = operator.data()
         noise = operator.model.noise_std
-        self.drift = None if self.data.rows is None else Drift(noise)
+        self.drift = Drift(noise) if self.data.follows else None
         self._every = np.ones(len(noise), np.bool_)
 
     def solve(

@@ -9,6 +9,8 @@ A change that is too fast for one is another touch. Jumps are drawn in (Huber 19
 Mathematical Statistics 35, 73-101): they move nothing.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,6 +61,60 @@ def has_changed(
     return now > (1.0 + LAG * LAG) * spread or lately > own * spread + LAG * LAG * read
 
 
+@inner
+def seconds_since(before_ns: int, stamp_ns: int) -> float:
+    """From one reading to the next; as usual, where there is none before or no stamp."""
+    return 1e-9 * (stamp_ns - before_ns) if before_ns and stamp_ns != before_ns else USUAL
+
+
+@inner
+def draw_near(value: float, gain: float, step: float, most: float) -> float:
+    """A value moved by a step that is drawn in."""
+    return value + gain * min(max(step, -most), most)
+
+
+@njit
+def follow_idle(
+    left: Floats,
+    valid: Flags,
+    noise: Floats,
+    idle: Flags,
+    starts: Ints,
+    stamps: Ints,
+    stamps_before: Ints,
+    state: tuple[Floats, Floats, Floats, Floats, Ints],
+) -> None:
+    """`follow_rest` of all patches that nothing touches, as `idle` (P,) says.
+
+    Parameters
+    ----------
+    left, valid, noise : (L,) arrays
+        Of the taxels of all patches.
+    starts : (P + 1,) array
+        Where each patch's taxels begin.
+    stamps, stamps_before : (P,) arrays, ns
+        Of this reading, and the one before, which becomes this one.
+    state : tuple of arrays
+        Of all patches.
+    """
+    rest, variance, _, _, marks = state
+    for patch in range(len(idle)):
+        if not idle[patch]:
+            continue
+        seconds = seconds_since(stamps_before[patch], stamps[patch])
+        walk = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2
+        stamps_before[patch], marks[patch, 0] = stamps[patch], 0
+        for taxel in range(starts[patch], starts[patch + 1]):
+            own = noise[taxel] * noise[taxel]
+            variance[taxel] += walk * own
+            if valid[taxel]:
+                total = variance[taxel] + own
+                gain = variance[taxel] / total
+                most = JUMP * np.sqrt(total)
+                rest[taxel] = draw_near(rest[taxel], gain, left[taxel], most)
+                variance[taxel] *= 1.0 - gain
+
+
 @njit
 def follow_rest(
     left: Floats,
@@ -67,7 +123,8 @@ def follow_rest(
     predicted: Floats,
     misfit: float,
     contacts: int,
-    seconds: float,
+    stamp_ns: int,
+    before_ns: Ints,
     state: tuple[Floats, Floats, Floats, Floats, Ints],
 ) -> None:
     """Take a reading (L,), less the rest as it was, into the rest and its variance.
@@ -86,8 +143,8 @@ def follow_rest(
         What that may be wrong by, part of the highest.
     contacts : int
         That there are.
-    seconds : float
-        Since the reading before.
+    stamp_ns, before_ns : int and (1,) array, ns
+        Of this reading, and of the one before, which becomes this one.
     state : tuple of arrays
         Rest and variance; what is held and how far recent readings are from it; how many readings
         are held, of how many contacts, and for how many readings there were others.
@@ -107,8 +164,9 @@ def follow_rest(
             for taxel in range(len(rest)):
                 held[taxel] += (left[taxel] - held[taxel]) / marks[0]
                 wrong = max(wrong, abs(predicted[taxel]))
-    rests = marks[0] == SETTLED
-    walk, wrong = min(seconds, LONGEST) * USUAL / FOLLOWED**2, (misfit * wrong) ** 2
+    rests, seconds = marks[0] == SETTLED, seconds_since(before_ns[0], stamp_ns)
+    before_ns[0] = stamp_ns
+    walk, wrong = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2, (misfit * wrong) ** 2
     for taxel in range(len(rest)):
         own = noise[taxel] * noise[taxel]
         variance[taxel] += walk * own
@@ -120,16 +178,19 @@ def follow_rest(
             unsure *= UNDER**2 if abs(expected) > READ * noise[taxel] else 1.0
         total = variance[taxel] + unsure
         most, gain = JUMP * np.sqrt(variance[taxel] + own + wrong), variance[taxel] / total
-        rest[taxel] += gain * min(max(left[taxel] - expected, -most), most)
+        rest[taxel] = draw_near(rest[taxel], gain, left[taxel] - expected, most)
         variance[taxel] *= 1.0 - gain
 
 
 class Drift:
-    """What is known of the rest of a patch's taxels, reading after reading.
+    """What is known of the rest of taxels, reading after reading, patch by patch.
 
     Parameters
     ----------
     noise_std : (L,) array, in the quantity's unit
+        Of the taxels of all patches.
+    starts : (P + 1,) array, optional
+        Where each patch's taxels begin. Default one patch.
 
     Attributes
     ----------
@@ -139,25 +200,35 @@ class Drift:
         Of the rest.
     """
 
-    def __init__(self, noise_std: Floats) -> None:
+    def __init__(self, noise_std: Floats, starts: Ints | None = None) -> None:
         self.noise_std = np.array(noise_std, np.float64)
-        rows = np.zeros((6, len(self.noise_std)))
+        self._starts = np.array([0, len(noise_std)]) if starts is None else starts
+        patches, rows = len(self._starts) - 1, np.zeros((6, len(self.noise_std)))
         self.rest, self.variance, held, recent, self._left, self._nothing = rows
-        self._state = self.rest, self.variance, held, recent, np.zeros(3, np.int64)
-        self._stamp_ns = 0
+        self._state = self.rest, self.variance, held, recent, np.zeros((patches, 3), np.int64)
+        self._stamps = np.zeros(patches, np.int64)
+        self._parts = [self._part(patch) for patch in range(patches)]
+
+    def _part(self, patch: int) -> tuple[Any, ...]:
+        """Views of one patch: readings, noise, nothing, its stamp, its state."""
+        of = slice(*self._starts[patch : patch + 2])
+        rows = [each[of] for each in (self._left, self.noise_std, self._nothing)]
+        *state, marks = self._state
+        own = *(each[of] for each in state), marks[patch]
+        return *rows, self._stamps[patch : patch + 1], own
 
     def reset(self) -> None:
         """Forget all readings: taxels rest at 0."""
         for each in self._state:
             each[...] = 0
-        self._stamp_ns = 0
+        self._stamps[:] = 0
 
-    def take(self, readings: Floats, stamp_ns: int) -> Floats:
+    def take(self, readings: Floats, stamp_ns: int | None = None) -> Floats:
         """Readings (L,) less the rest, in memory that the next call writes over.
 
         A stamp that is older than the one before begins anew.
         """
-        if stamp_ns < self._stamp_ns:
+        if stamp_ns is not None and stamp_ns < self._stamps[0]:
             self.reset()
         subtract_rest(readings, self.rest, self._left)
         return self._left
@@ -169,11 +240,14 @@ class Drift:
         predicted: Floats | None = None,
         misfit: float = 0.0,
         contacts: int = 0,
+        patch: int = 0,
     ) -> None:
         """Follow the rest by what was taken last and the contacts in it; see `follow_rest`."""
-        past = stamp_ns - self._stamp_ns
-        seconds = past * 1e-9 if past and self._stamp_ns else USUAL
-        self._stamp_ns = stamp_ns
-        explained = self._nothing if predicted is None else predicted
-        known = self._left, valid, self.noise_std, explained, misfit, contacts, seconds
-        follow_rest(*known, self._state)
+        left, noise, nothing, before, state = self._parts[patch]
+        explained = nothing if predicted is None else predicted
+        follow_rest(left, valid, noise, explained, misfit, contacts, stamp_ns, before, state)
+
+    def learn_idle(self, valid: Flags, idle: Flags, stamps_ns: Ints) -> None:
+        """Follow the rest of patches that nothing touches, as `idle` (P,) says."""
+        known = self._left, valid, self.noise_std, idle, self._starts, stamps_ns, self._stamps
+        follow_idle(*known, self._state)

@@ -197,6 +197,7 @@ class AutoData(Data):
         self.contacts.fit.memory.marks[MOST] = operator.solver.most_steps
         self.along, self.sums = operator.covariance.room
         self.rows, self.count = self.contacts.rows, 0
+        self.follows = self.contacts.follows
         self.solution = self.contacts.solution
 
     @property

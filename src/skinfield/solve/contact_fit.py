@@ -42,6 +42,7 @@ class ContactData(Data):
     def __init__(self, operator: "ContactOperator") -> None:
         super().__init__(operator, len(operator.model.grid), DeadlineMargin(most=30_000))
         self.rows, self.count = np.zeros(operator.solver.most_contacts, CONTACT), 0
+        self.follows = operator.solver.warm
         self.choice, self._operator = operator.fitter.data(), operator
 
     @property
@@ -217,7 +218,8 @@ class ContactFit(FitSettings):
     starts : int
         Places from which each new contact is sought.
     warm : bool
-        Start from the reading before. Its answer is kept only as long as it explains the readings.
+        Start from the reading before, and follow where taxels rest. Its answer is kept only as long
+        as it explains the readings.
     common_mode : float
         Standard deviation of an offset that all taxels share, such as a drift, in those of the
         noise; it is integrated out. 0 for none.

@@ -180,10 +180,13 @@ class Data:
         Of a solver that finds contacts by itself: those of the last reading, by falling force.
     count : int
         How many of the rows hold; -1 where a `ContactFinder` finds contacts in the pressure.
+    follows : bool
+        Whether readings follow each other, so that the rest of taxels is to be followed, too.
     """
 
     rows: NDArray[np.void] | None = None
     count = -1
+    follows = False
 
     def __init__(
         self, operator: "Operator", nodes: int, margin: DeadlineMargin | None = None

@@ -15,6 +15,7 @@ from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.plan import details, field_contacts
 from skinfield.skin import Grid
 from skinfield.solve import Operator, Solution
+from skinfield.solve.atoms.fit_kernel import NOW
 
 
 class PatchResults:
@@ -81,10 +82,18 @@ class PatchResults:
 
     def contacts_of(self, patch: int) -> tuple[NDArray[Any], int]:
         """Contacts of a patch that a solver found by itself: rows, of equal geometry's first."""
+        data = self._data_of(patch)
+        return data.rows, data.count
+
+    def explained_of(self, patch: int) -> tuple[Floats, float, int]:
+        """What these explain of its readings (L,), what part may be wrong, and how many."""
+        data = self._data_of(patch)
+        return data.fit.memory.predicted[NOW], data.fit.misfit, data.count
+
+    def _data_of(self, patch: int) -> Any:
         work, row = self._work, self._rows[patch]
         group, place = work.places[row]
-        data = group.data[int(work.state.rung[row])][place]
-        return data.rows, data.count
+        return group.data[int(work.state.rung[row])][place]
 
     def shift_of(self, patch: int) -> Floats:
         """From the plane of the first patch of its kind to that of a patch, (2,) m."""
