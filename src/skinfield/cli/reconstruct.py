@@ -60,9 +60,13 @@ def reconstruct(
     made window by window by Dask's workers, here or on a cluster. What is complete stands in
     DIR/manifest.json: the same command goes on where a run was ended.
 
+    A log of contact lists (iCub's skin_events) needs no --skin: its contacts are followed from
+    reading to reading, and -o writes them as they were sent, with a number that lasts (track).
+
       skinfield reconstruct foot/data.log --skin right_foot.txt -o contacts.csv --plot foot.png
       skinfield reconstruct press.csv --skin hexagon72 --grid 40 --fields press.npz
       skinfield reconstruct touch.mcap -o contacts.csv
+      skinfield reconstruct dump/skin_events -o contacts.csv
       skinfield reconstruct hours.csv --skin hexagon72 --grid 40 -o hours.skinfield
       skinfield reconstruct hours.skinfield --slice 100:200 --fields part.npz
       skinfield reconstruct mon.csv tue.csv wed.csv --skin hexagon72 --workers 8 -o week
@@ -93,6 +97,7 @@ def reconstruct(
         Into a DIR, store the fields of every reading, too, as Zarr.
     """
     flags = options.flags_set(reconstruct, dict(locals()))
+    from skinfield.cli.contact_lists import OPTIONS, are_contact_lists, follow_contacts
     from skinfield.cli.reconstruct_jobs import JobPlan, reconstruct_many
 
     folder = _folder_of(recording, output)
@@ -103,6 +108,17 @@ def reconstruct(
         _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
     if not recording:
         raise InputError("RECORDING is missing, expected one recording or more")
+    if any(map(are_contact_lists, recording)):
+        odd = [flag for name, flag in flags if name not in OPTIONS]
+        if odd:
+            _refuse(odd, f"{recording[0]} holds contacts that another program found; expected none")
+        if len(recording) > 1 or folder is not None:
+            raise InputError(
+                "logs of contact lists are followed one by one, expected one log and "
+                "-o contacts.csv or .parquet"
+            )
+        follow_contacts(recording[0], (layout, patch), output, summary, force, as_json)
+        return
     are_results = any(map(_is_results, recording))
     if are_results and (folder is not None or len(recording) > 1):
         raise InputError(

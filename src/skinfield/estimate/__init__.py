@@ -1,6 +1,8 @@
 """Estimates: values on a grid at one instant, the contacts in them, and their tracks."""
 
 from skinfield.estimate.contact import Contact as Contact
+from skinfield.estimate.contact_list import ContactList as ContactList
+from skinfield.estimate.contact_list import ListedContact as ListedContact
 from skinfield.estimate.estimate import Estimate as Estimate
 from skinfield.estimate.finder import ContactFinder as ContactFinder
 from skinfield.estimate.finder import level_of as level_of

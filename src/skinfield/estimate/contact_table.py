@@ -1,6 +1,6 @@
 """The table of contacts: one row per contact, in SI units; a reading without one has none."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -8,9 +8,10 @@ import numpy as np
 from skinfield.errors import SkinfieldError
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.estimate import Estimate
+from skinfield.estimate.tracked import TrackedContact
 
-WORDS = ("solver", "shape")
-WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
+WORDS = ("solver", "shape", "body_part", "skin_part")
+WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact", "track", "link")
 READING = ("reading", "stamp_ns", "time_s", "total_force_N", "solver", "valid_taxels")
 CONTACT = (
     *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "force_N", "force_std_N"),
@@ -18,7 +19,12 @@ CONTACT = (
     *("shape", "radius_m"),
 )
 COLUMNS = (*READING, "contact", *CONTACT)
-KINDS = [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in COLUMNS]
+LISTED = (*COLUMNS, "track", "body_part", "link", "skin_part")  # of contacts of other programs
+KINDS, LISTED_KINDS = (
+    [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in names]
+    for names in (COLUMNS, LISTED)
+)
+SENT = "sent"  # solver of contacts that another program found
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
@@ -39,6 +45,21 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
         reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])
         for number, contact in enumerate(contacts):
             yield (*reading, number, *map(_or_none, _values(contact)))
+
+
+def rows_from_tracks(
+    tracks: Iterable[TrackedContact], reading: int, stamp_ns: int, start_ns: int
+) -> Iterator[Row]:
+    """Rows in the order of `LISTED`: contacts of a `ContactList`, as sent, with their tracks."""
+    seen: list[tuple[int | None, Any]] = [
+        (one.track_id, one.measured) for one in tracks if not one.is_coasting
+    ]
+    seen.sort(key=lambda each: -each[1].normal_force)
+    force, taxels = sum(one.normal_force for _, one in seen), sum(one.taxels for _, one in seen)
+    first = (reading, stamp_ns, (stamp_ns - start_ns) / 1e9, _or_none(force), SENT, taxels)
+    for place, (track, one) in enumerate(seen):
+        values = map(_or_none, _values(one))
+        yield (*first, place, *values, track, one.body, one.link, one.skin)
 
 
 def _values(contact: Contact) -> tuple[float | str, ...]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.estimate.contact import Contact
+from skinfield.estimate.link_chart import LinkChart
 from skinfield.estimate.track_memory import FLOORS
 from skinfield.estimate.tracked import TrackedContact
 from skinfield.skin import Grid
@@ -33,6 +34,10 @@ class Chart:
         self._origin = self.surface.position_from_plane(zero)[0]
         self._axes = self.surface.frame_from_plane(zero)[0][:, :2]
         self._nodes = None if self._flat else cKDTree(grid.positions)
+
+    def plane_of(self, contacts: Sequence[Contact]) -> Floats:
+        """Places (N, 2) m of contacts in the plane."""
+        return self.plane_from_position(np.array([one.position for one in contacts]))
 
     def plane_from_position(self, positions: Floats) -> Floats:
         """Points (N, 3) m of the surface in its plane, (N, 2) m.
@@ -63,7 +68,7 @@ class Chart:
         )
 
 
-def measurements_of(contacts: Sequence[Contact], chart: Chart) -> tuple[Floats, Floats]:
+def measurements_of(contacts: Sequence[Contact], chart: Chart | LinkChart) -> tuple[Floats, Floats]:
     """Place in the developed plane and force (N, 3), m and N, with covariances (N, 3, 3).
 
     Raises
@@ -74,7 +79,7 @@ def measurements_of(contacts: Sequence[Contact], chart: Chart) -> tuple[Floats, 
     values, noise = np.empty((len(contacts), 3)), np.empty((len(contacts), 3, 3))
     if not contacts:
         return values, noise
-    values[:, :2] = chart.plane_from_position(np.array([one.position for one in contacts]))
+    values[:, :2] = chart.plane_of(contacts)
     values[:, 2] = [one.normal_force for one in contacts]
     noise[:] = [one.covariance for one in contacts]
     noise += FLOORS
@@ -91,7 +96,7 @@ def measurements_of(contacts: Sequence[Contact], chart: Chart) -> tuple[Floats, 
 
 
 def contacts_of(
-    tracks: NDArray[np.void], measured: Sequence[Contact], chart: Chart, now: int
+    tracks: NDArray[np.void], measured: Sequence[Contact], chart: Chart | LinkChart, now: int
 ) -> list[TrackedContact]:
     """Contacts of confirmed tracks at `now` ns, each with the contact that was measured last."""
     if not measured:

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from skinfield.errors import InputError, check_count, check_positive, check_range, check_type
 from skinfield.estimate.contact import Contact
+from skinfield.estimate.contact_list import NEAR, REACH, ContactList
 from skinfield.estimate.developed_plane import Chart, contacts_of, measurements_of
 from skinfield.estimate.estimate import Estimate
+from skinfield.estimate.link_chart import LinkChart
 from skinfield.estimate.ranking import falling_order
 from skinfield.estimate.track_memory import CONFIRMED, EVENTS, NOW, RULES, STARTED, TOP, TrackMemory
 from skinfield.estimate.tracked import KINDS, ContactEvent, Gate, Motion, TrackedContact
@@ -21,6 +23,10 @@ MOST = 256  # contacts that are followed, half of them in one reading: of more, 
 @dataclass(eq=False, kw_only=True)
 class Tracker:
     """Follows the contacts of one patch; call it with each estimate in turn.
+
+    Or the contacts of all links of a robot that another program found: call it with each
+    `ContactList` in turn. Of these, what stands in `Gate.reach` and `near` is widened to three and
+    six spacings of taxels, since such contacts are as coarse as the taxels.
 
     Each contact is followed by a Kalman filter of place, force and their rates. Contacts go on
     with the tracks that fit best as a whole. A track that is not seen coasts for a while before it
@@ -83,18 +89,28 @@ class Tracker:
         from skinfield.estimate.tracking_kernel import track
 
         self._track: Any = track
-        self._chart: Chart | None = None
+        self._chart: Chart | LinkChart | None = None
         self._memory = TrackMemory.of(MOST, self.rules, np.full(1, -1))
         self.events: tuple[ContactEvent, ...] = ()
         self.reset()
 
-    def __call__(self, estimate: Estimate) -> tuple[Any, ...]:
+    @classmethod
+    def for_lists(cls) -> "Tracker":
+        """Tracker of contact lists, as skinManager sends them.
+
+        Who sends them has told contacts from noise already, so all count at once; what flickers at
+        its threshold may be away for 0.5 s, and parts of a hand that come apart again within 5 s
+        have their numbers. Whoever taps one place faster leaves one track.
+        """
+        return cls(weak_readings=1, coast=0.5, memory=5.0)
+
+    def __call__(self, estimate: Estimate | ContactList) -> tuple[Any, ...]:
         """Contacts of an estimate as they go on from those before.
 
         Parameters
         ----------
-        estimate : Estimate
-            Later than those before, and of the same patch.
+        estimate : Estimate or ContactList
+            Later than those before, and of the same patch; or a list, later than those before.
 
         Returns
         -------
@@ -108,8 +124,9 @@ class Tracker:
             For what is no estimate, an estimate of another patch, one that is not later than the
             one before, or a contact whose covariance is not one.
         """
-        check_type("estimate", estimate, Estimate, "what a Reconstructor returns for readings")
-        if not estimate.is_batch:
+        if not isinstance(estimate, ContactList):
+            check_type("estimate", estimate, Estimate, "what a Reconstructor returns for readings")
+        if isinstance(estimate, ContactList) or not estimate.is_batch:
             found, self.events = self._follow(estimate)
             return found
         both = [self._follow(each) for each in estimate]
@@ -132,14 +149,18 @@ class Tracker:
         self._memory.reset()
         self._measured: dict[int, Contact] = {}  # by place in the memory
         self._stamp = 0
+        if isinstance(self._chart, LinkChart):
+            self._chart = LinkChart(self._chart.spacing)
         self.events = ()
 
     def _follow(
-        self, estimate: Estimate
+        self, estimate: Estimate | ContactList
     ) -> tuple[tuple[TrackedContact, ...], tuple[ContactEvent, ...]]:
-        chart, stamp = self._chart_of(estimate), int(estimate.stamp_ns)
+        stamp = int(estimate.stamp_ns)
+        now, memory = self._now(stamp), self._memory
+        chart = self._chart_of(estimate, now)
         value, noise = measurements_of(estimate.contacts, chart)
-        now, count, memory = self._now(stamp), min(len(value), MOST // 2), self._memory
+        count = min(len(value), MOST // 2)
         strongest = np.argsort(-value[:, 2], kind="stable")[:count]
         contacts, before = memory.contacts[:count], int(memory.words[EVENTS])
         contacts["mean"], contacts["covariance"] = value[strongest], noise[strongest]
@@ -152,9 +173,12 @@ class Tracker:
         tracks, measured = tracks[places], [self._measured[place] for place in places.tolist()]
         found = contacts_of(tracks, measured, chart, now)
         order = falling_order(tracks["mean"][:, 2].tolist(), tracks["number"].tolist())
-        return tuple(found[index] for index in order), self._events_since(before, chart)
+        events = self._events_since(before, chart)
+        if isinstance(chart, LinkChart):
+            chart.forget(now - round(1e9 * max(self.coast, self.memory)))
+        return tuple(found[index] for index in order), events
 
-    def _events_since(self, before: int, chart: Chart) -> tuple[ContactEvent, ...]:
+    def _events_since(self, before: int, chart: Chart | LinkChart) -> tuple[ContactEvent, ...]:
         events = self._memory.events
         events = events[np.arange(before, self._memory.words[EVENTS]) % len(events)]
         positions = chart.surface.position_from_plane(events["place"]) if len(events) else events
@@ -183,15 +207,34 @@ class Tracker:
             )
         return before + stamp - self._stamp
 
-    def _chart_of(self, estimate: Estimate) -> Chart:
-        patch = estimate.grid.patch
-        if self._chart is None:
-            self._chart = Chart(estimate.grid)
-        elif self._chart.patch is not patch and not np.array_equal(
-            self._chart.patch.positions, patch.positions
-        ):
-            raise InputError(
-                f"the estimate is of patch {patch.name!r}, expected {self._chart.patch.name!r} as "
-                "before: take a tracker for each patch"
-            )
-        return self._chart
+    def _chart_of(self, estimate: Estimate | ContactList, now: int) -> Chart | LinkChart:
+        """Where places are planar, at `now` ns; raises InputError where it is another's."""
+        if isinstance(estimate, ContactList):
+            if self._chart is None:
+                self._chart = LinkChart(estimate.spacing)
+                rules, spacing = self._memory.rules, estimate.spacing
+                rules["reach"] = np.maximum(rules["reach"], REACH * spacing)
+                rules["near"] = np.maximum(rules["near"], NEAR * spacing)
+            if isinstance(self._chart, LinkChart):
+                self._chart.now = now
+                return self._chart
+        else:
+            patch = estimate.grid.patch
+            if self._chart is None:
+                self._chart = Chart(estimate.grid)
+            if isinstance(self._chart, Chart) and (
+                self._chart.patch is patch
+                or np.array_equal(self._chart.patch.positions, patch.positions)
+            ):
+                return self._chart
+        raise InputError(
+            f"the estimate is of {_owner(estimate)}, expected {_owner(self._chart)} as "
+            "before: take a tracker for each patch"
+        )
+
+
+def _owner(of: Any) -> str:
+    """Whose contacts a tracker follows, in words."""
+    if isinstance(of, ContactList | LinkChart):
+        return "lists of contacts"
+    return f"patch {(of.patch if isinstance(of, Chart) else of.grid.patch).name!r}"

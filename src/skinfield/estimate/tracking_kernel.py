@@ -431,21 +431,29 @@ def merge_tracks(memory: TrackMemory, count: int) -> None:
 
 @inner
 def absorb(memory: TrackMemory, one: int, other: int, column: int) -> None:
-    """Merge two tracks: the stronger has the number, and begins anew where both are seen."""
-    is_one = memory.tracks[one].mean[2] > memory.tracks[other].mean[2]
+    """Merge two tracks, to begin anew where both are seen.
+
+    The stronger has the number; where their forces do not tell, by one standard deviation of the
+    difference, the older.
+    """
+    mine, its = memory.tracks[one], memory.tracks[other]
+    more = mine.mean[2] - its.mean[2]
+    is_one = more > 0.0
+    if more * more < mine.covariance[2, 2] + its.covariance[2, 2] and mine.made != its.made:
+        is_one = mine.made < its.made
     place, ends = (one, other) if is_one else (other, one)
     stays, goes = memory.tracks[place], memory.tracks[ends]
-    mean, its, covariance, sums = stays.mean, goes.mean, stays.covariance, goes.covariance
-    mine, others = max(mean[2], LEAST), max(its[2], LEAST)
-    goes.whole = mean[2] + its[2]
+    mean, apart, covariance, sums = stays.mean, goes.mean, stays.covariance, goes.covariance
+    own, others = max(mean[2], LEAST), max(apart[2], LEAST)
+    goes.whole = mean[2] + apart[2]
     for i in range(6):
-        its[i] -= mean[i]
+        apart[i] -= mean[i]
         for j in range(6):
             sums[i, j] += covariance[i, j]
     end_track(memory, ends, place)
     goes.state, goes.parent, goes.last, goes.pair = ABSORBED, place, memory.words[NOW], -1
     for i in range(3, 5):  # the centre's
-        mean[i] += others / (mine + others) * its[i]
+        mean[i] += others / (own + others) * apart[i]
     mean[5] = 0.0
     restart(memory, place, column)
     report(memory, MERGED, place, goes.number)

@@ -78,7 +78,7 @@ def stream_recording(
         A stream of text of any kind, or of MCAP, whose `blocks` are read one by one. An NPZ file is
         read as a whole: it is compressed as such.
     """
-    head = read_head(_file(Path(path)))
+    head = read_head(file_of(Path(path)))
     if archive.matches(head):
         return archive.read(head, progress)
     if head.data.startswith(MAGIC):
@@ -102,7 +102,7 @@ def collected(stream: RecordingStream | LiveStream) -> Recording:
     )
 
 
-def _file(path: Path) -> Path:
+def file_of(path: Path) -> Path:
     """The file itself, or the log in a folder."""
     try:
         if not path.is_dir():

@@ -2,7 +2,8 @@
 
 A log is a folder that holds `data.log` and `info.log`. The time is the sender's where both are
 there. Brackets of nested lists are taken as spaces. Logs of skin ports are raw counts; a port of
-six numbers named `analog:o` is a force and torque.
+six numbers named `analog:o` is a force and torque. Logs of contact lists (`skin_events:o`) are told
+apart here and read by `skinfield.wire.yarp`.
 """
 
 import re
@@ -15,6 +16,9 @@ from skinfield.files.recordings.lines import RecordingStream
 
 BRACKETS = "()"
 WRENCH = "N, N m"
+LEAD = r"\d+\s+\d+\.\d+(\s+\d+\.\d+)?"  # number and times of a message
+NO_CONTACT = re.compile(LEAD + r"(\s*\(\s*\))?")
+SOME_CONTACT = re.compile(LEAD + r"\s+\(+\s*-?\d+(\s+-?\d+){3}\s*\)\s*\(")  # four, a place, ...
 
 
 def contents(head: Magic) -> RecordingStream | None:
@@ -22,13 +26,19 @@ def contents(head: Magic) -> RecordingStream | None:
 
     None of a file where not most lines begin with a whole number and a time, and hold a value.
     """
-    skip = _preamble(head)
+    if is_contact_list(head):
+        raise FileError(
+            f"{head.path} holds lists of contacts (skin_events), expected readings of taxels: "
+            "`skinfield reconstruct` follows its contacts, skinfield.wire.yarp.open_contact_log "
+            "reads them"
+        )
+    skip = preamble_of(head)
     rows = head.rows(skip, None, BRACKETS)
     width = usual_width(rows)
     good = [r for r in rows if len(r) == width and is_whole(r[0]) and all(map(is_number, r[1:4]))]
     if width < 3 or 2 * len(good) <= len(rows):
         return None
-    port, kind = _info(head)
+    port, kind = info_of(head)
     if kind and not kind.startswith(("bottle", "vector")):
         raise FileError(
             f"{head.path} is a yarpdatadumper log of type {kind!r}, expected Bottle: "
@@ -51,18 +61,28 @@ def contents(head: Magic) -> RecordingStream | None:
     )
 
 
-def _preamble(head: Magic) -> int:
+def is_contact_list(head: Magic) -> bool:
+    """Whether a log is of skinDynLib's lists of contacts: lists, or nothing, behind the times."""
+    lines = [line for _, line in head.numbered(preamble_of(head))]
+    some = sum(SOME_CONTACT.match(line) is not None for line in lines)
+    none = sum(NO_CONTACT.fullmatch(line) is not None for line in lines)
+    if not some and "skin_events" not in info_of(head)[0]:
+        return False
+    return 2 * (some + none) > len(lines)
+
+
+def preamble_of(head: Magic) -> int:
     """Lines before the data: old versions wrote what is now `info.log` at the top of the log."""
     known = ("Type:", "Source:", "Stamp:")
     return next((k for k, line in enumerate(head.lines) if not line.startswith(known)), 0)
 
 
-def _info(head: Magic) -> tuple[str, str]:
+def info_of(head: Magic) -> tuple[str, str]:
     """Port and type from the `info.log` beside the log; empty where it does not say."""
     try:
         text = head.path.with_name("info.log").read_bytes()[:4096].decode("latin-1")
     except OSError:
-        text = "\n".join(head.lines[: _preamble(head)])
+        text = "\n".join(head.lines[: preamble_of(head)])
     port = re.search(r"(/\S+)\s+\[connected\]", text)
     kind = re.search(r"^Type:\s*([^;\s]+)", text, re.MULTILINE)
     return port.group(1) if port else "", kind.group(1).lower() if kind else ""

@@ -5,6 +5,10 @@ from skinfield.wire.yarp.carriers import bytes_from_bottle as bytes_from_bottle
 from skinfield.wire.yarp.carriers import checked_name as checked_name
 from skinfield.wire.yarp.carriers import envelope as envelope
 from skinfield.wire.yarp.carriers import text_from_bottle as text_from_bottle
+from skinfield.wire.yarp.carriers import values_from_text as values_from_text
+from skinfield.wire.yarp.contact_log import ContactLog as ContactLog
+from skinfield.wire.yarp.contact_log import is_contact_log as is_contact_log
+from skinfield.wire.yarp.contact_log import open_contact_log as open_contact_log
 from skinfield.wire.yarp.contacts import SkinContact as SkinContact
 from skinfield.wire.yarp.contacts import SkinPart as SkinPart
 from skinfield.wire.yarp.contacts import part_of as part_of

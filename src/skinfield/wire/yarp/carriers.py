@@ -38,9 +38,14 @@ LONGEST_NAME = 1000  # bytes, as YARP reads it
 LONGEST = 1 << 20  # bytes of a line
 
 WORD = re.compile(r'\[([^\]\s]*)\]|"((?:[^"\\]|\\.)*)"|([^\s"\[]+)')
+TOKEN = re.compile(r'"((?:[^"\\]|\\.)*)"|([()"]|[^\s()"]+)')
+WHOLE = re.compile(r"[+-]?[0-9]{1,19}")
+FLOATING = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[+-]?(inf|nan)")
+DEEPEST = 16  # lists in lists
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z_0-9.\-]*")  # text that YARP writes without marks
 RESERVED = ("true", "false", "null", "inf", "nan")  # words that would be read as something else
 ESCAPED = {"\n": "\\n", "\r": "\\r", "\0": "\\0", "\\": "\\\\", '"': '\\"'}
+UNESCAPED = {mark[1]: letter for letter, mark in ESCAPED.items()}
 
 INT32, STRING, FLOAT64, LIST = 1, 4, 20, 256  # tags
 
@@ -208,6 +213,44 @@ def _quoted(text: str) -> str:
     if PLAIN.fullmatch(text) and text not in RESERVED:
         return text
     return '"' + "".join(ESCAPED.get(letter, letter) for letter in text) + '"'
+
+
+def values_from_text(text: str) -> list[Value]:
+    """Values of a bottle's line, as `text_from_bottle` writes them.
+
+    Raises
+    ------
+    InputError
+        If brackets or quotation marks do not match, or lists nest deeper than `DEEPEST`.
+    """
+    lists: list[list[Value]] = [[]]
+    for found in TOKEN.finditer(text):
+        quoted, plain = found.groups()
+        if quoted is not None:
+            lists[-1].append(re.sub(r"\\(.)", lambda mark: UNESCAPED.get(mark[1], mark[1]), quoted))
+        elif plain == "(":
+            lists.append([])
+            if len(lists) > DEEPEST:
+                raise InputError(f"lists nest deeper than {DEEPEST}, expected no deeper")
+        elif plain == ")":
+            if len(lists) == 1:
+                raise InputError("a list ends that did not begin, expected '(' before ')'")
+            inner = lists.pop()
+            lists[-1].append(inner)
+        elif plain == '"':
+            raise InputError("a text has no end, expected a second quotation mark")
+        else:
+            lists[-1].append(_read(plain))
+    if len(lists) > 1:
+        raise InputError("a list has no end, expected ')'")
+    return lists[0]
+
+
+def _read(word: str) -> Value:
+    for form, kind in ((WHOLE, int), (FLOATING, float)):
+        if form.fullmatch(word):
+            return kind(word)
+    return word
 
 
 def words_from_text(text: str) -> list[str]:

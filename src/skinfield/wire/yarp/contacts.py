@@ -15,11 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_count
+from skinfield.estimate import ListedContact
 from skinfield.wire.yarp.carriers import Value
 
 TORSO, LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = 1, 3, 4, 5, 6  # body parts
 NO_LINK = -1
 HIGHEST = 1 << 30
+FIELDS = 8  # of a contact
+FARTHEST = 2.0  # m from a link's frame; no link is longer
+LARGEST_LOAD = 1e6  # N, N m, and length of a normal
 LARGEST = 1 << 31  # numbers of contacts come round: they have 32 bits
 
 
@@ -58,6 +62,8 @@ PARTS = {  # name in skinDynLib, and so in the files of taxel positions
     "r_lower_leg": SkinPart(RIGHT_LEG, NO_LINK, 12),
     "r_foot": SkinPart(RIGHT_LEG, NO_LINK, 13),
 }
+BODIES = ("unknown", "torso", "head", "left_arm", "right_arm", "left_leg", "right_leg")
+SKINS = {part.skin: name for name, part in PARTS.items()}
 PORTS = {  # of these parts, behind /icub/skin/
     "l_upper_arm": "left_arm", "r_upper_arm": "right_arm", "chest": "torso",
     "l_upper_leg": "left_leg_upper", "r_upper_leg": "right_leg_upper",
@@ -168,3 +174,59 @@ class SkinContact:
             [int(taxel) for taxel in self.taxels],
             float(self.pressure),
         ]
+
+    @classmethod
+    def of(cls, value: Value) -> "SkinContact":
+        """Contact of a list of a bottle; what stands behind the eighth value is passed over.
+
+        Raises
+        ------
+        InputError
+            If it is no list as `values` makes them, or a number is not finite.
+        """
+        if not isinstance(value, list) or len(value) < FIELDS:
+            raise InputError(f"a contact is {value!r:.40}, expected a list of {FIELDS}")
+        numbers, taxels = _wholes(value[0], 4), _wholes(value[6])
+        place, centre = (_vector(value[at], FARTHEST, "m") for at in (1, 4))
+        force, moment, normal = (_vector(value[at], LARGEST_LOAD, "SI units") for at in (2, 3, 5))
+        pressure = value[7]
+        if isinstance(pressure, str | list) or not np.isfinite(pressure):
+            raise InputError(f"pressure of a contact is {pressure!r:.40}, expected a finite number")
+        part = SkinPart(*numbers[1:])
+        vectors = place, force, moment, centre, normal
+        return cls(numbers[0], part, *vectors, taxels, float(pressure))
+
+    def listed(self, spacing: float) -> ListedContact:
+        """What a tracker takes, of taxels `spacing` m apart."""
+        body, skin = self.part.body, self.part.skin
+        return ListedContact.of(
+            number=self.number,
+            body=BODIES[body] if body < len(BODIES) else str(body),
+            link=self.part.link,
+            skin=SKINS.get(skin, str(skin) if skin else BODIES[0]),
+            position=self.place,
+            force=self.force,
+            moment=self.moment,
+            normal=self.normal,
+            taxels=len(self.taxels),
+            spacing=spacing,
+        )
+
+
+def _wholes(value: Value, count: int | None = None) -> list[int]:
+    """Whole numbers of a list; raises InputError for anything else, or another count."""
+    whole = isinstance(value, list) and all(isinstance(each, int) for each in value)
+    if not whole or (count is not None and len(value) != count):  # type: ignore[arg-type]
+        raise InputError(f"{value!r:.40} stands in a contact, expected {count or 'whole'} numbers")
+    return value  # type: ignore[return-value]
+
+
+def _vector(value: Value, most: float, unit: str) -> Floats:
+    """Three numbers of a list, none above `most`; raises InputError for anything else."""
+    numbers = isinstance(value, list) and all(isinstance(each, int | float) for each in value)
+    if not numbers or len(value) != 3:  # type: ignore[arg-type]
+        raise InputError(f"{value!r:.40} stands in a contact, expected three numbers")
+    vector = np.array(value, np.float64)
+    if not (np.abs(vector) <= most).all():
+        raise InputError(f"{value!r:.60} stands in a contact, expected up to {most:g} in {unit}")
+    return vector
