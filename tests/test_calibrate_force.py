@@ -39,7 +39,7 @@ def test_labels_make_newtons_better_than_trivial_answers(seed: int) -> None:
     other, truth = pressed(400, 50 + seed)
     error = rms(made.force(other) - truth)
     assert error < 0.9 * min(made.constant_rmse, made.sum_rmse)
-    assert 0.8 * made.residual_std < error < 1.25 * made.residual_std
+    assert 0.7 * made.residual_std < error < 1.25 * made.residual_std
     assert abs(made.force(np.full((1, 72), 240.0))[0]) < 2.0
 
 

@@ -47,7 +47,7 @@ def test_force_is_calibrated_and_tried_on_another_recording(tmp_path: Path) -> N
     html = (page / "report.html").read_text()
     assert "N off (rms" in html
     assert all((page / f"{name}.png").stat().st_size > 10_000 for name in (
-        "force-over-the-readings", "gain-of-each-taxel",
+        "each-fifth-foretold-from-the-others", "error-beside-trivial-answers",
     ))  # fmt: skip
     assert html.count("<img") == 2
     np.testing.assert_allclose(
