@@ -40,6 +40,7 @@ PRIORS = (
     (NOISE / 100.0, 1.0, 1.0, 0.75),
     (NOISE / 1000.0, 1.0, 1.0, 0.75),
 )
+LIKE, STRANGE = 0.05, 0.3  # of the distance of two readings: of the same touch, of another
 RIDGES = 10.0 ** np.arange(-3.0, 3.0)  # of the ridge regression that it is compared with
 ALIKE_RMSE = 0.02  # share by which errors differ that are as good
 WORTH = 0.93  # of their deviation, above which labels foretold from mixed others do not follow
@@ -328,6 +329,7 @@ class _Design(NamedTuple):
     alike: Floats
     modes: Floats
     root: Floats
+    parts: list[NDArray[np.int64]]
 
     def columns(self, table: Floats) -> Floats:
         """Sum, patterns and gains (T, P), about as large as each other."""
@@ -339,9 +341,12 @@ class _Design(NamedTuple):
 def _design(patch: Patch, table: Floats) -> _Design:
     pitch = patch.pitch if np.isfinite(patch.pitch) else float(np.ptp(patch.plane)) or 1.0
     places = patch.plane / (BLUR * pitch)
-    patterns = table[np.linspace(0, len(table) - 1, min(PATTERNS, len(table))).astype(np.int64)]
-    length = LENGTH * float(np.sqrt(_distance(patterns, patterns, places).mean())) or 1.0
-    power, modes = np.linalg.eigh(_alike(patterns, patterns, places, length))
+    rows = np.linspace(0, len(table) - 1, min(PATTERNS, len(table))).astype(np.int64)
+    patterns = table[rows]
+    distance = np.sqrt(_distance(table, patterns, places))
+    apart = float(np.sqrt(np.square(distance[rows]).mean())) or 1.0
+    length = LENGTH * apart
+    power, modes = np.linalg.eigh(np.exp(-0.5 * (distance[rows] / length) ** 2))
     near = np.exp(-0.5 * cdist(places, places, "sqeuclidean") * (BLUR / ALIKE) ** 2)
     root = np.asarray(np.linalg.cholesky(near + 1e-6 * np.eye(len(patch))), np.float64)
     smooth = (table - table.mean(axis=0)) @ root
@@ -350,10 +355,28 @@ def _design(patch: Patch, table: Floats) -> _Design:
         patterns=patterns,
         length=length,
         places=places,
-        alike=_alike(table, patterns, places, length),
+        alike=np.exp(-0.5 * (distance / length) ** 2),
         modes=modes[:, power > LEAST_POWER] / np.sqrt(power[power > LEAST_POWER]),
         root=root / (float(np.sqrt(np.square(smooth).sum(axis=1).mean())) or 1.0),
+        parts=_parts(distance / apart, rows),
     )
+
+
+def _parts(distance: Floats, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Parts that are foretold from the others: contiguous, or of like readings if shuffled.
+
+    `distance` (T, M) is that of readings from some of them, `rows`. A reading that has its like,
+    but not as its neighbour, is of a touch that stayed, in another order than that of time.
+    """
+    following = np.where(rows + 1 < len(distance), rows + 1, rows - 1)
+    others = distance.copy()
+    others[rows, np.arange(len(rows))] = np.inf
+    beside = distance[following, np.arange(len(rows))].mean()
+    known, touch = np.unique(distance.argmin(axis=1), return_inverse=True)
+    if beside > STRANGE and others.min(axis=0).mean() < LIKE and len(known) >= PARTS:
+        part = touch * PARTS // len(known)
+        return [np.flatnonzero(part == each) for each in range(PARTS)]
+    return np.array_split(np.arange(len(distance)), PARTS)
 
 
 def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
@@ -370,7 +393,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
     mixed = [np.arange(start, len(labels), PARTS) for start in range(PARTS)]
     if not _rms(its.foretold(penalties[:1], mixed, sense) - labels)[0] < WORTH * labels.std():
         _refuse(labels)
-    foretold = its.foretold(penalties, _parts(labels), sense)
+    foretold = its.foretold(penalties, design.parts, sense)
     errors = _rms(foretold - labels)
     allowed = [
         error <= share * errors[0] for error, (*_, share) in zip(errors, PRIORS, strict=True)
@@ -391,16 +414,15 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
         gain=design.root @ weights[first:],
         mean_reading=table.mean(axis=0),
         places=design.places,
-        **_trivial(table, labels),
+        **_trivial(table, labels, design.parts),
     )
     return Fit(made, foretold[best])
 
 
-def _trivial(table: Floats, labels: Floats) -> dict[str, Any]:
+def _trivial(table: Floats, labels: Floats, parts: list[NDArray[np.int64]]) -> dict[str, Any]:
     """What a constant, a line over the sum and ridge regression make of it."""
     span = float(np.ptp(table, axis=0).max()) or 1.0
-    parts, change = _parts(labels), (table - table.mean(axis=0)) / span
-    found = []
+    change, found = (table - table.mean(axis=0)) / span, []
     for design, ridges in (
         (np.zeros((len(labels), 1)), np.ones(1)),
         (change.sum(axis=1, keepdims=True), np.full(1, 1e-9)),
@@ -416,10 +438,6 @@ def _trivial(table: Floats, labels: Floats) -> dict[str, Any]:
         "constant_rmse": constant, "sum_rmse": line, "ridge_rmse": ridge,
         "line_slope": float(slope[0]), "ridge_gain": gain,
     }  # fmt: skip
-
-
-def _parts(labels: Floats) -> list[NDArray[np.int64]]:
-    return np.array_split(np.arange(len(labels)), PARTS)
 
 
 def _rms(off: Floats) -> list[float]:

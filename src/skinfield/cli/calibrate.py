@@ -457,10 +457,12 @@ def _force_tried(
         for name, its in made.trivial(counts).items()
     }
     within = float(np.mean(np.abs(off) < made.residual_std))
-    result = {"rmse_N": rmse, "within_one_std": within} | dict(
+    mean = float(off.mean())
+    result = {"rmse_N": rmse, "mean_off_N": mean, "within_one_std": within} | dict(
         zip(("constant_rmse_N", "sum_rmse_N", "ridge_rmse_N"), trivial.values(), strict=True)
     )
-    verdict = f"{compared(rmse, trivial)}; {within:.0%} within ± {made.residual_std:.3g} N"
+    share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
+    verdict = f"{compared(rmse, trivial)}; {share}"
     figures = {
         "Over the readings": _timeline(answer, wanted, recording),
         "Error beside trivial answers": draw_trivial(rmse, trivial),

@@ -109,6 +109,8 @@ def forces_together(
 
     `files` are a recording, its labels, another, its labels, and so on.
     """
+    from skinfield.calibrate import force
+
     if len(files) % 2:
         raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
     tables, forces, notes = [], [], []
@@ -119,6 +121,11 @@ def forces_together(
         counts, values, said = together(skin_series(recording, patch, time, columns), label)
         tables.append(counts)
         forces.append(values if values.shape[1] == 3 else values[:, 0])
+        if len(files) > 2:
+            try:
+                force(patch, counts, forces[-1])
+            except InputError as error:  # a dead sensor hides among others
+                raise InputError(f"{its}: {error}") from error
         notes += [f"{its}: {note}" if len(files) > 2 else note for note in said]
     if len({force.ndim for force in forces}) > 1:
         raise InputError(f"labels {', '.join(files[1::2])} have one axis and three, expected alike")
