@@ -37,7 +37,7 @@ def draw_errors(made: PressureCalibration) -> "Figure":
 
 def draw_trivial(rmse: float, trivial: Mapping[str, float]) -> "Figure":
     """Figure of an error, N, beside those of trivial answers."""
-    names, errors = ["this", *trivial], [rmse, *trivial.values()]
+    names, errors = ["this calibration", *trivial], [rmse, *trivial.values()]
     with style():
         figure = new_figure(8.0, 2.6)
         axes = figure.add_axes((0.3, 0.22, 0.66, 0.72))

@@ -1,6 +1,7 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -464,7 +465,7 @@ def _force_tried(
     share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
     verdict = f"{compared(rmse, trivial)}; {share}"
     figures = {
-        "Over the readings": _timeline(answer, wanted, recording),
+        "Over the readings": _timeline(answer, wanted, Path(recording).name),
         "Error beside trivial answers": draw_trivial(rmse, trivial),
     }
     return verdict, result, figures
@@ -481,7 +482,7 @@ def _pressure_tried(
     constant = float(wanted.std())
     better = "" if rmse < constant else "; a constant is better"
     verdict = f"{rmse:.4g} Pa off (rms), a constant {constant:.4g}{better}"
-    figures = {"Over the readings": _timeline(shown, wanted, recording, "Pa")}
+    figures = {"Over the readings": _timeline(shown, wanted, Path(recording).name, "Pa")}
     return verdict, {"rmse_Pa": rmse, "constant_rmse_Pa": constant}, figures
 
 
