@@ -12,7 +12,6 @@ the nine strongest readings.
 """
 
 import argparse
-import re
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +66,7 @@ def recordings(folder, layout):
         for reading in np.argsort(-values.sum(axis=1))[:STRONGEST]:
             count = figures(plane / THICKNESS, values[reading], noise, strips, out)
             rows.append(out[:count].copy())
-        found.append((int(re.match(r"\d+", path.parent.name)[0]), rows))
+        found.append((int(path.parent.name.split("_")[0]), rows))
     return found, plane
 
 

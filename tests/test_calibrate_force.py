@@ -4,16 +4,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 import skinfield as sf
 from skinfield.calibrate import save_calibration
-from skinfield.errors import InputError
+from skinfield.calibrate.by_force import fit_force
+from skinfield.errors import FileError, InputError
 from skinfield.files import open_recording
 from skinfield.files.recordings.matching import readings_for
+from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.hexagon72()
-DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
-TIPPING = DATA / "icub-foot-tipping/robotData/backwardTipping"
+FZ_OFFSET = {"right_foot": 18.0613, "left_foot": -18.1}  # N, of the feet's sensors
 
 
 def pressed(readings: int, seed: int, *, first: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -39,7 +41,7 @@ def test_labels_make_newtons_better_than_trivial_answers(seed: int) -> None:
     other, truth = pressed(400, 50 + seed)
     error = rms(made.force(other) - truth)
     assert error < 0.9 * min(made.constant_rmse, made.sum_rmse)
-    assert 0.8 * made.residual_std < error < 1.25 * made.residual_std
+    assert 0.7 * made.residual_std < error < 1.25 * made.residual_std
     assert abs(made.force(np.full((1, 72), 240.0))[0]) < 2.0
 
 
@@ -58,7 +60,6 @@ def test_what_does_not_answer_is_taken_at_its_mean_and_silence_is_nan() -> None:
     counts[:, 3] = np.nan
     counts[10, 20] = np.nan
     made = sf.calibrate.force(PATCH, counts, force)
-    assert made.gain[3] == pytest.approx(0.0, abs=1.0)
     answer = made.force(np.vstack([counts[:20], np.full((1, 72), np.nan)]))
     assert np.isfinite(answer[:20]).all()
     assert np.isnan(answer[20])
@@ -89,43 +90,120 @@ def test_it_is_kept_in_a_file(tmp_path: Path) -> None:
         save_calibration(made, tmp_path / f"f.{ending}")
         back = sf.load_calibration(tmp_path / f"f.{ending}", PATCH)
         np.testing.assert_array_equal(back.force(counts), made.force(counts))
+    text = (tmp_path / "f.toml").read_text()
+    (tmp_path / "f.toml").write_text(text.replace("axis = 0", "axis = 7"))
+    with pytest.raises(FileError, match="axis is 7"):
+        sf.load_calibration(tmp_path / "f.toml")
 
 
-def test_pokes_of_a_foot_beat_a_constant_and_ridge_regression() -> None:
+def test_beyond_what_the_calibration_saw_it_goes_no_further() -> None:
+    counts, force = pressed(300, 10)
+    made = sf.calibrate.force(PATCH, counts, force)
+    for factor in (3.0, 30.0):
+        harder = made.force(240.0 - factor * (240.0 - counts[:50]))
+        assert np.all((harder > -3.0) & (harder < 14.0))
+    assert rms(made.force(counts) - force) < 0.5 * force.std()  # not by telling nothing
+
+
+def test_force_never_falls_as_the_skin_is_pressed_harder() -> None:
+    """A load that stands and sways: the label falls as the sum rises, by chance of few sways."""
+    rng = np.random.default_rng(0)
+    sway = np.repeat(np.sin(np.arange(30)), 10)
+    pattern = 20.0 + 10.0 * rng.random(72)
+    counts = 240.0 - np.outer(4.0 + 0.2 * sway, pattern) + rng.normal(scale=0.5, size=(300, 72))
+    counts[::30] = 240.0 + rng.normal(scale=0.5, size=(10, 72))
+    label = 120.0 - 5.0 * sway
+    assert sf.calibrate.force(PATCH, counts, label).slope == 0.0  # counts fall under pressure
+    assert sf.calibrate.force(PATCH, counts, -label).slope == 0.0  # an axis out of the skin
+    assert sf.calibrate.force(PATCH, 480.0 - counts, label).slope == 0.0  # counts rise
+    assert sf.calibrate.force(PATCH, counts, 120.0 + 5.0 * sway).slope < -1e-4
+
+
+def test_a_shuffled_recording_is_no_more_trusted_than_it_deserves() -> None:
+    """Touches that stay for 20 readings: any part at random is foretold from the same touches."""
+    rng = np.random.default_rng(3)
+    once, force = pressed(60, 11)
+    counts, held = (
+        np.repeat(once, 20, axis=0),
+        np.repeat(force + rng.normal(scale=3.0, size=60), 20),
+    )
+    counts = counts + rng.normal(scale=0.1, size=counts.shape)
+    order = rng.permutation(len(held))
+    made, foretold = fit_force(PATCH, counts[order], held[order])
+    assert made.residual_std == pytest.approx(rms(foretold - held[order]))
+    in_time = sf.calibrate.force(PATCH, counts, held)
+    other, truth = pressed(400, 12)
+    error = rms(made.force(other) - truth - rng.normal(scale=3.0, size=400))
+    for honest in (in_time.residual_std, error):
+        assert 0.75 < made.residual_std / honest < 1.25
+
+
+def test_pokes_of_a_foot_beat_a_constant_and_ridge_regression(shared_data: Path) -> None:
     """Contiguous tenths, N rms: of the five that are here a constant is 9.01 off, ridge 8.99."""
-    if not (DATA / "foot-pokes").exists():
-        pytest.skip("shared/data/foot-pokes is not here")
-    found = np.load(DATA / "foot-pokes" / "pokes.npz")
-    patch = foot("right_foot")
+    found = np.load(shared_data / "foot-pokes" / "pokes.npz")
+    patch = foot(shared_data, "right_foot")
     place = {channel: column for column, channel in enumerate(found["channel"].tolist())}
     counts = np.full((len(found["counts"]), len(patch)), np.nan)
     for taxel, channel in enumerate(patch.channel.tolist()):
         if channel in place:
             counts[:, taxel] = found["counts"][:, place[channel]]
-    force, block, squares = found["normal_force_n"], found["block"], []
+    force, block, off, held = found["normal_force_n"], found["block"], [], []
     for tenth in np.unique(block):
-        made = sf.calibrate.force(patch, counts[block != tenth], force[block != tenth])
-        squares.append(np.square(made.force(counts[block == tenth]) - force[block == tenth]))
-    assert 7.0 < np.sqrt(np.mean(np.concatenate(squares))) < 8.65
+        others = np.flatnonzero(block != tenth)[::8]
+        made = sf.calibrate.force(patch, counts[others], force[others])
+        off.append(made.force(counts[block == tenth]) - force[block == tenth])
+        held.append(np.abs(off[-1]) < made.residual_std)
+    assert 7.5 < rms(np.concatenate(off)) < 8.5
+    assert 0.6 < np.mean(np.concatenate(held)) < 0.76  # 68 % of a normal distribution
 
 
-def test_a_foot_is_refused_the_sensor_of_a_dead_leg() -> None:
-    if not TIPPING.exists():
-        pytest.skip("shared/data/icub-foot-tipping is not here")
-    trial, patch = TIPPING / "dumperTippingSetup06" / "icub", foot("left_foot")
-    skin = readings_for(open_recording(trial / "skin" / "left_foot"), patch)
-    labels = {}
-    for name in ("left_foot", "right_leg"):
-        sensor = open_recording(trial / name / "analog:o")
-        labels[name] = np.column_stack(
-            [np.interp(skin.stamp_ns, sensor.stamp_ns, axis) for axis in sensor.counts[:, :3].T]
-        )
-    made = sf.calibrate.force(patch, skin.counts, labels["left_foot"])
+@pytest.mark.parametrize(
+    ("fitted", "tried", "standing", "whole"), [("07", "06", 3.0, 8.0), ("06", "07", 2.3, 9.3)]
+)
+def test_one_foot_foretells_the_other(
+    shared_data: Path, fitted: str, tried: str, standing: float, whole: float
+) -> None:
+    """Mirrored, N rms: a constant 7.9 and 2.35 standing, 10.8 and 9.11 with tipping."""
+    _, counts, force = tipping(shared_data, fitted)
+    made = sf.calibrate.force(foot(shared_data, "right_foot"), counts, force)
+    times, counts, force = tipping(shared_data, tried)
+    off = made.force(counts) - force
+    assert 0.3 < rms(off[times < 6.7]) < standing
+    assert 5.0 < rms(off) < whole
+
+
+def test_a_foot_is_refused_the_sensor_of_a_dead_leg(shared_data: Path) -> None:
+    patch = foot(shared_data, "left_foot")
+    skin, labels = trial(shared_data, "06", "left_foot", "left_foot")
+    made = sf.calibrate.force(patch, skin.counts, labels)
+    assert made.axis == 2
     assert 130.0 < made.mean_force < 190.0
-    with pytest.raises(InputError, match="does not follow the skin"):
-        sf.calibrate.force(patch, skin.counts, labels["right_leg"])
+    skin, labels = trial(shared_data, "06", "left_foot", "right_leg")
+    for axes in (labels, labels[:, 2], -labels[:, 2]):
+        with pytest.raises(InputError, match="does not follow the skin"):
+            sf.calibrate.force(patch, skin.counts, axes)
 
 
-def foot(name: str) -> sf.Patch:
+def foot(data: Path, name: str) -> sf.Patch:
     """Taxels of an iCub's foot."""
-    return sf.load_layout(next((DATA / "pycub-skin-positions").rglob(f"{name}.txt")))[0]
+    return sf.load_layout(next((data / "pycub-skin-positions").rglob(f"{name}.txt")))[0]
+
+
+def trial(data: Path, number: str, skin: str, sensor: str) -> tuple[Recording, np.ndarray]:
+    """A tipping foot, and the axes (T, 3) of a sensor at its instants, N."""
+    folder = data / "icub-foot-tipping/robotData/backwardTipping" / f"dumperTippingSetup{number}"
+    read = readings_for(open_recording(folder / "icub/skin" / skin), foot(data, skin))
+    log = open_recording(folder / "icub" / sensor / "analog:o")
+    axes = [np.interp(read.stamp_ns, log.stamp_ns, axis) for axis in log.counts[:, :3].T]
+    return read, np.column_stack(axes)
+
+
+def tipping(data: Path, number: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times (T,), counts (T, L) as of a right foot, and force (T,), offset taken off."""
+    name = {"07": "right_foot", "06": "left_foot"}[number]
+    read, axes = trial(data, number, name, name)
+    counts = read.counts
+    if name == "left_foot":
+        right, left = (foot(data, each).plane for each in ("right_foot", "left_foot"))
+        counts = counts[:, cdist(right, left * [1.0, -1.0]).argmin(axis=1)]
+    return (read.stamp_ns - read.stamp_ns[0]) * 1e-9, counts, FZ_OFFSET[name] - axes[:, 2]

@@ -47,7 +47,7 @@ def test_force_is_calibrated_and_tried_on_another_recording(tmp_path: Path) -> N
     html = (page / "report.html").read_text()
     assert "N off (rms" in html
     assert all((page / f"{name}.png").stat().st_size > 10_000 for name in (
-        "force-over-the-readings", "gain-of-each-taxel",
+        "each-fifth-foretold-from-the-others", "error-beside-trivial-answers",
     ))  # fmt: skip
     assert html.count("<img") == 2
     np.testing.assert_allclose(
@@ -60,10 +60,44 @@ def test_force_is_calibrated_and_tried_on_another_recording(tmp_path: Path) -> N
     labels = labels_in(tmp_path / "b_force.csv", "time_s,force_N", 0.02 * np.arange(200), truth)
     tried = json.loads(run("calibrate", "check", cal, skin, labels, *SKIN, "--json"))
     assert tried["rmse_N"] == pytest.approx(found["rmse_N"], rel=0.25)
+    assert tried["constant_rmse_N"] == pytest.approx(np.std(truth), rel=0.1)
+    assert tried["rmse_N"] < tried["sum_rmse_N"] < tried["constant_rmse_N"]
+    assert abs(tried["mean_off_N"]) < 0.3
+    assert 0.6 < tried["within_one_std"] < 0.95
     assert "answers" in run("calibrate", "check", cal, skin, *SKIN)
     assert "there already" in refused(*words, "-o", cal)
     assert "'gone' is not in" in refused(*words[:-1], "gone")
     assert "--unit is 'kp', expected one of Pa" in refused(*words, "--unit", "kp")
+
+
+def test_force_of_several_recordings_less_what_their_sensor_reads_without_load(
+    tmp_path: Path,
+) -> None:
+    files, tables, forces = [], [], []
+    for seed in (1, 2):
+        counts, force = pressed(150, seed)
+        files.append(recorded(tmp_path / f"{seed}.csv", counts))
+        files.append(labels_in(tmp_path / f"{seed}_f.csv", "force_N", force + 40.0))
+        tables.append(counts)
+        forces.append(force)
+    cal, words = tmp_path / "cal.npz", ("calibrate", "force", *files, *SKIN)
+    run(*words, "--offset", "40", "-o", cal)
+    together = sf.calibrate.force(PATCH, np.concatenate(tables), np.concatenate(forces))
+    np.testing.assert_allclose(
+        sf.load_calibration(cal).force(tables[0]), together.force(tables[0]), rtol=1e-6
+    )
+    tried = ("calibrate", "check", cal, *files[:2], *SKIN)
+    assert json.loads(run(*tried, "--json"))["mean_off_N"] == pytest.approx(-40.0, abs=0.5)
+    found = json.loads(run(*tried, "--offset", "40", "--json"))
+    assert found["mean_off_N"] == pytest.approx(0.0, abs=0.5)
+    assert "expected 1 number in the unit" in refused(*words, "--offset", "1,2,3")
+    assert "--offset is 'much'" in refused(*words, "--offset", "much")
+    assert "has no labels, expected RECORDING LABELS in pairs" in refused(*words, files[0])
+    dead = np.random.default_rng(0).normal(-6.0, 0.1, 150)
+    labels_in(files[3], "force_N", dead)
+    assert "2_f.csv: force, -5.99 N with a deviation" in refused(*words)
+    labels_in(files[3], "fx,fy", dead, dead)
+    assert "has 2 columns of labels, expected one force or three axes" in refused(*words)
 
 
 def test_pressure_is_calibrated_from_matlab_and_bar(tmp_path: Path) -> None:
@@ -96,6 +130,18 @@ def test_labels_that_are_late_are_taken_back() -> None:
     counts = np.outer(force - force.min(), np.ones(4))
     assert delay_of(Series(counts, time), Series(late[:, None], time)) == pytest.approx(0.3)
     assert delay_of(Series(counts, time), Series(force[:, None], time)) == 0.0
+
+
+def test_a_delay_is_not_read_into_labels_that_hardly_follow() -> None:
+    """A ramp fits ever better the later it is taken; what is not of the skin, somewhere."""
+    time = 0.02 * np.arange(1000)
+    counts = np.outer(np.clip(time - 10.0, 0.0, 2.0), np.ones(4))
+    ramp = np.clip(time - 14.0, 0.0, 2.0)
+    assert delay_of(Series(counts, time), Series(ramp[:, None], time)) == 0.0
+    rng = np.random.default_rng(1)
+    other = np.convolve(rng.standard_normal(1000), np.ones(25), "same")
+    late = 0.3 * np.interp(time - 0.3, time, counts[:, 0]) + 0.2 * other
+    assert delay_of(Series(counts, time), Series(late[:, None], time)) == 0.0
 
 
 @settings(max_examples=100, deadline=None)

@@ -1,16 +1,20 @@
 r"""Calibration by the total normal force on a patch, as of a sensor beneath or a robot's probe.
 
-The force is :math:`\bar F + \sum_k w_k (f_k - \bar f_k) + \sum_l g_l (y_l - \bar y_l)`: a few
-figures f of each reading y (its sum, its highest, how many taxels are touched, where) and a gain of
-each taxel, a Gaussian process over the patch, so that gains are drawn towards those of neighbours
-and what no taxel feels towards the mean of the labels (Rasmussen and Williams 2006, Gaussian
-Processes for Machine Learning, chapter 2). These priors are stiff: what foretells some parts of a
-recording best from the others does seldom so on the next, where other taxels are touched. Softer
-ones are taken where they are better by far.
+The force is a Gaussian process of the reading y (kriging with a trend; Rasmussen and Williams 2006,
+Gaussian Processes for Machine Learning, chapters 2 and 8.3.1):
+:math:`\bar F + s\,(\Sigma - \bar\Sigma) + \sum_m w_m \exp(-d(y, y_m)^2 / 2\ell^2)
++ \sum_k g_k (y_k - \bar y_k)`.
+The trend over the sum of counts is held within what the calibration saw, and never falls as the
+skin is pressed harder. Readings alike are off alike, so a thousand of a skin that stands still
+count as few: d compares patterns y_m blurred over some pitches, and far from all of them the trend
+is left, which is what carries over to another recording. The gains g, alike for neighbours, are
+taken only where they are better by far: what foretells one recording best seldom does so on the
+next, where rest has drifted and other taxels are touched.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,18 +23,27 @@ from scipy.spatial.distance import cdist
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.skin import Patch
 
+TRIVIAL = ("a constant", "a line over the sum of counts", "ridge regression")
 PARTS = 5  # contiguous parts, of which each is foretold from the others
 LEAST = 50  # readings
-LENGTH = 2.0  # pitches, over which gains are alike
-# What priors of figures, and of gains, weigh beside all labels together; the stiffest first.
-PRIORS = ((1.0, 5.0), (0.1, 0.3), (0.03, 0.03), (0.03, 0.003))
-BETTER = 0.8  # of the error of the stiffest, that the error of a softer one is at most
+PATTERNS = 100  # that readings are compared with
+LEAST_POWER = 1e-6  # of a mode of the patterns
+BLUR, ALIKE = 4.0, 2.0  # pitches, over which patterns are blurred, and gains are alike
+LENGTH = 0.4  # over which readings are off alike, of the distance of two readings (rms)
+NOISE = 0.03  # of the variance of labels, in their mean over all readings: 33 count, in effect
+# Noise, weight of patterns and of gains, and the share of the error of the first of these that
+# another's is at most to be taken: the trend alone, and ever softer ones.
+PRIORS = (
+    (NOISE, 1.0, 0.0, 1.0),
+    (NOISE / 1000.0, 0.0, 0.0, 0.85),
+    (NOISE / 10.0, 1.0, 1.0, 0.75),
+    (NOISE / 100.0, 1.0, 1.0, 0.75),
+    (NOISE / 1000.0, 1.0, 1.0, 0.75),
+)
+LIKE, STRANGE = 0.05, 0.3  # of the distance of two readings: of the same touch, of another
 RIDGES = 10.0 ** np.arange(-3.0, 3.0)  # of the ridge regression that it is compared with
-FIGURES = 7
-FOLLOWS = 0.9  # of the error of a constant, that one of three axes is foretold by at most
-WORTH = 0.97  # of their deviation, above which labels foretold from mixed others do not follow
-REST = 10.0  # percent of readings, in which a taxel is hardly touched
-TOUCHED = 0.02  # of the range of counts, from which on a taxel counts as touched
+ALIKE_RMSE = 0.02  # share by which errors differ that are as good
+WORTH = 0.93  # of their deviation, above which labels foretold from mixed others do not follow
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,64 +52,74 @@ class ForceCalibration:
 
     Attributes
     ----------
-    gain : (L,) array, N per count
-        By which a taxel's count moves the force, beside the figures of the whole reading.
-    weights : (F,) array, N
-        Of the figures, in their deviations.
     mean_force, residual_std : float, N
-        Of the labels, and of the labels foretold from other parts.
-    rest, mean_reading : (L,) array, counts
-    scale : (2, F) array
-        Mean and deviation of the figures.
-    places : (L, 2) array, in the patch's extent
-    direction : float
-        -1 where pressure lowers the counts.
-    span : float, counts
-        From rest to the highest reading.
+        Of the labels, and of labels foretold from other parts of the recording: any answer's ±.
+    axis : int
+        Which of the labels' axes it was.
+    slope : float, N per count
+        Of the sum of counts.
+    sums : (3,) array, counts
+        Mean, least and most of the sum.
+    patterns : (M, L) array, counts
+        Readings that others are compared with.
+    weights : (M,) array, N
+        Of the patterns, around `mean_pattern` (M,).
+    length : float, counts
+    gain : (L,) array, N per count
+        Of each taxel, beside all this.
+    mean_reading : (L,) array, counts
+    places : (L, 2) array, in units of the blur
     constant_rmse, sum_rmse, ridge_rmse : float, N
         Of trivial answers, foretold the same way: the labels' mean, a line over the sum of
         counts, ridge regression of the taxels.
+    line_slope : float, N per count
+    ridge_gain : (L,) array, N per count
+        Of these, fitted to all labels.
     """
 
-    gain: Floats
-    weights: Floats
     mean_force: float
     residual_std: float
-    rest: Floats
+    axis: int
+    slope: float
+    sums: Floats
+    patterns: Floats
+    weights: Floats
+    mean_pattern: Floats
+    length: float
+    gain: Floats
     mean_reading: Floats
-    scale: Floats
     places: Floats
-    direction: float
-    span: float
     constant_rmse: float
     sum_rmse: float
     ridge_rmse: float
+    line_slope: float
+    ridge_gain: Floats
 
     def __post_init__(self) -> None:
-        taxels = len(self.gain)
-        for name in ("rest", "mean_reading"):
+        taxels, patterns = len(self.gain), len(self.weights)
+        check_shape("sums", self.sums, (3,), "mean, least and most")
+        for name in ("mean_reading", "ridge_gain"):
             check_shape(name, getattr(self, name), (taxels,), "one per taxel")
         check_shape("places", self.places, (taxels, 2), "one per taxel")
-        check_shape("weights", self.weights, (FIGURES,), "one per figure")
-        check_shape("scale", self.scale, (2, FIGURES), "mean and deviation of the figures")
+        check_shape("patterns", self.patterns, (patterns, taxels), "one per weight")
+        check_shape("mean_pattern", self.mean_pattern, (patterns,), "one per weight")
+        if self.axis not in (0, 1, 2) or not self.length > 0.0:
+            raise InputError(
+                f"axis is {self.axis} and length {self.length}, expected 0 to 2, and above 0"
+            )
 
     def __len__(self) -> int:
         return len(self.gain)
 
     @property
+    def rmse(self) -> dict[str, float]:
+        """Errors of the trivial answers by their names, N."""
+        return dict(zip(TRIVIAL, (self.constant_rmse, self.sum_rmse, self.ridge_rmse), strict=True))
+
+    @property
     def verdict(self) -> str:
         """How good it is, in a sentence."""
-        trivial = {
-            "a constant": self.constant_rmse,
-            "a line over the sum of counts": self.sum_rmse,
-            "ridge regression": self.ridge_rmse,
-        }
-        better = [name for name, rmse in trivial.items() if rmse < self.residual_std]
-        words = ", ".join(f"{name} {rmse:.3g}" for name, rmse in trivial.items())
-        end = f"; {' and '.join(better)} is better" if better else ""
-        return (
-            f"{self.residual_std:.3g} N off (rms, parts foretold from the others); {words} N{end}"
-        )
+        return f"parts foretold from the others: {compared(self.residual_std, self.rmse)}"
 
     def __repr__(self) -> str:
         return f"ForceCalibration({self.verdict})"
@@ -104,15 +127,50 @@ class ForceCalibration:
     def force(self, counts: ArrayLike) -> Floats:
         """Total normal force (T,), N, of readings (T, L); NaN where no taxel answered.
 
-        A taxel that did not answer is taken at its mean.
+        A taxel that did not answer is taken at its mean. `residual_std` is how far off an answer
+        is, if the reading is like those of the calibration.
         """
         table = _table(counts, len(self))
         silent = np.isnan(table).all(axis=1)
         table = np.where(np.isnan(table), self.mean_reading, table)
-        figures = _figures(self.direction * (table - self.rest), self.span, self.places)
-        off = (figures - self.scale[0]) / self.scale[1]
-        force = self.mean_force + off @ self.weights + (table - self.mean_reading) @ self.gain
+        alike = _alike(table, self.patterns, self.places, self.length) - self.mean_pattern
+        total = np.clip(table.sum(axis=1), *self.sums[1:]) - self.sums[0]
+        beside = (table - self.mean_reading) @ self.gain
+        force = self.mean_force + self.slope * total + alike @ self.weights + beside
         return np.where(silent, np.nan, force)
+
+    def trivial(self, counts: ArrayLike) -> dict[str, Floats]:
+        """What trivial answers (T,) make of readings (T, L), by their names, N."""
+        off = np.nan_to_num(_table(counts, len(self)) - self.mean_reading)
+        answers = (np.zeros(len(off)), self.line_slope * off.sum(axis=1), off @ self.ridge_gain)
+        return {name: self.mean_force + each for name, each in zip(TRIVIAL, answers, strict=True)}
+
+    def label(self, labels: Floats) -> Floats:
+        """The one (T,) of labels (T,) or (T, 3) that it answers, of the same sign."""
+        column = labels if labels.ndim == 1 else labels[:, self.axis]
+        return -column if column.mean() * self.mean_force < 0.0 else column
+
+
+def compared(rmse: float, trivial: Mapping[str, float]) -> str:
+    """An error beside those of trivial answers, N, in words."""
+    better = [name for name, its in trivial.items() if its < (1.0 - ALIKE_RMSE) * rmse]
+    as_good = [
+        name
+        for name, its in trivial.items()
+        if name not in better and its < (1.0 + ALIKE_RMSE) * rmse
+    ]
+    words = ", ".join(f"{name} {its:.3g}" for name, its in trivial.items())
+    for names, how in ((better, "better"), (as_good, "as good")):
+        if names:
+            words += f"; {' and '.join(names)} {'are' if names[1:] else 'is'} {how}"
+    return f"{rmse:.3g} N off (rms), {words}"
+
+
+class Fit(NamedTuple):
+    """A calibration, and its labels foretold from other parts (T,), N."""
+
+    calibration: ForceCalibration
+    foretold: Floats
 
 
 def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration:
@@ -126,7 +184,7 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
         Readings in any order; where neighbours in time stand together, errors are stated more
         honestly. NaN where a taxel did not answer.
     force : (T,) or (T, 3) array, N
-        Into the skin; of three axes the strongest is taken, whatever its sign.
+        Into the skin; of three axes the one that varies most is taken, whatever its sign.
 
     Returns
     -------
@@ -138,6 +196,11 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
         If the arrays do not go together, or the labels do not follow the skin: a sensor that is
         dead reads its own offset whatever presses.
     """
+    return fit_force(patch, counts, force).calibration
+
+
+def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
+    """The calibration of `force`, and how its labels are foretold."""
     table = _table(counts, len(patch))
     labels = as_floats("force", force)
     axes = (3,) if labels.ndim == 2 else ()
@@ -148,16 +211,13 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
     if len(bad):
         row = tuple(bad[0].tolist())
         raise InputError(f"force[{row[0]}] is {labels[row]}, expected a number, in N")
-    found = [_known(patch, table, np.sign(axis.mean()) * axis) for axis in labels.T] if axes else []
-    if not axes:
-        made = _known(patch, table, labels)
-    elif any(each and each.residual_std < FOLLOWS * each.constant_rmse for each in found):
-        made = found[int(np.argmax(np.square(labels).mean(axis=0)))]  # loads press
-    else:
-        made = None
-    if made is None:
-        _refuse(labels[:, 0] if axes else labels)
-    return made
+    axis = int(np.argmax(labels.std(axis=0))) if axes else 0  # offsets say nothing of the load
+    if axes:
+        labels = labels[:, axis] * (1.0 if labels[:, axis].mean() >= 0.0 else -1.0)
+    heard = ~np.isnan(table).all(axis=0)
+    mean_reading = np.zeros(len(patch))
+    mean_reading[heard] = np.nanmean(table[:, heard], axis=0)
+    return _fit(patch, np.where(np.isnan(table), mean_reading, table), labels, axis)
 
 
 def _refuse(labels: Floats) -> NoReturn:
@@ -180,78 +240,206 @@ def _table(counts: ArrayLike, taxels: int) -> Floats:
     return table
 
 
-def _figures(pressed: Floats, span: float, places: Floats) -> Floats:
-    """Sum, number, highest, norm, place and log of sum (T, F) of readings (T, L) from rest."""
-    share = np.maximum(pressed, 0.0) / span
-    total = share.sum(axis=1)
-    middle = share @ places / np.maximum(total, 1e-9)[:, None]
-    number = (share > TOUCHED).sum(axis=1)
-    return np.column_stack(
-        [total, number, share.max(axis=1), np.sqrt(np.square(share).sum(axis=1)), middle,
-         np.log(total + TOUCHED)]
-    )  # fmt: skip
+def _distance(table: Floats, patterns: Floats, places: Floats) -> Floats:
+    """Squared distance (T, M) of blurred readings, counts²."""
+    blur = np.exp(-0.5 * cdist(places, places, "sqeuclidean"))
+    middle = patterns.mean(axis=0)  # small numbers cancel less
+    table, patterns = table - middle, patterns - middle
+    blurred = patterns @ blur
+    squares = np.einsum("tk,tk->t", table @ blur, table)
+    own = np.einsum("mk,mk->m", blurred, patterns)
+    return np.asarray(np.maximum(squares[:, None] + own - 2.0 * table @ blurred.T, 0.0))
 
 
-def _known(patch: Patch, table: Floats, labels: Floats) -> ForceCalibration | None:
-    """Calibration by labels (T,), None where they do not follow the skin."""
-    heard = ~np.isnan(table).all(axis=0)
-    mean_reading = np.zeros(len(patch))
-    mean_reading[heard] = np.nanmean(table[:, heard], axis=0)
-    table = np.where(np.isnan(table), mean_reading, table)
-    away = table - np.median(table, axis=0)
-    direction = 1.0 if np.sum(away**3) >= 0.0 else -1.0  # presses are the longer tail
-    rest = direction * np.percentile(direction * table, REST, axis=0)
-    span = max(float(np.max(direction * (table - rest))), 1e-9)
-    extent = float(np.ptp(patch.plane, axis=0).max()) or 1.0
-    places = (patch.plane - patch.plane.min(axis=0)) / extent
-    figures = _figures(direction * (table - rest), span, places)
-    scale = np.stack([figures.mean(axis=0), figures.std(axis=0) + 1e-9])
-    off, change = (figures - scale[0]) / scale[1], (table - mean_reading) / span
-    length = LENGTH * (patch.pitch if np.isfinite(patch.pitch) else extent)
-    apart = cdist(patch.plane, patch.plane, "sqeuclidean") / length**2
-    root = np.linalg.cholesky(np.exp(-0.5 * apart) + 1e-6 * np.eye(len(patch)))
-    smooth = change @ root
-    parts = np.array_split(np.arange(len(labels)), PARTS)
-    mixed = [np.arange(first, len(labels), PARTS) for first in range(PARTS)]
-    designs = [np.hstack([off / np.sqrt(f), smooth / np.sqrt(g)]) for f, g in PRIORS]
-    if not _error(designs[-1], labels, 1.0, mixed) < WORTH * float(labels.std()):
-        return None
-    errors = [_error(design, labels, 1.0, parts) for design in designs]
-    best = int(np.argmin(errors))
-    best = best if errors[best] < BETTER * errors[0] else 0
-    solved = _solve(designs[best], labels, 1.0)[0] / np.sqrt(PRIORS[best][1])
-    total = direction * (table - rest).sum(axis=1, keepdims=True)
-    return ForceCalibration(
-        gain=root @ solved[FIGURES:] / span,
-        weights=solved[:FIGURES] * np.sqrt(PRIORS[best][1] / PRIORS[best][0]),
-        mean_force=float(labels.mean()),
-        residual_std=errors[best],
-        rest=rest,
-        mean_reading=mean_reading,
-        scale=scale,
+def _alike(table: Floats, patterns: Floats, places: Floats, length: float) -> Floats:
+    alike: Floats = np.exp(-0.5 * _distance(table, patterns, places) / length**2)
+    return alike
+
+
+def _direction(table: Floats) -> float:
+    """-1 where pressure lowers counts: taxels agree on their rest, not on how far they go."""
+
+    def disagree(ends: Floats) -> float:
+        return float(np.abs(ends - np.median(ends)).mean())
+
+    low, high = disagree(table.min(axis=0)), disagree(table.max(axis=0))
+    if low == high:  # presses are the longer tail
+        return 1.0 if np.sum((table - np.median(table, axis=0)) ** 3) >= 0.0 else -1.0
+    return 1.0 if low < high else -1.0
+
+
+class _Regression:
+    """Least squares in deviations, of all readings or of all but a part, as if never seen."""
+
+    def __init__(self, design: Floats, labels: Floats) -> None:
+        self.design, self.labels = design - design.mean(axis=0), labels
+        self.gram = self.design.T @ self.design
+        self.moment = self.design.T @ (labels - labels.mean())
+
+    def solved(self, penalty: Floats, sense: float = 0.0) -> Floats:
+        """Weights by a penalty for each, of one reading; infinite, where there is none."""
+        return _solved(self.gram, self.moment, penalty * len(self.labels), sense)
+
+    def foretold(
+        self, penalties: list[Floats], parts: list[NDArray[np.int64]], sense: float = 0.0
+    ) -> Floats:
+        """Labels (N, T) of each part from the others, by each of N penalties.
+
+        With a sense, the first column is held within that of the others.
+        """
+        left = np.empty((len(penalties), len(self.labels)))
+        mean = self.labels.mean()
+        for part in parts:
+            its, label = self.design[part], self.labels[part] - mean
+            held = its.copy()
+            if sense:
+                others = np.delete(self.design[:, 0], part)
+                held[:, 0] = np.clip(held[:, 0], others.min(), others.max())
+            rest = len(self.labels) - len(part)
+            middle, level = -its.sum(axis=0) / rest, -label.sum() / rest
+            gram = self.gram - its.T @ its - rest * np.outer(middle, middle)
+            moment = self.moment - its.T @ label - rest * level * middle
+            for row, penalty in zip(left, penalties, strict=True):
+                weights = _solved(gram, moment, penalty * rest, sense)
+                row[part] = mean + level + (held - middle) @ weights
+        return left
+
+
+def _solved(gram: Floats, moment: Floats, penalty: Floats, sense: float) -> Floats:
+    """Weights, of which the first is not against `sense`, if that is not 0."""
+    weights = np.zeros(len(moment))
+    kept = np.flatnonzero(np.isfinite(penalty))
+    for _ in range(2):
+        weights[kept] = np.linalg.solve(
+            gram[np.ix_(kept, kept)] + np.diag(penalty[kept]), moment[kept]
+        )
+        if weights[0] * sense >= 0.0:
+            break
+        weights[0], kept = 0.0, kept[1:]
+    return weights
+
+
+class _Design(NamedTuple):
+    """What a force is a sum of, by reading."""
+
+    total: Floats
+    patterns: Floats
+    length: float
+    places: Floats
+    alike: Floats
+    modes: Floats
+    root: Floats
+    parts: list[NDArray[np.int64]]
+
+    def columns(self, table: Floats) -> Floats:
+        """Sum, patterns and gains (T, P), about as large as each other."""
+        scale = float(self.total.std()) or 1.0
+        beside = (table - table.mean(axis=0)) @ self.root
+        return np.hstack([self.total[:, None] / scale, self.alike @ self.modes, beside])
+
+
+def _design(patch: Patch, table: Floats) -> _Design:
+    pitch = patch.pitch if np.isfinite(patch.pitch) else float(np.ptp(patch.plane)) or 1.0
+    places = patch.plane / (BLUR * pitch)
+    rows = np.linspace(0, len(table) - 1, min(PATTERNS, len(table))).astype(np.int64)
+    patterns = table[rows]
+    distance = np.sqrt(_distance(table, patterns, places))
+    apart = float(np.sqrt(np.square(distance[rows]).mean())) or 1.0
+    length = LENGTH * apart
+    power, modes = np.linalg.eigh(np.exp(-0.5 * (distance[rows] / length) ** 2))
+    near = np.exp(-0.5 * cdist(places, places, "sqeuclidean") * (BLUR / ALIKE) ** 2)
+    root = np.asarray(np.linalg.cholesky(near + 1e-6 * np.eye(len(patch))), np.float64)
+    smooth = (table - table.mean(axis=0)) @ root
+    return _Design(
+        total=table.sum(axis=1),
+        patterns=patterns,
+        length=length,
         places=places,
-        direction=direction,
-        span=span,
-        constant_rmse=_error(np.zeros((len(labels), 1)), labels, 1.0, parts),
-        sum_rmse=_error(total / (total.std() + 1e-9), labels, 1e-6, parts),
-        ridge_rmse=min(_error(change, labels, each, parts) for each in RIDGES),
+        alike=np.exp(-0.5 * (distance / length) ** 2),
+        modes=modes[:, power > LEAST_POWER] / np.sqrt(power[power > LEAST_POWER]),
+        root=root / (float(np.sqrt(np.square(smooth).sum(axis=1).mean())) or 1.0),
+        parts=_parts(distance / apart, rows),
     )
 
 
-def _solve(design: Floats, labels: Floats, ridge: float) -> tuple[Floats, Floats, float]:
-    """Weights, mean row and mean label of a regression in deviations; a prior as a reading's."""
-    middle, mean = design.mean(axis=0), float(labels.mean())
-    centred = design - middle
-    gram = centred.T @ centred + ridge * len(labels) * np.eye(design.shape[1])
-    return np.linalg.solve(gram, centred.T @ (labels - mean)), middle, mean
+def _parts(distance: Floats, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Parts that are foretold from the others: contiguous, or of like readings if shuffled.
+
+    `distance` (T, M) is that of readings from some of them, `rows`. A reading that has its like,
+    but not as its neighbour, is of a touch that stayed, in another order than that of time.
+    """
+    following = np.where(rows + 1 < len(distance), rows + 1, rows - 1)
+    others = distance.copy()
+    others[rows, np.arange(len(rows))] = np.inf
+    beside = distance[following, np.arange(len(rows))].mean()
+    known, touch = np.unique(distance.argmin(axis=1), return_inverse=True)
+    if beside > STRANGE and others.min(axis=0).mean() < LIKE and len(known) >= PARTS:
+        part = touch * PARTS // len(known)
+        return [np.flatnonzero(part == each) for each in range(PARTS)]
+    return np.array_split(np.arange(len(distance)), PARTS)
 
 
-def _error(design: Floats, labels: Floats, ridge: float, parts: list[NDArray[np.int64]]) -> float:
-    """Root mean square of labels less what the other parts foretell of them."""
-    left = np.empty(len(labels))
-    for part in parts:
-        others = np.ones(len(labels), np.bool_)
-        others[part] = False
-        weights, middle, mean = _solve(design[others], labels[others], ridge)
-        left[part] = labels[part] - mean - (design[part] - middle) @ weights
-    return float(np.sqrt(np.mean(np.square(left))))
+def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
+    """Calibration by labels (T,); an InputError where they have nothing to do with the skin."""
+    design = _design(patch, table)
+    its = _Regression(design.columns(table), labels)
+    first = 1 + design.modes.shape[1]  # of the gains
+    sense = _direction(table) * (1.0 if labels.mean() >= 0.0 else -1.0)
+    penalties = []
+    for noise, patterns, gains, _ in PRIORS:
+        penalties.append(np.full(its.design.shape[1], noise))
+        penalties[-1][1:first] = noise / patterns if patterns else np.inf
+        penalties[-1][first:] = noise / gains if gains else np.inf
+    mixed = [np.arange(start, len(labels), PARTS) for start in range(PARTS)]
+    if not _rms(its.foretold(penalties[:1], mixed, sense) - labels)[0] < WORTH * labels.std():
+        _refuse(labels)
+    foretold = its.foretold(penalties, design.parts, sense)
+    errors = _rms(foretold - labels)
+    allowed = [
+        error <= share * errors[0] for error, (*_, share) in zip(errors, PRIORS, strict=True)
+    ]
+    best = int(np.argmin(np.where(allowed, errors, np.inf)))
+    weights = its.solved(penalties[best], sense)
+    total = design.total
+    made = ForceCalibration(
+        mean_force=float(labels.mean()),
+        residual_std=errors[best],
+        axis=axis,
+        slope=float(weights[0]) / (float(total.std()) or 1.0),
+        sums=np.array([total.mean(), total.min(), total.max()]),
+        patterns=design.patterns,
+        weights=design.modes @ weights[1:first],
+        mean_pattern=design.alike.mean(axis=0),
+        length=design.length,
+        gain=design.root @ weights[first:],
+        mean_reading=table.mean(axis=0),
+        places=design.places,
+        **_trivial(table, labels, design.parts),
+    )
+    return Fit(made, foretold[best])
+
+
+def _trivial(table: Floats, labels: Floats, parts: list[NDArray[np.int64]]) -> dict[str, Any]:
+    """What a constant, a line over the sum and ridge regression make of it."""
+    span = float(np.ptp(table, axis=0).max()) or 1.0
+    change, found = (table - table.mean(axis=0)) / span, []
+    for design, ridges in (
+        (np.zeros((len(labels), 1)), np.ones(1)),
+        (change.sum(axis=1, keepdims=True), np.full(1, 1e-9)),
+        (change, RIDGES),
+    ):
+        its = _Regression(design, labels)
+        penalties = [np.full(design.shape[1], ridge) for ridge in ridges]
+        errors = _rms(its.foretold(penalties, parts) - labels)
+        best = int(np.argmin(errors))
+        found.append((errors[best], its.solved(penalties[best]) / span))
+    (constant, _), (line, slope), (ridge, gain) = found
+    return {
+        "constant_rmse": constant, "sum_rmse": line, "ridge_rmse": ridge,
+        "line_slope": float(slope[0]), "ridge_gain": gain,
+    }  # fmt: skip
+
+
+def _rms(off: Floats) -> list[float]:
+    """Root mean square of each row."""
+    return [float(each) for each in np.sqrt(np.square(off).mean(axis=1))]

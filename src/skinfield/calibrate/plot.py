@@ -1,5 +1,6 @@
 """Figures of calibrations: errors of taxels, gains on the patch."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,23 @@ def draw_errors(made: PressureCalibration) -> "Figure":
         axes.set_ylim(bottom=0.0)
         axes.set_title("Pressure of each taxel", loc="left", fontsize=11, fontweight="bold")
         axes.legend(frameon=False, fontsize=8.5)
+        open_axes(axes)
+    return figure
+
+
+def draw_trivial(rmse: float, trivial: Mapping[str, float]) -> "Figure":
+    """Figure of an error, N, beside those of trivial answers."""
+    names, errors = ["this calibration", *trivial], [rmse, *trivial.values()]
+    with style():
+        figure = new_figure(8.0, 2.6)
+        axes = figure.add_axes((0.3, 0.22, 0.66, 0.72))
+        axes.barh(names, errors, color=[ORANGE, *[QUIET] * len(trivial)], height=0.6)
+        for row, error in enumerate(errors):
+            axes.text(error, row, f" {error:.3g}", va="center", fontsize=9)
+        axes.set_xlim(0.0, 1.12 * max(errors))
+        axes.invert_yaxis()
+        axes.set_axisbelow(True)
+        axes.set_xlabel("error (N rms)")
         open_axes(axes)
     return figure
 

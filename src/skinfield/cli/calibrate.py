@@ -1,6 +1,7 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
+
+    Tried = tuple[str, dict[str, Any], dict[str, Figure]]  # verdict, numbers, figures
 
 calibrate = new_app(
     "calibrate",
@@ -123,13 +126,14 @@ def by_force(
     recording: str,
     labels_file: Annotated[str, Parameter(name="LABELS")],
     /,
-    *,
+    *more: Annotated[str, Parameter(name="MORE", show=False)],
     layout: options.LayoutText,
     patch: options.PatchName = None,
     time: str | None = None,
     columns: str | None = None,
     labels: str | None = None,
     unit: str = "N",
+    offset: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
     report_folder: Annotated[str | None, Parameter(name="--report")] = None,
     force: options.Force = False,
@@ -138,10 +142,11 @@ def by_force(
     """Calibrate the total force on a patch by a force sensor, or a robot's probe.
 
     RECORDING is the skin's. LABELS is a log of fx fy fz, or a table of numbers: by time, if both
-    have times (a delay is found), else row by row. Of three axes the strongest is taken, into the
-    skin. A dead sensor is refused.
+    have times (a delay is found), else row by row. Of three axes the one that varies most is taken,
+    into the skin. A dead sensor is refused. Further recordings, each with its labels, may follow.
 
       skinfield calibrate force skin/r_foot r_foot/analog:o --skin r_foot.txt -o cal.toml
+      skinfield calibrate force a.csv a_scale.csv b.csv b_scale.csv --skin palm.toml -o cal.toml
       skinfield calibrate force palm.csv scale.csv --labels force_N --skin palm.toml -o cal.toml
 
     Parameters
@@ -158,34 +163,39 @@ def by_force(
         Columns of the forces, one or three. Default all but the times.
     unit : str
         Of the labels: N or kN.
+    offset : str, optional
+        What the sensor reads without load, to be taken off: as many numbers as labels have columns.
     output : str, optional
         Calibration file (.toml, .npz).
     report_folder : str, optional
         DIR for a page with figures and a verdict.
     """
-    from skinfield.calibrate import force as fit
-    from skinfield.calibrate.plot import draw_gains
-    from skinfield.cli.calibration_inputs import label_series, skin_series, together
+    from skinfield.calibrate.by_force import fit_force
+    from skinfield.calibrate.plot import draw_trivial
+    from skinfield.cli.calibration_inputs import forces_together
 
     _check_files(output, report_folder, force)
     its = options.patch_of(options.skin_from_text(layout), patch)
-    skin = skin_series(recording, its, time, columns)
-    counts, forces, notes = together(skin, label_series(labels_file, labels, unit))
-    made = fit(its, counts, forces if forces.shape[1] == 3 else forces[:, 0])
+    files = (recording, labels_file, *more)
+    counts, forces, notes = forces_together(
+        files, its, time=time, columns=columns, labels=labels, unit=unit, offset=offset
+    )
+    made, foretold = fit_force(its, counts, forces)
     facts = {
-        "recording": recording, "labels": labels_file, "readings": str(len(counts)),
-        "mean force": f"{made.mean_force:.4g} N", "error": f"{made.residual_std:.3g} N rms",
+        "recording": ", ".join(files[::2]), "labels": ", ".join(files[1::2]),
+        "readings": str(len(counts)), "mean force": f"{made.mean_force:.4g} N",
+        "error": f"{made.residual_std:.3g} N rms",
     }  # fmt: skip
     result = {"rmse_N": made.residual_std, "constant_rmse_N": made.constant_rmse} | {
         "sum_rmse_N": made.sum_rmse, "ridge_rmse_N": made.ridge_rmse, "verdict": made.verdict
     }  # fmt: skip
     figures = {}
     if report_folder:
-        wanted = forces[:, int(np.argmax(np.square(forces).mean(axis=0)))]
-        wanted = -wanted if wanted.mean() < 0.0 else wanted
         figures = {
-            "Force over the readings": _timeline(made.force(counts), wanted, its.name),
-            "Gain of each taxel": draw_gains(its, made.gain * 1e3, "gain (mN per count)"),
+            "Each fifth foretold from the others": _timeline(
+                foretold, made.label(forces), its.name
+            ),
+            "Error beside trivial answers": draw_trivial(made.residual_std, made.rmse),
         }
     report.say_notes(notes)
     shown = "Calibration by force", facts, figures, notes
@@ -351,14 +361,15 @@ def check(
     columns: str | None = None,
     labels: str | None = None,
     unit: str | None = None,
+    offset: str | None = None,
     report_folder: Annotated[str | None, Parameter(name="--report")] = None,
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
     """Try a calibration on another recording.
 
-    It says what the calibration answers there, and with labels how far that is off, beside a
-    constant.
+    It says what the calibration answers there, and with labels how far that is off, beside trivial
+    answers of the same calibration.
 
       skinfield calibrate check cal.toml other.csv other_force.csv --skin palm.toml
 
@@ -380,11 +391,13 @@ def check(
         Columns of the labels. Default all but the times.
     unit : str, optional
         Of the labels. Default N or Pa.
+    offset : str, optional
+        What their sensor reads without load, to be taken off.
     report_folder : str, optional
         DIR for a page with a figure and a verdict.
     """
     from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
-    from skinfield.cli.calibration_inputs import label_series, skin_series, together
+    from skinfield.cli.calibration_inputs import forces_of, label_series, skin_series, together
 
     _check_files(None, report_folder, force)
     made = load_calibration(calibration)
@@ -393,7 +406,6 @@ def check(
             f"{calibration} is of {type(made).__name__}, expected one by force or pressure: one of "
             "counts is tried by `skinfield reconstruct --calibration`"
         )
-    by_force = isinstance(made, ForceCalibration)
     its = options.patch_of(options.skin_from_text(layout), patch) if layout else None
     if its is not None and len(its) != len(made):
         raise InputError(f"{calibration} has {len(made)} taxels, expected {len(its)} of {layout}")
@@ -403,28 +415,22 @@ def check(
             f"{recording} has {skin.values.shape[1]} columns, expected {len(made)} as {calibration}"
             ": give its layout (--skin), or the columns (--columns)"
         )
-    name, notes = "N" if by_force else "Pa", skin.notes
+    name, notes = "N" if isinstance(made, ForceCalibration) else "Pa", skin.notes
+    figures: dict[str, Figure] = {}
     if labels_file is None:
-        low, middle, high = np.nanpercentile(_answer(made, skin.values), [1.0, 50.0, 99.0])
+        of = made.force if isinstance(made, ForceCalibration) else made.pressure
+        answer = of(skin.values)
+        low, middle, high = np.nanpercentile(answer, [1.0, 50.0, 99.0])
         result: dict[str, Any] = {f"low_{name}": low, f"high_{name}": high}
         verdict = f"answers {low:.4g} to {high:.4g} {name} (1 to 99 %), median {middle:.4g}"
-        figures = {}
     else:
         label = label_series(labels_file, labels, unit or name)
         counts, wanted, notes = together(skin, label)
-        answer = _answer(made, counts)
-        strongest = wanted[:, int(np.argmax(np.square(wanted).mean(axis=0)))]
-        strongest = -strongest if by_force and strongest.mean() < 0.0 else strongest
-        off = answer - (strongest if by_force else strongest[:, None])
-        with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
-            rmse = float(np.nanmedian(np.sqrt(np.nanmean(np.square(off), axis=0))))
-            shown = answer if by_force else np.nanmedian(answer, axis=1)
-        known = made.mean_force if isinstance(made, ForceCalibration) else strongest.mean()
-        constant = float(np.sqrt(np.mean(np.square(strongest - known))))
-        result = {f"rmse_{name}": rmse, f"constant_rmse_{name}": constant}
-        better = "" if rmse < constant else "; a constant is better"
-        verdict = f"{rmse:.4g} {name} off (rms), a constant {constant:.4g}{better}"
-        figures = {"Over the readings": _timeline(shown, strongest, recording, name)}
+        if isinstance(made, ForceCalibration):
+            forces = forces_of(labels_file, wanted, offset)
+            verdict, result, figures = _force_tried(made, counts, forces, recording)
+        else:
+            verdict, result, figures = _pressure_tried(made, counts, wanted[:, 0], recording)
     result["verdict"] = verdict
     page = None
     if report_folder:
@@ -436,11 +442,48 @@ def check(
     report.finish(as_json, result, (page,), [verdict])
 
 
-def _answer(made: "ForceCalibration | PressureCalibration", counts: Floats) -> Floats:
-    """Force (T,), N, or pressure (T, L), Pa."""
-    from skinfield.calibrate import ForceCalibration
+def _force_tried(
+    made: "ForceCalibration", counts: Floats, labels: Floats, recording: str
+) -> "Tried":
+    """How far a calibration by force, and trivial answers of it, are off labels."""
+    from skinfield.calibrate.by_force import compared
+    from skinfield.calibrate.plot import draw_trivial
 
-    return made.force(counts) if isinstance(made, ForceCalibration) else made.pressure(counts)
+    wanted, answer = made.label(labels), made.force(counts)
+    heard = np.isfinite(answer)
+    off = (answer - wanted)[heard]
+    rmse = float(np.sqrt(np.mean(np.square(off))))
+    trivial = {
+        name: float(np.sqrt(np.mean(np.square((its - wanted)[heard]))))
+        for name, its in made.trivial(counts).items()
+    }
+    within = float(np.mean(np.abs(off) < made.residual_std))
+    mean = float(off.mean())
+    result = {"rmse_N": rmse, "mean_off_N": mean, "within_one_std": within} | dict(
+        zip(("constant_rmse_N", "sum_rmse_N", "ridge_rmse_N"), trivial.values(), strict=True)
+    )
+    share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
+    verdict = f"{compared(rmse, trivial)}; {share}"
+    figures = {
+        "Over the readings": _timeline(answer, wanted, Path(recording).name),
+        "Error beside trivial answers": draw_trivial(rmse, trivial),
+    }
+    return verdict, result, figures
+
+
+def _pressure_tried(
+    made: "PressureCalibration", counts: Floats, wanted: Floats, recording: str
+) -> "Tried":
+    """How far a calibration by pressure is off labels, median over the taxels."""
+    answer = made.pressure(counts)
+    with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
+        errors = np.sqrt(np.nanmean(np.square(answer - wanted[:, None]), axis=0))
+        rmse, shown = float(np.nanmedian(errors)), np.nanmedian(answer, axis=1)
+    constant = float(wanted.std())
+    better = "" if rmse < constant else "; a constant is better"
+    verdict = f"{rmse:.4g} Pa off (rms), a constant {constant:.4g}{better}"
+    figures = {"Over the readings": _timeline(shown, wanted, Path(recording).name, "Pa")}
+    return verdict, {"rmse_Pa": rmse, "constant_rmse_Pa": constant}, figures
 
 
 def _check_files(output: str | None, report_folder: str | None, force: bool) -> None:

@@ -1,5 +1,6 @@
 """Recordings and labels of a calibration, side by side: columns, times, units, delay."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from skinfield.skin import Patch
 UNITS = {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "N": 1.0, "kN": 1e3}
 LATE, STEP = 1.0, 0.025  # s: delays that are tried
 BETTER = 0.02  # of a correlation, by which a delay must be better than none
+CLEAR = 0.6  # correlation, from which on a delay is believed
 FEWEST = 50  # rows that both have
 
 
@@ -69,6 +71,65 @@ def label_series(name: str, labels: str | None, unit: str) -> Series:
         chosen = [column for column in table.names if not _is_time(column)]
         labels = ",".join(chosen)
     return Series(table.columns(labels) * UNITS[unit], seconds)
+
+
+def forces_of(name: str, values: Floats, offset: str | None = None) -> Floats:
+    """Labels (T, N) less what their sensor reads without load, as forces (T,) or (T, 3)."""
+    width = values.shape[1]
+    if width not in (1, 3):
+        raise InputError(
+            f"{name} has {width} columns of labels, expected one force or three axes: choose them "
+            "with --labels"
+        )
+    if offset is not None:
+        try:
+            taken = [float(each) for each in offset.split(",")]
+        except ValueError:
+            taken = []
+        if len(taken) != width or not np.isfinite(taken).all():
+            raise InputError(
+                f"--offset is {offset!r}, expected {width} number{'s' * (width > 1)} in the unit "
+                f"of the labels, one per column of {name}, such as {','.join(['1.5'] * width)}"
+            )
+        values = values - taken
+    return values if width == 3 else values[:, 0]
+
+
+def forces_together(
+    files: Sequence[str],
+    patch: Patch,
+    *,
+    time: str | None,
+    columns: str | None,
+    labels: str | None,
+    unit: str,
+    offset: str | None,
+) -> tuple[Floats, Floats, tuple[str, ...]]:
+    """Counts (T, L) and forces (T,) or (T, 3) of recordings one after another, and notes.
+
+    `files` are a recording, its labels, another, its labels, and so on.
+    """
+    from skinfield.calibrate import force
+
+    if len(files) % 2:
+        raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
+    tables, forces, notes = [], [], []
+    for recording, its in zip(files[::2], files[1::2], strict=True):
+        label = label_series(its, labels, unit)
+        taken = forces_of(its, label.values, offset)
+        label = label._replace(values=taken.reshape(len(taken), -1))
+        counts, values, said = together(skin_series(recording, patch, time, columns), label)
+        tables.append(counts)
+        forces.append(values if values.shape[1] == 3 else values[:, 0])
+        if len(files) > 2:
+            try:
+                force(patch, counts, forces[-1])
+            except InputError as error:  # a dead sensor hides among others
+                raise InputError(f"{its}: {error}") from error
+        notes += [f"{its}: {note}" if len(files) > 2 else note for note in said]
+    if len({force.ndim for force in forces}) > 1:
+        raise InputError(f"labels {', '.join(files[1::2])} have one axis and three, expected alike")
+    return np.concatenate(tables), np.concatenate(forces), tuple(notes)
 
 
 def _is_time(name: str) -> bool:
@@ -131,4 +192,5 @@ def delay_of(skin: Series, label: Series) -> float:
         usual = follows if usual < 0.0 else usual
         if follows > best:
             best, late = follows, float(delay)
-    return late if best > usual + BETTER else 0.0
+    within = abs(late) < LATE - STEP / 2.0  # one at the end of what was tried is none
+    return late if within and best > max(usual + BETTER, CLEAR) else 0.0

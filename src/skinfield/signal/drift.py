@@ -58,7 +58,8 @@ def has_changed(
             read += 1
     spread = read + CHANGE * np.sqrt(2.0 * read)
     own = RECENT / (2.0 - RECENT)  # variance of a mean of noise
-    return now > (1.0 + LAG * LAG) * spread or lately > own * spread + LAG * LAG * read
+    most = own * spread + LAG * LAG * read
+    return bool(now > (1.0 + LAG * LAG) * spread or lately > most)
 
 
 @inner
