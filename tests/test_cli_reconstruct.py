@@ -191,3 +191,28 @@ def test_rest_is_what_taxels_read_in_the_stretch_that_is_named(tmp_path: Path) -
     assert len({int(row["reading"]) for row in csv.DictReader(out.open())} & set(range(200))) <= 2
     assert "--tare is '4', expected two numbers" in refused(*words, "--tare", "4")
     assert "tare is 7,8 s, expected a part of the recording" in refused(*words, "--tare", "7,8")
+
+
+@pytest.mark.parametrize(
+    ("stated", "scale"),
+    [
+        ((), "relative"),
+        (("--gain", "-171"), "relative"),
+        (("--gain", "-171", "--modulus-kpa", "150"), "newtons"),
+    ],
+)
+def test_forces_are_newtons_only_where_gain_and_modulus_are_known(
+    tmp_path: Path, stated: tuple[str, ...], scale: str
+) -> None:
+    recording = tmp_path / "press.csv"
+    counts = np.full((40, 12), 240.0) + np.random.default_rng(0).integers(-1, 2, (40, 12))
+    counts[20:30, 3:6] -= 60
+    names = ",".join(f"taxel_{k}" for k in range(12))
+    rows = [f"{k * 0.02:.2f}," + ",".join(f"{c:.0f}" for c in row) for k, row in enumerate(counts)]
+    recording.write_text(f"# unit = count\ntime_s,{names}\n" + "\n".join(rows) + "\n")
+    out = tmp_path / "contacts.csv"
+    said = run("reconstruct", recording, "--skin", "icub_triangle", *stated, "-o", out)
+    table = list(csv.DictReader(out.open()))
+    assert table
+    assert {row["scale"] for row in table} == {scale}
+    assert ("(relative)" in said) == (scale == "relative")

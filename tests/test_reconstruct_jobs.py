@@ -98,7 +98,7 @@ def test_what_is_printed_is_the_same_whatever_is_written(
     for row in rows_of(tmp_path / "c.csv"):
         loads[int(row["reading"])] = float(row["total_force_N"])
     best = int(np.argmax(loads))
-    assert f"reading {best} at {best * 0.02:.2f} s: {loads[best]:.2f} N" in said[0]
+    assert f"reading {best} at {best * 0.02:.2f} s: {loads[best]:.2f} (relative)" in said[0]
     table = sf.load_contacts(tmp_path / "r.skinfield", slice(700, 800)).to_pylist()
     assert {row["reading"] for row in table} == set(range(700, 800))
     some = {row["reading"]: row["total_force_N"] for row in table}

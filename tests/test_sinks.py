@@ -69,7 +69,7 @@ def table(path: Path) -> list[dict[str, Any]]:
         return parquet.read_table(path).to_pylist()
     with path.open(newline="") as file:
         return [
-            {key: (text if key == "shape" else float(text)) if text else None
+            {key: (text if key in ("shape", "scale") else float(text)) if text else None
              for key, text in row.items()}
             for row in csv.DictReader(file)
         ]  # fmt: skip

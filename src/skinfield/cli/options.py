@@ -222,8 +222,9 @@ def config_of(
     quantity: "KnownQuantity",
     noise_std: "ArrayLike",
     model: ModelSettings,
+    relative: bool = False,
 ) -> "ReconstructorConfig":
-    """Reconstruction with the chosen grid, mechanics and solver."""
+    """Reconstruction with the chosen grid, mechanics and solver; `relative` if no scale is known."""
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
     return ReconstructorConfig(
@@ -235,6 +236,7 @@ def config_of(
         solver_of(model.solver or USUAL_SOLVER),
         noise_std,
         sf.ContactFinder(),
+        relative,
     )
 
 

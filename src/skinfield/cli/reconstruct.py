@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 from skinfield.cli import options, report
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import FileError, InputError
+from skinfield.estimate.contact_table import NEWTONS, RELATIVE
 from skinfield.plot import plural
 
 if TYPE_CHECKING:
@@ -272,8 +273,9 @@ def _lines(plain: dict[str, Any], best: "Estimate", when: float) -> Iterator[rep
     )
     force, contacts = float(best.normal_force), plural(len(best.contacts), "contact")
     where = f"reading {plain['highest_force_reading']} at {when:.2f} s"
-    title = f"{where}: {force:.2f} N, {contacts}, by {best.solver}"
-    yield report.table_of_contacts(best.contacts, title)
+    unit = "(relative)" if best.relative else "N"
+    title = f"{where}: {force:.2f} {unit}, {contacts}, by {best.solver}"
+    yield report.table_of_contacts(best.contacts, title, best.relative)
 
 
 def doubts(reconstructor: "Reconstructor", shown: "Estimate") -> list[str]:
@@ -320,6 +322,7 @@ def _summary(
         "layer": repr(config.layer),
         "grid": list(config.grid.shape),
         "options": {name: value for name, value in values.items() if value is not None},
+        "scale": RELATIVE if config.relative else NEWTONS,
         "total_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
         "highest_force_reading": totals.peak,

@@ -176,11 +176,17 @@ def plain_contacts(contacts: Sequence["Contact"]) -> list[dict[str, Any]]:
     ]
 
 
-def table_of_contacts(contacts: Sequence["Contact"], title: str) -> Table:
-    """Contacts; their height stands there where one is not 0: on a flat patch it says nothing."""
+def table_of_contacts(contacts: Sequence["Contact"], title: str, relative: bool = False) -> Table:
+    """Contacts; their height stands there where one is not 0: on a flat patch it says nothing.
+
+    The head of forces and pressures says so where they are `relative`.
+    """
     first = plain_contacts(contacts[:MOST_CONTACTS])
     curved = any(abs(row["z_m"]) > FLAT for row in first)
     columns = [column for column in CONTACT if curved or column.key != "z_m"]
+    if relative:
+        heads = {"force N": "force rel.", "± N": "± rel.", "peak kPa": "peak rel."}
+        columns = [each._replace(head=heads.get(each.head, each.head)) for each in columns]
     made = table_of(title, first, columns)
     if len(contacts) > MOST_CONTACTS:
         made.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"

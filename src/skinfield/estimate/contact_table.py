@@ -10,7 +10,7 @@ from skinfield.estimate.contact import Contact
 from skinfield.estimate.estimate import Estimate
 from skinfield.estimate.tracked import TrackedContact
 
-WORDS = ("solver", "shape", "body_part", "skin_part")
+WORDS = ("solver", "shape", "scale", "body_part", "skin_part")
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact", "track", "link")
 READING = ("reading", "stamp_ns", "time_s", "total_force_N", "solver", "valid_taxels")
 CONTACT = (
@@ -18,13 +18,14 @@ CONTACT = (
     *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
     *("shape", "radius_m"),
 )
-COLUMNS = (*READING, "contact", *CONTACT)
+COLUMNS = (*READING, "contact", *CONTACT, "scale")
 LISTED = (*COLUMNS, "track", "body_part", "link", "skin_part")  # of contacts of other programs
 KINDS, LISTED_KINDS = (
     [(n, np.dtype("i8" if n in WHOLE else "U" if n in WORDS else "f8")) for n in names]
     for names in (COLUMNS, LISTED)
 )
-SENT = "sent"  # solver of contacts that another program found
+SENT = "sent"  # solver of contacts that another program found, and scale of their forces
+NEWTONS, RELATIVE = "newtons", "relative"  # scale of forces: known, or up to one factor
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
@@ -40,11 +41,12 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
     stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
     each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
     names = np.broadcast_to(estimate.solver, len(forces)).tolist()
+    scale = RELATIVE if estimate.relative else NEWTONS
     every = zip(forces.tolist(), stamps, names, each, strict=True)
     for k, (force, stamp, name, contacts) in enumerate(every):
         reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])
         for number, contact in enumerate(contacts):
-            yield (*reading, number, *map(_or_none, _values(contact)))
+            yield (*reading, number, *map(_or_none, _values(contact)), scale)
 
 
 def rows_from_tracks(
@@ -59,7 +61,7 @@ def rows_from_tracks(
     first = (reading, stamp_ns, (stamp_ns - start_ns) / 1e9, _or_none(force), SENT, taxels)
     for place, (track, one) in enumerate(seen):
         values = map(_or_none, _values(one))
-        yield (*first, place, *values, track, one.body, one.link, one.skin)
+        yield (*first, place, *values, SENT, track, one.body, one.link, one.skin)
 
 
 def _values(contact: Contact) -> tuple[float | str, ...]:

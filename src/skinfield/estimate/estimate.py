@@ -59,6 +59,8 @@ class Estimate:
     is_field : bool or (T,) array
         Whether a pressure field answered, in which contacts are found; else contacts were fitted,
         and the field is what they press.
+    relative : bool
+        Whether forces and pressures hold up to one factor only, as nothing known gave the scale.
 
     An estimate may be prompt: pressure and gap are there, and the rest, such as displacement and
     contacts, is computed when it is first asked for; see `later`.
@@ -80,6 +82,7 @@ class Estimate:
     deadline_met: Any = True
     solver: Any = ""
     is_field: Any = True
+    relative: bool = False
 
     @classmethod
     def joined(cls, each: Sequence["Estimate"], **known: Any) -> "Estimate":
@@ -103,6 +106,7 @@ class Estimate:
             **{name: stacked(name) for name in ("gap", "iterations", "deadline_met", "is_field")},
             notes=tuple(dict.fromkeys(note for one in each for note in one.notes)),
             solver=tuple(one.solver for one in each),
+            relative=each[0].relative,
             **known,
         )
         vars(estimate)["_each"] = tuple(each)

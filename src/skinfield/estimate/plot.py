@@ -139,6 +139,7 @@ def page_of(grid: Grid) -> tuple[tuple[float, float], dict[str, tuple[float, flo
 
 
 COLUMNS = {"": 0.0, "place (mm)": 0.07, "force (N)": 0.45, "area (mm²)": 0.66, "peak (kPa)": 0.85}
+RELATIVE = {"force (N)": "force (rel.)", "peak (kPa)": "peak (rel.)"}
 LINES, STEP = 11, 0.0876  # of the table, and from one to the next in parts of its height
 
 
@@ -154,7 +155,8 @@ def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[TruePress]) -
     rest = contacts[len(listed) :]
     quiet, true = {"color": QUIET}, {"color": BLUE}
     rule: tuple[list[str], dict[str, Any]] = ([], {})
-    rows: list[tuple[list[str], dict[str, Any]]] = [(list(COLUMNS), quiet), rule]
+    heads = [RELATIVE.get(head, head) if estimate.relative else head for head in COLUMNS]
+    rows: list[tuple[list[str], dict[str, Any]]] = [(heads, quiet), rule]
     rows += [(row_of(index, contact, grid), {}) for index, contact in enumerate(listed)]
     rows += [] if contacts else [(["no contact above the noise"], quiet)]
     rows += [(["", plural(len(rest), "other"), *_sums(rest), ""], quiet)] if rest else []
@@ -228,7 +230,9 @@ def facts(estimate: Estimate) -> list[str]:
         last.append(f"σ of pressure {number(spread * 1e-3, 2)} kPa")
     if np.isfinite(estimate.latency):
         last.append(duration(estimate.latency))
-    whole = f"whole field {number(float(estimate.normal_force))} N; " if estimate.is_field else ""
+    unit = "relative" if estimate.relative else "N"
+    total = number(float(estimate.normal_force))
+    whole = f"whole field {total} {unit}; " if estimate.is_field else ""
     return [
         f"{whole}{int(estimate.valid.sum())} of {plural(len(estimate.valid), 'taxel')} used",
         "; ".join(last),
@@ -329,14 +333,16 @@ def headline(estimate: Estimate) -> str:
     if not contacts:
         return f"{name}: no contact"
     force = number(sum(contact.normal_force for contact in contacts))
-    return f"{name}: {plural(len(contacts), 'contact')}, {force} N"
+    unit = "(relative)" if estimate.relative else "N"
+    return f"{name}: {plural(len(contacts), 'contact')}, {force} {unit}"
 
 
 def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[TruePress]) -> None:
     from matplotlib.patches import Circle
 
     grid = estimate.grid
-    add_colour_bar(axes, draw_cells(axes, grid, estimate.pressure * 1e-3), "pressure (kPa)")
+    label = "pressure (relative)" if estimate.relative else "pressure (kPa)"
+    add_colour_bar(axes, draw_cells(axes, grid, estimate.pressure * 1e-3), label)
     hatch_uncovered(axes, grid)
     frame_axes(axes, grid.patch, extent_of(grid, measured=True))
     for press in presses:

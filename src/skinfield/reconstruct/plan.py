@@ -282,7 +282,7 @@ class Plan:
             operator = self.linear = LinearFields.of(operator.linear, *self._parts)
         self.whole: Operator = operator
         self._without = lru_cache(MOST_SETS)(self._prepared_without)
-        self.find = FieldContacts(finder, grid, self._nodes)
+        self.find, self.relative = FieldContacts(finder, grid, self._nodes), False
         self._spare: list[Followed] = []  # of threads that are not at work
 
     def of(self, valid: NDArray[np.bool_]) -> Operator:
@@ -330,6 +330,7 @@ class Plan:
             notes=solution.notes,
             solver=solution.solver,
             is_field=solution.fit is None,
+            relative=self.relative,
         )
         known, now = vars(estimate), time.perf_counter_ns()
         known["latency"], known["deadline_met"] = (now - start) * 1e-9, end is None or now <= end

@@ -117,6 +117,9 @@ class Reconstructor:
     calibration : Calibration or TouchCalibration, optional
         As `skinfield.load_calibration` reads it. Readings are then counts, or whatever it was made
         from; noise, and by touches layer and mechanics, are those of the calibration.
+    relative : bool, optional
+        Whether forces hold up to one factor only, as gain or modulus are assumed; estimates say so.
+        Default what a calibration by touches says, else False.
 
     Raises
     ------
@@ -149,6 +152,7 @@ class Reconstructor:
         finder: ContactFinder | None = None,
         precision: type[np.floating[Any]] = np.float64,
         calibration: Any = None,
+        relative: bool | None = None,
     ) -> None:
         self.patch = patch
         known = check_calibration(calibration, patch)
@@ -172,6 +176,8 @@ class Reconstructor:
         alive = known.alive if isinstance(known, Calibration) else None
         parts = self.deformation, nodes, self.grid, self.finder, precision, alive
         self.plans = Plan(self.solver.prepare(self.model), *parts)
+        self.relative = getattr(known, "relative", False) if relative is None else relative
+        self.plans.relative = self.relative
         self._linear = np.empty(len(patch), precision)
         self._run_in()
 
@@ -290,7 +296,7 @@ class Reconstructor:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies, and what another process gets, are prepared anew and have seen no reading."""
-        names = ("mechanics", "quantity", "solver", "finder", "precision", "calibration")
+        names = ("mechanics", "quantity", "solver", "finder", "precision", "calibration", "relative")
         settings = {name: getattr(self, name) for name in names}
         settings["noise_std"] = self.model.noise_std
         return partial(Reconstructor, **settings), (self.patch, self.layer, self.grid)

@@ -22,7 +22,7 @@ from skinfield.reconstruct.reconstructor import Reconstructor
 from skinfield.skin import Grid, Patch
 from skinfield.solve import Solver
 
-PARTS = "patch", "layer", "mechanics", "quantity", "solver", "noise_std", "finder"
+PARTS = "patch", "layer", "mechanics", "quantity", "solver", "noise_std", "finder", "relative"
 """All but the grid, which lies on the patch."""
 
 
@@ -151,6 +151,7 @@ class ReconstructorConfig:
     solver: Solver
     noise_std: ArrayLike
     finder: ContactFinder
+    relative: bool = False
 
     @classmethod
     def of(cls, reconstructor: Reconstructor) -> "ReconstructorConfig":
@@ -172,6 +173,7 @@ class ReconstructorConfig:
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "ReconstructorConfig":
         """Undo `to_plain`; raises FileError for what it never writes."""
+        plain = {"relative": False, **plain}
         missing = {*PARTS, "grid"} - set(plain)
         if missing:
             raise FileError(f"settings lack {', '.join(sorted(missing))}: is the file whole?")
