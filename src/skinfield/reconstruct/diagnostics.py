@@ -7,6 +7,7 @@ import numpy as np
 
 from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import Floats, InputError, check_positive
+from skinfield.reconstruct.order import check_order
 from skinfield.signal import (
     Baseline,
     Calibration,
@@ -139,6 +140,7 @@ def quantity_scale(quantity: Quantity, layer: Layer, unit: str = "dC/C0") -> tup
 
 Blocks = Callable[[], Iterator[Recording]]  # anew at each call
 USUAL_RATE = 50.0  # 1/s, of recordings that do not tell theirs
+SLOWEST = 0.25  # 1/s: slower ones have their times in another unit
 FEWEST = 16  # readings that tell a noise
 UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
 
@@ -185,6 +187,12 @@ def survey(
     first = next(blocks())
     rates = [block.rate for block in blocks() if np.isfinite(block.rate)]
     rate = float(np.median(rates)) if rates else USUAL_RATE
+    if rate < SLOWEST:
+        raise InputError(
+            f"readings of {first.source} are {1.0 / rate:g} s apart, expected {1.0 / SLOWEST:g} s "
+            "at most, as of a skin: if these are milliseconds, name their column time_ms"
+        )
+    check_order(first.counts, patch)
     readings = sum(map(len, blocks()))
     if first.unit != "count":
         _check_unit(first, quantity)

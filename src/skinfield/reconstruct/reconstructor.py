@@ -296,7 +296,15 @@ class Reconstructor:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies, and what another process gets, are prepared anew and have seen no reading."""
-        names = ("mechanics", "quantity", "solver", "finder", "precision", "calibration", "relative")
+        names = (
+            "mechanics",
+            "quantity",
+            "solver",
+            "finder",
+            "precision",
+            "calibration",
+            "relative",
+        )
         settings = {name: getattr(self, name) for name in names}
         settings["noise_std"] = self.model.noise_std
         return partial(Reconstructor, **settings), (self.patch, self.layer, self.grid)

@@ -5,7 +5,7 @@
     time_s,taxel_0,taxel_1,taxel_2
     0.000,0.0012,0.0100,
 
-The time is `time_s` (seconds) or `stamp_ns` (nanoseconds). Values stand under `taxel_<channel>`, or
+The time is `time_s` (seconds), `time_ms` (milliseconds) or `stamp_ns` (nanoseconds). Values stand under `taxel_<channel>`, or
 under `uid_<uid>` or the bare uid, decimal or 0x; channels without a column are missing. Columns
 named `reading`, `sample`, `index` or not at all are left out. Delimiters are `,` `;` tab or spaces.
 An empty place is a missing value. The unit is one of `skinfield.skin.reading.UNITS`, "count" if no
@@ -23,7 +23,7 @@ from skinfield.files.recordings.head import Magic, is_number, usual_decimals
 from skinfield.files.recordings.lines import RecordingStream
 from skinfield.skin.reading import UNITS
 
-TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
+TIMES = {"time_s": 10**9, "time_ms": 10**6, "stamp_ns": 1}  # ns in the unit
 IGNORED = {"", "reading", "sample", "index", "seq", "unnamed: 0"}
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")  # of a force/torque sensor; three do, too
 CHANNELS = 1 << 20  # more than any robot has: a typing error, not a port

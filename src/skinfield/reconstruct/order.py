@@ -1,0 +1,58 @@
+"""Order of taxels in a recording: whether those that read together are neighbours in the layout.
+
+What touches a skin is read by taxels side by side. Where the taxels that go up and down together
+lie anywhere on the patch, the layout is another skin's, or the columns are in another order.
+"""
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError
+from skinfield.skin import Patch
+
+READINGS = 1000  # that are looked at: those in which most is read
+TOGETHER = 0.7  # correlation of taxels that read together
+FEWEST = 30  # taxels that read together with another, by which an order is judged
+NEAR = 2.5  # distances of taxels, within which they are read side by side
+LEAST = 2.5  # times more partners side by side than in any order
+
+
+def partners(counts: Floats, patch: Patch) -> tuple[int, float, float]:
+    """Taxels with a partner, and the share of these nearby, as it is and in any order.
+
+    A partner is the taxel that reads most alike, of the same touches.
+
+    Parameters
+    ----------
+    counts : (T, L) array
+        NaN where a taxel did not answer.
+    patch : Patch
+    """
+    from scipy.spatial import cKDTree
+
+    known = np.where(np.isnan(counts).all(axis=0), 0.0, counts)
+    apart = np.nan_to_num(np.abs(known - np.nanmedian(known, axis=0)))
+    most = apart[np.argsort(-apart.sum(axis=1), kind="stable")[:READINGS]]
+    noise = 1.4826 * np.median(apart, axis=0) + 0.05 * float(np.max(most, initial=0.0))
+    touched = np.flatnonzero(most.max(axis=0, initial=0.0) > 5.0 * noise)
+    if len(touched) < FEWEST:
+        return 0, 0.0, 0.0
+    values = most[:, touched] - most[:, touched].mean(axis=0)
+    alike = (values.T @ values) / np.outer(*2 * [np.linalg.norm(values, axis=0)])
+    np.fill_diagonal(alike, -1.0)
+    other, sure = alike.argmax(axis=1), alike.max(axis=1) > TOGETHER
+    places = patch.positions[touched]
+    near = np.linalg.norm(places - places[other], axis=1)[sure] < NEAR * patch.pitch
+    pairs = len(cKDTree(places).query_pairs(NEAR * patch.pitch))
+    chance = pairs / (0.5 * len(touched) * (len(touched) - 1))
+    return int(sure.sum()), float(near.mean()) if sure.any() else 0.0, chance
+
+
+def check_order(counts: Floats, patch: Patch) -> None:
+    """Raise InputError where taxels that read together lie anywhere on the patch."""
+    count, near, chance = partners(counts, patch)
+    if count >= FEWEST and near < LEAST * chance < 0.5:
+        raise InputError(
+            f"of {count} taxels that read together with another, {100 * near:.0f} % lie side by "
+            f"side on {patch.name!r}, as {100 * chance:.0f} % do in any order: expected the layout "
+            "of the recording's skin, with its taxels in the recording's order"
+        )
