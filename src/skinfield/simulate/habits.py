@@ -18,7 +18,7 @@ from skinfield.skin import Patch
 
 SPREAD = Range(0.0, 0.5, "a part of the stated value; 0 is as stated")
 COMPRESSIBLE = 0.5  # Poisson's ratio beyond which nothing is: what lies there is folded back
-CLIPPED = 150.0
+CLIPPED = 170.0
 """Counts of CySkin's noise before its boards clip it at rest. 85, as recordings have it, is after."""
 
 
@@ -64,7 +64,7 @@ class Habits:
     tolerances : Tolerances
     elastomer : StandardLinearSolid, optional
         How it creeps; None leaves that to whoever simulates.
-    gain_spread, converter_gain_spread, noise_spread, jumps, hysteresis : float
+    gain_spread, converter_gain_spread, noise_spread, noise_limit, jumps, hysteresis : float
         See `Electronics`, `Noise` and `Hysteresis`.
     tared : bool
         See `Electronics`.
@@ -82,6 +82,7 @@ class Habits:
     gain_spread: float = 0.0
     converter_gain_spread: float = 0.0
     noise_spread: float = 0.0
+    noise_limit: float = 0.0
     jumps: float = 0.0
     tared: bool = False
     hysteresis: float = 0.0
@@ -109,6 +110,7 @@ class Habits:
                 noise,
                 white=white,
                 spread=max(noise.spread, self.noise_spread),
+                limit=self.noise_limit or noise.limit,
                 jumps=max(noise.jumps, self.jumps),
             ),
             defects=usual.defects if self.defects == Defects() else self.defects,
@@ -129,8 +131,9 @@ HABITS: Mapping[str, Habits] = MappingProxyType(
             elastomer=StandardLinearSolid(relaxed_fraction=0.93, time_constant=1.0),
             gain_spread=0.12,
             converter_gain_spread=0.09,  # 15 % together
-            noise_spread=1.0,
-            jumps=0.05,
+            noise_spread=1.1,
+            noise_limit=2.5,
+            jumps=0.01,
             tared=True,
             hysteresis=0.03,
             defects=Defects(dead=0.01, stuck=0.01),
@@ -138,8 +141,8 @@ HABITS: Mapping[str, Habits] = MappingProxyType(
             warming=0.1 / 60.0,  # some counts a minute of CySkin's
             fingers=(
                 Finger(width=9e-3),
-                Finger(width=9e-3, length=15e-3),
-                Finger(width=8e-3, length=13e-3, second=0.4, apart=22e-3),
+                Finger(width=8e-3, length=20e-3),
+                Finger(width=8e-3, length=20e-3, second=0.4, apart=26e-3),
             ),
         ),
     }

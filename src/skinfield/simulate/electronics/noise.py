@@ -27,6 +27,8 @@ class Noise(Section):
         Standard deviation of a reading, of the median taxel; independent from reading to reading.
     spread : float
         Of the logarithm of `white` from taxel to taxel.
+    limit : float
+        Times `white`, which the noise of no taxel passes; 0: there is no limit.
     jumps : float
         Share of the white values that Student's t of 2.5 degrees of freedom draws, times `white`,
         in place of a normal distribution.
@@ -47,6 +49,7 @@ class Noise(Section):
 
     white: Annotated[float, OFF_AT_0] = 0.0
     spread: Annotated[float, OFF_AT_0] = 0.0
+    limit: Annotated[float, OFF_AT_0] = 0.0
     jumps: Annotated[float, Range(0.0, 1.0, "a share of the values; 0 is off")] = 0.0
     common: Annotated[float, OFF_AT_0] = 0.0
     flicker: Annotated[float, OFF_AT_0] = 0.0
@@ -54,7 +57,8 @@ class Noise(Section):
 
     def draw(self, taxels: int, rng: np.random.Generator) -> Floats:
         """White noise of each taxel, (L,) counts."""
-        return np.asarray(self.white * np.exp(self.spread * rng.standard_normal(taxels)))
+        times = np.exp(self.spread * rng.standard_normal(taxels))
+        return np.asarray(self.white * np.minimum(times, self.limit or np.inf))
 
     def sample(
         self, white: Floats, wiring: Wiring, readings: int, rate: float, rng: np.random.Generator

@@ -70,6 +70,11 @@ class Finger(Indenter):
         return float(np.abs(self._lobes[:, 1]).max() + self._axes.max())
 
     @property
+    def middles(self) -> Floats:
+        """Of its lobes, (N, 2) m in the plane."""
+        return np.array([self.place(float(along), 0.0) for along in self._lobes[:, 1]])
+
+    @property
     def _axes(self) -> Floats:
         """Half the length and half the width (2,) m of a lobe."""
         return np.array([self.length, self.width]) / 2.0 * float(self.force or 0.0) ** self.growth
