@@ -20,7 +20,8 @@ from skinfield.skin.reading import Recording
 
 FOAM = Layer(2e-3, 50e3, 0.3)  # on it a finger of a few newtons reads as much as on CySkin
 MOST_FINGERS = 5
-LOADS = (2.0, 6.0)  # N: of each finger, log-uniform up to what the layer bears
+LOADS = (2.0, 6.0)  # N: of each finger, log-uniform, and lighter where the layer bears less
+LIGHTER = 0.7
 APART = 20e-3  # m: least distance of lobes of different fingers
 SIZES = 0.15  # of the logarithm of a finger's width and length
 BESIDE = 25e-3  # m: of skin around the patch
@@ -120,23 +121,28 @@ class HabitCases:
         return change
 
     def _press(self, layer: Layer, count: int, rng: np.random.Generator) -> Press:
-        """Fingers with random forces, drawn again where the layer does not bear them."""
+        """Fingers with random forces, lighter where the layer does not bear them."""
         extent = 2.0 * (float(np.abs(self.patch.plane).max()) + BESIDE)
         fingers = self._fingers(count, rng)
+        forces = np.exp(rng.uniform(*np.log(LOADS), count))
         for _ in range(LOADINGS):
-            forces = np.exp(rng.uniform(*np.log(LOADS), count)).tolist()
-            loaded = [replace(each, force=f) for each, f in zip(fingers, forces, strict=True)]
+            loaded = [
+                replace(each, force=float(f)) for each, f in zip(fingers, forces, strict=True)
+            ]
             try:
                 solved = press(layer, loaded, extent, CELL)
             except InputError as error:
                 if "sinks" not in str(error):
                     raise
+                forces *= LIGHTER
                 continue
-            if solved.approach.max() <= DEEPEST * layer.thickness:
+            deep = solved.approach > DEEPEST * layer.thickness
+            if not deep.any():
                 return solved
+            forces[deep] *= LIGHTER
         raise InputError(
-            f"layer is {layer}, expected one that bears fingers of {LOADS[0]:g} N: they sink "
-            f"deeper than {DEEPEST:g} of it"
+            f"layer is {layer}, expected one that bears a finger: it sinks deeper than {DEEPEST:g} "
+            "of it"
         )
 
     def _fingers(self, count: int, rng: np.random.Generator) -> list[Finger]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -120,7 +120,9 @@ class Habits:
         )
 
 
-NONE, REAL = "none", "real"
+HabitsName = Literal["none", "real"]
+NONE: HabitsName = "none"
+REAL: HabitsName = "real"
 HABITS: Mapping[str, Habits] = MappingProxyType(
     {
         NONE: Habits(),
