@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 from skinfield.cli import options, report
+from skinfield.emulator.settings import NO_HABITS, HabitsName
 from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
 from skinfield.settings import Range
-from skinfield.simulate.habits import NONE, HabitsName
 
 KINDS = 22
 Number = Annotated[int | None, Range(1, 10_000, "cases")]
@@ -19,7 +19,7 @@ def cases(
     *,
     count: Number = None,
     unseen: Number = None,
-    habits: HabitsName = NONE,
+    habits: HabitsName = NO_HABITS,
     seed: options.Seed = 0,
     layout: options.LayoutText = "hexagon72",
     patch: options.PatchName = None,
@@ -64,14 +64,14 @@ def cases(
     from skinfield.lab.case_files import save_case
     from skinfield.lab.case_sets import random_cases, standard_cases
     from skinfield.lab.habit_cases import HabitCases
-    from skinfield.simulate.habits import HABITS
+    from skinfield.simulate.habits import habits_by_name
 
     if unseen is not None and count is not None:
         raise InputError(
             f"--count is {count} beside --unseen {unseen}, expected one of them: both are numbers "
             "of cases"
         )
-    if habits != NONE:
+    if habits != NO_HABITS:
         odd = {"--unseen": unseen, "--noise": noise, "--quantity": quantity != "capacitance"}
         for flag, value in odd.items():
             if value:
@@ -82,8 +82,8 @@ def cases(
     total = unseen or count or KINDS
     taxels = options.patch_of(options.skin_from_text(layout), patch)
     place = _prepared(Path(folder), force)
-    if habits != NONE:
-        made = HabitCases(patch=taxels, habits=HABITS[habits]).cases(total, seed, draws)
+    if habits != NO_HABITS:
+        made = HabitCases(patch=taxels, habits=habits_by_name(habits)).cases(total, seed, draws)
     else:
         make = standard_cases if unseen is None else random_cases
         made = make(taxels, total, seed, quantity, noise, draws)

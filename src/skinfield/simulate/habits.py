@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 
@@ -120,9 +120,7 @@ class Habits:
         )
 
 
-HabitsName = Literal["none", "real"]
-NONE: HabitsName = "none"
-REAL: HabitsName = "real"
+NONE, REAL = "none", "real"
 HABITS: Mapping[str, Habits] = MappingProxyType(
     {
         NONE: Habits(),

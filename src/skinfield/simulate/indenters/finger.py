@@ -65,26 +65,30 @@ class Finger(Indenter):
         return np.full(np.broadcast_shapes(x.shape, y.shape), np.inf)
 
     @property
-    def reach(self) -> float:
-        """Farthest that it can touch from its position, m."""
-        return float(np.abs(self._lobes[:, 1]).max() + self._axes.max())
+    def shares(self) -> tuple[float, ...]:
+        """Of the force, by lobe."""
+        return (1.0 - self.second, self.second) if self.second else (1.0,)
+
+    @property
+    def along(self) -> tuple[float, ...]:
+        """Where the middle of each lobe is along x from the centre of pressure, m."""
+        near, far = -self.second * self.apart, (1.0 - self.second) * self.apart
+        return (near, far) if self.second else (0.0,)
 
     @property
     def middles(self) -> Floats:
         """Of its lobes, (N, 2) m in the plane."""
-        return np.array([self.place(float(along), 0.0) for along in self._lobes[:, 1]])
+        return np.array([self.place(x, 0.0) for x in self.along])
+
+    @property
+    def reach(self) -> float:
+        """Farthest that it can touch from its position, m."""
+        return float(max(map(abs, self.along)) + self._axes.max())
 
     @property
     def _axes(self) -> Floats:
         """Half the length and half the width (2,) m of a lobe."""
         return np.array([self.length, self.width]) / 2.0 * float(self.force or 0.0) ** self.growth
-
-    @property
-    def _lobes(self) -> Floats:
-        """Force, N, of each lobe, and where its middle is along x, m."""
-        near, far = -self.second * self.apart, (1.0 - self.second) * self.apart
-        parts = np.array([[1.0 - self.second, near], [self.second, far]])
-        return np.asarray(parts * [float(self.force or 0.0), 1.0])[: 2 if self.second else 1]
 
     def pressure(self, x: Floats, y: Floats, side: float) -> tuple[Floats, Floats]:
         """Mean pressure, Pa, and touched part of squares around (rows, columns) places, m.
@@ -92,7 +96,7 @@ class Finger(Indenter):
         The pressure sums to the force.
         """
         total, touched = np.zeros(x.shape), np.zeros(x.shape)
-        for force, middle in self._lobes:
+        for middle, part in zip(self.along, self.shares, strict=True):
             share, inside = np.zeros(x.shape), np.zeros(x.shape)
             for dx in FINE * side:
                 for dy in FINE * side:
@@ -105,6 +109,6 @@ class Finger(Indenter):
                     f"a finger at {self.position} m touches none of the skin around the origin, "
                     "expected it there: raise extent, or move it in"
                 )
-            total += share * (force / (share.sum() * side**2))
+            total += share * (part * float(self.force or 0.0) / (share.sum() * side**2))
             touched = np.maximum(touched, inside / FINE.size**2)
         return total, touched
