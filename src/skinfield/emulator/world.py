@@ -351,9 +351,7 @@ class World:
         Where the taxels of all patches truly are; default as stated.
     """
 
-    def __init__(
-        self, skin: Skin, layer: Layer, scene: Scene, plane: Floats | None = None
-    ) -> None:
+    def __init__(self, skin: Skin, layer: Layer, scene: Scene, plane: Floats | None = None) -> None:
         self.skin, self.layer = skin, layer
         self._starts = starts_of(skin)
         stated = np.concatenate([patch.plane for patch in skin]) if plane is None else plane

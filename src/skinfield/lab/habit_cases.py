@@ -24,7 +24,6 @@ LOADS = (2.0, 6.0)  # N: of each finger, log-uniform, and lighter where the laye
 LIGHTER = 0.7
 APART = 20e-3  # m: least distance of lobes of different fingers
 SIZES = 0.15  # of the logarithm of a finger's width and length
-BESIDE = 25e-3  # m: of skin around the patch
 CELL = 1e-3  # m
 NEAR = 12e-3  # m: beyond a touch, where readings are below 1e-3 of the highest
 REST, RAMP, HOLD = 4.0, 0.3, 2.0  # s
@@ -34,9 +33,7 @@ STEP = 2e-3  # s
 
 def _cyskin() -> Electronics:
     board = CySkinBoard()
-    return replace(
-        cyskin_electronics(), board=replace(board, gain=board.convention.usual_gain)
-    )
+    return replace(cyskin_electronics(), board=replace(board, gain=board.convention.usual_gain))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,16 +111,17 @@ class HabitCases:
             away = plane - finger.position
             reach = finger.reach + NEAR  # type: ignore[attr-defined]
             near = np.linalg.norm(away, axis=1) < reach
-            alone = press(
-                solved.layer, [replace(finger, position=(0.0, 0.0))], 2.0 * reach, CELL
-            )
+            alone = press(solved.layer, [replace(finger, position=(0.0, 0.0))], 2.0 * reach, CELL)
             change[near] += alone.capacitance(away[near], self.patch.pad_diameter)
         return change
 
     def _press(self, layer: Layer, count: int, rng: np.random.Generator) -> Press:
         """Fingers with random forces, lighter where the layer does not bear them."""
-        extent = 2.0 * (float(np.abs(self.patch.plane).max()) + BESIDE)
         fingers = self._fingers(count, rng)
+        widest = max(
+            max(map(abs, each.position)) + replace(each, force=LOADS[1]).reach for each in fingers
+        )
+        extent = 2.0 * (widest + NEAR)
         forces = np.exp(rng.uniform(*np.log(LOADS), count))
         for _ in range(LOADINGS):
             loaded = [
@@ -167,9 +165,9 @@ class HabitCases:
             if len(placed) == count:
                 return placed
         low, high = self.patch.plane.min(axis=0), self.patch.plane.max(axis=0)
-        wide, high_ = 1e3 * (high - low)
+        wide, tall = 1e3 * (high - low)
         raise InputError(
-            f"patch {self.patch.name!r} is {wide:.0f} x {high_:.0f} mm, expected room for {count} "
+            f"patch {self.patch.name!r} is {wide:.0f} x {tall:.0f} mm, expected room for {count} "
             f"fingers that are {APART * 1e3:g} mm apart: take a larger one"
         )
 
