@@ -1,6 +1,7 @@
-"""Write the table of cases.md on fingers on skins with real habits.
+r"""Write the table of cases.md on fingers on skins with real habits.
 
-  skinfield cases DIR --habits real --count 48 --seed 1 --skin rectangular:rows=24,columns=24,pitch_mm=6
+  skinfield cases DIR --habits real --count 48 --seed 1 \
+    --skin rectangular:rows=24,columns=24,pitch_mm=6
   python docs/real_figures.py DIR [SOLVER ...]
 
 Solvers are those of `skinfield validate`, by default auto; the trivial answer comes first: blobs of
@@ -111,11 +112,11 @@ def line(name: str, rows: Sequence[Row]) -> str:
 def main(folder: str, *solvers: str) -> None:
     """Score and print."""
     cases = [load_case(path) for path in case_paths(folder)]
-    print(line("threshold, sum of readings", trivial_rows(cases)), flush=True)
+    sys.stdout.write(line("threshold, sum of readings", trivial_rows(cases)) + "\n")
     for name in solvers or (options.USUAL_SOLVER,):
         entrant = Entrant(solver=getattr(sf, options.SOLVERS[name])(), name=name)
         rows = [row for case in cases for row in entrant.rows(case)]
-        print(line(name, rows), flush=True)
+        sys.stdout.write(line(name, rows) + "\n")
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ def test_a_finger_presses_with_its_force_where_it_is(second):
     )  # fmt: skip
     made = press(FOAM, [finger], extent=70e-3, cell=0.5e-3)
     assert made.force == pytest.approx(2.0, rel=1e-12)
-    assert made.moment[0] == pytest.approx(-(-3e-3) * 2.0, abs=2e-5)
+    assert made.moment[0] == pytest.approx(3e-3 * 2.0, abs=2e-5)
     assert made.moment[1] == pytest.approx(2e-3 * 2.0, abs=2e-5)
     area = np.pi * 8e-3 * 14e-3 / 4 * 2.0 ** (2 * finger.growth)
     assert made.contact_area == pytest.approx(area * (2 if second else 1), rel=0.02)
@@ -156,7 +156,7 @@ def test_what_fingers_cannot_is_said():
 def test_single_fingers_read_as_on_a_real_patch():
     """reality.md, 1d: taxels above a tenth of the peak, and what its neighbours read."""
     rng = np.random.default_rng(0)
-    offsets = 6e-3 * (np.mgrid[-6:7, -6:7].reshape(2, -1).T)
+    offsets = 6e-3 * (np.mgrid[-4:5, -4:5].reshape(2, -1).T)
     counts, near, next_ = [], [], []
     for finger in HABITS_OF_REAL.fingers:
         made = press(FOAM, [replace(finger, force=2.0)], extent=70e-3, cell=1e-3)
@@ -166,7 +166,7 @@ def test_single_fingers_read_as_on_a_real_patch():
             (offsets + shift) @ [[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]
             for a, shift in zip(turns, shifts, strict=True)
         ]
-        read = made.capacitance(np.concatenate(spun), 4e-3).reshape(8, -1)
+        read = made.capacitance(np.concatenate(spun), 4e-3, order=3).reshape(8, -1)
         for each in read * np.exp(0.15 * rng.standard_normal(read.shape)):
             apart = np.linalg.norm(offsets - offsets[each.argmax()], axis=1)
             share = each / each.max()

@@ -1,5 +1,6 @@
 """Cases of skins with habits: soft fingers, counts of a board, and the documented way from them."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -122,7 +123,7 @@ class HabitCases:
             max(map(abs, each.position)) + replace(each, force=LOADS[1]).reach for each in fingers
         )
         extent = 2.0 * (widest + NEAR)
-        forces = np.exp(rng.uniform(*np.log(LOADS), count))
+        forces = np.exp(rng.uniform(math.log(LOADS[0]), math.log(LOADS[1]), count))
         for _ in range(LOADINGS):
             loaded = [
                 replace(each, force=float(f)) for each, f in zip(fingers, forces, strict=True)

@@ -19,7 +19,7 @@ from skinfield.skin import Patch
 SPREAD = Range(0.0, 0.5, "a part of the stated value; 0 is as stated")
 COMPRESSIBLE = 0.5  # Poisson's ratio beyond which nothing is: what lies there is folded back
 CLIPPED = 170.0
-"""Counts of CySkin's noise before its boards clip it at rest. 85, as recordings have it, is after."""
+"""Counts of CySkin's noise before its boards clip it at rest; 85, as recordings say, is after."""
 
 
 @dataclass(frozen=True, kw_only=True)

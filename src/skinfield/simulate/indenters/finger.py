@@ -33,9 +33,9 @@ class Finger(Indenter):
 
     Notes
     -----
-    The power law a = c F^γ with γ from 0 to 1/3, Hertz's, is that of Xydas and Kao, Int. J. Robotics
-    Research 18(9), 1999; of their family of pressures it is the one with the exponent 2, over an
-    ellipse: p = 3F/(2πab) √(1 - ρ²).
+    The power law a = c F^γ with γ from 0 to 1/3, Hertz's, is that of Xydas and Kao, Int. J.
+    Robotics Research 18(9), 1999; of their family of pressures it is the one with the exponent 2,
+    over an ellipse: p = 3F/(2πab) √(1 - ρ²).
     """
 
     width: float = 9e-3
@@ -88,7 +88,8 @@ class Finger(Indenter):
     @property
     def _axes(self) -> Floats:
         """Half the length and half the width (2,) m of a lobe."""
-        return np.array([self.length, self.width]) / 2.0 * float(self.force or 0.0) ** self.growth
+        grown = float(self.force or 0.0) ** self.growth
+        return np.asarray(np.array([self.length, self.width], np.float64) * (grown / 2.0))
 
     def pressure(self, x: Floats, y: Floats, side: float) -> tuple[Floats, Floats]:
         """Mean pressure, Pa, and touched part of squares around (rows, columns) places, m.

@@ -23,8 +23,8 @@ def are_soft(indenters: Sequence[Indenter]) -> bool:
     soft = [isinstance(each, Finger) for each in indenters]
     if any(soft) and not all(soft):
         raise InputError(
-            f"indenters are {', '.join(each.kind for each in indenters)}, expected fingers alone or "
-            "none: press them one after the other"
+            f"indenters are {', '.join(each.kind for each in indenters)}, expected fingers alone "
+            "or none: press them one after the other"
         )
     return all(soft)
 
@@ -43,7 +43,7 @@ def impose(skin: Medium, fingers: Sequence[Indenter]) -> tuple[Traction, Floats]
     side, half = skin.side(window), skin.grid.shape[0] * skin.grid.pitch / 2
     pressures, touched = [], []
     for index, finger in enumerate(fingers):
-        assert isinstance(finger, Finger)  # noqa: S101 - see `are_soft`
+        assert isinstance(finger, Finger)  # see `are_soft`
         if max(map(abs, finger.position)) + finger.reach > half:
             raise InputError(
                 f"indenters[{index}] reaches {finger.reach:g} m from {finger.position} m, expected "

@@ -225,9 +225,10 @@ def press(
 ) -> Press:
     """Press rigid indenters into the skin and solve for the tractions below them; or soft fingers.
 
-    Linear elastic, unilateral: pressure only where there is touch; that of fingers is imposed. The normal contact is
+    Linear elastic, unilateral: pressure only where there is touch. The normal contact is
     frictionless; where an indenter has a shear, tangential tractions follow in a second stage in
-    which everything that touches sticks, or slips at Coulomb's limit.
+    which everything that touches sticks, or slips at Coulomb's limit. Fingers, which come alone,
+    impose their pressure.
 
     Parameters
     ----------
