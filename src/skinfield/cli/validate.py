@@ -21,7 +21,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
 from skinfield.settings import Positive, Range
 
-WIDE = 180  # columns of the terminal that a table of several noises takes
+WIDE = 190  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
 COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),

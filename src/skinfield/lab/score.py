@@ -184,8 +184,8 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
         interval, ``_p90`` the 90th percentile. ``force_bias`` is the median with its sign.
         ``missed`` is a share of the contacts, ``false_share`` of the readings with at least one
         contact that is not there, ``count_right`` those with as many as there are, and
-        ``idle_touched`` those of nothing in which something is found, all with Wilson's interval;
-        ``false_per_reading`` is a mean.
+        ``idle_touched``, where there are some, those of nothing in which something is found, all
+        with Wilson's interval; ``false_per_reading`` is a mean.
     """
     if not rows:
         raise InputError("rows is empty, expected at least one")
@@ -200,7 +200,8 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
     right = sum(row["matched"] + row["false"] == row["contacts"] for row in rows)
     out |= rate_row("count_right", right, len(rows))
     idle = where(rows, contacts=0)
-    out |= rate_row("idle_touched", sum(row["false"] > 0 for row in idle), len(idle))
+    if idle:
+        out |= rate_row("idle_touched", sum(row["false"] > 0 for row in idle), len(idle))
     return out | {"false_per_reading": float(np.mean([row["false"] for row in rows]))}
 
 
