@@ -188,6 +188,7 @@ class Converters:
 
         Without noise, but for that of the one reading that a board takes which tares itself.
         """
+        self._remember(self._before_ns)
         return self._whole(self._felt(warmth) - self._off)
 
     def set_fault(self, kind: str, row: int) -> None:
