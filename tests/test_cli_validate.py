@@ -252,6 +252,6 @@ def test_the_page_on_cases_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(PAGE) == (1, 6)
+    assert follow(PAGE) == (1, 8)
     assert "mm off" in capsys.readouterr().out
     assert load_case("rig_017.npz").truth.contacts[0].force == 1.0

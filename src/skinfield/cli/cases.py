@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from skinfield.cli import options, report
+from skinfield.emulator.settings import NO_HABITS, HabitsName
 from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
 from skinfield.settings import Range
@@ -18,6 +19,7 @@ def cases(
     *,
     count: Number = None,
     unseen: Number = None,
+    habits: HabitsName = NO_HABITS,
     seed: options.Seed = 0,
     layout: options.LayoutText = "hexagon72",
     patch: options.PatchName = None,
@@ -37,9 +39,14 @@ def cases(
     With --unseen they are random presses instead, one to three bodies on one elastomer: balls of 2
     to 15 mm radius above all, cones, flats, bars and rings.
 
+    With --habits real they are no to five soft fingers in turn, each on a skin of its own that is
+    not quite as it is stated: counts of a board that clips at rest, with noise, faults, creep and
+    what else real skins do, conditioned as recordings are.
+
       skinfield cases cases
       skinfield cases cases --count 44 --seed 7 --quantity stress --noise 400 --draws 10
       skinfield cases unseen --unseen 200 --skin icub_hexagon --draws 0
+      skinfield cases fingers --habits real --skin rectangular:rows=24,columns=24,pitch_mm=6
 
     Parameters
     ----------
@@ -49,24 +56,40 @@ def cases(
         Of cases. Default 22.
     unseen : int, optional
         So many random presses instead.
+    habits : str
+        Of the skin: none, or real.
     draws : int
         Noisy readings per case; 0 for one without noise.
     """
     from skinfield.lab.case_files import save_case
     from skinfield.lab.case_sets import random_cases, standard_cases
+    from skinfield.lab.habit_cases import HabitCases
+    from skinfield.simulate.habits import habits_by_name
 
     if unseen is not None and count is not None:
         raise InputError(
             f"--count is {count} beside --unseen {unseen}, expected one of them: both are numbers "
             "of cases"
         )
+    if habits != NO_HABITS:
+        odd = {"--unseen": unseen, "--noise": noise, "--quantity": quantity != "capacitance"}
+        for flag, value in odd.items():
+            if value:
+                raise InputError(
+                    f"{flag} beside --habits {habits}, expected none: its skins send counts of "
+                    "fingers, with a noise of their own"
+                )
     total = unseen or count or KINDS
     taxels = options.patch_of(options.skin_from_text(layout), patch)
     place = _prepared(Path(folder), force)
-    make = standard_cases if unseen is None else random_cases
+    if habits != NO_HABITS:
+        made = HabitCases(patch=taxels, habits=habits_by_name(habits)).cases(total, seed, draws)
+    else:
+        make = standard_cases if unseen is None else random_cases
+        made = make(taxels, total, seed, quantity, noise, draws)
     written = []
     with report.progress("pressing", total) as step:
-        for case in make(taxels, total, seed, quantity, noise, draws):
+        for case in made:
             written.append(str(place / f"{case.name}.npz"))
             save_case(case, written[-1])
             step()

@@ -224,7 +224,7 @@ def config_of(
     model: ModelSettings,
     relative: bool = False,
 ) -> "ReconstructorConfig":
-    """Reconstruction with the chosen grid, mechanics and solver; `relative` if no scale is known."""
+    """Reconstruction with the chosen grid, mechanics and solver; relative if no scale is known."""
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
     return ReconstructorConfig(

@@ -141,6 +141,12 @@ def check_settings(wanted: Settings, force: bool = False) -> None:
     bus = wanted.source.bus
     if bus and wanted.source.hardware in ON_CAN:
         options.parsed("--bus", bus, check_interface)
+    source = wanted.source
+    if source.hardware is not None and source.habits != SourceSettings.habits:
+        raise InputError(
+            f"--habits is {source.habits} beside --hardware {source.hardware}, expected none: they "
+            "are those of the virtual skin"
+        )
     scene = wanted.source.scene
     if wanted.source.hardware is None and scene not in SCENES and not Path(scene).is_file():
         raise InputError(
@@ -209,7 +215,7 @@ def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) 
 def virtual_skin(wanted: Settings, profile: SkinProfile) -> Any:
     """The virtual skin that is there when no hardware is; a context."""
     from skinfield.emulator.process import start
-    from skinfield.emulator.settings import VirtualSettings
+    from skinfield.emulator.settings import NO_HABITS, VirtualSettings
 
     source = wanted.source
     settings = VirtualSettings(
@@ -219,7 +225,8 @@ def virtual_skin(wanted: Settings, profile: SkinProfile) -> Any:
         channels=source.channel,
         rate=source.virtual_rate_hz,
         layer=options.layer_of(wanted.skin, profile),
-        noise_scale=VIRTUAL_NOISE,
+        habits=source.habits,
+        noise_scale=VIRTUAL_NOISE if source.habits == NO_HABITS else None,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
         seed=source.seed,

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from skinfield.bridges.settings import BridgeSettings
+from skinfield.emulator.settings import NO_HABITS, HabitsName
 from skinfield.page.settings import PageSettings
 from skinfield.settings import (
     Positive,
@@ -90,6 +91,8 @@ class SourceSettings(Section):
         A setting of the source, such as config=robot.xml; again for more.
     scene : str
         What presses the virtual skin.
+    habits : str
+        Of the virtual skin: none, or real.
     virtual_rate_hz : float, 1/s
         Readings of the virtual skin per second.
     seed : int
@@ -101,6 +104,7 @@ class SourceSettings(Section):
     channel: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     scene: str = "press"
+    habits: HabitsName = NO_HABITS
     virtual_rate_hz: Annotated[float, Positive("readings per second")] = 100.0
     seed: Annotated[int, Range(0, 1 << 63, "of the virtual skin's noise")] = 0
 

@@ -21,7 +21,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.plot import plural
 from skinfield.settings import Positive, Range
 
-WIDE = 180  # columns of the terminal that a table of several noises takes
+WIDE = 190  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
 COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),
@@ -35,6 +35,8 @@ COLUMNS = (  # of the summary's rows
     Column("force in\ninterval %", "force_held", 100.0, 0),
     Column("missed\n%", "missed", 100.0, 0),
     Column("false per\nreading", "false_per_reading", 1.0, 2),
+    Column("number\nright %", "count_right", 100.0, 0),
+    Column("idle\ntouched %", "idle_touched", 100.0, 0),
     Column("in noise\nalone", "idle_false_per_reading", 1.0, 4),
     Column("cold\nms", "cold_ms", 1.0, 1),
     Column("warm\nms", "warm_ms", 1.0, 2),

@@ -62,7 +62,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         """See `Hardware`; whoever was asked for one reading sends it at once."""
         super().listen(now_ns, warmth)
         if self._synced:
-            self.converters.convert(warmth)
+            self.converters.convert(warmth, now_ns)
             self.send(self._synced, now_ns)
             self._synced = []
 
@@ -93,5 +93,5 @@ def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Convert
     level[: sum(len(patch) for patch in skin)] = 0.0
     return Converters(
         manufacture(skin, settings), settings, level, (0.0, 65535.0),
-        drift=PER_KELVIN, white=PLAIN_NOISE * settings.noise_scale,
+        drift=PER_KELVIN, white=PLAIN_NOISE * settings.noise_times,
     )  # fmt: skip

@@ -1,15 +1,17 @@
-"""Converters of a virtual skin: taxels as made, and their counts at one moment."""
+"""Converters of a virtual skin: taxels as made, their memory, and their counts at one moment."""
 
+import math
 import random
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from skinfield.emulator.settings import VirtualSettings
+from skinfield.emulator.settings import NO_HABITS, Fault, VirtualSettings
 from skinfield.errors import Floats, Ints
 from skinfield.simulate.electronics import (
     CySkinBoard,
+    Defect,
     Electronics,
     TaxelArray,
     cyskin_electronics,
@@ -26,20 +28,37 @@ def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
     """Taxels of all patches, each patch by a stream of random numbers of its own.
 
     Their electronics are those of `simulate.electronics` with another noise, and without the
-    spreads, cross-talk and defects that the settings do not ask for.
+    spreads, cross-talk and defects that neither the settings nor habits ask for.
     """
     icub = settings.hardware == "icub"
     known, words = icub_electronics() if icub else cyskin_electronics(), CySkinBoard()
-    white = known.noise.white * settings.noise_scale
-    noise = replace(known.noise, white=white, flicker=0.0, walk=0.0)
-    electronics = Electronics(
-        board=known.board if icub else replace(words, gain=words.convention.usual_gain),
-        gain_spread=settings.gain_spread,
-        drift=known.drift,
-        noise=noise,
+    noise = replace(known.noise, flicker=0.0)
+    if settings.habits == NO_HABITS:
+        noise = replace(noise, walk=0.0)
+    electronics = settings.its_habits.electronics(
+        Electronics(
+            board=known.board if icub else replace(words, gain=words.convention.usual_gain),
+            gain_spread=settings.gain_spread,
+            drift=known.drift,
+            noise=noise,
+        )
     )
+    noise = electronics.noise
+    noise = replace(noise, white=noise.white * settings.noise_times)
+    electronics = replace(electronics, noise=noise)
     rngs = np.random.default_rng(settings.seed).spawn(len(skin))
     return [electronics.manufacture(p, rng) for p, rng in zip(skin, rngs, strict=True)]
+
+
+def faults_of(arrays: Sequence[TaxelArray]) -> list[Fault]:
+    """Faults that taxels are made with; see `Defects`."""
+    found = []
+    for number, each in enumerate(arrays):
+        for kind, defect in (("dead", Defect.DEAD), ("stuck", Defect.STUCK)):
+            for row in np.flatnonzero(each.defect == defect).tolist():
+                start = float(each.stops_after[row]) if kind == "stuck" else 0.0
+                found.append(Fault(kind, f"{number}/{row}", start))
+    return found
 
 
 def starts_of(skin: Skin) -> Ints:
@@ -76,6 +95,8 @@ class Converters:
         Of the last conversion.
     held : (C,) array
         NaN, or the count that a channel sends whatever it feels.
+    faults : list of Fault
+        That taxels are made with.
     """
 
     def __init__(
@@ -98,7 +119,11 @@ class Converters:
                 [*(getattr(each, name) for each in arrays), np.full(spare, other)]
             )
 
-        self.level, (self.low, self.high) = level, limits
+        self.low, self.high = limits
+        own = arrays[0].electronics
+        self._off = size * joined("baseline", own.board.rest) - size * own.board.rest
+        self.level = level + self._off
+        self.faults = faults_of(arrays)
         self.gain = size * joined("gain", 0.0)
         self.drift = size * joined("drift", drift / size)
         self._quiet = abs(size) * joined("white_noise", white / abs(size))
@@ -112,20 +137,28 @@ class Converters:
         self.change: Floats = np.zeros(count)
         self.counts: Floats = np.zeros(count)
         self.held: Floats = np.full(count, np.nan)
+        self._elastomer, self._loop = settings.its_habits.elastomer, own.hysteresis
+        self._late, self._peak = np.zeros(count), np.zeros(count)
+        self._felt_change: Floats = np.zeros(count)
+        self._walk = abs(size) * own.noise.walk * settings.noise_times
+        self._before_ns = 0
         self._bits = random.Random(settings.seed).getrandbits  # of numpy one takes 50 times as long
-        self._normal: Floats = np.random.default_rng([settings.seed, 1]).standard_normal(
-            DEVIATES + max(count, int(self._converter.max(initial=0)) + 1)
+        self._normal: Floats = own.noise.deviates(
+            DEVIATES + max(count, int(self._converter.max(initial=0)) + 1),
+            np.random.default_rng([settings.seed, 1]),
+            np.random.default_rng([settings.seed, 4]),
         )
         self.convert(0.0)
 
     def _felt(self, warmth: float) -> Floats:
-        return self.level + self.gain * self.change + self.drift * warmth
+        return self.level + self.gain * self._felt_change + self.drift * warmth
 
     def _whole(self, values: Floats) -> Floats:
         return np.clip(np.rint(values), self.low, self.high)
 
-    def convert(self, warmth: float) -> None:
+    def convert(self, warmth: float, now_ns: int = 0) -> None:
         """Put the counts of now into `counts`, with `warmth`, K, above 25 °C."""
+        self._remember(now_ns)
         start = self._bits(BITS)
         values = self._felt(warmth)
         values += self.white * self._normal[start : start + len(values)]
@@ -133,16 +166,37 @@ class Converters:
             values += self._common * self._normal[self._bits(BITS) + self._converter]
         self.counts[:] = np.where(np.isnan(self.held), self._whole(values), self.held)
 
+    def _remember(self, now_ns: int) -> None:
+        """Let the elastomer creep, the dielectric lag and levels walk since the last conversion."""
+        seconds = max(now_ns - self._before_ns, 0) * 1e-9 if self._before_ns else 0.0
+        self._before_ns, change = now_ns, self.change
+        if self._elastomer is not None:
+            part = self._elastomer.relaxed_fraction
+            late = -math.expm1(-seconds / self._elastomer.retardation_time)
+            self._late += late * (change - self._late)
+            change = part * change + (1.0 - part) * self._late
+        if self._loop.width:
+            change = self._loop.step(change, self._peak)
+        self._felt_change = change
+        if self._walk and seconds:
+            start = self._bits(BITS)
+            steps = self._normal[start : start + len(change)]
+            self.level = self.level + self._walk * math.sqrt(seconds) * steps
+
     def quiet(self, warmth: float) -> Floats:
-        """Counts (C,) of now without noise or held channels: what a board takes as its base."""
-        return self._whole(self._felt(warmth))
+        """Counts (C,) of now without held channels: what a board takes as its base.
+
+        Without noise, but for that of the one reading that a board takes which tares itself.
+        """
+        self._remember(self._before_ns)
+        return self._whole(self._felt(warmth) - self._off)
 
     def set_fault(self, kind: str, row: int) -> None:
         """Begin a fault of a taxel; see `settings.KINDS`."""
         if kind == "noisy":
             self.white[row] = NOISIER * max(self._quiet[row], 1.0)
         elif kind == "dead":
-            self.held[row] = np.rint(self.level[row])
+            self.held[row] = self._whole(self.level)[row]
         elif kind == "stuck":
             self.held[row] = self.counts[row]
         else:

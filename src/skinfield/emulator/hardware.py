@@ -143,6 +143,7 @@ class Wire(Generic[MessageT]):
 
     def __init__(self, settings: VirtualSettings, number: int) -> None:
         self.chances = {name: float(getattr(settings.wires, name)) for name in MISHAPS}
+        self.chances["lose"] = max(self.chances["lose"], settings.its_habits.lost_messages)
         self.counts: Counter[str] = Counter()
         self.waiting: list[MessageT] = []
         self.off = False

@@ -88,7 +88,7 @@ def icub_converters(
     level = np.rint(MIDDLE + rng.uniform(-APART, APART, int(starts[-1]) + extra))
     made = Converters(
         arrays, settings, level, (LOW, HIGH), size=SIZE,
-        drift=PAD_DRIFT, white=PAD_NOISE * settings.noise_scale, shared=len(THERMAL),
+        drift=PAD_DRIFT, white=PAD_NOISE * settings.noise_times, shared=len(THERMAL),
     )  # fmt: skip
     for number in {board.patch for board in boards if board.pads}:
         gains = np.array(GAINS, float)[arrays[number].wiring.stage]

@@ -10,10 +10,12 @@ import numpy as np
 
 from skinfield.errors import FileError, InputError, check_choice, check_count, check_range
 from skinfield.settings import Range, Section, text_of_file, value_from_json, value_from_toml
-from skinfield.simulate import Cylinder, Sphere
+from skinfield.simulate import Cylinder, Finger, Sphere
+from skinfield.simulate.habits import HABITS, REAL
 from skinfield.skin import Patch, Skin
 
-SHAPES = ("ball", "flat")
+SOFT = dict(zip(("finger", "oval", "lobes"), HABITS[REAL].fingers, strict=True))
+SHAPES = ("ball", "flat", *SOFT)
 FINGER = 10e-3  # m: about that of a fingertip
 EDGE = 0.5e-3  # m: rounding of a flat end, at most
 LARGEST = 30e-3  # m
@@ -41,8 +43,10 @@ class SceneTool:
     ----------
     radius : float, m
         0.5 to 30 mm; rounded to 0.1 mm. The default is about a fingertip's.
-    shape : "ball" or "flat"
-        A sphere, or the flat end of a cylinder with a rounded edge.
+    shape : "ball", "flat", "finger", "oval" or "lobes"
+        A sphere, or the flat end of a cylinder with a rounded edge; or one of the soft fingers of
+        real habits, round, oval or with two lobes along the patch's x, as large as the radius is to
+        10 mm.
     """
 
     radius: float = FINGER
@@ -53,8 +57,29 @@ class SceneTool:
         check_range("radius", self.radius, 0.5e-3, LARGEST, "of the body in metres: 4 mm is 4e-3")
         object.__setattr__(self, "radius", round(round(float(self.radius) / STEP) * STEP, 6))
 
+    @property
+    def is_soft(self) -> bool:
+        """Whether it yields: a finger."""
+        return self.shape in SOFT
+
+    @property
+    def parts(self) -> tuple[tuple[float, float], ...]:
+        """Where along x, m, its `body` presses, with which part of the force each.
+
+        An oval is three round ones in a row.
+        """
+        if not self.is_soft:
+            return ((0.0, 1.0),)
+        finger, size = SOFT[self.shape], self.radius / FINGER
+        half = ((finger.length or finger.width) - finger.width) / 2.0
+        row = (-half, 0.0, half) if half > 0.0 else (0.0,)
+        lobes = zip(finger.along, finger.shares, strict=True)
+        return tuple((size * (x + dx), part / len(row)) for x, part in lobes for dx in row)
+
     def body(self, **load: float) -> Any:
         """As an indenter of `skinfield.simulate`, with a `force` or a `depth`."""
+        if self.is_soft:
+            return Finger(width=SOFT[self.shape].width * self.radius / FINGER, **load)  # type: ignore[arg-type]
         if self.shape == "ball":
             return Sphere(radius=self.radius, **load)  # type: ignore[arg-type]
         edge = min(EDGE, self.radius / 2.0)
@@ -309,6 +334,16 @@ def scene_by_name(name: str, skin: Skin, seed: int) -> Scene:
     one = _held(0, SceneTool(), _taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
     other = _held(0, SceneTool(), _taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
     return Scene(name, (one, other), 6.5)
+
+
+def with_fingers(scene: Scene, seed: int) -> Scene:
+    """The same scene by soft fingers of several kinds in the place of its bodies."""
+    rng, kinds = np.random.default_rng([seed, 6]), list(SOFT)
+    tracks = [
+        replace(each, tool=SceneTool(each.tool.radius, kinds[rng.integers(len(kinds))]))
+        for each in scene.tracks
+    ]
+    return replace(scene, tracks=tuple(tracks))
 
 
 def _taxel_near(patch: Patch, x: float, y: float) -> tuple[float, float]:

@@ -4,12 +4,17 @@ import math
 import re
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 from skinfield.elastic import Layer
 from skinfield.errors import InputError, check_choice, check_type
 from skinfield.settings import Positive, Range, Section, SettingError
 
+if TYPE_CHECKING:
+    from skinfield.simulate.habits import Habits
+
+HabitsName = Literal["none", "real"]  # of `simulate.habits.HABITS`, which takes long to load
+NO_HABITS: HabitsName = "none"
 ROOM = 25.0
 NUMBER = r"[+-]?\d+(?:\.\d*)?"
 PROFILE_PATTERN = re.compile(
@@ -36,6 +41,8 @@ FAULT_SYNTAX = (
     "on, 3@10s+5s for 5 s"
 )
 FOREVER = 1e9  # s
+LESS_NOISE = 0.3  # of that of real boards, so that light touches show
+WARMEST = 10.0  # K: where surroundings that warm up stay
 BOARDS = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
 PROBABILITY = Range(0.0, 1.0, "a probability per message; 0 is off")
@@ -230,8 +237,10 @@ class EmulatedBoards(Section):
         What fails, such as "unplug 3@10s+5s"; again for more.
     truth : str
         File for what pressed, JSON lines.
-    noise_scale : float
-        Times the noise of a real skin; 0: none.
+    habits : str
+        Of the skin: none, or real, of which docs/electronics.md has a table.
+    noise_scale : float, optional
+        Times the noise of a real skin; 0: none. Default 0.3, with habits 1.
     common_noise : float, counts
         Noise shared by a converter's taxels, counts.
     gain_spread : float
@@ -257,7 +266,10 @@ class EmulatedBoards(Section):
     control: str = "127.0.0.1:0"
     fault: tuple[str, ...] = ()
     truth: str = ""
-    noise_scale: Annotated[float, Range(0.0, 1e3, "times that of real boards; 0: none")] = 0.3
+    habits: HabitsName = NO_HABITS
+    noise_scale: Annotated[float | None, Range(0.0, 1e3, "times that of real boards; 0: none")] = (
+        None
+    )
     common_noise: Annotated[float, Range(0.0, 1e6, "counts; 0: none")] = 0.0
     gain_spread: Annotated[float, Range(0.0, 3.0, "of a logarithm; 0.1: 10 %")] = 0.0
     temperature: str = "25"
@@ -266,6 +278,7 @@ class EmulatedBoards(Section):
     def check(self) -> None:
         """See `Section`."""
         check_choice("hardware", self.hardware, BOARDS, "whose boards it plays")
+        check_choice("habits", self.habits, get_args(HabitsName), "of skins")
         if self.hardware == "packet":
             check_choice("bus", self.bus, STREAMS, "what packets travel by")
         for name in ("skin", "bus", "scene", "control", "truth"):
@@ -286,9 +299,26 @@ class EmulatedBoards(Section):
         return tuple(map(fault_from_text, self.fault))
 
     @property
+    def its_habits(self) -> "Habits":
+        """What comes on top of a skin as it is stated."""
+        from skinfield.simulate.habits import habits_by_name
+
+        return habits_by_name(self.habits)
+
+    @property
+    def noise_times(self) -> float:
+        """Times the noise of a real skin."""
+        usual = LESS_NOISE if self.habits == NO_HABITS else 1.0
+        return usual if self.noise_scale is None else self.noise_scale
+
+    @property
     def surroundings(self) -> TemperatureSettings:
-        """How warm it is, and when."""
-        return temperature_from_text(self.temperature)
+        """How warm it is, and when; where nothing is said, as warming as the habits have it."""
+        stated = temperature_from_text(self.temperature)
+        if stated != TemperatureSettings() or self.habits == NO_HABITS:
+            return stated
+        warming = self.its_habits.warming
+        return TemperatureSettings(change=WARMEST, seconds=WARMEST / warming)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,11 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from skinfield.emulator.cyskin import CySkinBoards
 from skinfield.emulator.hardware import MISHAPS, NEVER, Hardware
 from skinfield.emulator.icub import ICubBoards
 from skinfield.emulator.packet import PacketDevices
-from skinfield.emulator.scenes import CurrentPress, scene_from_text
+from skinfield.emulator.scenes import SCENES, CurrentPress, Scene, scene_from_text, with_fingers
 from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
 from skinfield.emulator.transports import Command, ControlServer, Request
 from skinfield.emulator.world import TruthLog, World
@@ -116,8 +118,11 @@ class VirtualSkin:
     def __init__(self, settings: VirtualSettings, clock: Callable[[], int] = time.time_ns) -> None:
         self.settings, self.clock = settings, clock
         self.skin = skin_from_text(settings.skin)
-        scene = scene_from_text(settings.scene, self.skin, settings.seed)
-        self.world = World(self.skin, settings.layer, scene)
+        true, self._soft = settings.its_habits.tolerances, bool(settings.its_habits.fingers)
+        rng = np.random.default_rng([settings.seed, 5])
+        layer = true.layer(settings.layer, rng)
+        plane = np.concatenate([true.plane(patch, rng) for patch in self.skin])
+        self.world = World(self.skin, layer, self._scene_of(settings.scene), plane)
         self.hardware: Hardware = BOARDS[settings.hardware](self.skin, settings)
         self._control: ControlServer | None = None
         self._ended = False
@@ -129,7 +134,7 @@ class VirtualSkin:
         self._slow_ns = 0
         try:
             self.faults = FaultClock(self.hardware)
-            for fault in settings.faults:
+            for fault in (*self.hardware.converters.faults, *settings.faults):
                 self.faults.add(fault)
             if settings.control:
                 self._control = ControlServer(settings.control, self.commands())
@@ -217,7 +222,7 @@ class VirtualSkin:
             self.faults.advance(0.0, now_ns, self.warmth(now_ns))
         due = schedule.due(now_ns)
         self._update(now_ns - int(self.settings.wires.delay_ms * 1e-3 * SECOND))
-        self.hardware.converters.convert(self.warmth(now_ns))
+        self.hardware.converters.convert(self.warmth(now_ns), now_ns)
         for group in due:
             self.hardware.send(group.members, now_ns)
 
@@ -292,9 +297,14 @@ class VirtualSkin:
                 wire.chances[name] = wire.chances[name] if chance is None else chance
         return dict(self.hardware.wires[0].chances)
 
+    def _scene_of(self, text: str) -> Scene:
+        seed = self.settings.seed
+        scene = scene_from_text(text, self.skin, seed)
+        return with_fingers(scene, seed) if self._soft and text in SCENES else scene
+
     def _scene(self, request: Request) -> dict[str, Any]:
         """Play another scene, from its beginning."""
-        self.world.play(scene_from_text(request.scene, self.skin, self.settings.seed))
+        self.world.play(self._scene_of(request.scene))
         if self.stream_ns:
             self._scene_ns = self.clock()
         return {"scene": self.world.scene.name}

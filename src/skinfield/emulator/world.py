@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, 
 from skinfield.emulator.transports import Request
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Skin
+
+if TYPE_CHECKING:
+    from skinfield.simulate import Press
 
 LINES = 10_000  # in memory: 100 s of a press that moves all the time
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
@@ -120,6 +123,8 @@ class TruthLog:
 DEEPEST = 0.75  # of the thickness: where tables end
 SOFTEST = 1.0 / 400.0  # of the largest force: the least that is solved; below it, in proportion
 SHARES = (*np.geomspace(SOFTEST, 0.3, 6), *np.linspace(0.475, 1.0, 4))  # of it, that are solved
+HARDEST = 30.0  # N: where tables of soft bodies end at the latest
+ROUNDS = 3  # until their highest force is known
 CELL = 0.5e-3  # m
 LINE = 0.25e-3  # m between the distances that are solved
 SPACING = 0.05e-3  # m between the distances of a table
@@ -155,9 +160,10 @@ class PressTable:
 
     def check_force(self, force: float, tool: SceneTool) -> None:
         """Raise InputError for a force that pushes the tool through the layer."""
-        if not 0.0 < force <= self.highest_force:
+        highest = self.highest_force / max(part for _, part in tool.parts)
+        if not 0.0 < force <= highest:
             raise InputError(
-                f"force is {force:g} N, expected above 0 and at most {self.highest_force:.3g} N "
+                f"force is {force:g} N, expected above 0 and at most {highest:.3g} N "
                 f"for a {tool.shape} of {tool.radius * 1e3:g} mm radius, which then sinks through "
                 f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
             )
@@ -188,17 +194,40 @@ def solve_table(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTabl
     layer : Layer
     pad_diameter : float, m
     """
-    from scipy.interpolate import CubicSpline, PchipInterpolator
-
     from skinfield.simulate import press, press_ladder
 
+    if tool.is_soft:
+        return _soft_table(tool, layer, pad_diameter)
     bound = tool.radius if tool.shape == "flat" else math.sqrt(2.0 * tool.radius * layer.thickness)
     extent = 2.0 * math.ceil((min(bound, tool.radius) + 5.0 * layer.thickness) / CELL) * CELL
     deepest = press(layer, [tool.body(depth=DEEPEST * layer.thickness)], extent, CELL)
     highest = deepest.force
     forces = highest * np.array(SHARES)
     solved = [*press_ladder(layer, tool.body(), forces[:-1], extent, CELL), deepest]
-    reach = min(bound, tool.radius) + pad_diameter + REACH * layer.thickness
+    return _tabulated(solved, min(bound, tool.radius), pad_diameter)
+
+
+def _soft_table(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
+    """Of a soft body, up to the force that sinks as deep; that goes by a power of it."""
+    from skinfield.simulate import press, press_ladder
+
+    widest = tool.body(force=HARDEST).reach
+    extent = 2.0 * math.ceil((widest + 5.0 * layer.thickness) / CELL) * CELL
+    target, force = DEEPEST * layer.thickness, SOFTEST * HARDEST
+    for _ in range(ROUNDS):
+        depth = float(press(layer, [tool.body(force=force)], extent, CELL).approach[0])
+        power = 1.0 - 2.0 * tool.body(force=force).growth
+        force = min(force * (target / depth) ** (1.0 / power), HARDEST)
+    forces = force * np.array(SHARES)
+    return _tabulated(press_ladder(layer, tool.body(), forces, extent, CELL), widest, pad_diameter)
+
+
+def _tabulated(solved: "Sequence[Press]", widest: float, pad_diameter: float) -> PressTable:
+    """Table of presses from a small part of the highest force to all of it."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    forces, highest = np.array([each.force for each in solved]), solved[-1].force
+    reach = widest + pad_diameter + REACH * solved[0].layer.thickness
     distance = np.arange(0.0, reach + LINE, LINE)
     line = np.column_stack([distance, np.zeros_like(distance)])
     read = np.array([each.readings(line, pad_diameter, "capacitance") for each in solved])
@@ -318,12 +347,15 @@ class World:
     layer : Layer
     scene : Scene
         Its tables are solved here and now.
+    plane : (L, 2) array, m, optional
+        Where the taxels of all patches truly are; default as stated.
     """
 
-    def __init__(self, skin: Skin, layer: Layer, scene: Scene) -> None:
+    def __init__(self, skin: Skin, layer: Layer, scene: Scene, plane: Floats | None = None) -> None:
         self.skin, self.layer = skin, layer
         self._starts = starts_of(skin)
-        self._plane = np.ascontiguousarray(np.concatenate([patch.plane for patch in skin]))
+        stated = np.concatenate([patch.plane for patch in skin]) if plane is None else plane
+        self._plane = np.ascontiguousarray(stated)
         self._solving = PressTables(layer)
         self._by_hand: dict[str, CurrentPress] = {}
         self._numbers = itertools.count(1)
@@ -388,7 +420,9 @@ class World:
             table = self._solving.now(self._key(touch.patch, touch.tool))
             rows = slice(self._starts[touch.patch], self._starts[touch.patch + 1])
             away = self._plane[rows] - (touch.x, touch.y)
-            change[rows] += table.readings(np.hypot(away[:, 0], away[:, 1]), touch.force)
+            for along, part in touch.tool.parts:
+                distance = np.hypot(away[:, 0] - along, away[:, 1])
+                change[rows] += table.readings(distance, part * touch.force)
             found.append(replace(touch, contact_radius=table.radius_at(touch.force)))
         return found
 

@@ -16,7 +16,7 @@ from skinfield.design.design import respond
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.lab.case_sets import CELL, SILICONE, random_press
-from skinfield.lab.cases import QUANTITIES, Case, TrueContact, Truth
+from skinfield.lab.cases import NOTHING, QUANTITIES, Case, TrueContact, Truth
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, NoiseLevel, noise_seed, rows_of_case
@@ -32,12 +32,6 @@ KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
 PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius, if it is not known
 DRAWS = 64  # of errors at the bound, per press
 SHARE = 10  # presses in one part of the work
-
-
-NOTHING = Truth(
-    cell=1e-3, plane=np.empty((0, 2)), pressure=np.empty(0), displacement=np.empty((0, 3)),
-    contacts=(),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

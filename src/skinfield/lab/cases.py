@@ -116,6 +116,12 @@ class Truth:
         return float(sum(contact.area for contact in self.contacts))
 
 
+NOTHING = Truth(
+    cell=1e-3, plane=np.empty((0, 2)), pressure=np.empty(0), displacement=np.empty((0, 3)),
+    contacts=(),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """Readings of a patch with the truth beside them.

@@ -110,7 +110,7 @@ MEASURES = (  # columns of rows that are summarised by their size
     "cold_ms",
     "warm_ms",
 )
-RATES = ("missed", "false_share", "false_per_reading")
+RATES = ("missed", "false_share", "false_per_reading", "idle_touched")
 RESAMPLES = 999
 
 
@@ -183,7 +183,9 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
         ``_median``, ``_low`` and ``_high`` are the median of a measure's size and its 95 %
         interval, ``_p90`` the 90th percentile. ``force_bias`` is the median with its sign.
         ``missed`` is a share of the contacts, ``false_share`` of the readings with at least one
-        contact that is not there, both with Wilson's interval; ``false_per_reading`` is a mean.
+        contact that is not there, ``count_right`` those with as many as there are, and
+        ``idle_touched``, where there are some, those of nothing in which something is found, all
+        with Wilson's interval; ``false_per_reading`` is a mean.
     """
     if not rows:
         raise InputError("rows is empty, expected at least one")
@@ -195,6 +197,11 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
     out["force_bias"] = float(np.nanmedian(column(rows, "force_error")))
     out |= rate_row("missed", sum(row["missed"] for row in rows), contacts)
     out |= rate_row("false_share", sum(row["false"] > 0 for row in rows), len(rows))
+    right = sum(row["matched"] + row["false"] == row["contacts"] for row in rows)
+    out |= rate_row("count_right", right, len(rows))
+    idle = where(rows, contacts=0)
+    if idle:
+        out |= rate_row("idle_touched", sum(row["false"] > 0 for row in idle), len(idle))
     return out | {"false_per_reading": float(np.mean([row["false"] for row in rows]))}
 
 

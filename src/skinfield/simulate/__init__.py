@@ -2,6 +2,7 @@
 
 from skinfield.simulate import electronics as electronics
 from skinfield.simulate.indenters.body import Indenter as Indenter
+from skinfield.simulate.indenters.finger import Finger as Finger
 from skinfield.simulate.indenters.shapes import Bar as Bar
 from skinfield.simulate.indenters.shapes import Cone as Cone
 from skinfield.simulate.indenters.shapes import Cylinder as Cylinder

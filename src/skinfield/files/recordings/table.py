@@ -5,11 +5,11 @@
     time_s,taxel_0,taxel_1,taxel_2
     0.000,0.0012,0.0100,
 
-The time is `time_s` (seconds), `time_ms` (milliseconds) or `stamp_ns` (nanoseconds). Values stand under `taxel_<channel>`, or
-under `uid_<uid>` or the bare uid, decimal or 0x; channels without a column are missing. Columns
-named `reading`, `sample`, `index` or not at all are left out. Delimiters are `,` `;` tab or spaces.
-An empty place is a missing value. The unit is one of `skinfield.skin.reading.UNITS`, "count" if no
-comment says it.
+The time is `time_s` (seconds), `time_ms` (milliseconds) or `stamp_ns` (nanoseconds). Values stand
+under `taxel_<channel>`, or under `uid_<uid>` or the bare uid, decimal or 0x; channels without a
+column are missing. Columns named `reading`, `sample`, `index` or not at all are left out.
+Delimiters are `,` `;` tab or spaces. An empty place is a missing value. The unit is one of
+`skinfield.skin.reading.UNITS`, "count" if no comment says it.
 """
 
 import re

@@ -8,7 +8,7 @@ from typing import Any
 
 from skinfield.errors import InputError
 from skinfield.lab.scenarios.table import TomlTable, field_of
-from skinfield.simulate import Bar, Cone, Cylinder, Indenter, Ring, Rod, Sphere, Wedge
+from skinfield.simulate import Bar, Cone, Cylinder, Finger, Indenter, Ring, Rod, Sphere, Wedge
 
 POSE = "x_mm y_mm rotation_deg tilt_x_deg tilt_y_deg force_n depth_mm shear_x_n shear_y_n"
 PAIRS = {"position": ("x", "y"), "tilt": ("tilt_x", "tilt_y"), "shear": ("shear_x", "shear_y")}
@@ -59,6 +59,8 @@ SHAPES = {
                    "wedge length_mm=10 width_mm=8 half_angle_deg=60"),
     "ring": ShapeKeys(Ring, "inner_radius_mm outer_radius_mm", EDGE,
                   "ring inner_radius_mm=4 outer_radius_mm=6"),
+    "finger": ShapeKeys(Finger, "width_mm", "length_mm second apart_mm growth",
+                        "finger width_mm=9 length_mm=14"),
     "mesh": ShapeKeys(_mesh, "file", "unit_mm down", "mesh file=part.stl"),
     "heightmap": ShapeKeys(_height_map, "file pixel_mm", "relief_mm invert",
                        "heightmap file=logo.png pixel_mm=0.1 relief_mm=1"),

@@ -1,6 +1,7 @@
 """Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -8,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import StandardLinearSolid
 from skinfield.files.layouts.load import save_layout, skin_from_text
 from skinfield.files.pending import write_bytes, write_npz
 from skinfield.files.recordings.archive import save_recording, seconds
@@ -28,6 +28,7 @@ from skinfield.simulate.electronics import (
     icub_electronics,
     ideal_electronics,
 )
+from skinfield.simulate.habits import HABITS, NONE, Habits
 from skinfield.simulate.rig import (
     At,
     BetweenThree,
@@ -39,6 +40,7 @@ from skinfield.simulate.rig import (
     Random,
     Raster,
     Scenario,
+    Temperature,
     Tool,
     run_rig,
 )
@@ -61,9 +63,9 @@ PLACES: Mapping[str, Places] = {
     "over_taxel": OverTaxels(), "between_two": BetweenTwo(), "between_three": BetweenThree(),
     "at": At(positions=((0.0, 0.0),)), "random": Random(), "raster": Raster(),
 }  # fmt: skip
-SIMPLE = ("profile", "load_cell", "temperature", "solving")
-SPREADS = ("quantised", "gain_spread", "converter_gain_spread", "baseline_spread")
-PARTS = ("cross_talk", "drift", "noise", "defects", "delivery")  # of the electronics
+SIMPLE = ("tolerances", "profile", "load_cell", "temperature", "solving")
+SPREADS = ("quantised", "gain_spread", "converter_gain_spread", "baseline_spread", "tared")
+PARTS = ("hysteresis", "cross_talk", "drift", "noise", "defects", "delivery")  # of the electronics
 HEAD = ("name", "seed", "repeats", "first_repeat")
 
 
@@ -95,24 +97,30 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     FileError
         For a key or word that there is not, a value of another kind or out of range.
     """
-    table, usual = TomlTable(plain_from_toml(text, path), "", path, text), Scenario()
+    table = TomlTable(plain_from_toml(text, path), "", path, text)
+    habits = table.choice("habits", HABITS, NONE)
+    usual = Scenario().with_habits(habits)
     if table.value("skinfield_rig", int) != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     layer = table.table("layer")
     tools = table.tables("indenter")
-    return table.read(
+    made = table.read(
         usual,
         HEAD,
         patch=_patch(table.table("patch"), folder),
         cover=layer.value("inextensible_cover", bool, False),
         layer=layer.read(usual.layer),
-        elastomer=table.table("elastomer").read(StandardLinearSolid()),
+        elastomer=table.table("elastomer").read(usual.elastomer),
         tools=tuple(_tool(one, row, folder) for row, one in enumerate(tools)) or usual.tools,
         places=tuple(map(_places, table.tables("places"))) or usual.places,
         loads=_loads(table.table("loads"), usual.loads),
-        electronics=_electronics(table.table("electronics")),
+        electronics=_electronics(table.table("electronics"), habits),
         **{name: table.table(name).read(getattr(usual, name)) for name in SIMPLE},
     )
+    if "temperature" in table.content or not habits.warming:
+        return made
+    room = replace(made, temperature=Temperature()).with_habits(habits).temperature
+    return replace(made, temperature=room)
 
 
 def _patch(table: TomlTable, folder: Path) -> Patch:
@@ -145,8 +153,8 @@ def _loads(table: TomlTable, usual: Loads) -> Loads:
     return table.read(Loads(depths=(1e-4,)) if depths else usual)
 
 
-def _electronics(table: TomlTable) -> Electronics:
-    usual = table.choice("preset", PRESETS, "icub")()
+def _electronics(table: TomlTable, habits: Habits) -> Electronics:
+    usual = habits.electronics(table.choice("preset", PRESETS, "icub")())
     parts = {name: table.table(name).read(getattr(usual, name)) for name in PARTS}
     board = _board(table.table("board"), usual.board)
     return table.read(usual, SPREADS, board=board, **parts)

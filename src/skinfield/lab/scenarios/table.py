@@ -23,7 +23,7 @@ UNITS = {  # endings of keys, with the power of ten to SI
 UNIT = {  # of fields, where their keys end in one
     name: unit
     for unit, names in {
-        "_mm": "thickness clearance extent cell depths positions within step",
+        "_mm": "thickness clearance extent cell depths positions within step place_error",
         "_s": "rest approach ramp hold release pause time_constant stuck_within open_time "
               "closed_time",
         "_ms": "delay jitter conversion_time",

@@ -20,6 +20,7 @@ from skinfield.settings import Positive, Range, Section
 from skinfield.signal import Calibration
 from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
+from skinfield.simulate.electronics.hysteresis import Hysteresis
 from skinfield.simulate.electronics.noise import Noise
 from skinfield.simulate.electronics.thermal import ThermalDrift
 from skinfield.skin import Patch
@@ -209,7 +210,8 @@ class TaxelArray:
         check_finite("change", change, "what a taxel feels is known, even if it does not answer")
         noise, joints, losses = rng.spawn(3)
         rate = self.electronics.delivery.rate
-        felt = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
+        remembered = self.electronics.hysteresis.applied(change)
+        felt = self.electronics.cross_talk.seen_by_taxels(remembered, self.wiring)
         level = self.baseline + self.gain * felt
         level = level + self._warmth(len(change), temperature) * self.drift
         level += self.electronics.noise.sample(
@@ -310,6 +312,10 @@ class Electronics(Section):
         The same, of a factor that the taxels of one converter share.
     baseline_spread : float, counts
         Standard deviation of the baselines around the board's rest.
+    tared : bool
+        The board takes one reading as its base when it starts, so that each taxel rests off by the
+        noise of that one.
+    hysteresis : Hysteresis
     cross_talk : CrossTalk
     drift : ThermalDrift
     noise : Noise
@@ -322,6 +328,8 @@ class Electronics(Section):
     gain_spread: Annotated[float, SPREAD] = 0.0
     converter_gain_spread: Annotated[float, SPREAD] = 0.0
     baseline_spread: Annotated[float, Range(0.0, 1e9, "in counts; 0 is off")] = 0.0
+    tared: bool = False
+    hysteresis: Hysteresis = field(default_factory=Hysteresis)
     cross_talk: CrossTalk = field(default_factory=CrossTalk)
     drift: ThermalDrift = field(default_factory=ThermalDrift)
     noise: Noise = field(default_factory=Noise)
@@ -335,17 +343,21 @@ class Electronics(Section):
         set otherwise, leaves the others as they were.
         """
         wired, taxels = wiring(patch), len(patch)
-        gains, bases, drifts, noises, defects, stops = rng.spawn(6)
+        gains, bases, drifts, noises, defects, stops, tares = rng.spawn(7)
         shared = gains.standard_normal(wired.converters)[wired.converter]
         own = gains.standard_normal(taxels)
         spread = self.converter_gain_spread * shared + self.gain_spread * own
+        white = self.noise.draw(taxels, noises)
+        baseline = self.board.rest + self.baseline_spread * bases.standard_normal(taxels)
+        if self.tared:
+            baseline = baseline - white * tares.standard_normal(taxels)
         return TaxelArray(
             electronics=self,
             patch=patch,
             gain=self.board.gain * np.exp(spread),
-            baseline=self.board.rest + self.baseline_spread * bases.standard_normal(taxels),
+            baseline=baseline,
             drift=self.drift.draw(wired, drifts),
-            white_noise=self.noise.draw(taxels, noises),
+            white_noise=white,
             defect=self.defects.draw(taxels, defects),
             stops_after=self.defects.stuck_within * stops.random(taxels),
         )

@@ -1,4 +1,4 @@
-"""Noise of readings: white, common to a converter, flicker, and a walk."""
+"""Noise of readings: white with jumps, common to a converter, flicker, and a walk."""
 
 import math
 from dataclasses import dataclass
@@ -13,6 +13,8 @@ from skinfield.simulate.electronics.delivery import Wiring
 OFF_AT_0 = Range(0.0, 1e9, "a standard deviation; 0 is off")
 BLOCK = 32
 """Taxels whose spectra are in memory at once."""
+TAIL = 2.5
+"""Degrees of freedom of the Student's t that jumps are drawn from."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +27,11 @@ class Noise(Section):
         Standard deviation of a reading, of the median taxel; independent from reading to reading.
     spread : float
         Of the logarithm of `white` from taxel to taxel.
+    limit : float
+        Times `white`, which the noise of no taxel passes; 0: there is no limit.
+    jumps : float
+        Share of the white values that Student's t of 2.5 degrees of freedom draws, times `white`,
+        in place of a normal distribution.
     common : float, counts
         Standard deviation of white noise that all taxels of one converter share.
     flicker : float, counts
@@ -42,23 +49,26 @@ class Noise(Section):
 
     white: Annotated[float, OFF_AT_0] = 0.0
     spread: Annotated[float, OFF_AT_0] = 0.0
+    limit: Annotated[float, OFF_AT_0] = 0.0
+    jumps: Annotated[float, Range(0.0, 1.0, "a share of the values; 0 is off")] = 0.0
     common: Annotated[float, OFF_AT_0] = 0.0
     flicker: Annotated[float, OFF_AT_0] = 0.0
     walk: Annotated[float, OFF_AT_0] = 0.0
 
     def draw(self, taxels: int, rng: np.random.Generator) -> Floats:
         """White noise of each taxel, (L,) counts."""
-        return np.asarray(self.white * np.exp(self.spread * rng.standard_normal(taxels)))
+        times = np.exp(self.spread * rng.standard_normal(taxels))
+        return np.asarray(self.white * np.minimum(times, self.limit or np.inf))
 
     def sample(
         self, white: Floats, wiring: Wiring, readings: int, rate: float, rng: np.random.Generator
     ) -> Floats:
         """Noise of `readings` at `rate`, 1/s, (T, L) counts, given `white` of each taxel (L,)."""
         shape = (readings, len(white))
-        parts = rng.spawn(4)  # so that one kind switched off leaves the others as they were
+        parts = rng.spawn(5)  # so that one kind switched off leaves the others as they were
         noise = np.zeros(shape)
         if white.any():
-            noise += white * parts[0].standard_normal(shape)
+            noise += white * self.deviates(shape, parts[0], parts[4])
         if self.common:
             shared = parts[1].standard_normal((readings, wiring.converters))
             noise += self.common * shared[:, wiring.converter]
@@ -69,6 +79,19 @@ class Noise(Section):
             steps[0] = 0.0
             noise += self.walk / math.sqrt(rate) * np.cumsum(steps, axis=0)
         return noise
+
+    def deviates(
+        self,
+        shape: int | tuple[int, ...],
+        normal: np.random.Generator,
+        jumping: np.random.Generator,
+    ) -> Floats:
+        """White noise of `white` = 1: normal, and a normal one over √(χ²/k) where it jumps."""
+        values = normal.standard_normal(shape)
+        if self.jumps:
+            jump = jumping.random(shape) < self.jumps
+            values[jump] /= np.sqrt(jumping.chisquare(TAIL, int(jump.sum())) / TAIL)
+        return values
 
 
 def unit_flicker(shape: tuple[int, int], rng: np.random.Generator) -> Floats:

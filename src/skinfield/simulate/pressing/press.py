@@ -23,6 +23,7 @@ from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
+from skinfield.simulate.pressing.imposed import are_soft, impose
 from skinfield.simulate.pressing.tractions import Traction, add_shear, bare, resultants
 from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
@@ -222,11 +223,12 @@ def press(
     mechanics: Mechanics | None = None,
     friction: float | None = None,
 ) -> Press:
-    """Press rigid indenters into the skin and solve for the tractions below them.
+    """Press rigid indenters into the skin and solve for the tractions below them; or soft fingers.
 
     Linear elastic, unilateral: pressure only where there is touch. The normal contact is
     frictionless; where an indenter has a shear, tangential tractions follow in a second stage in
-    which everything that touches sticks, or slips at Coulomb's limit.
+    which everything that touches sticks, or slips at Coulomb's limit. Fingers, which come alone,
+    impose their pressure.
 
     Parameters
     ----------
@@ -260,6 +262,8 @@ def press(
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
     skin = skin_of(layer, extent, cell, mechanics)
+    if are_soft(indenters):
+        return _softly(skin, indenters)
     return pressed(settle(skin, indenters), indenters, friction)
 
 
@@ -276,6 +280,15 @@ def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | Non
     origin = np.full(2, -(count - 1) / 2 * cell)
     grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
     return Medium(grid, layer, BondedLayer() if mechanics is None else mechanics)
+
+
+def _softly(skin: Medium, fingers: Sequence[Indenter]) -> Press:
+    """A press by fingers, whose pressure is known."""
+    touch, approach = impose(skin, fingers)
+    still = np.zeros((len(fingers), 2))
+    return Press(
+        skin.grid, skin.layer, skin.mechanics, tuple(fingers), approach, still, (touch,), 0.0
+    )
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
@@ -457,6 +470,9 @@ def press_ladder(
     before: Settled | None = None
     for index in np.argsort(loads, kind="stable"):
         body = replace(indenter, force=float(loads[index]), depth=None)
+        if are_soft([body]):
+            found[int(index)] = _softly(skin, [body])
+            continue
         before = settle(skin, [body], before)
         found[int(index)] = pressed(before, [body], None)
     return [found[index] for index in range(len(loads))]

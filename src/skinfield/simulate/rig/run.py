@@ -64,6 +64,10 @@ class RigTruth:
         True ΔC/C₀ of the taxels then.
     reading_force_N : (R,) array
         True force at `reading_time_s`.
+    taxel_plane_m : (L, 2) array
+        Where the taxels truly are in the patch's plane.
+    layer_thickness_m, layer_young_modulus_Pa, layer_poisson_ratio : float
+        True ones.
     """
 
     time_s: Floats
@@ -95,6 +99,10 @@ class RigTruth:
     reading_time_s: Floats
     reading_change: Floats
     reading_force_N: Floats
+    taxel_plane_m: Floats
+    layer_thickness_m: float
+    layer_young_modulus_Pa: float
+    layer_poisson_ratio: float
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """All by name, as they are stored."""
@@ -175,7 +183,7 @@ def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) 
     every = sorted([*loads, *_pressed(scenario, indenter, rungs)], key=lambda each: each.force)
     used = every[:1]
     used += [b for a, b in pairwise(every) if b.force > a.force * 1.0001]
-    plane = scenario.patch.plane
+    plane = scenario.true_plane
     taxels = np.concatenate([pose.taxels(plane) for pose in poses])
     change = [each.capacitance(taxels, scenario.patch.pad_diameter) for each in used]
     return LoadCurve(
@@ -192,7 +200,7 @@ def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
     if scenario.loads.forces:
         return _pressed(scenario, indenter, scenario.loads.forces)
     bodies = [replace(indenter, force=None, depth=depth) for depth in scenario.loads.depths]
-    solving, layer = scenario.solving, scenario.layer
+    solving, layer = scenario.solving, scenario.true_layer
     return [
         press(layer, [each], solving.extent, solving.cell, scenario.mechanics) for each in bodies
     ]
@@ -201,7 +209,7 @@ def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
 def _pressed(
     scenario: Scenario, indenter: Indenter, forces: Floats | Sequence[float]
 ) -> list[Press]:
-    solving, layer = scenario.solving, scenario.layer
+    solving, layer = scenario.solving, scenario.true_layer
     return press_ladder(layer, indenter, forces, solving.extent, solving.cell, scenario.mechanics)
 
 
@@ -382,6 +390,7 @@ def _truth(
     depth = ladder.depth_at(effective)
     area = np.where(force > 0, ladder.area_at(effective), 0.0)
     hold_end = start + profile.approach + profile.ramp + profile.hold
+    layer = scenario.true_layer
     at_end = np.minimum(np.rint(hold_end / STEP).astype(np.int64), len(time) - 1)
     reached = np.array([effective[at_end][plan.load == load].max() for load in range(len(loads))])
     pose = [plan.poses[row] for row in plan.pose]
@@ -417,6 +426,10 @@ def _truth(
         reading_time_s=reading_time,
         reading_change=change,
         reading_force_N=np.interp(reading_time, time, force),
+        taxel_plane_m=scenario.true_plane,
+        layer_thickness_m=layer.thickness,
+        layer_young_modulus_Pa=layer.young_modulus,
+        layer_poisson_ratio=layer.poisson_ratio,
     )
 
 

@@ -22,6 +22,7 @@ from skinfield.errors import (
 from skinfield.settings import Positive, Range, Section
 from skinfield.simulate.electronics.array import Electronics, icub_electronics
 from skinfield.simulate.electronics.thermal import ROOM
+from skinfield.simulate.habits import Habits, Tolerances
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Sphere
 from skinfield.skin import Patch
@@ -450,6 +451,9 @@ class Scenario(Section):
         Recordings per tool, and the number of the first.
     patch : Patch
     layer : Layer
+        As stated.
+    tolerances : Tolerances
+        By how much layer and places are not as stated.
     cover : bool
         The layer's surface cannot stretch (a fabric on it).
     elastomer : StandardLinearSolid
@@ -470,6 +474,7 @@ class Scenario(Section):
     first_repeat: Annotated[int, Range(0, 10_000, "number of the first recording")] = 0
     patch: Patch = field(default_factory=icub_hexagon, compare=False)
     layer: Layer = field(default_factory=Layer)
+    tolerances: Tolerances = field(default_factory=Tolerances)
     cover: bool = False
     elastomer: StandardLinearSolid = field(default_factory=StandardLinearSolid)
     tools: tuple[Tool, ...] = field(
@@ -491,6 +496,29 @@ class Scenario(Section):
             raise InputError(f"tools are named {names}, expected one or more, of different names")
         if not self.places:
             raise InputError("places is empty, expected at least one place to press at")
+
+    def with_habits(self, habits: Habits) -> "Scenario":
+        """The same with a skin's habits, and with fingers as its tools where they have some."""
+        warmer = habits.warming * self.profile.duration(self.presses) if habits.warming else 0.0
+        fingers = [Tool(name=f"finger-{n}", indenter=f) for n, f in enumerate(habits.fingers, 1)]
+        return replace(
+            self,
+            tolerances=habits.tolerances,
+            elastomer=habits.elastomer or self.elastomer,
+            electronics=habits.electronics(self.electronics),
+            temperature=replace(self.temperature, end=self.temperature.end + warmer),
+            tools=tuple(fingers) or self.tools,
+        )
+
+    @property
+    def true_layer(self) -> Layer:
+        """Layer as it is: `layer` within the tolerances."""
+        return self.tolerances.layer(self.layer, self.random(3))
+
+    @property
+    def true_plane(self) -> Floats:
+        """Where the taxels are, (L, 2) m: places of the patch within the tolerances."""
+        return self.tolerances.plane(self.patch, self.random(4))
 
     @property
     def mechanics(self) -> BondedLayer:
