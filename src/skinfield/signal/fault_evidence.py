@@ -48,8 +48,8 @@ CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-PEAKS = 2  # distinct touches around a taxel, without which none is said not to answer
-SWAPPED = 0.8  # of the touches around another's place, that a swapped taxel answers
+WEAK = 0.1  # part of a usual response, that a taxel without one does not reach
+LIKE_OTHERS = 0.05  # chance of a response, above which it is like that of others
 
 
 def probability(healthy: float) -> float:
@@ -199,14 +199,14 @@ class Evidence:
 
     # ---- constant taxels
 
-    def constant_chance(self) -> float:
-        """How often a healthy taxel repeats one value in all readings."""
+    def constant_chance(self, readings: int | None = None) -> float:
+        """How often a healthy taxel repeats one value in so many readings; default all."""
         calm = self.quiet[1:] & self.quiet[:-1]
         away = calm & (self.counts[1:] != self.lowest)
         number = away.sum(axis=0)
         judged = self.varies & (number >= min(LEAST_CHANGES, len(calm)))
         share = (self.changes & away).sum(axis=0)[judged] / number[judged]
-        return chance_of_none(share, len(self.counts) - 1)
+        return chance_of_none(share, (readings or len(self.counts)) - 1)
 
     def resting_chance(self, readings: int | None = None) -> float:
         """How often a healthy taxel is clipped in so many readings in a row; default all."""
@@ -316,20 +316,31 @@ def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
         held[taxel] |= probability(seen.resting_chance(int(run[taxel]))) < CERTAIN
     calm = seen.quiet[1:] & seen.quiet[:-1]
     stuck = np.zeros(len(run), np.bool_)
-    for taxel in np.flatnonzero((run >= STUCK_READINGS) & ~held & seen.varies):
+    for taxel in np.flatnonzero((run >= LEAST_READINGS) & ~held & seen.varies):
         before = slice(len(seen.counts) - run[taxel])
         steps, judged = seen.steps[before, taxel], calm[before, taxel]
         if judged.sum() < LEAST_READINGS:
             judged = np.ones_like(judged)
-        if steps[judged].sum() < STUCK_CHANGES / 2:
+        if not steps.any() or run[taxel] < STUCK_LONGER * _longest(steps):
             continue
-        longest = int(np.max(np.diff(np.flatnonzero(steps), prepend=-1)))
+        if seen.changes[len(seen.counts) - run[taxel] :].any(axis=0).mean() <= 0.5:
+            continue
         missed = steps[judged].mean() * run[taxel]
-        others = seen.changes[len(seen.counts) - run[taxel] :].any(axis=0).mean()
         stuck[taxel] = (
-            missed >= STUCK_CHANGES and run[taxel] >= STUCK_LONGER * longest and others > 0.5
+            run[taxel] >= STUCK_READINGS
+            and steps[judged].sum() >= STUCK_CHANGES / 2
+            and missed >= STUCK_CHANGES
+        ) or (
+            seen.decided
+            and steps[judged].sum() >= LEAST_STEPS
+            and probability(seen.constant_chance(int(run[taxel]))) >= CERTAIN
         )
     return stuck, run
+
+
+def _longest(steps: Bools) -> int:
+    """Readings of the longest run without a step, before the last one."""
+    return int(np.max(np.diff(np.flatnonzero(steps), prepend=-1)))
 
 
 def _final_run(counts: Floats) -> NDArray[np.int64]:
@@ -362,9 +373,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
         middle = np.full(len(noise), level[0])
         spread = max(float(spreads[0]), np.log(TOO_NOISY) / APART)
         limit = APART * spread
-    low = np.nanmin(np.where(seen.absent, 0.0, counts), axis=0, initial=np.inf, where=judged)
-    base = np.where(np.isfinite(seen.lowest), seen.lowest, low)
-    load = np.abs(seen.value - base)
+    load = _standing_load(seen)
     found = []
     for taxel in np.flatnonzero(np.nan_to_num(noise) > 0.0):
         apart = np.log(noise[taxel]) - middle[taxel]
@@ -378,21 +387,30 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     return found
 
 
+def _standing_load(seen: Evidence) -> Floats:
+    """Median change (L,) from the board's rest if it clips there, else from the lowest readings."""
+    if np.isfinite(seen.lowest):
+        return np.abs(seen.value - seen.lowest)
+    load = np.zeros(len(seen.value))
+    there = ~seen.absent
+    ends = np.nanpercentile(seen.counts[:, there], [5.0, 95.0], axis=0)
+    load[there] = np.abs(ends - seen.value[there]).max(axis=0)
+    return load
+
+
 def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[Finding]]:
-    """Taxels that no touch on a neighbour moves: dead, stuck far from rest, or led by warmth."""
+    """Taxels that no touch around them moves: dead, stuck far from rest, or led by warmth."""
     dead: list[Finding] = []
     stuck: list[Finding] = []
     warm: list[Finding] = []
-    touches = seen.touches
-    number = touches.around.sum(axis=0)
+    touches, rows = seen.touches, np.arange(len(seen.value))
+    least, chance = touches.relative(rows, rows), touches.chance(rows, rows)
     far, slow = seen.far(seen.value), _drifts(seen)
-    for taxel in np.flatnonzero((number >= PEAKS) & ~touches.answers & ~seen.absent):
-        around = np.flatnonzero(touches.around[:, taxel])
-        distinct = touches.distinct(around)
-        if distinct < PEAKS:
+    for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent):
+        if not touches.moved(taxel):
             continue
-        why = f"{distinct} touches beside it that others feel do not move it"
-        p = probability(touches.miss_rate**distinct)
+        why = f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
+        p = probability(float(chance[taxel]))
         if slow[taxel]:
             warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
         elif far[taxel]:
@@ -411,68 +429,21 @@ def _drifts(seen: Evidence) -> Bools:
 
 
 def swapped_taxels(seen: Evidence) -> list[Finding]:
-    """Pairs of taxels that do not answer at their own places, but at each other's."""
-    touches = seen.touches
-    around, felt = touches.around.astype(np.float64), touches.felt.astype(np.float64)
-    number, own = around.sum(axis=0), (around * felt).sum(axis=0)
-    suspects = np.flatnonzero((number >= PEAKS) & (own == 0.0) & seen.varies)
+    """Pairs of taxels that do not answer to touches at their own place, but at each other's."""
+    touches, rows = seen.touches, np.arange(len(seen.value))
+    with np.errstate(invalid="ignore"):
+        suspects = np.flatnonzero((touches.relative(rows, rows) < WEAK) & seen.varies)
     found = []
-    at = around[:, suspects].T @ felt[:, suspects] / np.maximum(number[suspects], 1.0)[:, None]
-    for one, other in np.argwhere(np.triu((at >= SWAPPED) & (at.T >= SWAPPED), 1)):
-        found += _swap(seen, *suspects[[one, other]])
-    assert seen.patch is not None
-    for one, other in seen.patch.neighbours:  # the touches around one that are not around the other
-        mine, yours = touches.around[:, one].copy(), touches.around[:, other].copy()
-        mine[other] = yours[one] = False
-        mine, yours = mine & ~yours, yours & ~mine
-        if min(mine.sum(), yours.sum()) >= PEAKS and not (
-            touches.felt[mine, one].any() or touches.felt[yours, other].any()
-        ):
-            each = touches.felt[mine, other].mean(), touches.felt[yours, one].mean()
-            if min(each) >= SWAPPED:
-                found += _swap(seen, one, other)
+    for k, one in enumerate(suspects):
+        for other in suspects[k + 1 :]:
+            pair, swapped = np.array([one, other]), np.array([other, one])
+            answers = touches.chance(swapped, pair)
+            if answers.min() > LIKE_OTHERS and touches.moved(one) and touches.moved(other):
+                p = probability(float(touches.chance(pair, pair).prod()))
+                found += _swap(one, other, p)
     return found
 
 
-def _swap(seen: Evidence, one: int, other: int) -> list[Finding]:
-    touches, found = seen.touches, []
-    number = [touches.distinct(np.flatnonzero(touches.around[:, row])) for row in (one, other)]
-    if min(number) < PEAKS:
-        return []
-    p = probability(touches.miss_rate ** sum(number))
-    for row, place in ((one, other), (other, one)):
-        why = f"answers to touches around taxel {place}, and not around its own place"
-        found.append(Finding(np.array([row]), p, f"{why}: the two are swapped"))
-    return found
-
-
-def swapped_boards(seen: Evidence) -> list[Finding]:
-    """Pairs of boards whose taxels answer to touches beside the other board, not beside theirs."""
-    assert seen.patch is not None
-    touches, module = seen.touches, seen.patch.module
-    order = np.argsort(module, kind="stable")
-    rows = {board: order[module[order] == board] for board in np.unique(module)}
-    beside = {}
-    for board, its in rows.items():
-        pairs = np.argwhere(touches.around[:, its] & (module != board)[:, None])
-        if len(pairs) >= 2 * PEAKS and len(np.unique(pairs[:, 0])) >= PEAKS:
-            own = touches.felt[pairs[:, 0], its[pairs[:, 1]]].mean()
-            if own <= 1.0 - SWAPPED:
-                beside[board] = pairs
-    found = []
-    boards = list(beside)
-    for k, one in enumerate(boards):
-        for other in boards[k + 1 :]:
-            if len(rows[one]) != len(rows[other]):
-                continue
-            fit = min(
-                touches.felt[beside[a][:, 0], rows[b][beside[a][:, 1]]].mean()
-                for a, b in ((one, other), (other, one))
-            )
-            if fit < SWAPPED:
-                continue
-            p = probability(touches.miss_rate ** (2 * PEAKS))
-            for a, b in ((one, other), (other, one)):
-                why = f"board {a} answers to touches beside board {b}, and not beside its own place"
-                found.append(Finding(rows[a], p, f"{why}: the two are swapped"))
-    return found
+def _swap(one: int, other: int, p: float) -> list[Finding]:
+    why = "answers to touches on taxel {}, and not on its own place: the two are swapped"
+    return [Finding(np.array([a]), p, why.format(b)) for a, b in ((one, other), (other, one))]

@@ -236,7 +236,6 @@ def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) ->
         for kind, of_kind in zip(kinds, evidence.unresponsive_taxels(seen), strict=True):
             fresh.put(kind, of_kind)
         fresh.put(Verdict.SWAPPED, evidence.swapped_taxels(seen))
-        fresh.put(Verdict.SWAPPED, evidence.swapped_boards(seen))
         for taxel in np.flatnonzero((fresh.verdict > 0) & (record.verdict == 0)):
             words = Finding(np.array([taxel]), fresh.probability[taxel], fresh.evidence[taxel])
             record.put(Verdict(fresh.verdict[taxel]), [words])

@@ -1,16 +1,15 @@
-"""Response of taxels to touches that peak on their neighbours.
+"""Response of taxels to touches that pass over them, beside that of their neighbours.
 
-A touch moves over a skin, or comes down here and there. In the readings in which it is highest on
-one taxel, that taxel's neighbours feel it as well, more or less. How often healthy ones do not is
-seen in the recording itself, so no model of the layer is needed. One that never does, while touches
-pass over it, has failed; one that does so at the place of another is swapped with it.
+What surrounds a taxel on all sides is on the taxel, too: the load that neighbours on every side of
+it feel at once is the least to expect of it. How much more or less healthy taxels feel is seen in
+the recording itself, so no model of the layer is needed. Only touches that move tell: a hand that
+holds on may have a gap between its fingers.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
@@ -20,80 +19,127 @@ from skinfield.skin import Patch
 
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 16  # of a recording, whose untouched readings tell the rest
-PEAK, SURE = 10.0, 6.0  # usual deviations, and a taxel's own, of a peak
-SUPPORT, LEAST_SUPPORT = 4.0, 2  # deviations; neighbours of a peak that feel it, too: no jump
-FAINT = 0.02  # of the highest reading: no peak below
-FELT, SIGNIFICANT = 0.05, 3.0  # part of the peak, and standard errors, of a response
-SAME = 0.6  # part of its own peak that a taxel shows in another's, if both are of one touch
-LEAST_PEAK = 2  # readings
+DIRECTIONS, SECTOR = 12, np.deg2rad(75.0)  # sides of a taxel, and how wide each is either way
+LEAST_SIDES = 0.75  # part of them, that have a neighbour
+PRESSED = 10.0  # usual deviations, of a load that tells
+FAINT = 0.02  # of the highest reading: no load below tells
+STRONG = 0.7  # of the strongest load, in readings that tell
+PASSING, MOVED = 0.3, 0.6  # part of it, down to which cosines of neighbours' loads fall as it moves
+FREEDOM = 10.0  # of Student's t, of the logarithm of responses
+FEWEST = 8  # taxels of a kind, that tell how healthy ones respond
+ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
+ERRORS = 2.0  # standard errors, that a response may be larger
 
 
 @dataclass(frozen=True, eq=False)
 class TouchResponse:
-    """What taxels read while touches peak on other taxels.
+    """What taxels read while touches pass over them.
 
     Attributes
     ----------
-    adjacent : (L, L) bool array
-        Neighbours.
-    level : (L,) array, counts
-        Mean height of the peaks on a taxel; NaN without one.
-    response : (L, L) array, counts
-        Row p: mean heights of all taxels in the readings with a peak on p; NaN without one.
-    error : (L, L) array, counts
-        Standard errors of these, by the taxels' noise.
+    height : (T, L) array, counts
+        Change from rest, positive under pressure; 0 where a taxel did not answer.
+    load : (T, L) array, counts
+        That neighbours feel on all sides of a taxel, as far as there are any.
+    inner : (L,) bool array
+        Taxels with neighbours on all sides.
+    noise : (L,) array, counts
+    usual : float, counts
+        Deviation of the median taxel.
+    near : (L, N) int array
+        Neighbours, the taxel itself where there are fewer.
+    hold : float
+        Readings for which one value is repeated.
     """
 
-    adjacent: Bools
-    level: Floats
-    response: Floats
-    error: Floats
+    height: Floats
+    load: Floats
+    inner: Bools
+    noise: Floats
+    usual: float
+    near: Ints
+    hold: float
 
     @cached_property
-    def peaked(self) -> Bools:
-        """Taxels (L,) on which some touch was highest."""
-        return np.isfinite(self.level)
+    def strongest(self) -> Floats:
+        """Highest load (L,) on a taxel, 0 where none tells."""
+        highest = self.load.max(axis=0, initial=0.0)
+        least = max(PRESSED * self.usual, FAINT * float(self.height.max(initial=0.0)))
+        return np.where(highest > least, highest, 0.0)
 
     @cached_property
-    def felt(self) -> Bools:
-        """Whether (L, L) a taxel, by column, responds to the peaks on another, by row."""
-        with np.errstate(invalid="ignore"):
-            least = np.maximum(FELT * self.level[:, None], SIGNIFICANT * self.error)
-            return np.asarray(self.response >= least)
+    def strong(self) -> Bools:
+        """Where (T, L) the load on a taxel is near its highest."""
+        return np.asarray((self.load >= STRONG * self.strongest) & (self.strongest > 0.0))
 
     @cached_property
-    def around(self) -> Bools:
-        """Whether (L, L) a touch peaked on a taxel, by row, that is a neighbour, by column."""
-        return np.asarray(
-            self.adjacent & self.peaked[:, None] & np.isfinite(self.response), dtype=np.bool_
-        )
+    def response(self) -> Floats:
+        """Of taxel i to the load on taxel k, (L, L) by k and i: parts of the load; NaN if none."""
+        from scipy.sparse import csr_array
+
+        total = np.sum(self.load, axis=0, where=self.strong)
+        told = np.asarray(csr_array(self.strong.T.astype(np.float64)) @ self.height)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(told / total[:, None])
+
+    @cached_property
+    def error(self) -> Floats:
+        """Standard error of the responses to the load on a taxel, (L,) for a noise of 1."""
+        number = np.maximum(self.strong.sum(axis=0) / self.hold, 1.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            mean = np.sum(self.load, axis=0, where=self.strong) / self.strong.sum(axis=0)
+            return np.asarray(1.0 / (np.sqrt(number) * mean))
+
+    @cached_property
+    def usual_response(self) -> tuple[Floats, Floats]:
+        """Logarithm of the median response, and its robust deviation, (L,): of inner and others."""
+        own = np.diag(self.response)
+        middle, spread = np.full(len(own), np.nan), np.full(len(own), np.nan)
+        for kind in (self.inner, ~self.inner):
+            told = own[kind & (self.strongest > 0.0)]
+            told = np.log(told[told > self.usual / PRESSED / max(self.height.max(), 1e-300)])
+            if len(told) >= FEWEST:
+                middle[kind] = np.median(told)
+                spread[kind] = 1.4826 * np.median(np.abs(told - np.median(told)))
+        return middle, spread
+
+    def chance(self, load_on: Ints, taxel: Ints) -> Floats:
+        """How often a healthy taxel responds as little as `taxel` to the load on `load_on`."""
+        from scipy.stats import t
+
+        middle, spread = self.usual_response
+        told = self.response[load_on, taxel]
+        most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            apart = (np.log(most) - middle[load_on]) / np.maximum(spread[load_on], 0.1)
+        return np.where(np.isfinite(apart), t.cdf(apart, FREEDOM), 1.0)
+
+    def relative(self, load_on: Ints, taxel: Ints) -> Floats:
+        """Largest credible response of `taxel` to the load on `load_on`, 1: that of the median."""
+        told = self.response[load_on, taxel]
+        most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
+        return np.asarray(most / np.exp(self.usual_response[0][load_on]))
 
     @cached_property
     def answers(self) -> Bools:
-        """Taxels (L,) that respond to a touch on a neighbour."""
-        return np.asarray((self.around & self.felt).any(axis=0))
+        """Taxels (L,) that were touched some time, whether something surrounded them or not."""
+        middle = self.usual_response[0]
+        usual = np.exp(np.where(np.isfinite(middle), middle, 0.0)) * self.strongest
+        least = np.maximum(ANSWERS * usual, np.maximum(SURE * self.noise, PRESSED * self.usual))
+        return np.asarray((self.height > least).sum(axis=0) >= LEAST_READINGS)
 
-    @cached_property
-    def miss_rate(self) -> float:
-        """How often a taxel that answers at all does not feel a touch that peaks on a neighbour."""
-        tried = self.around & self.answers
-        missed = tried & ~self.felt
-        return float((missed.sum() + 1.0) / (tried.sum() + 2.0))
-
-    def distinct(self, rows: Ints) -> int:
-        """How many of the taxels `rows` were peaks of touches that differ from each other.
-
-        Two peaks that stand side by side all the time, as under a hand that holds on, are of one.
-        """
-        chosen: list[int] = []
-        for row in rows[np.argsort(-self.level[rows])]:
-            share = np.fmax(
-                self.response[row, chosen] / self.level[chosen],
-                self.response[chosen, row] / self.level[row],
-            )
-            if not (share >= SAME).any():
-                chosen.append(int(row))
-        return len(chosen)
+    def moved(self, taxel: int) -> bool:
+        """Whether the load around a taxel came from one side, and then from another."""
+        around = self.near[taxel][self.near[taxel] != taxel]
+        if len(around) < 2 or not self.strongest[taxel]:
+            return False
+        loads = np.maximum(self.height[:, around], 0.0)
+        total = loads.sum(axis=1)
+        at = int(np.argmax(self.load[:, taxel]))
+        there = total >= PASSING * total[at]
+        size = np.linalg.norm(loads, axis=1)
+        cosine = loads[there] @ loads[at] / np.maximum(size[there] * size[at], 1e-300)
+        return bool(cosine.min(initial=1.0) < MOVED)
 
 
 def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) -> TouchResponse:
@@ -107,32 +153,31 @@ def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) 
     direction : int
         Sign of the change under pressure; 0 for that of the larger changes.
     silent : (L,) bool array
-        Taxels without a peak: absent, constant and noisy ones.
+        Taxels that tell nothing of a load: absent, constant and noisy ones.
     """
-    from scipy.sparse import csr_array
-
-    taxels = len(patch)
-    adjacent = np.zeros((taxels, taxels), np.bool_)
-    adjacent[tuple(patch.neighbours.T)] = True
-    adjacent |= adjacent.T
-    noise = np.nan_to_num(fast_noise(counts, readings_per_value(counts)))
     rounding = 12**-0.5 if whole_numbers(counts) else 0.0
+    noise = np.maximum(np.nan_to_num(fast_noise(counts, readings_per_value(counts))), rounding)
     hold = readings_per_value(counts)
     counts, group = _shortened(counts)
-    height = _heights(counts * (direction or _direction(counts[:, ~silent])), patch, silent)
-    there = ~np.isnan(height)
-    height = np.where(there, height, 0.0)
+    near = _near(patch)
+    height = _heights(counts * (direction or _direction(counts[:, ~silent])), near, silent)
+    height = np.nan_to_num(height)
     usual = usual_deviation(height[:, ~silent]) if (~silent).any() else 0.0
-    own = np.maximum(noise / np.sqrt(group), max(usual, rounding))
-    peaks = _peaks(np.where(silent, 0.0, height), own, usual, patch.neighbours)
-    rows = csr_array(peaks.T.astype(np.float64))
-    number = np.asarray(rows @ there.astype(np.float64))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        response = np.asarray(rows @ height) / number
-        response[(peaks.sum(axis=0) < LEAST_PEAK)] = np.nan
-        fresh = np.maximum(number * group / hold, 1.0)
-        error = np.maximum(noise, rounding) / np.sqrt(fresh)
-    return TouchResponse(adjacent, np.diag(response).copy(), response, error)
+    load, inner = _load(np.where(silent, 0.0, np.maximum(height, 0.0)), patch, near, silent)
+    usual = max(usual, rounding)
+    return TouchResponse(
+        height, load, inner, noise / np.sqrt(group), usual, near, max(hold / group, 1.0)
+    )
+
+
+def _near(patch: Patch) -> Ints:
+    """Neighbours (L, N) of each taxel; itself where it has fewer."""
+    pairs = np.concatenate([patch.neighbours, patch.neighbours[:, ::-1]])
+    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
+    turn = np.arange(len(pairs)) - np.searchsorted(pairs[:, 0], pairs[:, 0])
+    near = np.tile(np.arange(len(patch)), (int(turn.max(initial=-1)) + 1, 1)).T
+    near[pairs[:, 0], turn] = pairs[:, 1]
+    return near
 
 
 def _shortened(counts: Floats) -> tuple[Floats, int]:
@@ -148,15 +193,14 @@ def _shortened(counts: Floats) -> tuple[Floats, int]:
 
 def _direction(counts: Floats) -> int:
     """Sign of the larger changes: touches go far to one side of the rest."""
-    if not counts.size or np.isnan(counts).all(axis=0).all():
-        return 1
     counts = counts[:, ~np.isnan(counts).all(axis=0)]
-    middle = np.nanmedian(counts, axis=0)
-    cubes = np.nansum((counts - middle) ** 3, axis=0)
+    if not counts.size:
+        return 1
+    cubes = np.nansum((counts - np.nanmedian(counts, axis=0)) ** 3, axis=0)
     return 1 if cubes.sum() >= 0.0 else -1
 
 
-def _heights(signed: Floats, patch: Patch, silent: Bools) -> Floats:
+def _heights(signed: Floats, near: Ints, silent: Bools) -> Floats:
     """Change from rest (T, L), rest by the readings in which no neighbour is touched, as it drifts.
 
     A taxel that is touched all the time rests at its lowest readings.
@@ -166,45 +210,42 @@ def _heights(signed: Floats, patch: Patch, silent: Bools) -> Floats:
     low[~gone] = np.nanpercentile(signed[:, ~gone], 20.0, axis=0)
     height = signed - low
     usual = usual_deviation(height[:, ~silent]) if (~silent).any() else 0.0
-    high = np.nan_to_num(np.where(silent, 0.0, height))
-    touched = _highest_around(high, patch.neighbours) > TOUCHED * usual
-    touched |= high > max(TOUCHED, PEAK) * usual
+    high = np.where(silent, 0.0, np.nan_to_num(height))
+    touched = high > PRESSED * usual
+    for column in near.T:
+        touched |= high[:, column] > TOUCHED * usual
     quiet = np.where(touched, np.nan, height)
-    middles, levels = [], []
-    for part in np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1))):
+    parts = np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1)))
+    levels = np.full((len(parts), height.shape[1]), np.nan)
+    for row, part in enumerate(parts):
         number = (~np.isnan(quiet[part])).sum(axis=0)
-        levels.append(np.where(number > 2, np.nansum(quiet[part], axis=0) / (number + 1e-9), np.nan))
-        middles.append(part.mean())
-    at, table = np.arange(len(height)), np.array(levels)
-    for taxel in np.flatnonzero(np.isfinite(table).any(axis=0)):
-        known = np.isfinite(table[:, taxel])
-        height[:, taxel] -= np.interp(at, np.array(middles)[known], table[known, taxel])
+        enough = number > 2
+        levels[row, enough] = np.nansum(quiet[part][:, enough], axis=0) / number[enough]
+    at, middles = np.arange(len(height)), np.array([part.mean() for part in parts])
+    for taxel in np.flatnonzero(np.isfinite(levels).any(axis=0)):
+        known = np.isfinite(levels[:, taxel])
+        height[:, taxel] -= np.interp(at, middles[known], levels[known, taxel])
     return height
 
 
-def _highest_around(height: Floats, neighbours: Ints) -> Floats:
-    """Highest neighbour of each taxel in each reading (T, L); 0 at least."""
-    found = np.zeros_like(height.T)
-    for one, other in _rounds(neighbours, height.shape[1]):
-        found[one] = np.maximum(found[one], height.T[other])
-    return found.T
+def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> tuple[Floats, Bools]:
+    """Load (T, L) that neighbours feel on all sides that have any; taxels (L,) with all sides.
 
-
-def _rounds(neighbours: Ints, taxels: int) -> list[tuple[Ints, Ints]]:
-    """Pairs in both orders, in rounds in which no taxel is the first of two pairs."""
-    both = np.concatenate([neighbours, neighbours[:, ::-1]])
-    both = both[np.argsort(both[:, 0], kind="stable")]
-    first = np.searchsorted(both[:, 0], np.arange(taxels))
-    turn = np.arange(len(both)) - first[both[:, 0]]
-    return [tuple(both[turn == k].T) for k in range(int(turn.max()) + 1 if len(both) else 0)]
-
-
-def _peaks(height: Floats, own: Floats, usual: float, neighbours: Ints) -> NDArray[np.bool_]:
-    """Where (T, L) a touch is highest: above its neighbours, of which some feel it, too."""
-    least = np.maximum(np.maximum(PEAK * usual, SURE * own), FAINT * float(height.max(initial=0.0)))
-    felt = (height > SUPPORT * own).T
-    support = np.zeros(felt.shape, np.int8)
-    for one, other in _rounds(neighbours, height.shape[1]):
-        support[one] += felt[other]
-    highest = height >= _highest_around(height, neighbours)
-    return np.asarray(highest & (height > least) & (support.T >= LEAST_SUPPORT))
+    0 where all neighbours lie on one side.
+    """
+    plane, rows = patch.plane, np.arange(len(patch))
+    way = plane[near] - plane[:, None]
+    angle = np.arctan2(way[..., 1], way[..., 0])
+    real = (near != rows[:, None]) & ~silent[near]
+    load, sides = np.full(height.shape, np.inf), np.zeros(len(rows), np.int64)
+    for side in 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
+        there = real & (np.cos(angle - side) >= np.cos(SECTOR))
+        highest = np.zeros_like(height)
+        for column in np.flatnonzero(there.any(axis=0)):
+            its = there[:, column]
+            highest[:, its] = np.maximum(highest[:, its], height[:, near[its, column]])
+        any_ = there.any(axis=1)
+        sides += any_
+        load[:, any_] = np.minimum(load[:, any_], highest[:, any_])
+    told = sides >= LEAST_SIDES * DIRECTIONS
+    return np.where(told, load, 0.0), sides == DIRECTIONS
