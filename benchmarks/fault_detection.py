@@ -185,7 +185,7 @@ def recording(
     times = np.arange(int(5.0 * rate)) / rate
     load, touched = np.zeros((len(times), len(patch))), np.zeros(len(patch), np.bool_)
     if scene in ("strokes", "strokes on a resting hand"):
-        load, nearest = strokes(patch, times, max(1, len(patch) // 70), rng)
+        load, nearest = strokes(patch, times, max(2, len(patch) // 35), rng)
         touched = nearest < 0.6 * patch.pitch
     if scene in ("hand", "strokes on a resting hand"):
         held = hand(patch, times, rng)

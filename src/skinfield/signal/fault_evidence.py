@@ -25,11 +25,11 @@ from skinfield.signal.stationary import (
     readings_per_value,
     whole_numbers,
 )
-from skinfield.signal.touch_response import TouchResponse, touch_response
+from skinfield.signal.touch_response import FREEDOM, TouchResponse, touch_response
 from skinfield.skin import Patch
 
 BROKEN = 0.01  # taxels, before anything is seen
-CERTAIN = 0.95  # least probability of a verdict
+CERTAIN = 0.9  # least probability of a verdict
 FEWEST_TAXELS = 5  # that tell how often a healthy one does what was seen
 LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
 # The same of steps, which are changes by two counts or more where all numbers are whole. A taxel
@@ -41,15 +41,16 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
-TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
+TOO_NOISY = 4.0  # times the noise of its calibration, or else of the median taxel
 APART = 3.5  # deviations of the logarithm of taxels' noise, that none is from the others
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-WEAK = 0.1  # part of a usual response, that a taxel without one does not reach
-LIKE_OTHERS = 0.05  # chance of a response, above which it is like that of others
+LEAST_CROSSED = 0.33  # part of how two usually differ as their neighbours do, the other way round
+LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
+WEAK = 0.2  # part of a usual response, that a taxel without one does not reach
 
 
 def probability(healthy: float) -> float:
@@ -373,7 +374,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
         middle = np.full(len(noise), level[0])
         spread = max(float(spreads[0]), np.log(TOO_NOISY) / APART)
         limit = APART * spread
-    load = _standing_load(seen)
+    load = _standing_load(seen, counts)
     found = []
     for taxel in np.flatnonzero(np.nan_to_num(noise) > 0.0):
         apart = np.log(noise[taxel]) - middle[taxel]
@@ -387,14 +388,15 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     return found
 
 
-def _standing_load(seen: Evidence) -> Floats:
-    """Median change (L,) from the board's rest if it clips there, else from the lowest readings."""
-    if np.isfinite(seen.lowest):
-        return np.abs(seen.value - seen.lowest)
+def _standing_load(seen: Evidence, counts: Floats) -> Floats:
+    """Median change (L,) from the board's rest if it clips there, else the largest that comes."""
+    there = ~np.isnan(counts).all(axis=0)
     load = np.zeros(len(seen.value))
-    there = ~seen.absent
-    ends = np.nanpercentile(seen.counts[:, there], [5.0, 95.0], axis=0)
-    load[there] = np.abs(ends - seen.value[there]).max(axis=0)
+    if np.isfinite(seen.lowest):
+        load[there] = np.nanmedian(counts[:, there], axis=0) - seen.lowest
+    elif there.any():
+        low, high = np.nanpercentile(counts[:, there], [5.0, 95.0], axis=0)
+        load[there] = high - low
     return load
 
 
@@ -404,13 +406,13 @@ def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], l
     stuck: list[Finding] = []
     warm: list[Finding] = []
     touches, rows = seen.touches, np.arange(len(seen.value))
-    least, chance = touches.relative(rows, rows), touches.chance(rows, rows)
+    least = touches.relative(rows, rows)
     far, slow = seen.far(seen.value), _drifts(seen)
     for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent):
         if not touches.moved(taxel):
             continue
         why = f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
-        p = probability(float(chance[taxel]))
+        p = probability(touches.chance(taxel, taxel))
         if slow[taxel]:
             warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
         elif far[taxel]:
@@ -430,20 +432,29 @@ def _drifts(seen: Evidence) -> Bools:
 
 def swapped_taxels(seen: Evidence) -> list[Finding]:
     """Pairs of taxels that do not answer to touches at their own place, but at each other's."""
-    touches, rows = seen.touches, np.arange(len(seen.value))
-    with np.errstate(invalid="ignore"):
-        suspects = np.flatnonzero((touches.relative(rows, rows) < WEAK) & seen.varies)
+    from scipy.stats import t
+
+    touches = seen.touches
+    told = np.flatnonzero(seen.varies & (touches.strongest > 0.0))
+    told = told[[touches.moved(taxel) for taxel in told]]
+    if len(told) < FEWEST_TAXELS:
+        return []
+    fits = np.arctanh(np.clip(touches.crossed(told), -0.999, 0.999))
+    known = fits[np.isfinite(fits)]
+    if not len(known):
+        return []
+    middle = float(np.median(known))
+    spread = max(1.4826 * float(np.median(np.abs(known - middle))), LEAST_SPREAD)
     found = []
-    for k, one in enumerate(suspects):
-        for other in suspects[k + 1 :]:
-            pair, swapped = np.array([one, other]), np.array([other, one])
-            answers = touches.chance(swapped, pair)
-            if answers.min() > LIKE_OTHERS and touches.moved(one) and touches.moved(other):
-                p = probability(float(touches.chance(pair, pair).prod()))
-                found += _swap(one, other, p)
+    for one, other in np.argwhere(np.triu(fits < -LEAST_CROSSED * middle)):
+        if fits[one, other] > min(np.nanmin(fits[one]), np.nanmin(fits[other])):
+            continue  # one of them fits another still better
+        chance = float(t.cdf((fits[one, other] - middle) / spread, FREEDOM))
+        found += _swap(*told[[one, other]], chance)
     return found
 
 
-def _swap(one: int, other: int, p: float) -> list[Finding]:
+def _swap(one: int, other: int, chance: float) -> list[Finding]:
     why = "answers to touches on taxel {}, and not on its own place: the two are swapped"
+    p = probability(chance)
     return [Finding(np.array([a]), p, why.format(b)) for a, b in ((one, other), (other, one))]

@@ -13,7 +13,7 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
-from skinfield.signal.noise import TOUCHED, usual_deviation
+from skinfield.signal.noise import TOUCHED
 from skinfield.signal.stationary import fast_noise, readings_per_value, whole_numbers
 from skinfield.skin import Patch
 
@@ -21,12 +21,15 @@ MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 16  # of a recording, whose untouched readings tell the rest
 DIRECTIONS, SECTOR = 12, np.deg2rad(75.0)  # sides of a taxel, and how wide each is either way
 LEAST_SIDES = 0.75  # part of them, that have a neighbour
-PRESSED = 10.0  # usual deviations, of a load that tells
+LOAD, PRESSED = 5.0, 10.0  # usual deviations, of a load that tells, and of one taxel's own
 FAINT = 0.02  # of the highest reading: no load below tells
-STRONG = 0.7  # of the strongest load, in readings that tell
-PASSING, MOVED = 0.3, 0.6  # part of it, down to which cosines of neighbours' loads fall as it moves
-FREEDOM = 10.0  # of Student's t, of the logarithm of responses
-FEWEST = 8  # taxels of a kind, that tell how healthy ones respond
+STRONG = 0.5  # of the strongest load, in readings that tell
+LEAST_ALONE = 0.4  # part of the readings, in which nothing touches around a taxel
+PASSING, MOVED = 0.15, 0.7  # part of it, down to which cosines of neighbours' loads fall as it moves
+FREEDOM = 5.0  # of Student's t, of the logarithm of responses
+ALIKE = 0.6  # cosine of the loads around two taxels, from which on they are touched together
+LEAST_EACH = 2  # neighbours that each of two has for itself
+FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
 ERRORS = 2.0  # standard errors, that a response may be larger
 
@@ -41,8 +44,8 @@ class TouchResponse:
         Change from rest, positive under pressure; 0 where a taxel did not answer.
     load : (T, L) array, counts
         That neighbours feel on all sides of a taxel, as far as there are any.
-    inner : (L,) bool array
-        Taxels with neighbours on all sides.
+    alone : (L,) array
+        Part of the readings in which no neighbour is touched.
     noise : (L,) array, counts
     usual : float, counts
         Deviation of the median taxel.
@@ -54,7 +57,7 @@ class TouchResponse:
 
     height: Floats
     load: Floats
-    inner: Bools
+    alone: Floats
     noise: Floats
     usual: float
     near: Ints
@@ -64,7 +67,7 @@ class TouchResponse:
     def strongest(self) -> Floats:
         """Highest load (L,) on a taxel, 0 where none tells."""
         highest = self.load.max(axis=0, initial=0.0)
-        least = max(PRESSED * self.usual, FAINT * float(self.height.max(initial=0.0)))
+        least = max(LOAD * self.usual, FAINT * float(self.height.max(initial=0.0)))
         return np.where(highest > least, highest, 0.0)
 
     @cached_property
@@ -91,52 +94,92 @@ class TouchResponse:
             return np.asarray(1.0 / (np.sqrt(number) * mean))
 
     @cached_property
-    def usual_response(self) -> tuple[Floats, Floats]:
-        """Logarithm of the median response, and its robust deviation, (L,): of inner and others."""
-        own = np.diag(self.response)
-        middle, spread = np.full(len(own), np.nan), np.full(len(own), np.nan)
-        for kind in (self.inner, ~self.inner):
-            told = own[kind & (self.strongest > 0.0)]
-            told = np.log(told[told > self.usual / PRESSED / max(self.height.max(), 1e-300)])
-            if len(told) >= FEWEST:
-                middle[kind] = np.median(told)
-                spread[kind] = 1.4826 * np.median(np.abs(told - np.median(told)))
-        return middle, spread
+    def usual_response(self) -> tuple[float, float]:
+        """Logarithm of the median response, and its robust deviation; NaN where few tell."""
+        own = np.diag(self.response)[self.strongest > 0.0]
+        told = np.log(own[own > 0.0])
+        if len(told) < FEWEST:
+            return float("nan"), float("nan")
+        middle = float(np.median(told))
+        return middle, 1.4826 * float(np.median(np.abs(told - middle)))
 
-    def chance(self, load_on: Ints, taxel: Ints) -> Floats:
-        """How often a healthy taxel responds as little as `taxel` to the load on `load_on`."""
+    def chance(self, load_on: int, taxel: int) -> float:
+        """How often a healthy taxel responds as little as `taxel` to the passes over `load_on`."""
         from scipy.stats import t
 
         middle, spread = self.usual_response
-        told = self.response[load_on, taxel]
-        most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            apart = (np.log(most) - middle[load_on]) / np.maximum(spread[load_on], 0.1)
-        return np.where(np.isfinite(apart), t.cdf(apart, FREEDOM), 1.0)
+        if not (np.isfinite(middle) and self.strongest[load_on]):
+            return 1.0
+        load, chance = self.load[:, load_on], 1.0
+        rows = np.flatnonzero(self.strong[:, load_on])
+        away = np.cumsum(load < PASSING * self.strongest[load_on])[rows]
+        for each in np.split(rows, np.flatnonzero(np.diff(away)) + 1):
+            error = self.noise[taxel] / np.sqrt(max(len(each) / self.hold, 1.0))
+            most = max(float(self.height[each, taxel].mean()), 0.0) + ERRORS * error
+            apart = (np.log(most / load[each].mean()) - middle) / max(spread, 0.1)
+            chance *= float(t.cdf(apart, FREEDOM))
+        return chance
 
     def relative(self, load_on: Ints, taxel: Ints) -> Floats:
         """Largest credible response of `taxel` to the load on `load_on`, 1: that of the median."""
         told = self.response[load_on, taxel]
         most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
-        return np.asarray(most / np.exp(self.usual_response[0][load_on]))
+        return np.asarray(most / np.exp(self.usual_response[0]))
 
     @cached_property
     def answers(self) -> Bools:
         """Taxels (L,) that were touched some time, whether something surrounded them or not."""
-        middle = self.usual_response[0]
-        usual = np.exp(np.where(np.isfinite(middle), middle, 0.0)) * self.strongest
+        usual = np.exp(np.nan_to_num(self.usual_response[0])) * self.strongest
         least = np.maximum(ANSWERS * usual, np.maximum(SURE * self.noise, PRESSED * self.usual))
         return np.asarray((self.height > least).sum(axis=0) >= LEAST_READINGS)
 
+    def crossed(self, taxels: Ints) -> Floats:
+        """How much each two of N taxels read as if each were the other, (N, N): 1 not, -1 fully.
+
+        The correlation of the difference of the two with that of their neighbours' means; of two
+        that are neighbours, only of those that each has for itself. NaN where both are touched
+        alike, so that nothing tells.
+        """
+        own = self.height[:, taxels]
+        around = np.stack([self.height[:, self._around(a)].mean(axis=1) for a in taxels], axis=1)
+        both, fit = own.T @ around, np.diag(own.T @ around)
+        power, load = own.T @ own, around.T @ around
+        number = fit[:, None] + fit - both - both.T
+        size = _difference(power) * _difference(load)
+        alike = load / np.sqrt(np.maximum(np.outer(np.diag(load), np.diag(load)), 1e-300))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found = np.where((size > 0.0) & (alike < ALIKE), number / np.sqrt(size), np.nan)
+        for one, other in np.argwhere((taxels[:, None, None] == self.near[taxels]).any(axis=2)):
+            found[one, other] = self._crossed_neighbours(taxels[one], taxels[other])
+        np.fill_diagonal(found, np.nan)
+        return np.asarray(found)
+
+    def _crossed_neighbours(self, one: int, other: int) -> float:
+        mine, yours = (
+            np.setdiff1d(self.near[a], [*self.near[b], a, b])
+            for a, b in ((one, other), (other, one))
+        )
+        if min(len(mine), len(yours)) < LEAST_EACH:
+            return float("nan")
+        first, second = (self.height[:, each].mean(axis=1) for each in (mine, yours))
+        own = self.height[:, one] - self.height[:, other]
+        size = float(np.sqrt((own @ own) * ((first - second) @ (first - second))))
+        alike = first @ second >= ALIKE * np.sqrt((first @ first) * (second @ second))
+        return float("nan") if alike or size <= 0.0 else float(own @ (first - second)) / size
+
+    def _around(self, taxel: int) -> Ints:
+        return np.asarray(self.near[taxel][self.near[taxel] != taxel])
+
     def moved(self, taxel: int) -> bool:
-        """Whether the load around a taxel came from one side, and then from another."""
-        around = self.near[taxel][self.near[taxel] != taxel]
-        if len(around) < 2 or not self.strongest[taxel]:
+        """Whether the load around a taxel came and went, from one side and then from another."""
+        around = self._around(taxel)
+        if len(around) < 2 or not self.strongest[taxel] or self.alone[taxel] < LEAST_ALONE:
             return False
         loads = np.maximum(self.height[:, around], 0.0)
         total = loads.sum(axis=1)
         at = int(np.argmax(self.load[:, taxel]))
-        there = total >= PASSING * total[at]
+        least = max(PASSING * total[at], PRESSED * self.usual * np.sqrt(len(around)))  # no noise
+        there = total >= least
         size = np.linalg.norm(loads, axis=1)
         cosine = loads[there] @ loads[at] / np.maximum(size[there] * size[at], 1e-300)
         return bool(cosine.min(initial=1.0) < MOVED)
@@ -160,14 +203,20 @@ def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) 
     hold = readings_per_value(counts)
     counts, group = _shortened(counts)
     near = _near(patch)
-    height = _heights(counts * (direction or _direction(counts[:, ~silent])), near, silent)
+    signed = counts * (direction or _direction(counts[:, ~silent]))
+    usual = max(float(np.median(noise[~silent])) if (~silent).any() else 0.0, rounding)
+    height, alone = _heights(signed, near, silent, usual / np.sqrt(group))
     height = np.nan_to_num(height)
-    usual = usual_deviation(height[:, ~silent]) if (~silent).any() else 0.0
-    load, inner = _load(np.where(silent, 0.0, np.maximum(height, 0.0)), patch, near, silent)
-    usual = max(usual, rounding)
+    load = _load(np.where(silent, 0.0, np.maximum(height, 0.0)), patch, near, silent)
     return TouchResponse(
-        height, load, inner, noise / np.sqrt(group), usual, near, max(hold / group, 1.0)
+        height, load, alone, noise / np.sqrt(group), usual / np.sqrt(group), near, max(hold / group, 1.0)
     )
+
+
+def _difference(products: Floats) -> Floats:
+    """Squared sums of the differences of each two columns, from their products (N, N)."""
+    square = np.diag(products)
+    return np.asarray(np.maximum(square[:, None] + square - 2.0 * products, 0.0))
 
 
 def _near(patch: Patch) -> Ints:
@@ -200,8 +249,12 @@ def _direction(counts: Floats) -> int:
     return 1 if cubes.sum() >= 0.0 else -1
 
 
-def _heights(signed: Floats, near: Ints, silent: Bools) -> Floats:
+def _heights(
+    signed: Floats, near: Ints, silent: Bools, usual: float
+) -> tuple[Floats, Floats]:
     """Change from rest (T, L), rest by the readings in which no neighbour is touched, as it drifts.
+
+    And their part of all, (L,).
 
     A taxel that is touched all the time rests at its lowest readings.
     """
@@ -209,11 +262,10 @@ def _heights(signed: Floats, near: Ints, silent: Bools) -> Floats:
     low = np.zeros(signed.shape[1])
     low[~gone] = np.nanpercentile(signed[:, ~gone], 20.0, axis=0)
     height = signed - low
-    usual = usual_deviation(height[:, ~silent]) if (~silent).any() else 0.0
     high = np.where(silent, 0.0, np.nan_to_num(height))
-    touched = high > PRESSED * usual
+    touched, rows = np.zeros(high.shape, np.bool_), np.arange(high.shape[1])
     for column in near.T:
-        touched |= high[:, column] > TOUCHED * usual
+        touched |= (high[:, column] > TOUCHED * usual) & (column != rows)
     quiet = np.where(touched, np.nan, height)
     parts = np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1)))
     levels = np.full((len(parts), height.shape[1]), np.nan)
@@ -225,11 +277,11 @@ def _heights(signed: Floats, near: Ints, silent: Bools) -> Floats:
     for taxel in np.flatnonzero(np.isfinite(levels).any(axis=0)):
         known = np.isfinite(levels[:, taxel])
         height[:, taxel] -= np.interp(at, middles[known], levels[known, taxel])
-    return height
+    return height, 1.0 - touched.mean(axis=0)
 
 
-def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> tuple[Floats, Bools]:
-    """Load (T, L) that neighbours feel on all sides that have any; taxels (L,) with all sides.
+def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> Floats:
+    """Load (T, L) that neighbours feel on all sides that have any.
 
     0 where all neighbours lie on one side.
     """
@@ -248,4 +300,4 @@ def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> tuple[Floa
         sides += any_
         load[:, any_] = np.minimum(load[:, any_], highest[:, any_])
     told = sides >= LEAST_SIDES * DIRECTIONS
-    return np.where(told, load, 0.0), sides == DIRECTIONS
+    return np.where(told, load, 0.0)
