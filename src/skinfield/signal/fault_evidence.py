@@ -48,7 +48,7 @@ CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-LEAST_CROSSED = 0.33  # part of how two usually differ as their neighbours do, the other way round
+LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
 LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
 WEAK = 0.2  # part of a usual response, that a taxel without one does not reach
 
@@ -354,7 +354,7 @@ def _final_run(counts: Floats) -> NDArray[np.int64]:
 def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     """Taxels far noisier than theirs, or than any of a skin whose taxels differ as they do.
 
-    Where none is touched; a pressed one may waver with its load.
+    Where none is touched, as far as that is known: what wavers with its neighbours is no noise.
     """
     from scipy.stats import norm
 
@@ -381,11 +381,35 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
         if apart > limit and np.isfinite(middle[taxel]) and seen.varies[taxel]:
             if calibration is None and noise[taxel] < LOADED * load[taxel]:
                 continue
+            own = min(noise[taxel], _own_noise(seen, int(taxel), hold))
+            apart = np.log(max(own, 1e-300)) - middle[taxel]
+            if apart <= limit:
+                continue
             than = "its calibration says" if calibration is not None else "that of the median taxel"
             why = f"noise of {noise[taxel]:.3g} counts, {np.exp(apart):.0f} times what {than}"
             p = probability(float(norm.sf(apart / spread)))
             found.append(Finding(np.array([taxel]), p, why.replace("what that", "that")))
     return found
+
+
+def _own_noise(seen: Evidence, taxel: int, hold: float) -> float:
+    """Noise of a taxel without what its neighbours show as well, counts."""
+    if seen.patch is None:
+        return float("inf")
+    pairs = seen.patch.neighbours
+    around = np.concatenate([pairs[pairs[:, 0] == taxel, 1], pairs[pairs[:, 1] == taxel, 0]])
+    around = around[seen.varies[around]]
+    lag = int(np.ceil(hold))
+    changes = seen.counts[lag:] - seen.counts[:-lag]
+    changes = changes[~np.isnan(changes[:, [taxel, *around]]).any(axis=1)]
+    if not len(around) or len(changes) < 2 * LEAST_READINGS:
+        return float("inf")
+    theirs, own = changes[:, around], changes[:, taxel]
+    shared = np.linalg.lstsq(theirs, own, rcond=None)[0]
+    left = own - theirs @ shared
+    freedom = np.sqrt(len(own) / max(len(own) - len(around), 1))
+    size = np.sqrt(float(left @ left) / max(float(own @ own), 1e-300)) * freedom
+    return float(size * fast_noise(seen.counts[:, [taxel]], hold)[0])
 
 
 def _standing_load(seen: Evidence, counts: Floats) -> Floats:

@@ -14,14 +14,14 @@ import numpy as np
 from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
 from skinfield.signal.noise import TOUCHED
-from skinfield.signal.stationary import fast_noise, readings_per_value, whole_numbers
+from skinfield.signal.stationary import fast_noise, median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
 
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
-SEGMENTS = 16  # of a recording, whose untouched readings tell the rest
+SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
 DIRECTIONS, SECTOR = 12, np.deg2rad(75.0)  # sides of a taxel, and how wide each is either way
 LEAST_SIDES = 0.75  # part of them, that have a neighbour
-LOAD, PRESSED = 5.0, 10.0  # usual deviations, of a load that tells, and of one taxel's own
+LOAD, PRESSED = 8.0, 10.0  # deviations, of each neighbour that feels a load, and of a touch
 FAINT = 0.02  # of the highest reading: no load below tells
 STRONG = 0.5  # of the strongest load, in readings that tell
 LEAST_ALONE = 0.4  # part of the readings, in which nothing touches around a taxel
@@ -31,6 +31,7 @@ ALIKE = 0.6  # cosine of the loads around two taxels, from which on they are tou
 LEAST_EACH = 2  # neighbours that each of two has for itself
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
+STANDS_OUT = 6.0  # deviations, of two readings in a row that are no noise
 ERRORS = 2.0  # standard errors, that a response may be larger
 
 
@@ -67,7 +68,7 @@ class TouchResponse:
     def strongest(self) -> Floats:
         """Highest load (L,) on a taxel, 0 where none tells."""
         highest = self.load.max(axis=0, initial=0.0)
-        least = max(LOAD * self.usual, FAINT * float(self.height.max(initial=0.0)))
+        least = FAINT * float(self.height.max(initial=0.0))
         return np.where(highest > least, highest, 0.0)
 
     @cached_property
@@ -128,10 +129,19 @@ class TouchResponse:
 
     @cached_property
     def answers(self) -> Bools:
-        """Taxels (L,) that were touched some time, whether something surrounded them or not."""
+        """Taxels (L,) that were touched some time, whether something surrounded them or not.
+
+        Some readings reach part of a usual response, or some in a row stand out, as no jump does.
+        """
         usual = np.exp(np.nan_to_num(self.usual_response[0])) * self.strongest
-        least = np.maximum(ANSWERS * usual, np.maximum(SURE * self.noise, PRESSED * self.usual))
-        return np.asarray((self.height > least).sum(axis=0) >= LEAST_READINGS)
+        least = np.maximum(ANSWERS * usual, SURE * self.noise)
+        least = np.where(usual > 0.0, np.maximum(least, PRESSED * self.usual), np.inf)
+        often = (self.height > least).sum(axis=0) >= LEAST_READINGS
+        held = self.height > np.maximum(STANDS_OUT * self.noise, PRESSED * self.usual)
+        row, count = held, int(np.ceil(2.0 * self.hold))
+        for _ in range(count - 1):
+            row = row[:-1] & held[len(held) - len(row) + 1 :]
+        return np.asarray(often | row.any(axis=0))
 
     def crossed(self, taxels: Ints) -> Floats:
         """How much each two of N taxels read as if each were the other, (N, N): 1 not, -1 fully.
@@ -207,7 +217,8 @@ def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) 
     usual = max(float(np.median(noise[~silent])) if (~silent).any() else 0.0, rounding)
     height, alone = _heights(signed, near, silent, usual / np.sqrt(group))
     height = np.nan_to_num(height)
-    load = _load(np.where(silent, 0.0, np.maximum(height, 0.0)), patch, near, silent)
+    felt = ~silent & (height > LOAD * np.maximum(noise, usual) / np.sqrt(group))  # no jumps of noise
+    load = _load(np.where(felt, height, 0.0), patch, near, silent)
     return TouchResponse(
         height, load, alone, noise / np.sqrt(group), usual / np.sqrt(group), near, max(hold / group, 1.0)
     )
@@ -270,9 +281,8 @@ def _heights(
     parts = np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1)))
     levels = np.full((len(parts), height.shape[1]), np.nan)
     for row, part in enumerate(parts):
-        number = (~np.isnan(quiet[part])).sum(axis=0)
-        enough = number > 2
-        levels[row, enough] = np.nansum(quiet[part][:, enough], axis=0) / number[enough]
+        enough = (~np.isnan(quiet[part])).sum(axis=0) > 2
+        levels[row, enough] = median(quiet[part][:, enough])
     at, middles = np.arange(len(height)), np.array([part.mean() for part in parts])
     for taxel in np.flatnonzero(np.isfinite(levels).any(axis=0)):
         known = np.isfinite(levels[:, taxel])
