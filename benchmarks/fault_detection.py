@@ -57,7 +57,7 @@ def large_skin(taxels: int = 640) -> sf.Patch:
 
 
 def footprint(patch: sf.Patch, centre: Numbers, rng: np.random.Generator) -> Numbers:
-    """How much each taxel (T, L) feels of a finger whose centre moves (T, 2): a soft disc, or two."""
+    """How much each taxel (T, L) feels of a finger, one soft disc or two, centred at (T, 2)."""
     radius, edge = rng.uniform(0.7, 1.5), rng.uniform(0.15, 0.4)
     lobes = [np.zeros(2)]
     if rng.random() < 0.3:
@@ -103,7 +103,9 @@ def hand(patch: sf.Patch, times: Numbers, rng: np.random.Generator) -> Numbers:
     load = np.zeros((len(times), len(patch)))
     for _ in range(max(5, len(patch) // 60)):
         angle, length = rng.uniform(0.0, np.pi), rng.uniform(0.01, 0.04)
-        along = np.linspace(-0.5, 0.5, 6)[:, None] * length * np.array([np.cos(angle), np.sin(angle)])
+        along = (
+            np.linspace(-0.5, 0.5, 6)[:, None] * length * np.array([np.cos(angle), np.sin(angle)])
+        )
         shape = footprint(patch, rng.uniform(low, high) + along, rng).max(axis=0)
         phase, period = rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform([0.6, 2.0], [2.0, 8.0])
         grip = 1.0 + 0.15 * np.sin(2.0 * np.pi * times / period[0] + phase[0])
@@ -132,7 +134,12 @@ def sent(counts: Numbers, board: Board) -> Numbers:
 
 
 def plant(
-    kind: str, rows: Rows, counts: Numbers, untouched: Numbers, board: Board, rng: np.random.Generator
+    kind: str,
+    rows: Rows,
+    counts: Numbers,
+    untouched: Numbers,
+    board: Board,
+    rng: np.random.Generator,
 ) -> Numbers:
     """Counts with a fault at some taxels: (K,) rows, or (2, K) that are swapped."""
     broken, readings = counts.copy(), len(counts)
@@ -238,14 +245,15 @@ def main() -> None:
                 planted, hits, others, false = found(kind, name, patch, rate, draws, 1)
                 rows.append(where | {"fault": kind, "planted": planted, "found": hits})
                 rows[-1] |= {"others": others, "lost": false}
-                print(f"{name:14} {len(patch):4} at {rate:3.0f} Hz  {kind:20} {hits / planted:6.1%}"
-                      f" of {planted:4.0f} found, {false / others * 1e3:5.2f} of 1000 others lost")  # fmt: skip
+                at = f"{name:14} {len(patch):4} at {rate:3.0f} Hz "
+                out = f"{false / others * 1e3:5.2f} of 1000 others lost"
+                print(f"{at} {kind:20} {hits / planted:6.1%} of {planted:4.0f} found, {out}")
             for scene in ("strokes", "hand", "strokes on a resting hand", "idle"):
                 healthy, false, pressed, gone = lost(scene, name, patch, rate, draws, 2)
                 rows.append(where | {"scene": scene, "healthy": healthy, "lost": false})
                 rows[-1] |= {"pressed": pressed, "pressed lost": gone}
-                print(f"{name:14} {len(patch):4} at {rate:3.0f} Hz  healthy, {scene:26} lost "
-                      f"{false / healthy * 1e3:5.2f} of 1000; of {pressed:5.0f} pressed {gone:.0f}")  # fmt: skip
+                out = f"{false / healthy * 1e3:5.2f} of 1000; of {pressed:5.0f} pressed {gone:.0f}"
+                print(f"{at} healthy, {scene:26} lost {out}")
     if given.json is not None:
         given.json.write_text(json.dumps(rows, indent=1))
 

@@ -45,6 +45,7 @@ TOO_NOISY = 4.0  # times the noise of its calibration, or else of the median tax
 APART = 3.5  # deviations of the logarithm of taxels' noise, that none is from the others
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
+HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one of its upper half
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
@@ -196,7 +197,23 @@ class Evidence:
         direction = 0 if self.convention is None else self.convention.direction
         silent = self.absent | ~self.varies
         silent[[each for found in noisy for each in found.taxels]] = True
-        return touch_response(self.counts, self.patch, direction, silent)
+        return touch_response(self.counts, self.patch, self._known_noise(), direction, silent)
+
+    @cached_property
+    def noise(self) -> Floats:
+        """Noise (L,) in the readings in which none is touched; NaN where too few are known."""
+        enough = (self.quiet.sum(axis=0) >= LEAST_READINGS) | (self.patch is None)
+        counts = np.where(self.quiet & enough, self.counts, np.nan)
+        return np.where(enough, fast_noise(counts, readings_per_value(self.counts)), np.nan)
+
+    def _known_noise(self) -> Floats:
+        """The same before the board clips it, the median taxel's where too few are known."""
+        clipped = HALF if np.isfinite(self.lowest) else 1.0
+        known = np.isfinite(self.noise) & self.varies
+        if not known.any():
+            whole = fast_noise(self.counts, readings_per_value(self.counts))
+            return np.nan_to_num(whole) * clipped
+        return np.where(known, self.noise, float(np.median(self.noise[known]))) * clipped
 
     # ---- constant taxels
 
@@ -306,7 +323,7 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
 def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
     """Taxels (L,) whose final run of one value their own past makes incredible; the run's length.
 
-    The others must go on meanwhile. Healthy ones of a board that clips at rest hold that value, too.
+    The others must go on meanwhile. Healthy ones of a board that clips at rest hold that value.
     """
     run = _final_run(seen.counts)
     now = seen.counts[-1]
@@ -358,11 +375,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     """
     from scipy.stats import norm
 
-    counts = seen.counts
-    hold = readings_per_value(counts)
-    judged = seen.quiet & ((seen.quiet.sum(axis=0) >= LEAST_READINGS) | (seen.patch is None))
-    counts = np.where(judged, counts, np.nan)
-    noise = fast_noise(counts, hold)
+    noise, hold = seen.noise, readings_per_value(seen.counts)
     if calibration is not None:
         middle = np.log(np.where(calibration.alive, calibration.noise_std, np.inf))
         limit, spread = np.log(TOO_NOISY), np.log(TOO_NOISY) / APART
@@ -374,7 +387,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
         middle = np.full(len(noise), level[0])
         spread = max(float(spreads[0]), np.log(TOO_NOISY) / APART)
         limit = APART * spread
-    load = _standing_load(seen, counts)
+    load = _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
     found = []
     for taxel in np.flatnonzero(np.nan_to_num(noise) > 0.0):
         apart = np.log(noise[taxel]) - middle[taxel]
@@ -432,10 +445,12 @@ def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], l
     touches, rows = seen.touches, np.arange(len(seen.value))
     least = touches.relative(rows, rows)
     far, slow = seen.far(seen.value), _drifts(seen)
-    for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent):
+    for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent).tolist():
         if not touches.moved(taxel):
             continue
-        why = f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
+        why = (
+            f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
+        )
         p = probability(touches.chance(taxel, taxel))
         if slow[taxel]:
             warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
@@ -460,7 +475,7 @@ def swapped_taxels(seen: Evidence) -> list[Finding]:
 
     touches = seen.touches
     told = np.flatnonzero(seen.varies & (touches.strongest > 0.0))
-    told = told[[touches.moved(taxel) for taxel in told]]
+    told = told[[touches.moved(taxel) for taxel in told.tolist()]]
     if len(told) < FEWEST_TAXELS:
         return []
     fits = np.arctanh(np.clip(touches.crossed(told), -0.999, 0.999))
@@ -474,7 +489,7 @@ def swapped_taxels(seen: Evidence) -> list[Finding]:
         if fits[one, other] > min(np.nanmin(fits[one]), np.nanmin(fits[other])):
             continue  # one of them fits another still better
         chance = float(t.cdf((fits[one, other] - middle) / spread, FREEDOM))
-        found += _swap(*told[[one, other]], chance)
+        found += _swap(int(told[one]), int(told[other]), chance)
     return found
 
 

@@ -42,7 +42,12 @@ _MEANING = {
     Verdict.SWAPPED: "answer at each other's places",
     Verdict.LEFT_OUT: "are left out as asked",
 }
-_HELD = (Verdict.DEAD, Verdict.STUCK, Verdict.FROZEN, Verdict.ABSENT)  # of a taxel that may be still
+_HELD = (
+    Verdict.DEAD,
+    Verdict.STUCK,
+    Verdict.FROZEN,
+    Verdict.ABSENT,
+)  # of a taxel that may be still
 _BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE, Verdict.SWAPPED)
 SATURATED_SHARE = 0.5  # of its readings
 
@@ -101,14 +106,16 @@ class Faults:
         InputError
             If a taxel does not exist, or is in both.
         """
-        kept = _rows("keep", keep, len(self.verdict))
-        out = _rows("without", without, len(self.verdict))
+        kept = taxel_rows("keep", keep, len(self.verdict))
+        out = taxel_rows("without", without, len(self.verdict))
         if both := sorted(set(kept) & set(out)):
             raise InputError(f"keep and without both name taxels {both}, expected each in one")
         if not len(kept) and not len(out):
             return self
-        verdict, probability, since = (
-            each.copy() for each in (self.verdict, self.probability, self.since)
+        verdict, since, probability = (
+            self.verdict.copy(),
+            self.since.copy(),
+            self.probability.copy(),
         )
         words, said = list(self.evidence), []
         if len(overruled := kept[verdict[kept] != Verdict.OK]):
@@ -127,10 +134,10 @@ class Faults:
         )  # fmt: skip
 
 
-def _rows(name: str, rows: Iterable[int], taxels: int) -> NDArray[np.int64]:
-    """Rows in ascending order, each once."""
+def taxel_rows(name: str, rows: Iterable[int], taxels: int) -> NDArray[np.int64]:
+    """Rows in ascending order, each once; InputError where there is no such taxel."""
     found = np.array(sorted(set(rows)), np.int64)
-    if len(found) and not (0 <= found[0] and found[-1] < taxels):
+    if len(found) and not (found[0] >= 0 and found[-1] < taxels):
         wrong = found[(found < 0) | (found >= taxels)]
         raise InputError(
             f"{name} names taxels {rows_text(wrong)}, expected rows of the patch, 0 to {taxels - 1}"
@@ -254,9 +261,7 @@ def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) ->
     return answers
 
 
-def _sentences(
-    record: _Record, counts: Floats, clamped: Bools, decided: bool
-) -> tuple[str, ...]:
+def _sentences(record: _Record, counts: Floats, clamped: Bools, decided: bool) -> tuple[str, ...]:
     found = _kinds(record.verdict, record.since, record.evidence)
     touched = np.flatnonzero(clamped.any(axis=0) & (record.verdict != Verdict.SATURATED))
     touched = touched[~clamped[:, touched].all(axis=0)]
@@ -275,9 +280,7 @@ def _sentences(
     return tuple(found)
 
 
-def _kinds(
-    verdict: NDArray[np.int8], since: NDArray[np.int64], words: Sequence[str]
-) -> list[str]:
+def _kinds(verdict: NDArray[np.int8], since: NDArray[np.int64], words: Sequence[str]) -> list[str]:
     """A sentence on the taxels of each kind of fault, with what shows the first."""
     found = []
     for kind, meaning in _MEANING.items():
@@ -322,7 +325,7 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     verdicts = np.array([each.verdict for each in found])
     varies = np.array([each.varies for each in found])
     decided = np.array([each.decided for each in found])
-    answers = np.array([each.answers for each in found]).any(axis=0)
+    answers = np.asarray(np.array([each.answers for each in found]).any(axis=0))
     verdict = np.zeros(verdicts.shape[1], np.int8)
     for kind in (Verdict.NOISY, Verdict.SATURATED):
         verdict[(verdicts == kind).mean(axis=0) > 0.5] = kind
@@ -342,18 +345,24 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
         [max(int(found[b].since[taxel]), 0) for taxel, b in enumerate(since)], np.int64
     )
     first = np.where(verdict == Verdict.OK, -1, np.where(stuck & (verdict == Verdict.STUCK), at, 0))
-    words, sure = [""] * len(verdict), np.zeros(len(verdict))
-    for each in found:
-        for taxel in np.flatnonzero((verdict != Verdict.OK) & (each.verdict != Verdict.OK)):
-            if each.verdict[taxel] == verdict[taxel] or not words[taxel]:
-                words[taxel], sure[taxel] = each.evidence[taxel], each.probability[taxel]
+    words, sure = _evidence_of(found, verdict)
     sentences = _kinds(verdict, first, words)
     if not decided.any():
         sentences.append("the taxels change too rarely to tell a dead one from a quiet one")
     return Faults(
         verdict, sure, tuple(words), first, bool(decided.any()), tuple(sentences),
-        varies.any(axis=0), answers,
+        np.asarray(varies.any(axis=0)), answers,
     )  # fmt: skip
+
+
+def _evidence_of(found: Sequence[Faults], verdict: NDArray[np.int8]) -> tuple[list[str], Floats]:
+    """Words and probability (L,) of verdicts, from the last stretch that says the same, or any."""
+    words, sure = [""] * len(verdict), np.zeros(len(verdict))
+    for each in found:
+        for taxel in np.flatnonzero((verdict != Verdict.OK) & (each.verdict != Verdict.OK)):
+            if each.verdict[taxel] == verdict[taxel] or not words[taxel]:
+                words[taxel], sure[taxel] = each.evidence[taxel], each.probability[taxel]
+    return words, sure
 
 
 def _stuck_for_good(

@@ -14,7 +14,7 @@ import numpy as np
 from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
 from skinfield.signal.noise import TOUCHED
-from skinfield.signal.stationary import fast_noise, median, readings_per_value, whole_numbers
+from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
 
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
@@ -25,7 +25,10 @@ LOAD, PRESSED = 8.0, 10.0  # deviations, of each neighbour that feels a load, an
 FAINT = 0.02  # of the highest reading: no load below tells
 STRONG = 0.5  # of the strongest load, in readings that tell
 LEAST_ALONE = 0.4  # part of the readings, in which nothing touches around a taxel
-PASSING, MOVED = 0.15, 0.7  # part of it, down to which cosines of neighbours' loads fall as it moves
+PASSING, MOVED = (
+    0.15,
+    0.7,
+)  # part of it, down to which cosines of neighbours' loads fall as it moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
 ALIKE = 0.6  # cosine of the loads around two taxels, from which on they are touched together
 LEAST_EACH = 2  # neighbours that each of two has for itself
@@ -195,7 +198,9 @@ class TouchResponse:
         return bool(cosine.min(initial=1.0) < MOVED)
 
 
-def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) -> TouchResponse:
+def touch_response(
+    counts: Floats, patch: Patch, noise: Floats, direction: int, silent: Bools
+) -> TouchResponse:
     """Look for touches in counts (T, L), and at what all taxels read meanwhile.
 
     Parameters
@@ -203,13 +208,15 @@ def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) 
     counts : (T, L) array, counts
         NaN where a taxel did not answer.
     patch : Patch
+    noise : (L,) array, counts
+        Of one reading.
     direction : int
         Sign of the change under pressure; 0 for that of the larger changes.
     silent : (L,) bool array
         Taxels that tell nothing of a load: absent, constant and noisy ones.
     """
     rounding = 12**-0.5 if whole_numbers(counts) else 0.0
-    noise = np.maximum(np.nan_to_num(fast_noise(counts, readings_per_value(counts))), rounding)
+    noise = np.maximum(noise, rounding)
     hold = readings_per_value(counts)
     counts, group = _shortened(counts)
     near = _near(patch)
@@ -217,10 +224,17 @@ def touch_response(counts: Floats, patch: Patch, direction: int, silent: Bools) 
     usual = max(float(np.median(noise[~silent])) if (~silent).any() else 0.0, rounding)
     height, alone = _heights(signed, near, silent, usual / np.sqrt(group))
     height = np.nan_to_num(height)
-    felt = ~silent & (height > LOAD * np.maximum(noise, usual) / np.sqrt(group))  # no jumps of noise
+    least = LOAD * np.maximum(noise, usual) / np.sqrt(group)  # no jump of noise
+    felt = ~silent & (height > least)
     load = _load(np.where(felt, height, 0.0), patch, near, silent)
     return TouchResponse(
-        height, load, alone, noise / np.sqrt(group), usual / np.sqrt(group), near, max(hold / group, 1.0)
+        height,
+        load,
+        alone,
+        noise / np.sqrt(group),
+        usual / np.sqrt(group),
+        near,
+        max(hold / group, 1.0),
     )
 
 
@@ -260,9 +274,7 @@ def _direction(counts: Floats) -> int:
     return 1 if cubes.sum() >= 0.0 else -1
 
 
-def _heights(
-    signed: Floats, near: Ints, silent: Bools, usual: float
-) -> tuple[Floats, Floats]:
+def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[Floats, Floats]:
     """Change from rest (T, L), rest by the readings in which no neighbour is touched, as it drifts.
 
     And their part of all, (L,).
