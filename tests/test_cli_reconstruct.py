@@ -174,6 +174,32 @@ def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path:
     assert "72 values are not between -1 and 100" in " ".join(said.split())
 
 
+def test_faults_are_printed_and_the_users_word_wins(tmp_path: Path) -> None:
+    counts = np.rint(240.0 + 3.0 * np.random.default_rng(6).standard_normal((300, 72)))
+    counts[:, 7] = 236.0
+    skin = tmp_path / "dead.csv"
+    save_recording(Recording(np.arange(300) * 20_000_000, counts), skin)
+    words = ("reconstruct", skin, "--skin", "hexagon72", "--gain", -171, "--reading", 0)
+    said = " ".join(run(*words).split())
+    assert "(1 left out)" in said
+    assert "7 (7: repeats 236 in all 300 readings, where noise should change it)" in said
+    said = " ".join(run(*words, "--keep", 7, "--without", "3,17-20").split())
+    assert "kept as asked, whatever is said of them: 7" in said
+    assert "left out as asked: 3, 17-20" in said
+    assert "(5 left out)" in said
+    assert "expected taxels such as 3,17-20" in refused(*words, "--without", "3;4")
+    assert "expected rows in ascending order" in refused(*words, "--without", "9-4")
+    assert "--keep names taxels 70-72, expected rows of the patch, 0 to 71" in refused(
+        *words, "--keep", "70-72"
+    )
+    assert "both name taxels 3, expected" in refused(*words, "--keep", "3", "--without", "3")
+
+
+def test_readings_in_a_unit_leave_out_what_is_named(press_csv: Path) -> None:
+    said = run("reconstruct", press_csv, "--skin", "hexagon72", "--without", "0-3")
+    assert "(4 left out)" in " ".join(said.split())
+
+
 def test_rest_is_what_taxels_read_in_the_stretch_that_is_named(tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     away = np.linalg.norm(PATCH.plane - PATCH.plane[30], axis=1)

@@ -1,5 +1,7 @@
 """An iCub's foot, recorded while the robot is tipped over: raw bytes of 384 channels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,6 +58,12 @@ def test_the_dead_board_is_found_and_nothing_else(healthy_foot, foot_with_a_dead
     assert len(dead) == 40
     assert patch.channel[dead].min() == 96
     assert patch.channel[dead].max() == 143
+    patch = replace(patch, module=patch.channel // 12)
+    faults = find_faults(counts, patch, ICubByte())
+    assert np.flatnonzero(faults.verdict == Verdict.FROZEN).tolist() == dead.tolist()
+    assert np.flatnonzero(~faults.usable).tolist() == dead.tolist()
+    assert "frozen at 240 since the start" in faults.evidence[dead[0]]
+    assert find_faults(healthy_foot[1], healthy_foot[0], ICubByte()).usable.all()
 
 
 def test_the_convention_gives_a_baseline_where_no_stretch_does(foot_with_a_dead_board):

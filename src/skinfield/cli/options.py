@@ -89,6 +89,10 @@ class CountSettings(Section):
     tare : str, optional
         FROM,TO: when nothing touched, s after the first reading; taxels rest at what they read
         then. Default the quietest stretch.
+    keep : str, optional
+        Taxels to use whatever is found faulty, such as 3,17-20: rows of the patch, from 0.
+    without : str, optional
+        Taxels to leave out.
     """
 
     board: Literal["auto", "icub", "cyskin"] = "auto"
@@ -98,11 +102,15 @@ class CountSettings(Section):
     smoothing_ms: Annotated[float, Range(0.0, 1e6, "ms; 0: none")] = 0.0
     noise: Annotated[float | None, Positive("no reading is exact")] = None
     tare: str | None = None
+    keep: str | None = None
+    without: str | None = None
 
     def check(self) -> None:
         """See `Section`."""
         if self.tare is not None:
             times_of("--tare", self.tare)
+        taxels_of("--keep", self.keep)
+        taxels_of("--without", self.without)
         if self.gain is not None and not 0 < abs(self.gain) < inf:
             raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
 
@@ -258,7 +266,12 @@ def conditioning_of(patch: "sf.Patch", counts: CountSettings) -> "Conditioning":
         filter=Exponential(time_constant=seconds) if seconds else NoFilter(),
         noise_std=counts.noise,
         tare=None if counts.tare is None else times_of("--tare", counts.tare),
+        keep=taxels_of("--keep", counts.keep, len(patch)),
+        without=taxels_of("--without", counts.without, len(patch)),
     )
+
+
+MOST_DIGITS = 10  # of the number of a taxel
 
 
 def times_of(flag: str, text: str) -> tuple[float, float]:
@@ -270,6 +283,22 @@ def times_of(flag: str, text: str) -> tuple[float, float]:
     if not 0.0 <= begin < end < inf:
         raise InputError(f"{flag} is {text!r}, expected two numbers such as 0,6.5, in s")
     return begin, end
+
+
+def taxels_of(flag: str, text: str | None, taxels: int | None = None) -> tuple[int, ...]:
+    """Rows of taxels, such as 3,17-20; InputError for what is none, or is not of the patch."""
+    rows: list[int] = []
+    for word in (text or "").split(",") if text is not None else ():
+        ends = word.strip().split("-")
+        if len(ends) > 2 or not all(end.isdecimal() and len(end) < MOST_DIGITS for end in ends):
+            raise InputError(f"{flag} is {text!r}, expected taxels such as 3,17-20")
+        first, last = int(ends[0]), int(ends[-1])
+        if last < first or (taxels is not None and last >= taxels):
+            most = "in ascending order" if taxels is None else f"of the patch, 0 to {taxels - 1}"
+            raise InputError(f"{flag} names taxels {word.strip()}, expected rows {most}")
+        if taxels is not None:
+            rows += range(first, last + 1)
+    return tuple(rows)
 
 
 def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":

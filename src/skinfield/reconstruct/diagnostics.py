@@ -24,7 +24,7 @@ from skinfield.signal import (
     strain_from_relative_capacitance,
     valid_from_counts,
 )
-from skinfield.signal.faults import merged_faults
+from skinfield.signal.faults import merged_faults, rows_text, taxel_rows
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 
@@ -47,6 +47,8 @@ class Conditioning:
         Default as measured in the recording's quietest stretch.
     tare : pair of float, s, optional
         From when to when after the first reading nothing touched: rest is what taxels read then.
+    keep, without : tuple of int
+        Rows of taxels to use, or to leave out, whatever is found faulty.
     """
 
     board: Convention | None = None
@@ -55,6 +57,8 @@ class Conditioning:
     filter: Filter = field(default_factory=NoFilter)
     noise_std: float | None = None
     tare: tuple[float, float] | None = None
+    keep: tuple[int, ...] = ()
+    without: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if self.noise_std is not None:
@@ -78,12 +82,15 @@ class Conditioner:
         Of counts; without it the numbers are in the quantity's unit already.
     board : Convention, optional
         That sent the counts.
+    without : tuple of int
+        Taxels without a calibration that are left out.
     """
 
     quantity: Quantity
     layer: Layer
     calibration: Calibration | None = None
     board: Convention | None = None
+    without: tuple[int, ...] = ()
 
     def __call__(self, counts: Floats) -> Floats:
         """Readings (T, L) from counts (T, L); NaN where invalid."""
@@ -98,6 +105,9 @@ class Conditioner:
 
     def _values(self, counts: Floats) -> Floats:
         if self.calibration is None:
+            if self.without:
+                counts = counts.copy()
+                counts[:, self.without] = np.nan
             return counts
         if not np.isfinite(counts).any():
             return np.full(counts.shape, np.nan)
@@ -196,10 +206,13 @@ def survey(
     readings = sum(map(len, blocks()))
     if first.unit != "count":
         _check_unit(first, quantity)
+        out = tuple(int(row) for row in taxel_rows("without", how.without, len(patch)))
         conditioner, (noise, _, notes) = (
-            Conditioner(quantity, layer),
+            Conditioner(quantity, layer, without=out),
             _noise(blocks, None, rate, patch),
         )
+        if out:
+            notes += (f"left out as asked: {rows_text(np.array(out))}",)
         if how.board is not None or how.gain is not None or how.calibration is not None:
             notes += (f"in {first.unit} already: board, gain and calibration are not used",)
     else:
@@ -287,7 +300,7 @@ def _of_counts(
     blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning, rate: float
 ) -> tuple[Conditioner, Floats, tuple[str, ...]]:
     board, notes = (how.board, ()) if how.board is not None else _board_of(blocks)
-    faults = _faults(blocks, patch, board, how.calibration)
+    faults = _faults(blocks, patch, board, how.calibration).chosen(how.keep, how.without)
     notes += faults.sentences
     calibration = how.calibration
     if calibration is None:

@@ -1,24 +1,18 @@
-"""Faults of taxels: absent, dead, stuck, saturated, noisy."""
+"""Faults of taxels: which cannot be trusted, why, how surely; and what the user says to it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.signal import fault_evidence as evidence
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
-from skinfield.signal.noise import is_touched, usual_deviation
-from skinfield.signal.stationary import (
-    LEAST_READINGS,
-    fast_noise,
-    median,
-    readings_per_value,
-    recorded,
-    whole_numbers,
-)
+from skinfield.signal.fault_evidence import CERTAIN, Evidence, Finding
+from skinfield.signal.stationary import recorded
 from skinfield.skin import Patch
 
 
@@ -31,33 +25,31 @@ class Verdict(IntEnum):
     STUCK = 3
     SATURATED = 4
     NOISY = 5
+    FROZEN = 6
+    TEMPERATURE = 7
+    SWAPPED = 8
+    LEFT_OUT = 9
 
 
 _MEANING = {
     Verdict.ABSENT: "never answer",
-    Verdict.DEAD: "never change while the others do",
-    Verdict.STUCK: "stop changing while the others go on",
+    Verdict.DEAD: "never change while the others do, or feel no touch",
+    Verdict.STUCK: "stop changing while the others go on, or hold a value far from rest",
     Verdict.SATURATED: "are at a clamp in more than half of the readings",
     Verdict.NOISY: "are far noisier than they should be",
+    Verdict.FROZEN: "are frozen with their whole board",
+    Verdict.TEMPERATURE: "follow the temperature, not touch",
+    Verdict.SWAPPED: "answer at each other's places",
+    Verdict.LEFT_OUT: "are left out as asked",
 }
-
-
-LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
-# The same of steps, which are changes by two counts or more where all numbers are whole. A taxel
-# whose noise is less than half a count holds one value for as long as its level lies in the middle
-# of that count, and changes in every other reading where its level lies between two: neither how
-# often others change by one count, nor how often it did before, says how often it should.
-LEAST_STEPS = 3
-STUCK_READINGS = 50  # least length of a final run of one value
-STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
-# half of which it must have shown before
-STUCK_LONGER = 3.0  # times its longest earlier run
-TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
+_HELD = (
+    Verdict.DEAD,
+    Verdict.STUCK,
+    Verdict.FROZEN,
+    Verdict.ABSENT,
+)  # of a taxel that may be still
+_BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE, Verdict.SWAPPED)
 SATURATED_SHARE = 0.5  # of its readings
-CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
-RARE, LONG = 0.05, 100  # part of the taxels, and readings, of which those that rest are dead
-PRESSED, AROUND = 30.0, 3  # times the usual deviation; neighbours, and readings, that tell the dead
-APART = 4.5  # deviations of the logarithm of taxels' noise, that none is from the others
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,26 +60,91 @@ class Faults:
     ----------
     verdict : (L,) int8 array
         Of `Verdict`.
+    probability : (L,) array
+        That the verdict is right; 0 where there is no fault.
+    evidence : tuple of L str
+        What shows it, in words; "" where there is no fault.
     since : (L,) int array
-        First reading of the fault: 0 for all but stuck taxels; -1 where there is none.
+        First reading of the fault: 0 for all but stuck and frozen taxels; -1 where there is none.
     decided : bool
         False where the recording is too short or too smooth to tell a dead taxel from a quiet one.
     sentences : tuple of str
         What was found, for people.
+    varies, answers : (L,) bool arrays
+        Taxels whose value changes, and those seen to feel a touch.
     """
 
     verdict: NDArray[np.int8]
+    probability: Floats
+    evidence: tuple[str, ...]
     since: NDArray[np.int64]
     decided: bool
     sentences: tuple[str, ...]
+    varies: Bools
+    answers: Bools
 
     @property
     def usable(self) -> Bools:
-        """Taxels to keep, (L,): all but absent, dead, stuck and noisy ones.
+        """Taxels to keep, (L,): those without a fault, and saturated ones.
 
         A saturated taxel lives: its readings at the clamp are invalid, the others are not.
         """
         return np.isin(self.verdict, (Verdict.OK, Verdict.SATURATED))
+
+    def chosen(self, keep: Iterable[int] = (), without: Iterable[int] = ()) -> "Faults":
+        """Verdicts where the user knows better.
+
+        Parameters
+        ----------
+        keep : iterable of int
+            Rows of taxels that are used whatever was found.
+        without : iterable of int
+            Rows of taxels that are left out.
+
+        Raises
+        ------
+        InputError
+            If a taxel does not exist, or is in both.
+        """
+        kept = taxel_rows("keep", keep, len(self.verdict))
+        out = taxel_rows("without", without, len(self.verdict))
+        if len(both := np.intersect1d(kept, out)):
+            raise InputError(
+                f"keep and without both name taxels {rows_text(both)}, expected each in one"
+            )
+        if not len(kept) and not len(out):
+            return self
+        verdict, since, probability = (
+            self.verdict.copy(),
+            self.since.copy(),
+            self.probability.copy(),
+        )
+        words, said = list(self.evidence), []
+        if len(overruled := kept[verdict[kept] != Verdict.OK]):
+            said.append(f"kept as asked, whatever is said of them: {rows_text(overruled)}")
+        verdict[kept], probability[kept], since[kept] = Verdict.OK, 0.0, -1
+        verdict[out], probability[out], since[out] = Verdict.LEFT_OUT, 1.0, 0
+        for row in kept:
+            words[row] = f"kept as asked; {words[row]}" if words[row] else ""
+        for row in out:
+            words[row] = "left out as asked"
+        if len(out):
+            said.append(f"left out as asked: {rows_text(out)}")
+        return replace(
+            self, verdict=verdict, probability=probability, since=since, evidence=tuple(words),
+            sentences=(*self.sentences, *said),
+        )  # fmt: skip
+
+
+def taxel_rows(name: str, rows: Iterable[int], taxels: int) -> NDArray[np.int64]:
+    """Rows in ascending order, each once; InputError where there is no such taxel."""
+    found = np.array(sorted(set(rows)), np.int64)
+    if len(found) and not (found[0] >= 0 and found[-1] < taxels):
+        wrong = found[(found < 0) | (found >= taxels)]
+        raise InputError(
+            f"{name} names taxels {rows_text(wrong)}, expected rows of the patch, 0 to {taxels - 1}"
+        )
+    return found
 
 
 def find_faults(
@@ -96,6 +153,8 @@ def find_faults(
     convention: Convention | None = None,
     *,
     calibration: Calibration | None = None,
+    keep: Iterable[int] = (),
+    without: Iterable[int] = (),
 ) -> Faults:
     """Judge each taxel over a recording.
 
@@ -104,130 +163,110 @@ def find_faults(
     counts : (T, L) array, counts
         NaN where a taxel did not answer.
     patch : Patch, optional
-        Of the taxels: noise is then judged where no neighbour is touched.
+        Of the taxels: noise is then judged where no neighbour is touched, and taxels by the touches
+        that their neighbours feel, boards as a whole.
     convention : Convention, optional
-        Knows the clamps; without it no taxel is found saturated.
+        Knows clamps, rest and the direction of a touch; without it no taxel is found saturated by
+        itself.
     calibration : Calibration, optional
         Its noise is what a taxel should have; without it, the median taxel's.
+    keep, without : iterable of int
+        Rows of taxels to use, or not, whatever is found: see `Faults.chosen`.
 
     Raises
     ------
     InputError
-        If there is no number, or the width is not that of the calibration.
+        If there is no number, or the width is not that of the patch or the calibration.
     """
     counts = recorded(counts)
     taxels = counts.shape[1]
+    if patch is not None and len(patch) != taxels:
+        raise InputError(
+            f"counts has {taxels} columns, expected {len(patch)} as patch {patch.name!r} has: pick "
+            "the taxels of the port with files.recordings.readings_for"
+        )
     if calibration is not None and len(calibration) != taxels:
         raise InputError(
             f"counts has {taxels} columns, expected {len(calibration)} as the calibration of "
             f"{calibration.patch_name!r} has: pick the taxels of the port with "
             "files.recordings.readings_for"
         )
+    seen = Evidence(counts, patch, convention)
+    record = _Record(taxels)
+    answers = _judged(seen, calibration, record)
     clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
-    absent = np.isnan(counts).all(axis=0)
-    step = np.abs(np.nan_to_num(np.diff(counts, axis=0)))  # never across NaN
-    changed, stepped = step > 0.0, step > (1.5 if whole_numbers(counts) else 0.0)
-    varying = np.asarray(changed.any(axis=0))
-    decided = _enough(changed, varying, LEAST_CHANGES)
-    decided = decided and _enough(stepped, varying, LEAST_STEPS)
-    run = _final_run(counts)
-    verdict = np.zeros(taxels, np.int8)
-    verdict[_too_noisy(counts, patch, calibration) & varying] = Verdict.NOISY
-    verdict[_stuck(changed, stepped, run, clamped[-1]) & varying] = Verdict.STUCK
-    if decided:
-        verdict[~varying & ~_rests(counts, patch, varying)] = Verdict.DEAD
-    verdict[clamped.mean(axis=0) > SATURATED_SHARE] = Verdict.SATURATED
-    verdict[absent] = Verdict.ABSENT
-    since = np.where(verdict == Verdict.OK, -1, 0)
-    since = np.where(verdict == Verdict.STUCK, len(counts) - run, since)
-    sentences = _sentences(verdict, since, counts, clamped, decided)
-    return Faults(verdict, since, decided, sentences)
+    sentences = _sentences(record, counts, clamped, seen.decided)
+    verdict, since = record.verdict, record.since
+    found = Faults(
+        verdict, record.probability, tuple(record.evidence), since, seen.decided, sentences,
+        seen.varies, answers,
+    )  # fmt: skip
+    return found.chosen(keep, without)
 
 
-def _rests(counts: Floats, patch: Patch | None, varying: Bools) -> Bools:
-    """Taxels that do not vary as their board clips at rest (L,), where nothing pressed them.
+class _Record:
+    """Verdicts as they are found; the later of two stands."""
 
-    Most of a clipped taxel's values are the lowest that there are. One that never leaves it is dead
-    only if it stays where several neighbours at once are pressed, or if hardly any other does so in
-    a long recording.
-    """
-    lowest = np.nanmin(counts)
-    at_rest = counts == lowest
-    if not varying.any() or np.mean(at_rest[:, varying]) < CLIPPED:
-        return np.zeros(len(varying), bool)
-    rests: Bools = np.all(at_rest | np.isnan(counts), axis=0)
-    if rests.mean() < RARE and len(counts) >= LONG:
-        return np.zeros(len(varying), bool)
-    if patch is None:
-        return rests
-    apart = counts - median(counts)
-    pressed = np.nan_to_num(apart) > PRESSED * usual_deviation(apart)
-    around = np.zeros(counts.shape, np.int64)
-    for one, other in (patch.neighbours.T, patch.neighbours.T[::-1]):
-        np.add.at(around.T, one, pressed.T[other])
-    return np.asarray(rests & ((around >= AROUND).sum(axis=0) < AROUND))
+    def __init__(self, taxels: int) -> None:
+        self.verdict = np.zeros(taxels, np.int8)
+        self.probability = np.zeros(taxels)
+        self.evidence = [""] * taxels
+        self.since = np.full(taxels, -1, np.int64)
+
+    def put(self, kind: Verdict, found: Sequence[Finding], since: int = 0) -> None:
+        """Take in what is certain enough."""
+        for each in found:
+            if each.probability < CERTAIN:
+                continue
+            self.verdict[each.taxels] = kind
+            self.probability[each.taxels] = each.probability
+            self.since[each.taxels] = since
+            for taxel in each.taxels:
+                self.evidence[taxel] = each.evidence
 
 
-def _enough(seen: Bools, varying: Bools, least: int) -> bool:
-    """Whether nine in ten varying taxels show at least so many of what was seen (T - 1, L)."""
-    count = seen.sum(axis=0)[varying]
-    return bool(len(count) and np.percentile(count, 10) >= least)
+def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) -> Bools:
+    """Put all verdicts into a record; taxels (L,) that feel a touch."""
+    counts, taxels = seen.counts, seen.counts.shape[1]
+    record.put(Verdict.NOISY, evidence.too_noisy(seen, calibration))
+    stopped, run = evidence.stopped_taxels(seen)
+    for taxel in np.flatnonzero(stopped):
+        why = f"repeats {counts[-1, taxel]:g} to the end, while the others go on"
+        found = Finding(np.array([taxel]), evidence.probability(evidence.BROKEN**2), why)
+        record.put(Verdict.STUCK, [found], len(counts) - int(run[taxel]))
+    dead, stuck, saturated = evidence.constant_taxels(seen)
+    record.put(Verdict.DEAD, dead)
+    record.put(Verdict.STUCK, stuck)
+    answers = np.zeros(taxels, np.bool_)
+    if seen.patch is not None:
+        answers = seen.touches.answers
+        fresh = _Record(taxels)
+        kinds = Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE
+        for kind, of_kind in zip(kinds, evidence.unresponsive_taxels(seen), strict=True):
+            fresh.put(kind, of_kind)
+        fresh.put(Verdict.SWAPPED, evidence.swapped_taxels(seen))
+        for taxel in np.flatnonzero((fresh.verdict > 0) & (record.verdict == 0)):
+            words = Finding(np.array([taxel]), fresh.probability[taxel], fresh.evidence[taxel])
+            record.put(Verdict(fresh.verdict[taxel]), [words])
+    broken = np.isin(record.verdict, (Verdict.DEAD, Verdict.STUCK)) & (stopped | ~seen.varies)
+    for board, first in evidence.frozen_boards(seen, broken, np.maximum(record.since, 0)):
+        record.put(Verdict.FROZEN, [board], first)
+    record.put(Verdict.SATURATED, saturated)
+    if seen.convention is not None:
+        often = seen.convention.saturated(counts).mean(axis=0)
+        for taxel in np.flatnonzero((often > SATURATED_SHARE) & seen.varies):
+            why = f"at a clamp in {often[taxel]:.0%} of {len(counts)} readings"
+            record.put(Verdict.SATURATED, [Finding(np.array([taxel]), 1.0, why)])
+    none = np.flatnonzero(seen.absent)
+    why = f"no answer in {len(counts)} readings: not connected, or of another port"
+    record.put(Verdict.ABSENT, [Finding(none, 1.0, why)])
+    return answers
 
 
-def _final_run(counts: Floats) -> NDArray[np.int64]:
-    """Readings at the end that hold one value, per taxel; 0 where the last is NaN."""
-    same = counts[::-1] == counts[-1]
-    run = np.where(same.all(axis=0), len(counts), np.argmin(same, axis=0))
-    return np.asarray(run, dtype=np.int64)
-
-
-def _stuck(changed: Bools, stepped: Bools, run: NDArray[np.int64], clamped_now: Bools) -> Bools:
-    """Final runs that a taxel's own past, and the others' present, make incredible."""
-    stuck = np.zeros(len(run), bool)
-    for taxel in np.flatnonzero((run >= STUCK_READINGS) & ~clamped_now):
-        before = stepped[: len(stepped) + 1 - run[taxel], taxel]
-        if before.sum() < STUCK_CHANGES / 2:
-            continue
-        at = np.flatnonzero(before)
-        longest = int(np.max(np.diff(at, prepend=-1)))
-        missed = before.mean() * run[taxel]
-        others = changed[len(changed) + 1 - run[taxel] :].any(axis=0).mean()
-        stuck[taxel] = (
-            missed >= STUCK_CHANGES and run[taxel] >= STUCK_LONGER * longest and others > 0.5
-        )
-    return stuck
-
-
-def _too_noisy(counts: Floats, patch: Patch | None, calibration: Calibration | None) -> Bools:
-    """Taxels far noisier than theirs, or than any of a skin whose taxels differ as they do."""
-    hold = readings_per_value(counts)
-    if patch is not None:
-        apart = counts - median(counts)
-        usual = usual_deviation(apart)
-        touched = is_touched(apart, usual, patch.neighbours)
-        touched[:, (~touched).sum(axis=0) < LEAST_READINGS] = True  # too few to judge by
-        counts = np.where(touched, np.nan, counts)
-    noise = fast_noise(counts, hold)
-    if calibration is not None:
-        expected = np.where(calibration.alive, calibration.noise_std, np.inf)
-        return np.asarray((noise > TOO_NOISY * expected) & (expected > 0))
-    varied = noise[noise > 0.0]
-    if not len(varied):
-        return np.zeros(len(noise), bool)
-    middle = np.median(np.log(varied))
-    spread = 1.4826 * float(np.median(np.abs(np.log(varied) - middle)))
-    return np.asarray(noise > np.exp(middle + max(np.log(TOO_NOISY), APART * spread)))
-
-
-def _sentences(
-    verdict: NDArray[np.int8],
-    since: NDArray[np.int64],
-    counts: Floats,
-    clamped: Bools,
-    decided: bool,
-) -> tuple[str, ...]:
-    found = _kinds(verdict, since)
-    touched = np.flatnonzero(clamped.any(axis=0) & (verdict != Verdict.SATURATED))
+def _sentences(record: _Record, counts: Floats, clamped: Bools, decided: bool) -> tuple[str, ...]:
+    found = _kinds(record.verdict, record.since, record.evidence)
+    touched = np.flatnonzero(clamped.any(axis=0) & (record.verdict != Verdict.SATURATED))
+    touched = touched[~clamped[:, touched].all(axis=0)]
     if len(touched):
         most = int(clamped.sum(axis=0)[touched].max())
         found.append(
@@ -243,17 +282,19 @@ def _sentences(
     return tuple(found)
 
 
-def _kinds(verdict: NDArray[np.int8], since: NDArray[np.int64] | None = None) -> list[str]:
-    """A sentence on the taxels of each kind of fault."""
+def _kinds(verdict: NDArray[np.int8], since: NDArray[np.int64], words: Sequence[str]) -> list[str]:
+    """A sentence on the taxels of each kind of fault, with what shows the first."""
     found = []
     for kind, meaning in _MEANING.items():
         rows = np.flatnonzero(verdict == kind)
-        if len(rows):
-            start = ""
-            if since is not None and kind == Verdict.STUCK:
-                start = f", the first from reading {since[rows].min()}"
-            text = rows_text(rows)
-            found.append(f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {text}")
+        if not len(rows):
+            continue
+        first = since[rows].min()
+        start = f", the first from reading {first}" if first > 0 else ""
+        text = f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {rows_text(rows)}"
+        if kind not in (Verdict.ABSENT, Verdict.SATURATED):
+            text += f" ({rows[0]}: {words[rows[0]]})"
+        found.append(text)
     return found
 
 
@@ -269,9 +310,10 @@ SILENT = 2  # stretches at the end without any change, after which a taxel is ta
 def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     """Verdict over consecutive stretches of one recording.
 
-    A taxel is absent or dead if it is so in all of them; noisy or saturated if so in more than
-    half; stuck if it stops changing in one and never changes again, or does not change in the last
-    two. One stretch is returned as it is.
+    A taxel is absent, frozen or dead if it is so in all of them; noisy or saturated if so in more
+    than half; stuck if it stops changing in one and never changes again, or does not change in the
+    last two; and what touches tell of one holds unless it feels a touch in another. One stretch is
+    returned as it is.
 
     Parameters
     ----------
@@ -283,33 +325,58 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     if len(found) == 1:
         return found[0]
     verdicts = np.array([each.verdict for each in found])
+    varies = np.array([each.varies for each in found])
     decided = np.array([each.decided for each in found])
+    answers = np.asarray(np.array([each.answers for each in found]).any(axis=0))
     verdict = np.zeros(verdicts.shape[1], np.int8)
     for kind in (Verdict.NOISY, Verdict.SATURATED):
         verdict[(verdicts == kind).mean(axis=0) > 0.5] = kind
-    stuck, since = _stuck_for_good(verdicts, decided)
+    for kind in _BY_TOUCH:
+        verdict[((verdicts == kind) & varies).any(axis=0) & ~answers & (verdict == 0)] = kind
+    stuck, since = _stuck_for_good(verdicts, varies, decided)
     verdict[stuck] = Verdict.STUCK
-    still = (verdicts == Verdict.DEAD) | (verdicts == Verdict.ABSENT)
+    still = np.isin(verdicts, _HELD) & ~varies
     if decided.any():
-        verdict[still[decided].all(axis=0)] = Verdict.DEAD
+        whole = still[decided].all(axis=0)
+        for kind in _HELD[:3]:  # the one that was found most often
+            often = (verdicts[decided] == kind).mean(axis=0) > 0.5
+            verdict[whole & often] = kind
     verdict[(verdicts == Verdict.ABSENT).all(axis=0)] = Verdict.ABSENT
     begin = np.concatenate([[0], np.cumsum(lengths)])
     at = begin[since] + np.array(
         [max(int(found[b].since[taxel]), 0) for taxel, b in enumerate(since)], np.int64
     )
-    first = np.where(verdict == Verdict.STUCK, at, np.where(verdict == Verdict.OK, -1, 0))
-    sentences = _kinds(verdict)
+    first = np.where(verdict == Verdict.OK, -1, np.where(stuck & (verdict == Verdict.STUCK), at, 0))
+    words, sure = _evidence_of(found, verdict)
+    sentences = _kinds(verdict, first, words)
     if not decided.any():
         sentences.append("the taxels change too rarely to tell a dead one from a quiet one")
-    return Faults(verdict, first, bool(decided.any()), tuple(sentences))
+    return Faults(
+        verdict, sure, tuple(words), first, bool(decided.any()), tuple(sentences),
+        np.asarray(varies.any(axis=0)), answers,
+    )  # fmt: skip
 
 
-def _stuck_for_good(verdicts: NDArray[np.int8], decided: Bools) -> tuple[Bools, NDArray[np.int64]]:
+def _evidence_of(found: Sequence[Faults], verdict: NDArray[np.int8]) -> tuple[list[str], Floats]:
+    """Words and probability (L,) of verdicts, from the last stretch that says the same, or any."""
+    words, sure = [""] * len(verdict), np.zeros(len(verdict))
+    for each in found:
+        for taxel in np.flatnonzero((verdict != Verdict.OK) & (each.verdict != Verdict.OK)):
+            if each.verdict[taxel] == verdict[taxel] or not words[taxel]:
+                words[taxel], sure[taxel] = each.evidence[taxel], each.probability[taxel]
+    return words, sure
+
+
+def _stuck_for_good(
+    verdicts: NDArray[np.int8], varies: Bools, decided: Bools
+) -> tuple[Bools, NDArray[np.int64]]:
     """Taxels that never change again, and the stretch in which that begins."""
     count = len(verdicts)
-    dead = (verdicts == Verdict.DEAD) & decided[:, None]
+    kinds = (Verdict.DEAD, Verdict.STUCK, Verdict.FROZEN)
+    dead = np.isin(verdicts, kinds) & ~varies & decided[:, None]
     silent = np.argmin(np.vstack([dead[::-1], np.zeros((1, dead.shape[1]), bool)]), axis=0)
     before = np.maximum(count - 1 - silent, 0)  # the last stretch with a change
-    stops = verdicts[before, np.arange(verdicts.shape[1])] == Verdict.STUCK
+    taxels = np.arange(verdicts.shape[1])
+    stops = np.isin(verdicts[before, taxels], kinds) & varies[before, taxels]
     stuck = (silent < count) & (stops | (silent >= SILENT))
     return stuck, np.where(stops, before, np.minimum(before + 1, count - 1))

@@ -175,10 +175,10 @@ def fast_noise(counts: Floats, hold: float) -> Floats:
     lag = max(1, math.ceil(hold))
     difference = np.abs(counts[lag:] - counts[:-lag])
     usual = 1.4826 * median(difference)
-    there = np.nan_to_num(difference, nan=np.inf)
-    there = np.sort(there, axis=0)[: max(1, int(0.9 * len(there)))]
-    finite = np.isfinite(there)
-    square = np.sum(there**2, axis=0, where=finite) / np.maximum(finite.sum(axis=0), 1)
+    number = np.maximum(0.9 * (~np.isnan(difference)).sum(axis=0), 1.0).astype(np.int64)
+    there = np.sort(np.nan_to_num(difference, nan=np.inf), axis=0)
+    small = (np.arange(len(there))[:, None] < number) & np.isfinite(there)
+    square = np.sum(there**2, axis=0, where=small) / np.maximum(small.sum(axis=0), 1)
     spread = np.fmax(usual, np.sqrt(square)) / math.sqrt(2.0)
     return np.asarray(np.maximum(spread, 0.5) if whole_numbers(counts) else spread)
 
