@@ -1,6 +1,6 @@
 """Faults planted in recordings of touched skins: how many are found, how many others are lost.
 
-    python benchmarks/fault_detection.py [--draws N] [--json FILE]
+    python benchmarks/fault_detection.py [--draws N] [--seed N] [--json FILE]
 
 Touches pass over a skin for 5 s, or a hand holds on to it all the time; noise has heavy tails and
 another size for each taxel, gains are spread by 20 %, boards clip and round. Touches are soft discs
@@ -232,6 +232,7 @@ def lost(scene: str, name: str, patch: sf.Patch, rate: float, draws: int, seed: 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     small, large = sf.layouts.hexagon72(), large_skin()
@@ -242,14 +243,16 @@ def main() -> None:
             draws = given.draws if patch is small else max(2, given.draws // 4)
             where = {"board": name, "taxels": len(patch), "rate": rate}
             for kind in KINDS:
-                planted, hits, others, false = found(kind, name, patch, rate, draws, 1)
+                planted, hits, others, false = found(kind, name, patch, rate, draws, given.seed)
                 rows.append(where | {"fault": kind, "planted": planted, "found": hits})
                 rows[-1] |= {"others": others, "lost": false}
                 at = f"{name:14} {len(patch):4} at {rate:3.0f} Hz "
                 out = f"{false / others * 1e3:5.2f} of 1000 others lost"
                 print(f"{at} {kind:20} {hits / planted:6.1%} of {planted:4.0f} found, {out}")
             for scene in ("strokes", "hand", "strokes on a resting hand", "idle"):
-                healthy, false, pressed, gone = lost(scene, name, patch, rate, draws, 2)
+                healthy, false, pressed, gone = lost(
+                    scene, name, patch, rate, draws, given.seed + 1
+                )
                 rows.append(where | {"scene": scene, "healthy": healthy, "lost": false})
                 rows[-1] |= {"pressed": pressed, "pressed lost": gone}
                 out = f"{false / healthy * 1e3:5.2f} of 1000; of {pressed:5.0f} pressed {gone:.0f}"
