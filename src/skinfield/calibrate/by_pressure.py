@@ -11,12 +11,14 @@ in units of its own slope, are drawn towards those of all taxels as far as these
 Bayes; Gelman et al. 2013, Bayesian Data Analysis, chapter 5). Places of taxels are not needed.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.calibrate.level_shifts import LevelTracker
 from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 
 MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0, 500.0))  # readings
@@ -24,8 +26,13 @@ WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.05, 0.12, 0.25, 0.5))  # parts o
 PARTS = 4  # contiguous parts, of which each is foretold from the others
 LEAST = 200  # readings
 STEADY = 5  # readings, whose medians are compared to see a step
-STEPS = 1.5  # times the largest step of a calibration, beyond which
-LEAST_STEP = 4.0  # counts more a taxel is broken
+STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
+LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
+LAG = 200  # readings, between which the slope of a taxel is looked for
+CHANGE = 50  # readings, over which the pressure's changes are those of a random walk
+DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
+DRIFT_TIME = 1e5  # readings, in which it drifts by as much
+RESTS = 0.05  # of the highest pressure: a calibration whose lowest is below has seen rest
 FOLLOWS = 0.9  # correlation with the pressure, below which a taxel is broken
 SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
 FAR = 4.0  # times the median error of taxels: such a one is broken
@@ -48,7 +55,13 @@ class PressureCalibration:
     rest, span : (L,) array, counts
         Median of the readings at the least pressure, and from there to the highest.
     step : (L,) array, counts
-        Within five readings, beyond which no pressure moves a taxel.
+        Within five readings, beyond which pressure hardly moved a taxel.
+    shift, shift_std : (L,) array, counts
+        How far its board shifts a taxel, and its uncertainty; NaN of one that it did not.
+    change_std : float, Pa
+        Of the pressure from a reading to the next, as of a random walk.
+    low, high : float, Pa
+        The least pressure and the highest.
     rmse : (L,) array, Pa
         Of parts of the recording foretold from the other parts.
     line_rmse : (L,) array, Pa
@@ -65,6 +78,11 @@ class PressureCalibration:
     rest: Floats
     span: Floats
     step: Floats
+    shift: Floats
+    shift_std: Floats
+    change_std: float
+    low: float
+    high: float
     rmse: Floats
     line_rmse: Floats
     one_gain_rmse: Floats
@@ -73,7 +91,7 @@ class PressureCalibration:
     def __post_init__(self) -> None:
         taxels, terms = len(self.reasons), 2 + len(self.time_constants) + len(self.widths)
         check_shape("weights", self.weights, (taxels, terms), "taxels and terms")
-        for name in ("rest", "span", "step", "rmse", "line_rmse", "one_gain_rmse"):
+        for name in ("rest", "span", "step", "shift", "shift_std", "rmse", "line_rmse", "one_gain_rmse"):
             check_shape(name, getattr(self, name), (taxels,), "one per taxel")
 
     def __len__(self) -> int:
@@ -103,16 +121,26 @@ class PressureCalibration:
         return f"PressureCalibration({self.verdict})"
 
     def pressure(self, counts: ArrayLike) -> Floats:
-        """Pressure (T, L), Pa, from readings (T, L); NaN where a taxel is broken or did not answer.
+        """Pressure (T, L), Pa, from readings (T, L).
 
-        That of a reading depends on it and on those before, so that the first is taken to have
-        lasted. A taxel that steps as no pressure moves it, as where its converter changes over, is
-        broken from then on.
+        NaN where a taxel is broken, or has not answered for 50 readings, or read what no pressure
+        up to half again the calibration's gives. That of a reading depends on it and on those
+        before, so that the first is taken to have lasted. Shifts of a board are taken off
+        (`level_shifts`); a taxel that reads about what it does at rest is taken to be at rest, and
+        its drift since the calibration is learnt.
         """
         table = _table(counts, len(self))
-        features = _features(table - self.rest, self.span, self.time_constants, self.widths)
+        loaded = np.where(self.weights[:, 1:].sum(axis=1) < 0.0, -1.0, 1.0) * self.span
+        per_pascal = self.span / (self.high - self.low)
+        drive = np.square(self.change_std * per_pascal)
+        known = self.shift, self.shift_std
+        tracker = LevelTracker(self.rest, loaded, self.step, drive, *known)
+        levels = np.array([tracker.update(row) for row in table]).reshape(table.shape)
+        features = _features(levels - self.rest, self.span, self.time_constants, self.widths)
         pressures = np.einsum("ktl,lk->tl", features, self.weights)
-        return np.where(_stepped(table, self.step), np.nan, pressures)
+        if self.low < RESTS * self.high:
+            pressures -= _drift(pressures - self.low, self.rmse, self.high)
+        return np.asarray(pressures)
 
 
 def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
@@ -140,6 +168,9 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     check_shape("pressure_pa", reference, (None,), "one per reading")
     table = _table(counts, None)
     _check_together(table, reference)
+    change = CHANGE if len(table) > 2 * CHANGE else 1
+    walk = float(np.sqrt(np.mean(np.square(reference[change:] - reference[:-change])) / change))
+    table, shift, shift_std = _without_shifts(table, reference)
     rest, span = _range_of(table, reference)
     broken = _broken(table, reference, span)
     _check_any(broken)
@@ -169,10 +200,12 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     figures[0, use], figures[1, use] = own, errors[(), ()]
     figures[2, use] = _one_line(table[:, use], reference)
     figures[:, use[far]] = np.nan
-    step = STEPS * np.nanmax(np.abs(_shifts(table)), axis=0, initial=0.0) + LEAST_STEP
-    rmse, line, one = figures
-    memory: tuple[Floats, Floats] = np.array(constants), np.array(widths)
-    return PressureCalibration(weights, *memory, rest, span, step, rmse, line, one, tuple(broken))
+    step = STEPS * np.quantile(np.abs(_shifts(table)), 0.999, axis=0) + LEAST_STEP * span
+    levels = rest, span, step, shift, shift_std
+    low, high = np.quantile(reference, [0.05, 1.0])
+    known: tuple[Floats, Floats] = np.array(constants), np.array(widths)
+    extent = walk, float(low), float(high)
+    return PressureCalibration(weights, *known, *levels, *extent, *figures, tuple(broken))
 
 
 def _table(counts: ArrayLike, taxels: int | None) -> Floats:
@@ -260,9 +293,57 @@ def _shifts(table: Floats) -> Floats:
     return np.where(np.isnan(table), 0.0, change)
 
 
-def _stepped(table: Floats, step: Floats) -> NDArray[np.bool_]:
-    """Where (T, L) a taxel has once stepped further than any pressure moves it."""
-    return np.logical_or.accumulate(np.abs(_shifts(table)) > step, axis=0)
+def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, Floats]:
+    """Readings without the shifts of boards; these (L,), and their uncertainty.
+
+    Twice, so that the second time what was learnt of them holds from the beginning.
+    """
+    from scipy.signal import medfilt
+
+    lag = min(LAG, len(table) // 4)
+    apart = reference[lag:] - reference[:-lag]
+    wide = np.abs(apart) >= np.quantile(np.abs(apart), 0.5)
+    with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+        slopes = (table[lag:] - table[:-lag])[wide] / apart[wide, None]
+        slope = np.nan_to_num(np.nanmedian(slopes, axis=0))
+        felt = slope * medfilt(reference, STEADY)[:, None]
+        left = table - felt
+        low = reference <= np.quantile(reference, 0.05)
+        level = np.nan_to_num(np.nanmedian(left[low], axis=0))
+    span = slope * np.ptp(reference)
+    span = np.where(np.abs(span) < 1.0, 1.0, span)
+    drive = np.square(ERROR * span) / CORRELATED
+    shift: Floats = np.full(len(slope), np.nan)
+    shift_std = np.array(shift)
+    for _ in range(2):
+        tracker = LevelTracker(level, span, LEAST_STEP * np.abs(span), drive, shift, shift_std, False)
+        levels = np.array([tracker.update(row) for row in left])
+        shift, shift_std = tracker.shift, tracker.shift_std
+    return levels + felt, shift, shift_std
+
+
+def _drift(pressures: Floats, error: Floats, high: float) -> Floats:
+    """Drift (T, L), Pa, of pressures (T, L) above rest, causally.
+
+    What reads about zero is at rest as likely as not, and anything up to `high` else; by the
+    posterior of rest a reading counts (Kalman 1960, with a mixture for what is seen).
+    """
+    drift, spread = np.zeros(pressures.shape), np.square(DRIFT * high)
+    variance, grown = np.full(pressures.shape[1], spread), spread / DRIFT_TIME
+    now = np.zeros(pressures.shape[1])
+    for reading, row in enumerate(pressures):
+        off = row - now
+        total = np.square(error) + variance
+        at_rest = np.exp(-0.5 * np.square(off) / total) / np.sqrt(2.0 * np.pi * total)
+        pressed = np.where(off > 0.0, 1.0 / high, 0.0)
+        weight = np.nan_to_num(at_rest / np.maximum(at_rest + pressed, 1e-300))
+        variance = variance + grown
+        gain = variance * weight / (variance * weight + CORRELATED * np.square(error))
+        bound = 2.0 * np.sqrt(total)
+        now = now + np.nan_to_num(gain * np.clip(off, -bound, bound))
+        variance = variance * (1.0 - np.nan_to_num(gain))
+        drift[reading] = now
+    return drift
 
 
 def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers) -> Floats:
