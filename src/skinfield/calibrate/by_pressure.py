@@ -18,17 +18,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.calibrate.level_shifts import LevelTracker
+from skinfield.calibrate.level_shifts import BEFORE, REPEATS, LevelTracker
 from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 
 MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0, 500.0))  # readings
-WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.05, 0.12, 0.25, 0.5))  # parts of a taxel's span
+WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.1, 0.4))  # parts of a taxel's span
 PARTS = 4  # contiguous parts, of which each is foretold from the others
 LEAST = 200  # readings
 STEADY = 5  # readings, whose medians are compared to see a step
 STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
 LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
 LAG = 200  # readings, between which the slope of a taxel is looked for
+EDGE = 150  # readings before and after a shift, by which its size is known
 CHANGE = 50  # readings, over which the pressure's changes are those of a random walk
 DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
 DRIFT_TIME = 1e5  # readings, in which it drifts by as much
@@ -313,13 +314,38 @@ def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, F
     span = slope * np.ptp(reference)
     span = np.where(np.abs(span) < 1.0, 1.0, span)
     drive = np.square(ERROR * span) / CORRELATED
-    shift: Floats = np.full(len(slope), np.nan)
-    shift_std = np.array(shift)
-    for _ in range(2):
-        tracker = LevelTracker(level, span, LEAST_STEP * np.abs(span), drive, shift, shift_std, False)
-        levels = np.array([tracker.update(row) for row in left])
-        shift, shift_std = tracker.shift, tracker.shift_std
-    return levels + felt, shift, shift_std
+    none: Floats = np.full(len(slope), np.nan)
+    limits = level, span, LEAST_STEP * np.abs(span), drive
+    tracker, shifted = LevelTracker(*limits, none, none, False), np.zeros(table.shape, np.bool_)
+    for reading, row in enumerate(left):
+        tracker.update(row)
+        shifted[reading] = tracker.shifted
+    sizes = _sizes(left, shifted)
+    again = LevelTracker(*limits, *sizes, False)
+    levels = [again.update(*each) for each in zip(left, shifted, strict=True)]
+    return np.array(levels) + felt, *sizes
+
+
+def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Sizes (L,) of shifts, counts, by what goes before and after they come and go; their error."""
+    found: Floats = np.full((2, left.shape[1]), np.nan)
+    for taxel in np.flatnonzero(shifted.any(axis=0)):
+        edges, sizes = np.flatnonzero(np.diff(shifted[:, taxel])) + 1, []
+        for edge in edges:
+            before, after = (
+                left[max(part.start, 0) : max(part.stop, 0), taxel]
+                for part in (
+                    slice(edge - EDGE - BEFORE, edge - BEFORE),
+                    slice(edge + BEFORE, edge + EDGE + BEFORE),
+                )
+            )
+            if np.isfinite(before).sum() > BEFORE < np.isfinite(after).sum():
+                step = np.nanmean(after) - np.nanmean(before)
+                sizes.append(step if shifted[edge, taxel] else -step)
+        if sizes:
+            noise = np.nanstd(np.diff(left[shifted[:, taxel], taxel]))
+            found[:, taxel] = np.mean(sizes), noise * np.sqrt(REPEATS / (EDGE * len(sizes)))
+    return found[0], found[1]
 
 
 def _drift(pressures: Floats, error: Floats, high: float) -> Floats:

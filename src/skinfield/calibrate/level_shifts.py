@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 
 WINDOW = 9  # readings, of which levels and noise are judged
+BEFORE = 50  # readings, since which a level may have shifted
 GROUP = 6  # taxels that shift together, at least
 TOGETHER = 4  # readings, within which they do
 NOISE_CHANGE = 2.5  # times as noisy is another noise
@@ -72,6 +73,8 @@ class LevelTracker:
         self._rough = np.array(self._floor)  # of a reading, shifted
         self._level, self._var, self._cov = np.array(rest), np.array(self._floor), 0.0 * rest
         self._recent = np.tile(rest, (2 * WINDOW, 1))
+        self._levels, self._noises = np.tile(rest, (BEFORE, 1)), np.tile(self._floor, (BEFORE, 1))
+        self._group = 0.0, 0.0, 0  # size and spread of the last shift, until which taxels join it
         self._waits = np.zeros(len(rest), np.int64)  # readings since a change that is judged
         self._missing = np.zeros(len(rest), np.int64)
         self._taken = 0
@@ -87,11 +90,19 @@ class LevelTracker:
         """Their uncertainty (L,), counts."""
         return np.sqrt(np.where(np.isinf(self._var_shift), np.nan, self._var_shift))
 
-    def update(self, readings: Floats) -> Floats:
-        """Levels (L,) by readings (L,), counts; NaN of a taxel that has not answered for long."""
+    def update(self, readings: Floats, shifted: NDArray[np.bool_] | None = None) -> Floats:
+        """Levels (L,) by readings (L,), counts; NaN of a taxel that has not answered for long.
+
+        Which taxels are shifted is found, unless `shifted` (L,) says so.
+        """
         here, there = self._take_in(readings)
-        if self._taken > 2 * WINDOW:
-            self._watch(here, there)
+        if shifted is not None:
+            self._waits[:] = 0
+            self._cov = np.where(shifted & ~self.shifted, 0.0, self._cov)
+            self.shifted = np.array(shifted)
+        elif self._taken > BEFORE:
+            self._wait(here, there)
+            self._judge()
         self._var = self._var + self._drive
         direct = there & ~self.shifted & (self._waits == 0)
         self._measure(here, direct, self._noise)
@@ -104,7 +115,10 @@ class LevelTracker:
             )
         if self.shifted.any():
             self._follow(here, self.shifted & there)
-            self._leave(here)
+            if shifted is None:
+                self._leave(here)
+        self._levels[self._taken % BEFORE] = self._level
+        self._noises[self._taken % BEFORE] = self._noise
         parts = (self._level - self._rest) / self._span
         away = (parts < self._bounds[0]) | (parts > self._bounds[1])
         self._missing = np.where(there & ~away, 0, self._missing + 1)
@@ -127,48 +141,64 @@ class LevelTracker:
         rows = (self._taken - 1 - np.arange(count)) % len(self._recent)
         return np.asarray(self._recent[rows])
 
-    def _watch(self, here: Floats, there: NDArray[np.bool_]) -> None:
-        """Wait where a level changes at once; after some readings, say why it did."""
+    def _wait(self, here: Floats, there: NDArray[np.bool_]) -> None:
+        """Wait where levels of several taxels change at once, until it is clear why."""
         limit = np.maximum(self._step, TRIGGER * np.sqrt(self._noise))
         starts = there & ~self.shifted & (np.abs(here - self._level) > limit)
+        self._waits = np.where(self._waits > 0, self._waits + 1, np.where(starts, 1, 0))
         waiting = self._waits > 0
-        self._waits = np.where(waiting, self._waits + 1, np.where(starts, 1, 0))
         if not waiting.any():
             return
-        alone = self._waits == TOGETHER
-        if alone.any() and np.count_nonzero(self._waits > 0) < GROUP:
-            self._waits[alone] = 0  # pressed
-        due = self._waits >= 2 * WINDOW
-        if due.any():
-            group = self._waits > 2 * (WINDOW - TOGETHER)
-            self._judge(group, limit)
-            self._waits[due] = 0
+        several = np.count_nonzero(waiting) >= GROUP
+        tested = self._waits >= (WINDOW if several else TOGETHER)
+        if tested.any():
+            rough = np.sqrt(_noise(self._last(WINDOW)) / self._noise)[tested]
+            if not several or np.median(rough) < NOISE_CHANGE:
+                self._waits[tested] = 0  # pressed
+        self._waits[self._waits >= BEFORE] = 0
 
-    def _judge(self, group: NDArray[np.bool_], limit: Floats) -> None:
-        """Shift those of a group whose levels changed alike, and whose noise did."""
-        after = self._last(WINDOW)
-        change, noise = after.mean(axis=0) - self._level, _noise(after)
-        group = group & (np.abs(change) > limit)
-        group &= np.sign(change) == np.sign(np.sum(np.sign(change[group])))
-        if np.count_nonzero(group) < GROUP:
+    def _judge(self) -> None:
+        """Shift those whose levels have changed alike since some readings ago, and whose noise."""
+        row = self._taken % BEFORE  # the oldest
+        before, noise = self._levels[row], self._noises[row]
+        late, early = self._last(WINDOW), self._last(2 * WINDOW)[WINDOW:]
+        change = (late.mean(axis=0) + early.mean(axis=0)) / 2.0 - before
+        limit = np.maximum(self._step, TRIGGER * np.sqrt(noise))
+        moved = ~self.shifted & (np.abs(change) > limit)
+        moved &= np.sign(change) == np.sign(np.sum(np.sign(change[moved])))
+        if not moved.any():
             return
-        size = float(np.median(change[group]))
-        spread = 1.4826 * float(np.median(np.abs(change[group] - size)))
-        error = np.sqrt(float(np.median(noise[group])) * REPEATS / WINDOW)
-        rough = float(np.median(np.sqrt(noise[group] / self._noise[group])))
-        if spread > np.hypot(ALIKE * size, 1.5 * error) or rough < NOISE_CHANGE:
-            return
-        variance = (size / 2.0) ** 2  # it may not have been complete
-        near = 4.0 * max(spread, ALIKE / 4.0 * abs(size))
-        group &= np.abs(change - size) < near
+        after = (_noise(late) + _noise(early)) / 2.0
+        error = np.sqrt(after * REPEATS / (2 * WINDOW))
+        steady = np.abs(late.mean(axis=0) - early.mean(axis=0)) < 4.0 * error
+        moved &= steady & (after > NOISE_CHANGE**2 * noise)
+        if np.count_nonzero(moved) >= GROUP:
+            size, typical = float(np.median(change[moved])), float(np.median(error[moved]))
+            spread = 1.4826 * float(np.median(np.abs(change[moved] - size)))
+            if spread < np.hypot(ALIKE * size, 1.5 * typical):
+                spread = max(spread**2 - typical**2, (ALIKE / 4.0 * size) ** 2) ** 0.5
+                self._group = size, spread, self._taken + BEFORE - 2 * WINDOW
+        size, spread, until = self._group
+        if self._taken < until:
+            joins = moved & (np.abs(change - size) < 4.0 * np.hypot(spread, error))
+            self._shift_group(joins, change, error, after)
+
+    def _shift_group(
+        self, which: NDArray[np.bool_], change: Floats, error: Floats, noise: Floats
+    ) -> None:
+        """Shift taxels, by what their levels have changed and the noise that they now have."""
+        size, spread, _ = self._group
+        row = self._taken % BEFORE
         unlike = np.square(self._shift - change) > 16.0 * (error**2 + self._var_shift)
-        new = group & (np.isinf(self._var_shift) | unlike)
-        self._shift[new], self._var_shift[new] = size, variance
-        self._cov[group], self._waits[group] = 0.0, 0
-        self._var[group] = self._noise[group] + 2 * WINDOW * self._drive[group]
-        self._rough[group] = max(float(np.median(noise[group])), float(self._floor[group].max()))
-        self.shifted |= group
-        self._measure_shifted(after.mean(axis=0), group, REPEATS * self._rough / WINDOW)
+        new = which & (np.isinf(self._var_shift) | unlike)
+        self._shift[new], self._var_shift[new], self._cov[which] = size, spread**2, 0.0
+        self._level[which] = self._levels[row][which]
+        self._noise[which] = self._noises[row][which]
+        self._var[which] = self._noise[which] + BEFORE * self._drive[which]
+        self._rough[which] = np.maximum(noise, self._floor)[which]
+        self._waits[which] = 0
+        self.shifted |= which
+        self._measure_shifted(self._last(2 * WINDOW).mean(axis=0), which, error**2)
 
     def _measure(self, here: Floats, which: NDArray[np.bool_], noise: Floats) -> None:
         """Level by a reading that is not shifted; what it says of the shift that was."""
