@@ -30,9 +30,11 @@ STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
 LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
 LAG = 200  # readings, between which the slope of a taxel is looked for
 EDGE = 150  # readings before and after a shift, by which its size is known
-CHANGE = 50  # readings, over which the pressure's changes are those of a random walk
+QUICKER = 1.5  # times as quick as in a calibration may pressure be
+AGAIN = 0.05  # of a shift: how far it is another on another day
+REST_NOISE = 0.01  # of the highest pressure, at least: what answers at rest vary by
 DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
-DRIFT_TIME = 1e5  # readings, in which it drifts by as much
+DRIFT_TIME = 1e6  # readings, in which it drifts by as much
 RESTS = 0.05  # of the highest pressure: a calibration whose lowest is below has seen rest
 FOLLOWS = 0.9  # correlation with the pressure, below which a taxel is broken
 SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
@@ -63,6 +65,8 @@ class PressureCalibration:
         Of the pressure from a reading to the next, as of a random walk.
     low, high : float, Pa
         The least pressure and the highest.
+    at_rest : (L,) array, Pa
+        What a taxel answers at the least pressure of the calibration.
     rmse : (L,) array, Pa
         Of parts of the recording foretold from the other parts.
     line_rmse : (L,) array, Pa
@@ -84,6 +88,7 @@ class PressureCalibration:
     change_std: float
     low: float
     high: float
+    at_rest: Floats
     rmse: Floats
     line_rmse: Floats
     one_gain_rmse: Floats
@@ -92,7 +97,8 @@ class PressureCalibration:
     def __post_init__(self) -> None:
         taxels, terms = len(self.reasons), 2 + len(self.time_constants) + len(self.widths)
         check_shape("weights", self.weights, (taxels, terms), "taxels and terms")
-        for name in ("rest", "span", "step", "shift", "shift_std", "rmse", "line_rmse", "one_gain_rmse"):
+        figures = "rmse", "line_rmse", "one_gain_rmse"
+        for name in ("rest", "span", "step", "shift", "shift_std", "at_rest", *figures):
             check_shape(name, getattr(self, name), (taxels,), "one per taxel")
 
     def __len__(self) -> int:
@@ -131,16 +137,16 @@ class PressureCalibration:
         its drift since the calibration is learnt.
         """
         table = _table(counts, len(self))
-        loaded = np.where(self.weights[:, 1:].sum(axis=1) < 0.0, -1.0, 1.0) * self.span
+        loaded = np.sign(np.nanmedian(self.weights[:, 1:].sum(axis=1))) * self.span
         per_pascal = self.span / (self.high - self.low)
-        drive = np.square(self.change_std * per_pascal)
-        known = self.shift, self.shift_std
+        drive = np.square(QUICKER * self.change_std * per_pascal)
+        known = self.shift, np.hypot(self.shift_std, AGAIN * self.shift)
         tracker = LevelTracker(self.rest, loaded, self.step, drive, *known)
         levels = np.array([tracker.update(row) for row in table]).reshape(table.shape)
         features = _features(levels - self.rest, self.span, self.time_constants, self.widths)
         pressures = np.einsum("ktl,lk->tl", features, self.weights)
         if self.low < RESTS * self.high:
-            pressures -= _drift(pressures - self.low, self.rmse, self.high)
+            pressures -= _drift(pressures - self.at_rest, self.high)
         return np.asarray(pressures)
 
 
@@ -169,8 +175,8 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     check_shape("pressure_pa", reference, (None,), "one per reading")
     table = _table(counts, None)
     _check_together(table, reference)
-    change = CHANGE if len(table) > 2 * CHANGE else 1
-    walk = float(np.sqrt(np.mean(np.square(reference[change:] - reference[:-change])) / change))
+    lag = min(LAG, len(table) // 4)
+    walk = float(np.sqrt(np.mean(np.square(reference[lag:] - reference[:-lag])) / lag))
     table, shift, shift_std = _without_shifts(table, reference)
     rest, span = _range_of(table, reference)
     broken = _broken(table, reference, span)
@@ -194,7 +200,10 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     for row in np.flatnonzero(far):
         broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, the median taxel {best[0] * 1e-3:.3g}"
     fitted[far] = np.nan
-    taxels = table.shape[1]
+    taxels, low = table.shape[1], float(np.quantile(reference, 0.05))
+    at_rest: Floats = np.full(taxels, np.nan)
+    resting = np.einsum("ktl,lk->tl", whole[:, reference <= low], fitted)
+    at_rest[use] = np.nanmedian(resting, axis=0)
     weights: Floats = np.full((taxels, fitted.shape[1]), np.nan)
     weights[use] = fitted
     figures = np.full((3, taxels), np.nan)
@@ -203,9 +212,8 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     figures[:, use[far]] = np.nan
     step = STEPS * np.quantile(np.abs(_shifts(table)), 0.999, axis=0) + LEAST_STEP * span
     levels = rest, span, step, shift, shift_std
-    low, high = np.quantile(reference, [0.05, 1.0])
     known: tuple[Floats, Floats] = np.array(constants), np.array(widths)
-    extent = walk, float(low), float(high)
+    extent = walk, low, float(reference.max()), at_rest
     return PressureCalibration(weights, *known, *levels, *extent, *figures, tuple(broken))
 
 
@@ -321,7 +329,7 @@ def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, F
         tracker.update(row)
         shifted[reading] = tracker.shifted
     sizes = _sizes(left, shifted)
-    again = LevelTracker(*limits, *sizes, False)
+    again = LevelTracker(*limits, sizes[0], 0.0 * sizes[0], False)
     levels = [again.update(*each) for each in zip(left, shifted, strict=True)]
     return np.array(levels) + felt, *sizes
 
@@ -348,26 +356,24 @@ def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     return found[0], found[1]
 
 
-def _drift(pressures: Floats, error: Floats, high: float) -> Floats:
-    """Drift (T, L), Pa, of pressures (T, L) above rest, causally.
+def _drift(pressures: Floats, high: float) -> Floats:
+    """Drift (T, L), Pa, of pressures (T, L) above those of the calibration's rest, causally.
 
-    What reads about zero is at rest as likely as not, and anything up to `high` else; by the
+    What reads as rest does is at rest as likely as not, and anything up to `high` else; by the
     posterior of rest a reading counts (Kalman 1960, with a mixture for what is seen).
     """
     drift, spread = np.zeros(pressures.shape), np.square(DRIFT * high)
     variance, grown = np.full(pressures.shape[1], spread), spread / DRIFT_TIME
-    now = np.zeros(pressures.shape[1])
+    now, noise = np.zeros(pressures.shape[1]), np.square(REST_NOISE * high)
     for reading, row in enumerate(pressures):
-        off = row - now
-        total = np.square(error) + variance
+        off, total = row - now, noise + variance
         at_rest = np.exp(-0.5 * np.square(off) / total) / np.sqrt(2.0 * np.pi * total)
         pressed = np.where(off > 0.0, 1.0 / high, 0.0)
         weight = np.nan_to_num(at_rest / np.maximum(at_rest + pressed, 1e-300))
-        variance = variance + grown
-        gain = variance * weight / (variance * weight + CORRELATED * np.square(error))
+        gain = variance * weight / (variance * weight + CORRELATED * noise)
         bound = 2.0 * np.sqrt(total)
         now = now + np.nan_to_num(gain * np.clip(off, -bound, bound))
-        variance = variance * (1.0 - np.nan_to_num(gain))
+        variance = variance * (1.0 - gain) + grown
         drift[reading] = now
     return drift
 

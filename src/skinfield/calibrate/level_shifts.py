@@ -19,7 +19,6 @@ GROUP = 6  # taxels that shift together, at least
 TOGETHER = 4  # readings, within which they do
 NOISE_CHANGE = 2.5  # times as noisy is another noise
 ALIKE = 0.25  # of the median shift: the spread of a group's
-AGAIN = 0.05  # of a shift: how far it is another on another day
 REPEATS = 2.5  # readings that tell as much as an independent one: boards measure less often
 LEAST_NOISE = 0.005  # of the span
 TRIGGER = 5.0  # deviations of the noise
@@ -66,8 +65,7 @@ class LevelTracker:
         self._rest, self._span, self._step, self._drive = rest, span, step, drive
         self._bounds = BEYOND if bounded else (-np.inf, np.inf)
         self._shift = np.nan_to_num(shift)
-        variance = np.square(shift_std) + np.square(AGAIN * shift)
-        self._var_shift = np.where(np.isnan(shift), np.inf, variance)
+        self._var_shift = np.where(np.isnan(shift), np.inf, np.square(shift_std))
         self._floor = np.square(LEAST_NOISE * span)
         self._noise = np.array(self._floor)  # variance of a reading, not shifted
         self._rough = np.array(self._floor)  # of a reading, shifted
