@@ -211,10 +211,11 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     figures[2, use] = _one_line(table[:, use], reference)
     figures[:, use[far]] = np.nan
     step = STEPS * np.quantile(np.abs(_shifts(table)), 0.999, axis=0) + LEAST_STEP * span
-    levels = rest, span, step, shift, shift_std
-    known: tuple[Floats, Floats] = np.array(constants), np.array(widths)
-    extent = walk, low, float(reference.max()), at_rest
-    return PressureCalibration(weights, *known, *levels, *extent, *figures, tuple(broken))
+    rmse, line, one = figures
+    return PressureCalibration(
+        weights, np.array(constants), np.array(widths), rest, span, step, shift, shift_std,
+        walk, low, float(reference.max()), at_rest, rmse, line, one, tuple(broken),
+    )  # fmt: skip
 
 
 def _table(counts: ArrayLike, taxels: int | None) -> Floats:

@@ -73,6 +73,7 @@ class LevelTracker:
         self._recent = np.tile(rest, (2 * WINDOW, 1))
         self._levels, self._noises = np.tile(rest, (BEFORE, 1)), np.tile(self._floor, (BEFORE, 1))
         self._group = 0.0, 0.0, 0  # size and spread of the last shift, until which taxels join it
+        self._fresh = np.zeros(len(rest), np.bool_)  # may be shifting still
         self._waits = np.zeros(len(rest), np.int64)  # readings since a change that is judged
         self._missing = np.zeros(len(rest), np.int64)
         self._taken = 0
@@ -98,7 +99,7 @@ class LevelTracker:
             self._waits[:] = 0
             self._cov = np.where(shifted & ~self.shifted, 0.0, self._cov)
             self.shifted = np.array(shifted)
-        elif self._taken > BEFORE:
+        elif self._taken > 2 * BEFORE:  # by then noise is known
             self._wait(here, there)
             self._judge()
         self._var = self._var + self._drive
@@ -157,25 +158,30 @@ class LevelTracker:
 
     def _judge(self) -> None:
         """Shift those whose levels have changed alike since some readings ago, and whose noise."""
+        if self._taken >= self._group[2]:
+            self._fresh[:] = False
         row = self._taken % BEFORE  # the oldest
         before, noise = self._levels[row], self._noises[row]
-        late, early = self._last(WINDOW), self._last(2 * WINDOW)[WINDOW:]
-        change = (late.mean(axis=0) + early.mean(axis=0)) / 2.0 - before
         limit = np.maximum(self._step, TRIGGER * np.sqrt(noise))
-        moved = ~self.shifted & (np.abs(change) > limit)
-        moved &= np.sign(change) == np.sign(np.sum(np.sign(change[moved])))
+        window = self._last(2 * WINDOW)
+        moved = (~self.shifted | self._fresh) & (np.abs(window.mean(axis=0) - before) > limit / 2.0)
         if not moved.any():
             return
-        after = (_noise(late) + _noise(early)) / 2.0
-        error = np.sqrt(after * REPEATS / (2 * WINDOW))
-        steady = np.abs(late.mean(axis=0) - early.mean(axis=0)) < 4.0 * error
-        moved &= steady & (after > NOISE_CHANGE**2 * noise)
+        late, early = (np.median(half, axis=0) - before for half in np.split(window, 2))
+        past = window[: -(WINDOW // 2)]  # since then surely, where both halves have moved
+        change, after = past.mean(axis=0) - before, _noise(past)
+        moved &= np.minimum(np.abs(late), np.abs(early)) > limit
+        moved &= (np.sign(late) == np.sign(early)) & (after > NOISE_CHANGE**2 * noise)
+        moved &= np.sign(change) == np.sign(np.sum(np.sign(change[moved])))
+        error = np.sqrt(after * REPEATS / len(past))
         if np.count_nonzero(moved) >= GROUP:
             size, typical = float(np.median(change[moved])), float(np.median(error[moved]))
             spread = 1.4826 * float(np.median(np.abs(change[moved] - size)))
             if spread < np.hypot(ALIKE * size, 1.5 * typical):
                 spread = max(spread**2 - typical**2, (ALIKE / 4.0 * size) ** 2) ** 0.5
-                self._group = size, spread, self._taken + BEFORE - 2 * WINDOW
+                until = self._group[2]
+                ends = until if until > self._taken else self._taken + BEFORE - 2 * WINDOW
+                self._group = size, spread, ends
         size, spread, until = self._group
         if self._taken < until:
             joins = moved & (np.abs(change - size) < 4.0 * np.hypot(spread, error))
@@ -188,7 +194,8 @@ class LevelTracker:
         size, spread, _ = self._group
         row = self._taken % BEFORE
         unlike = np.square(self._shift - change) > 16.0 * (error**2 + self._var_shift)
-        new = which & (np.isinf(self._var_shift) | unlike)
+        new = which & (np.isinf(self._var_shift) | unlike | self._fresh)
+        self._fresh |= new
         self._shift[new], self._var_shift[new], self._cov[which] = size, spread**2, 0.0
         self._level[which] = self._levels[row][which]
         self._noise[which] = self._noises[row][which]
@@ -196,7 +203,7 @@ class LevelTracker:
         self._rough[which] = np.maximum(noise, self._floor)[which]
         self._waits[which] = 0
         self.shifted |= which
-        self._measure_shifted(self._last(2 * WINDOW).mean(axis=0), which, error**2)
+        self._measure_shifted(change + self._level, which, error**2)
 
     def _measure(self, here: Floats, which: NDArray[np.bool_], noise: Floats) -> None:
         """Level by a reading that is not shifted; what it says of the shift that was."""
@@ -227,9 +234,7 @@ class LevelTracker:
         bound = 3.0 * np.sqrt(self._rough)
         new = np.clip(here - self._level - self._shift, -bound, bound)
         share = np.where(which, 1.0 / SLOWER, 0.0)
-        self._rough = np.maximum(
-            self._rough + share * (np.square(new) - self._rough), self._floor
-        )
+        self._rough = np.maximum(self._rough + share * (np.square(new) - self._rough), self._floor)
         self._measure_shifted(here, which, REPEATS * self._rough)
 
     def _leave(self, here: Floats) -> None:
@@ -252,4 +257,4 @@ def _noise(window: Floats) -> Floats:
     """Variance (L,) of readings (n, L) about a line in time."""
     time = np.arange(len(window)) - (len(window) - 1) / 2.0
     line = time @ window / np.sqrt(time @ time)
-    return np.asarray(window.var(axis=0) - np.square(line) / len(window))
+    return np.asarray(np.maximum(window.var(axis=0) - np.square(line) / len(window), 0.0))
