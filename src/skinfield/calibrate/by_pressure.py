@@ -36,9 +36,9 @@ REST_NOISE = 0.01  # of the highest pressure, at least: what answers at rest var
 DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
 DRIFT_TIME = 1e6  # readings, in which it drifts by as much
 RESTS = 0.05  # of the highest pressure: a calibration whose lowest is below has seen rest
-FOLLOWS = 0.9  # correlation with the pressure, below which a taxel is broken
+FOLLOWS = 0.7  # correlation with the pressure, below which a taxel is broken
 SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
-FAR = 4.0  # times the median error of taxels: such a one is broken
+FAR = 0.5  # of the error of a constant: a taxel that is further off is broken
 CORRELATED = 400.0  # readings that tell as much as an independent one: what a foam errs by lasts
 Numbers = Sequence[float] | Floats
 ERROR = 0.015  # of the highest pressure: what is left over, until it is known
@@ -196,7 +196,7 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     _, constants, widths, own = best
     whole = _features(table[:, use] - rest[use], span[use], constants, widths)
     fitted = _fit(whole, reference)
-    far = own > FAR * np.median(own)
+    far = own > FAR * reference.std()
     for row in np.flatnonzero(far):
         broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, the median taxel {best[0] * 1e-3:.3g}"
     fitted[far] = np.nan
@@ -330,6 +330,8 @@ def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, F
         tracker.update(row)
         shifted[reading] = tracker.shifted
     sizes = _sizes(left, shifted)
+    for reading, taxel in np.argwhere(np.diff(shifted, axis=0)):
+        left[max(reading + 1 - BEFORE, 0) : reading + 1, taxel] = np.nan  # it was found late
     again = LevelTracker(*limits, sizes[0], 0.0 * sizes[0], False)
     levels = [again.update(*each) for each in zip(left, shifted, strict=True)]
     return np.array(levels) + felt, *sizes

@@ -171,12 +171,13 @@ class LevelTracker:
         past = window[: -(WINDOW // 2)]  # since then surely, where both halves have moved
         change, after = past.mean(axis=0) - before, _noise(past)
         moved &= np.minimum(np.abs(late), np.abs(early)) > limit
-        moved &= (np.sign(late) == np.sign(early)) & (after > NOISE_CHANGE**2 * noise)
-        moved &= np.sign(change) == np.sign(np.sum(np.sign(change[moved])))
+        moved &= np.sign(late) == np.sign(early)
         error = np.sqrt(after * REPEATS / len(past))
-        if np.count_nonzero(moved) >= GROUP:
-            size, typical = float(np.median(change[moved])), float(np.median(error[moved]))
-            spread = 1.4826 * float(np.median(np.abs(change[moved] - size)))
+        rough = moved & (after > NOISE_CHANGE**2 * noise)
+        rough &= np.sign(change) == np.sign(np.sum(np.sign(change[rough])))
+        if np.count_nonzero(rough) >= GROUP:
+            size, typical = float(np.median(change[rough])), float(np.median(error[rough]))
+            spread = 1.4826 * float(np.median(np.abs(change[rough] - size)))
             if spread < np.hypot(ALIKE * size, 1.5 * typical):
                 spread = max(spread**2 - typical**2, (ALIKE / 4.0 * size) ** 2) ** 0.5
                 until = self._group[2]
@@ -184,7 +185,8 @@ class LevelTracker:
                 self._group = size, spread, ends
         size, spread, until = self._group
         if self._taken < until:
-            joins = moved & (np.abs(change - size) < 4.0 * np.hypot(spread, error))
+            near = np.minimum(4.0 * np.hypot(spread, error), abs(size) / 2.0)
+            joins = moved & (np.abs(change - size) < near)
             self._shift_group(joins, change, error, after)
 
     def _shift_group(
