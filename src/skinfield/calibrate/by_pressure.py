@@ -330,15 +330,18 @@ def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, F
         tracker.update(row)
         shifted[reading] = tracker.shifted
     sizes = _sizes(left, shifted)
+    with np.errstate(invalid="ignore"):
+        shifted &= np.abs(sizes[0]) > LEAST_STEP * np.abs(span)
+    sizes = np.where(shifted.any(axis=0), sizes, np.nan)
     for reading, taxel in np.argwhere(np.diff(shifted, axis=0)):
         left[max(reading + 1 - BEFORE, 0) : reading + 1, taxel] = np.nan  # it was found late
     again = LevelTracker(*limits, sizes[0], 0.0 * sizes[0], False)
     levels = [again.update(*each) for each in zip(left, shifted, strict=True)]
-    return np.array(levels) + felt, *sizes
+    return np.array(levels) + felt, sizes[0], sizes[1]
 
 
-def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Sizes (L,) of shifts, counts, by what goes before and after they come and go; their error."""
+def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> Floats:
+    """Sizes of shifts and their errors (2, L), counts, by what goes before and after them."""
     found: Floats = np.full((2, left.shape[1]), np.nan)
     for taxel in np.flatnonzero(shifted.any(axis=0)):
         edges, sizes = np.flatnonzero(np.diff(shifted[:, taxel])) + 1, []
@@ -356,7 +359,7 @@ def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> tuple[Floats, Floats]:
         if sizes:
             noise = np.nanstd(np.diff(left[shifted[:, taxel], taxel]))
             found[:, taxel] = np.mean(sizes), noise * np.sqrt(REPEATS / (EDGE * len(sizes)))
-    return found[0], found[1]
+    return found
 
 
 def _drift(pressures: Floats, high: float) -> Floats:

@@ -162,32 +162,43 @@ class LevelTracker:
             self._fresh[:] = False
         row = self._taken % BEFORE  # the oldest
         before, noise = self._levels[row], self._noises[row]
-        limit = np.maximum(self._step, TRIGGER * np.sqrt(noise))
         window = self._last(2 * WINDOW)
-        moved = (~self.shifted | self._fresh) & (np.abs(window.mean(axis=0) - before) > limit / 2.0)
-        if not moved.any():
+        limit = np.maximum(self._step, TRIGGER * np.sqrt(noise))
+        can = ~self.shifted | self._fresh
+        open_still = self._taken < self._group[2]
+        if (
+            not open_still
+            and not (can & (np.abs(window.mean(axis=0) - before) > limit / 2.0)).any()
+        ):
             return
         late, early = (np.median(half, axis=0) - before for half in np.split(window, 2))
-        past = window[: -(WINDOW // 2)]  # since then surely, where both halves have moved
+        least = np.where(late * early > 0.0, np.minimum(np.abs(late), np.abs(early)), 0.0)
+        past = window[: -(WINDOW // 2)]  # since then surely, where both halves have changed
         change, after = past.mean(axis=0) - before, _noise(past)
-        moved &= np.minimum(np.abs(late), np.abs(early)) > limit
-        moved &= np.sign(late) == np.sign(early)
         error = np.sqrt(after * REPEATS / len(past))
-        rough = moved & (after > NOISE_CHANGE**2 * noise)
-        rough &= np.sign(change) == np.sign(np.sum(np.sign(change[rough])))
-        if np.count_nonzero(rough) >= GROUP:
-            size, typical = float(np.median(change[rough])), float(np.median(error[rough]))
-            spread = 1.4826 * float(np.median(np.abs(change[rough] - size)))
-            if spread < np.hypot(ALIKE * size, 1.5 * typical):
-                spread = max(spread**2 - typical**2, (ALIKE / 4.0 * size) ** 2) ** 0.5
-                until = self._group[2]
-                ends = until if until > self._taken else self._taken + BEFORE - 2 * WINDOW
-                self._group = size, spread, ends
+        rough = can & (least > limit) & (after > NOISE_CHANGE**2 * noise)
+        self._find_group(change[rough], error[rough])
         size, spread, until = self._group
         if self._taken < until:
             near = np.minimum(4.0 * np.hypot(spread, error), abs(size) / 2.0)
-            joins = moved & (np.abs(change - size) < near)
+            joins = (
+                can & (least > np.maximum(abs(size), limit) / 2.0) & (np.abs(change - size) < near)
+            )
             self._shift_group(joins, change, error, after)
+
+    def _find_group(self, change: Floats, error: Floats) -> None:
+        """Size, spread and end of a shift, if changes of taxels whose noise changed are alike."""
+        same = np.sign(change) == np.sign(np.sum(np.sign(change)))
+        change, error = change[same], error[same]
+        if len(change) < GROUP:
+            return
+        size, typical = float(np.median(change)), float(np.median(error))
+        spread = 1.4826 * float(np.median(np.abs(change - size)))
+        if spread < np.hypot(ALIKE * size, 1.5 * typical):
+            spread = max(spread**2 - typical**2, (ALIKE / 4.0 * size) ** 2) ** 0.5
+            until = self._group[2]
+            ends = until if until > self._taken else self._taken + BEFORE - 2 * WINDOW
+            self._group = size, spread, ends
 
     def _shift_group(
         self, which: NDArray[np.bool_], change: Floats, error: Floats, noise: Floats
