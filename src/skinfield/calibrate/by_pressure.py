@@ -35,7 +35,7 @@ AGAIN = 0.05  # of a shift: how far it is another on another day
 REST_NOISE = 0.01  # of the highest pressure, at least: what answers at rest vary by
 DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
 DRIFT_TIME = 1e6  # readings, in which it drifts by as much
-RESTS = 0.05  # of the highest pressure: a calibration whose lowest is below has seen rest
+RESTS = 0.03  # of the highest pressure, within which `LEAST` readings of a calibration are rest
 FOLLOWS = 0.7  # correlation with the pressure, below which a taxel is broken
 SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
 FAR = 0.5  # of the error of a constant: a taxel that is further off is broken
@@ -66,7 +66,7 @@ class PressureCalibration:
     low, high : float, Pa
         The least pressure and the highest.
     at_rest : (L,) array, Pa
-        What a taxel answers at the least pressure of the calibration.
+        What a taxel answers where the calibration rests; NaN if it does not.
     rmse : (L,) array, Pa
         Of parts of the recording foretold from the other parts.
     line_rmse : (L,) array, Pa
@@ -137,7 +137,8 @@ class PressureCalibration:
         its drift since the calibration is learnt.
         """
         table = _table(counts, len(self))
-        loaded = np.sign(np.nanmedian(self.weights[:, 1:].sum(axis=1))) * self.span
+        falls = (self.weights[:, 1:].sum(axis=1) < 0.0).sum() > self.usable.sum() / 2.0
+        loaded = -self.span if falls else self.span
         per_pascal = self.span / (self.high - self.low)
         drive = np.square(QUICKER * self.change_std * per_pascal)
         known = self.shift, np.hypot(self.shift_std, AGAIN * self.shift)
@@ -145,9 +146,7 @@ class PressureCalibration:
         levels = np.array([tracker.update(row) for row in table]).reshape(table.shape)
         features = _features(levels - self.rest, self.span, self.time_constants, self.widths)
         pressures = np.einsum("ktl,lk->tl", features, self.weights)
-        if self.low < RESTS * self.high:
-            pressures -= _drift(pressures - self.at_rest, self.high)
-        return np.asarray(pressures)
+        return np.asarray(pressures - _drift(pressures - self.at_rest, self.high))
 
 
 def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
@@ -182,40 +181,40 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     broken = _broken(table, reference, span)
     _check_any(broken)
     use = np.flatnonzero([not why for why in broken])
-    best: tuple[float, tuple[float, ...], tuple[float, ...], Floats] | None = None
-    errors = {}
-    for constants in MEMORIES:
-        for widths in WIDTHS:
-            features = _features(table[:, use] - rest[use], span[use], constants, widths)
-            found = _foretold(features, reference)
-            errors[constants, widths] = found
-            score = float(np.median(found))
-            if best is None or score < best[0]:
-                best = score, constants, widths, found
-    assert best is not None
-    _, constants, widths, own = best
+    constants, widths, own, by_line = _choose(table[:, use] - rest[use], span[use], reference)
     whole = _features(table[:, use] - rest[use], span[use], constants, widths)
-    fitted = _fit(whole, reference)
-    far = own > FAR * reference.std()
+    fitted, far = _fit(whole, reference), own > FAR * reference.std()
     for row in np.flatnonzero(far):
-        broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, the median taxel {best[0] * 1e-3:.3g}"
+        broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, over half as far as a constant"
+    _check_any(broken)
     fitted[far] = np.nan
-    taxels, low = table.shape[1], float(np.quantile(reference, 0.05))
-    at_rest: Floats = np.full(taxels, np.nan)
-    resting = np.einsum("ktl,lk->tl", whole[:, reference <= low], fitted)
-    at_rest[use] = np.nanmedian(resting, axis=0)
-    weights: Floats = np.full((taxels, fitted.shape[1]), np.nan)
-    weights[use] = fitted
-    figures = np.full((3, taxels), np.nan)
-    figures[0, use], figures[1, use] = own, errors[(), ()]
-    figures[2, use] = _one_line(table[:, use], reference)
-    figures[:, use[far]] = np.nan
+    taxels, rests = table.shape[1], reference <= reference.min() + RESTS * reference.max()
+    filled: Floats = np.full((taxels, fitted.shape[1] + 4), np.nan)
+    rested = np.full(len(use), np.nan)
+    if reference.min() < RESTS * reference.max() and np.count_nonzero(rests) >= LEAST:
+        rested = np.nanmedian(np.einsum("ktl,lk->tl", np.nan_to_num(whole[:, rests]), fitted), 0)
+    one = _one_line(table[:, use], reference)
+    filled[use[~far]] = np.column_stack((fitted, rested, own, by_line, one))[~far]
+    rested, own, by_line, one = filled[:, -4:].T
     step = STEPS * np.quantile(np.abs(_shifts(table)), 0.999, axis=0) + LEAST_STEP * span
-    rmse, line, one = figures
+    low, high = float(np.quantile(reference, 0.05)), float(reference.max())
     return PressureCalibration(
-        weights, np.array(constants), np.array(widths), rest, span, step, shift, shift_std,
-        walk, low, float(reference.max()), at_rest, rmse, line, one, tuple(broken),
+        filled[:, :-4], np.array(constants), np.array(widths), rest, span, step, shift, shift_std,
+        walk, low, high, rested, own, by_line, one, tuple(broken),
     )  # fmt: skip
+
+
+def _choose(
+    change: Floats, span: Floats, reference: Floats
+) -> tuple[tuple[float, ...], tuple[float, ...], Floats, Floats]:
+    """Memory that foretells parts of a recording best, its errors (L,), and those of lines, Pa."""
+    found = {
+        (constants, widths): _foretold(_features(change, span, constants, widths), reference)
+        for constants in MEMORIES
+        for widths in WIDTHS
+    }
+    best = min(found, key=lambda each: float(np.median(found[each])))
+    return *best, found[best], found[(), ()]
 
 
 def _table(counts: ArrayLike, taxels: int | None) -> Floats:
@@ -294,7 +293,7 @@ def _check_any(broken: Sequence[str]) -> None:
 
 
 def _shifts(table: Floats) -> Floats:
-    """Change (T, L) of the median of five readings since five readings before."""
+    """Change (T, L) of the median of five readings since five readings before, counts."""
     from scipy.ndimage import median_filter
 
     middle = median_filter(np.nan_to_num(table), size=(STEADY, 1), origin=(STEADY // 2, 0))

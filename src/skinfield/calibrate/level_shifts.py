@@ -120,7 +120,8 @@ class LevelTracker:
         self._noises[self._taken % BEFORE] = self._noise
         parts = (self._level - self._rest) / self._span
         away = (parts < self._bounds[0]) | (parts > self._bounds[1])
-        self._missing = np.where(there & ~away, 0, self._missing + 1)
+        answers = (direct | (self.shifted & there)) & ~away
+        self._missing = np.where(answers, 0, self._missing + 1)
         return np.where(self._missing > HOLD, np.nan, self._level)
 
     def _take_in(self, readings: Floats) -> tuple[Floats, NDArray[np.bool_]]:
@@ -131,6 +132,7 @@ class LevelTracker:
         if self._taken == 0:
             self._level = np.where(there, known, self._rest)
             self._recent[:] = self._level
+            self._missing[~there] = HOLD
         here = np.where(there, known, self._level + offset)
         self._recent[self._taken % len(self._recent)] = here
         self._taken += 1
@@ -254,7 +256,8 @@ class LevelTracker:
         """Back to where a level was: by noise and level of the last readings."""
         window = self._last(2 * WINDOW)
         middle = window.mean(axis=0)
-        nearer = np.abs(middle - self._level) < np.abs(middle - self._level - self._shift)
+        before = self._levels[self._taken % BEFORE]  # the oldest
+        nearer = np.abs(middle - before) < np.abs(middle - before - self._shift)
         quiet = NOISE_CHANGE**2 * _noise(window) < self._rough
         back = self.shifted & quiet & nearer
         if np.isfinite(self._bounds[0]):
@@ -262,6 +265,7 @@ class LevelTracker:
             back |= self.shifted & unloaded
         if back.any():
             self.shifted &= ~back
+            self._level = np.where(back, before, self._level)
             self._measure(middle, back, self._noise)
             self._level = np.where(back, here, self._level)
 
