@@ -15,8 +15,6 @@ from skinfield import signal
 from skinfield.calibrate import PressureCalibration, save_calibration
 from skinfield.errors import FileError, InputError
 
-INSOLE = Path(__file__).resolve().parents[2] / "shared" / "data" / "insole-plenum"
-
 
 def plenum(readings: int, seed: int, ramp: int = 200) -> np.ndarray:
     """Pressure, Pa: ramped to random levels up to 3 bar, each within so many readings."""
@@ -100,16 +98,17 @@ def test_what_no_pressure_gives_is_no_answer_while_it_lasts() -> None:
 def test_a_shift_of_a_board_is_taken_off() -> None:
     """Twelve of 20 taxels read 20 counts less, 1.5 bar, and are eight times as noisy."""
     rng = np.random.default_rng(3)
-    reference, other = plenum(5000, 5, 800), plenum(4000, 6, 800)
+    reference, other = plenum(3500, 5, 800), plenum(2800, 6, 800)
     made = sf.calibrate.pressure(foam(reference, 20, 5), reference)
     clean = foam(other, 20, 5)
     counts = clean.copy()
     size = rng.normal(-20.0, 1.5, 12)
-    for part in (slice(900, 1900), slice(2500, 3300)):
+    for part in (slice(500, 1200), slice(1700, 2400)):
         counts[part, :12] += np.rint(size + rng.normal(0.0, 4.0, (part.stop - part.start, 12)))
-    off = np.sqrt(np.nanmean(np.square(made.pressure(counts) - other[:, None]), axis=0)) * 1e-5
-    good = np.sqrt(np.mean(np.square(made.pressure(clean) - other[:, None]), axis=0)) * 1e-5
-    assert np.isfinite(made.pressure(counts)).all()
+    off, good = (
+        np.sqrt(np.mean(np.square(made.pressure(each) - other[:, None]), axis=0)) * 1e-5
+        for each in (counts, clean)
+    )
     np.testing.assert_allclose(off[12:], good[12:], rtol=0.02)
     assert 0.03 < np.median(off[:12]) < 0.2
     assert off[:12].max() < 0.4
@@ -117,10 +116,10 @@ def test_a_shift_of_a_board_is_taken_off() -> None:
 
 def test_a_shift_in_a_calibration_is_learnt() -> None:
     rng = np.random.default_rng(4)
-    reference = plenum(5000, 7, 800)
+    reference = plenum(3500, 7, 800)
     counts = foam(reference, 20, 5)
     size = rng.normal(-20.0, 1.5, 12)
-    counts[1200:3000, :12] += np.rint(size + rng.normal(0.0, 4.0, (1800, 12)))
+    counts[1200:2600, :12] += np.rint(size + rng.normal(0.0, 4.0, (1400, 12)))
     made = sf.calibrate.pressure(counts, reference)
     assert made.usable.all()
     assert np.isnan(made.shift[12:]).all()
@@ -130,7 +129,7 @@ def test_a_shift_in_a_calibration_is_learnt() -> None:
 
 def test_a_quick_press_is_no_shift() -> None:
     """All at once by 2 bar, within a reading: quicker than ever in the calibration."""
-    reference = plenum(4000, 8)
+    reference = plenum(2000, 8)
     made = sf.calibrate.pressure(foam(reference, 20, 9, memory=0.1), reference)
     other = np.full(900, 0.2e5)
     other[300:600] = 2.2e5
@@ -142,11 +141,11 @@ def test_a_quick_press_is_no_shift() -> None:
 
 def test_drift_of_rest_is_learnt_at_rest() -> None:
     rests = np.zeros(400)
-    reference = np.concatenate((rests, plenum(3000, 9), rests))
-    made = sf.calibrate.pressure(foam(reference, 20, 3), reference)
-    other = np.concatenate((rests, plenum(2000, 11)))
-    counts = foam(other, 20, 3)
-    drift = np.random.default_rng(5).choice([-2.0, 2.0], 20)  # counts: 0.15 bar
+    reference = np.concatenate((rests, plenum(1600, 9), rests))
+    made = sf.calibrate.pressure(foam(reference, 12, 3), reference)
+    other = np.concatenate((rests, plenum(1600, 11)))
+    counts = foam(other, 12, 3)
+    drift = np.random.default_rng(5).choice([-2.0, 2.0], 12)  # counts: 0.15 bar
     off = [made.pressure(each)[400:] - other[400:, None] for each in (counts, counts + drift)]
     bias = [float(np.median(abs(each.mean(axis=0)))) for each in off]
     assert bias[0] < 0.03e5
@@ -220,20 +219,21 @@ def test_a_damaged_file_is_an_error_or_a_calibration(
     assert len(back) == 3
 
 
-def test_an_insole_is_answered_better_than_by_lines() -> None:
+def test_an_insole_is_answered_better_than_by_lines(shared_data: Path) -> None:
     """Over all readings; Belli et al. 2023: 0.185 by lines, 0.139 by cubics with 40 past ones."""
-    if not INSOLE.exists():
-        pytest.skip(f"{INSOLE.parent.name}/{INSOLE.name} is not here")
+    folder = shared_data / "insole-plenum"
+    if not folder.exists():
+        pytest.skip(f"no {folder.name} in {folder.parent}")
     sets = []
     for name in ("calibration_dataset", "validation_dataset_1"):
-        content = loadmat(INSOLE / f"{name}.mat", squeeze_me=True, struct_as_record=False)
+        content = loadmat(folder / f"{name}.mat", squeeze_me=True, struct_as_record=False)
         made = content["experiment"]
         length = min(len(made.C), len(made.P))
-        sets.append((made.C[:length, 2:].astype(float), 1e5 * made.P[:length].astype(float)))
+        sets.append((made.C[:length, 2::2].astype(float), 1e5 * made.P[:length].astype(float)))
     calibration = sf.calibrate.pressure(*sets[0])
     counts, reference = sets[1]
     answer = calibration.pressure(counts)
-    assert (np.isfinite(answer).mean(axis=0) > 0.99).sum() >= 230
+    assert (np.isfinite(answer).mean(axis=0) > 0.99).sum() >= 115  # of 140
     off = (answer - reference[:, None])[:, calibration.usable]
     rms = np.sqrt(np.nanmean(np.square(off), axis=0)) * 1e-5
     assert 0.08 < np.median(rms) < 0.125

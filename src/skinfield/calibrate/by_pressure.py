@@ -192,7 +192,8 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     filled: Floats = np.full((taxels, fitted.shape[1] + 4), np.nan)
     rested = np.full(len(use), np.nan)
     if reference.min() < RESTS * reference.max() and np.count_nonzero(rests) >= LEAST:
-        rested = np.nanmedian(np.einsum("ktl,lk->tl", np.nan_to_num(whole[:, rests]), fitted), 0)
+        resting = np.nan_to_num(whole[:, rests])
+        rested = np.median(np.einsum("ktl,lk->tl", resting, fitted), axis=0)
     one = _one_line(table[:, use], reference)
     filled[use[~far]] = np.column_stack((fitted, rested, own, by_line, one))[~far]
     rested, own, by_line, one = filled[:, -4:].T
@@ -410,14 +411,15 @@ def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers)
 
 def _foretold(features: Floats, reference: Floats) -> Floats:
     """Error (L,), Pa rms, of contiguous parts foretold from the others."""
-    squares = np.zeros(features.shape[2])
+    squares, answers = np.zeros((2, features.shape[2]))
     for part in np.array_split(np.arange(len(reference)), PARTS):
         rest = np.ones(len(reference), np.bool_)
         rest[part] = False
         weights = _fit(features[:, rest], reference[rest])
         guess = np.einsum("ktl,lk->tl", features[:, part], weights)
         squares += np.nansum((guess - reference[part, None]) ** 2, axis=0)
-    return np.asarray(np.sqrt(squares / len(reference)))
+        answers += np.isfinite(guess).sum(axis=0)
+    return np.asarray(np.sqrt(squares / answers))
 
 
 def _fit(features: Floats, reference: Floats) -> Floats:

@@ -245,7 +245,8 @@ def by_pressure(
     facts = {
         "recording": recording, "pressure": labels_file, "readings": str(len(counts)),
         "time constants": ", ".join(f"{each:g}" for each in made.time_constants) + " readings",
-        "taxels": f"{int(made.usable.sum())} of {len(made)} answer",
+        "taxels": f"{int(made.usable.sum())} of {len(made)} answer, "
+        f"{int(np.isfinite(made.shift).sum())} are shifted by their board at times",
     }  # fmt: skip
     result = {
         "rmse_Pa": float(np.median(made.rmse[made.usable])), "usable": int(made.usable.sum()),
@@ -416,6 +417,7 @@ def check(
         strongest = wanted[:, int(np.argmax(np.square(wanted).mean(axis=0)))]
         strongest = -strongest if by_force and strongest.mean() < 0.0 else strongest
         off = answer - (strongest if by_force else strongest[:, None])
+        there = np.isfinite(answer).mean(axis=0)  # of the readings
         with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
             rmse = float(np.nanmedian(np.sqrt(np.nanmean(np.square(off), axis=0))))
             shown = answer if by_force else np.nanmedian(answer, axis=1)
@@ -423,7 +425,13 @@ def check(
         constant = float(np.sqrt(np.mean(np.square(strongest - known))))
         result = {f"rmse_{name}": rmse, f"constant_rmse_{name}": constant}
         better = "" if rmse < constant else "; a constant is better"
-        verdict = f"{rmse:.4g} {name} off (rms), a constant {constant:.4g}{better}"
+        what = "rms"
+        if not by_force:
+            alive = there[there > 0.0]
+            result |= {"usable": len(alive), "answered_share": float(alive.mean())}
+            what = f"rms, median of {len(alive)} of {len(made)} taxels, which answer "
+            what += f"{alive.mean():.1%} of their readings"
+        verdict = f"{rmse:.4g} {name} off ({what}), a constant {constant:.4g}{better}"
         figures = {"Over the readings": _timeline(shown, strongest, recording, name)}
     result["verdict"] = verdict
     page = None
