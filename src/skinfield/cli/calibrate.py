@@ -430,7 +430,7 @@ def check(
             alive = there[there > 0.0]
             result |= {"usable": len(alive), "answered_share": float(alive.mean())}
             what = f"rms, median of {len(alive)} of {len(made)} taxels, which answer "
-            what += f"{alive.mean():.1%} of their readings"
+            what += f"{alive.mean():.2%} of their readings"
         verdict = f"{rmse:.4g} {name} off ({what}), a constant {constant:.4g}{better}"
         figures = {"Over the readings": _timeline(shown, strongest, recording, name)}
     result["verdict"] = verdict
@@ -462,9 +462,11 @@ def _timeline(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "F
     """Answers and labels (T,) over the readings, and their difference."""
     from skinfield.signal.plot import draw_timeline
 
+    label = "skin" if unit == "N" else "skin, median of taxels"
     figure = draw_timeline(
-        np.arange(len(answer)), answer, wanted, label="skin", reference_label="label", title=title
-    )
+        np.arange(len(answer)), answer, wanted,
+        label=label, reference_label="label", title=title, unit=unit,
+    )  # fmt: skip
     figure.axes[0].set_ylabel("force (N)" if unit == "N" else f"pressure ({unit})")
     figure.axes[1].set_ylabel(f"difference ({unit})")
     figure.axes[1].set_xlabel("reading")
