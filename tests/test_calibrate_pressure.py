@@ -61,6 +61,7 @@ def test_answers_are_causal() -> None:
     made = sf.calibrate.pressure(counts, reference)
     whole, part = made.pressure(counts), made.pressure(counts[:1700])
     np.testing.assert_allclose(whole[:1700], part, atol=1e-6)
+    assert made.pressure(counts[:0]).shape == (0, 6)
 
 
 def test_broken_taxels_are_left_out_with_the_reason() -> None:

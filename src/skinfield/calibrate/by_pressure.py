@@ -137,6 +137,8 @@ class PressureCalibration:
         its drift since the calibration is learnt.
         """
         table = _table(counts, len(self))
+        if not len(table):
+            return table
         falls = (self.weights[:, 1:].sum(axis=1) < 0.0).sum() > self.usable.sum() / 2.0
         loaded = -self.span if falls else self.span
         per_pascal = self.span / (self.high - self.low)
