@@ -11,24 +11,34 @@ in units of its own slope, are drawn towards those of all taxels as far as these
 Bayes; Gelman et al. 2013, Bayesian Data Analysis, chapter 5). Places of taxels are not needed.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.calibrate.level_shifts import BEFORE, REPEATS, LevelTracker
 from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 
 MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0, 500.0))  # readings
-WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.05, 0.12, 0.25, 0.5))  # parts of a taxel's span
+WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.1, 0.4))  # parts of a taxel's span
 PARTS = 4  # contiguous parts, of which each is foretold from the others
 LEAST = 200  # readings
 STEADY = 5  # readings, whose medians are compared to see a step
-STEPS = 1.5  # times the largest step of a calibration, beyond which
-LEAST_STEP = 4.0  # counts more a taxel is broken
-FOLLOWS = 0.9  # correlation with the pressure, below which a taxel is broken
+STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
+LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
+LAG = 200  # readings, between which the slope of a taxel is looked for
+EDGE = 150  # readings before and after a shift, by which its size is known
+QUICKER = 1.5  # times as quick as in a calibration may pressure be
+AGAIN = 0.05  # of a shift: how far it is another on another day
+REST_NOISE = 0.01  # of the highest pressure, at least: what answers at rest vary by
+DRIFT = 0.05  # of the highest pressure: what the rest differs from that of the calibration
+DRIFT_TIME = 1e6  # readings, in which it drifts by as much
+RESTS = 0.03  # of the highest pressure, within which `LEAST` readings of a calibration are rest
+FOLLOWS = 0.7  # correlation with the pressure, below which a taxel is broken
 SPAN = 4.0  # deviations of its noise, that the readings of a taxel span at least
-FAR = 4.0  # times the median error of taxels: such a one is broken
+FAR = 0.5  # of the error of a constant: a taxel that is further off is broken
 CORRELATED = 400.0  # readings that tell as much as an independent one: what a foam errs by lasts
 Numbers = Sequence[float] | Floats
 ERROR = 0.015  # of the highest pressure: what is left over, until it is known
@@ -48,7 +58,15 @@ class PressureCalibration:
     rest, span : (L,) array, counts
         Median of the readings at the least pressure, and from there to the highest.
     step : (L,) array, counts
-        Within five readings, beyond which no pressure moves a taxel.
+        Within five readings, beyond which pressure hardly moved a taxel.
+    shift, shift_std : (L,) array, counts
+        How far its board shifts a taxel, and its uncertainty; NaN of one that it did not.
+    change_std : float, Pa
+        Of the pressure from a reading to the next, as of a random walk.
+    low, high : float, Pa
+        The least pressure and the highest.
+    at_rest : (L,) array, Pa
+        What a taxel answers where the calibration rests; NaN if it does not.
     rmse : (L,) array, Pa
         Of parts of the recording foretold from the other parts.
     line_rmse : (L,) array, Pa
@@ -65,6 +83,12 @@ class PressureCalibration:
     rest: Floats
     span: Floats
     step: Floats
+    shift: Floats
+    shift_std: Floats
+    change_std: float
+    low: float
+    high: float
+    at_rest: Floats
     rmse: Floats
     line_rmse: Floats
     one_gain_rmse: Floats
@@ -73,7 +97,8 @@ class PressureCalibration:
     def __post_init__(self) -> None:
         taxels, terms = len(self.reasons), 2 + len(self.time_constants) + len(self.widths)
         check_shape("weights", self.weights, (taxels, terms), "taxels and terms")
-        for name in ("rest", "span", "step", "rmse", "line_rmse", "one_gain_rmse"):
+        figures = "rmse", "line_rmse", "one_gain_rmse"
+        for name in ("rest", "span", "step", "shift", "shift_std", "at_rest", *figures):
             check_shape(name, getattr(self, name), (taxels,), "one per taxel")
 
     def __len__(self) -> int:
@@ -103,16 +128,27 @@ class PressureCalibration:
         return f"PressureCalibration({self.verdict})"
 
     def pressure(self, counts: ArrayLike) -> Floats:
-        """Pressure (T, L), Pa, from readings (T, L); NaN where a taxel is broken or did not answer.
+        """Pressure (T, L), Pa, from readings (T, L).
 
-        That of a reading depends on it and on those before, so that the first is taken to have
-        lasted. A taxel that steps as no pressure moves it, as where its converter changes over, is
-        broken from then on.
+        NaN where a taxel is broken, or has not answered for 50 readings, or read what no pressure
+        up to half again the calibration's gives. That of a reading depends on it and on those
+        before, so that the first is taken to have lasted. Shifts of a board are taken off
+        (`level_shifts`); a taxel that reads about what it does at rest is taken to be at rest, and
+        its drift since the calibration is learnt.
         """
         table = _table(counts, len(self))
-        features = _features(table - self.rest, self.span, self.time_constants, self.widths)
+        if not len(table):
+            return table
+        falls = (self.weights[:, 1:].sum(axis=1) < 0.0).sum() > self.usable.sum() / 2.0
+        loaded = -self.span if falls else self.span
+        per_pascal = self.span / (self.high - self.low)
+        drive = np.square(QUICKER * self.change_std * per_pascal)
+        known = self.shift, np.hypot(self.shift_std, AGAIN * self.shift)
+        tracker = LevelTracker(self.rest, loaded, self.step, drive, *known)
+        levels = np.array([tracker.update(row) for row in table]).reshape(table.shape)
+        features = _features(levels - self.rest, self.span, self.time_constants, self.widths)
         pressures = np.einsum("ktl,lk->tl", features, self.weights)
-        return np.where(_stepped(table, self.step), np.nan, pressures)
+        return np.asarray(pressures - _drift(pressures - self.at_rest, self.high))
 
 
 def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
@@ -140,39 +176,48 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     check_shape("pressure_pa", reference, (None,), "one per reading")
     table = _table(counts, None)
     _check_together(table, reference)
+    lag = min(LAG, len(table) // 4)
+    walk = float(np.sqrt(np.mean(np.square(reference[lag:] - reference[:-lag])) / lag))
+    table, shift, shift_std = _without_shifts(table, reference)
     rest, span = _range_of(table, reference)
     broken = _broken(table, reference, span)
     _check_any(broken)
     use = np.flatnonzero([not why for why in broken])
-    best: tuple[float, tuple[float, ...], tuple[float, ...], Floats] | None = None
-    errors = {}
-    for constants in MEMORIES:
-        for widths in WIDTHS:
-            features = _features(table[:, use] - rest[use], span[use], constants, widths)
-            found = _foretold(features, reference)
-            errors[constants, widths] = found
-            score = float(np.median(found))
-            if best is None or score < best[0]:
-                best = score, constants, widths, found
-    assert best is not None
-    _, constants, widths, own = best
+    constants, widths, own, by_line = _choose(table[:, use] - rest[use], span[use], reference)
     whole = _features(table[:, use] - rest[use], span[use], constants, widths)
-    fitted = _fit(whole, reference)
-    far = own > FAR * np.median(own)
+    fitted, far = _fit(whole, reference), own > FAR * reference.std()
     for row in np.flatnonzero(far):
-        broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, the median taxel {best[0] * 1e-3:.3g}"
+        broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, over half as far as a constant"
+    _check_any(broken)
     fitted[far] = np.nan
-    taxels = table.shape[1]
-    weights: Floats = np.full((taxels, fitted.shape[1]), np.nan)
-    weights[use] = fitted
-    figures = np.full((3, taxels), np.nan)
-    figures[0, use], figures[1, use] = own, errors[(), ()]
-    figures[2, use] = _one_line(table[:, use], reference)
-    figures[:, use[far]] = np.nan
-    step = STEPS * np.nanmax(np.abs(_shifts(table)), axis=0, initial=0.0) + LEAST_STEP
-    rmse, line, one = figures
-    memory: tuple[Floats, Floats] = np.array(constants), np.array(widths)
-    return PressureCalibration(weights, *memory, rest, span, step, rmse, line, one, tuple(broken))
+    taxels, rests = table.shape[1], reference <= reference.min() + RESTS * reference.max()
+    filled: Floats = np.full((taxels, fitted.shape[1] + 4), np.nan)
+    rested = np.full(len(use), np.nan)
+    if reference.min() < RESTS * reference.max() and np.count_nonzero(rests) >= LEAST:
+        resting = np.nan_to_num(whole[:, rests])
+        rested = np.median(np.einsum("ktl,lk->tl", resting, fitted), axis=0)
+    one = _one_line(table[:, use], reference)
+    filled[use[~far]] = np.column_stack((fitted, rested, own, by_line, one))[~far]
+    rested, own, by_line, one = filled[:, -4:].T
+    step = STEPS * np.quantile(np.abs(_shifts(table)), 0.999, axis=0) + LEAST_STEP * span
+    low, high = float(np.quantile(reference, 0.05)), float(reference.max())
+    return PressureCalibration(
+        filled[:, :-4], np.array(constants), np.array(widths), rest, span, step, shift, shift_std,
+        walk, low, high, rested, own, by_line, one, tuple(broken),
+    )  # fmt: skip
+
+
+def _choose(
+    change: Floats, span: Floats, reference: Floats
+) -> tuple[tuple[float, ...], tuple[float, ...], Floats, Floats]:
+    """Memory that foretells parts of a recording best, its errors (L,), and those of lines, Pa."""
+    found = {
+        (constants, widths): _foretold(_features(change, span, constants, widths), reference)
+        for constants in MEMORIES
+        for widths in WIDTHS
+    }
+    best = min(found, key=lambda each: float(np.median(found[each])))
+    return *best, found[best], found[(), ()]
 
 
 def _table(counts: ArrayLike, taxels: int | None) -> Floats:
@@ -251,7 +296,7 @@ def _check_any(broken: Sequence[str]) -> None:
 
 
 def _shifts(table: Floats) -> Floats:
-    """Change (T, L) of the median of five readings since five readings before."""
+    """Change (T, L) of the median of five readings since five readings before, counts."""
     from scipy.ndimage import median_filter
 
     middle = median_filter(np.nan_to_num(table), size=(STEADY, 1), origin=(STEADY // 2, 0))
@@ -260,9 +305,85 @@ def _shifts(table: Floats) -> Floats:
     return np.where(np.isnan(table), 0.0, change)
 
 
-def _stepped(table: Floats, step: Floats) -> NDArray[np.bool_]:
-    """Where (T, L) a taxel has once stepped further than any pressure moves it."""
-    return np.logical_or.accumulate(np.abs(_shifts(table)) > step, axis=0)
+def _without_shifts(table: Floats, reference: Floats) -> tuple[Floats, Floats, Floats]:
+    """Readings without the shifts of boards; these (L,), and their uncertainty.
+
+    Twice, so that the second time what was learnt of them holds from the beginning.
+    """
+    from scipy.signal import medfilt
+
+    lag = min(LAG, len(table) // 4)
+    apart = reference[lag:] - reference[:-lag]
+    wide = np.abs(apart) >= np.quantile(np.abs(apart), 0.5)
+    with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+        slopes = (table[lag:] - table[:-lag])[wide] / apart[wide, None]
+        slope = np.nan_to_num(np.nanmedian(slopes, axis=0))
+        felt = slope * medfilt(reference, STEADY)[:, None]
+        left = table - felt
+        low = reference <= np.quantile(reference, 0.05)
+        level = np.nan_to_num(np.nanmedian(left[low], axis=0))
+    span = slope * np.ptp(reference)
+    span = np.where(np.abs(span) < 1.0, 1.0, span)
+    drive = np.square(ERROR * span) / CORRELATED
+    none: Floats = np.full(len(slope), np.nan)
+    limits = level, span, LEAST_STEP * np.abs(span), drive
+    tracker, shifted = LevelTracker(*limits, none, none, False), np.zeros(table.shape, np.bool_)
+    for reading, row in enumerate(left):
+        tracker.update(row)
+        shifted[reading] = tracker.shifted
+    sizes = _sizes(left, shifted)
+    with np.errstate(invalid="ignore"):
+        shifted &= np.abs(sizes[0]) > LEAST_STEP * np.abs(span)
+    sizes = np.where(shifted.any(axis=0), sizes, np.nan)
+    for reading, taxel in np.argwhere(np.diff(shifted, axis=0)):
+        left[max(reading + 1 - BEFORE, 0) : reading + 1, taxel] = np.nan  # it was found late
+    again = LevelTracker(*limits, sizes[0], 0.0 * sizes[0], False)
+    levels = [again.update(*each) for each in zip(left, shifted, strict=True)]
+    return np.array(levels) + felt, sizes[0], sizes[1]
+
+
+def _sizes(left: Floats, shifted: NDArray[np.bool_]) -> Floats:
+    """Sizes of shifts and their errors (2, L), counts, by what goes before and after them."""
+    found: Floats = np.full((2, left.shape[1]), np.nan)
+    for taxel in np.flatnonzero(shifted.any(axis=0)):
+        edges, sizes = np.flatnonzero(np.diff(shifted[:, taxel])) + 1, []
+        for edge in edges:
+            before, after = (
+                left[max(part.start, 0) : max(part.stop, 0), taxel]
+                for part in (
+                    slice(edge - EDGE - BEFORE, edge - BEFORE),
+                    slice(edge + BEFORE, edge + EDGE + BEFORE),
+                )
+            )
+            if np.isfinite(before).sum() > BEFORE < np.isfinite(after).sum():
+                step = np.nanmean(after) - np.nanmean(before)
+                sizes.append(step if shifted[edge, taxel] else -step)
+        if sizes:
+            noise = np.nanstd(np.diff(left[shifted[:, taxel], taxel]))
+            found[:, taxel] = np.mean(sizes), noise * np.sqrt(REPEATS / (EDGE * len(sizes)))
+    return found
+
+
+def _drift(pressures: Floats, high: float) -> Floats:
+    """Drift (T, L), Pa, of pressures (T, L) above those of the calibration's rest, causally.
+
+    What reads as rest does is at rest as likely as not, and anything up to `high` else; by the
+    posterior of rest a reading counts (Kalman 1960, with a mixture for what is seen).
+    """
+    drift, spread = np.zeros(pressures.shape), np.square(DRIFT * high)
+    variance, grown = np.full(pressures.shape[1], spread), spread / DRIFT_TIME
+    now, noise = np.zeros(pressures.shape[1]), np.square(REST_NOISE * high)
+    for reading, row in enumerate(pressures):
+        off, total = row - now, noise + variance
+        at_rest = np.exp(-0.5 * np.square(off) / total) / np.sqrt(2.0 * np.pi * total)
+        pressed = np.where(off > 0.0, 1.0 / high, 0.0)
+        weight = np.nan_to_num(at_rest / np.maximum(at_rest + pressed, 1e-300))
+        gain = variance * weight / (variance * weight + CORRELATED * noise)
+        bound = 2.0 * np.sqrt(total)
+        now = now + np.nan_to_num(gain * np.clip(off, -bound, bound))
+        variance = variance * (1.0 - gain) + grown
+        drift[reading] = now
+    return drift
 
 
 def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers) -> Floats:
@@ -292,14 +413,15 @@ def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers)
 
 def _foretold(features: Floats, reference: Floats) -> Floats:
     """Error (L,), Pa rms, of contiguous parts foretold from the others."""
-    squares = np.zeros(features.shape[2])
+    squares, answers = np.zeros((2, features.shape[2]))
     for part in np.array_split(np.arange(len(reference)), PARTS):
         rest = np.ones(len(reference), np.bool_)
         rest[part] = False
         weights = _fit(features[:, rest], reference[rest])
         guess = np.einsum("ktl,lk->tl", features[:, part], weights)
         squares += np.nansum((guess - reference[part, None]) ** 2, axis=0)
-    return np.asarray(np.sqrt(squares / len(reference)))
+        answers += np.isfinite(guess).sum(axis=0)
+    return np.asarray(np.sqrt(squares / answers))
 
 
 def _fit(features: Floats, reference: Floats) -> Floats:

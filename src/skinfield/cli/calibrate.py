@@ -255,7 +255,8 @@ def by_pressure(
     facts = {
         "recording": recording, "pressure": labels_file, "readings": str(len(counts)),
         "time constants": ", ".join(f"{each:g}" for each in made.time_constants) + " readings",
-        "taxels": f"{int(made.usable.sum())} of {len(made)} answer",
+        "taxels": f"{int(made.usable.sum())} of {len(made)} answer, "
+        f"{int(np.isfinite(made.shift).sum())} are shifted by their board at times",
     }  # fmt: skip
     result = {
         "rmse_Pa": float(np.median(made.rmse[made.usable])), "usable": int(made.usable.sum()),
@@ -479,11 +480,17 @@ def _pressure_tried(
     with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
         errors = np.sqrt(np.nanmean(np.square(answer - wanted[:, None]), axis=0))
         rmse, shown = float(np.nanmedian(errors)), np.nanmedian(answer, axis=1)
-    constant = float(wanted.std())
+    there = np.isfinite(answer).mean(axis=0)  # of the readings
+    alive, constant = there[there > 0.0], float(wanted.std())
     better = "" if rmse < constant else "; a constant is better"
-    verdict = f"{rmse:.4g} Pa off (rms), a constant {constant:.4g}{better}"
+    result = {"rmse_Pa": rmse, "constant_rmse_Pa": constant, "usable": len(alive)}
+    result["answered_share"] = float(alive.mean()) if len(alive) else 0.0
+    verdict = (
+        f"{rmse:.4g} Pa off (rms, median of {len(alive)} of {len(made)} taxels, which answer "
+        f"{result['answered_share']:.2%} of their readings), a constant {constant:.4g}{better}"
+    )
     figures = {"Over the readings": _timeline(shown, wanted, Path(recording).name, "Pa")}
-    return verdict, {"rmse_Pa": rmse, "constant_rmse_Pa": constant}, figures
+    return verdict, result, figures
 
 
 def _check_files(output: str | None, report_folder: str | None, force: bool) -> None:
@@ -497,9 +504,11 @@ def _timeline(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "F
     """Answers and labels (T,) over the readings, and their difference."""
     from skinfield.signal.plot import draw_timeline
 
+    label = "skin" if unit == "N" else "skin, median of taxels"
     figure = draw_timeline(
-        np.arange(len(answer)), answer, wanted, label="skin", reference_label="label", title=title
-    )
+        np.arange(len(answer)), answer, wanted,
+        label=label, reference_label="label", title=title, unit=unit,
+    )  # fmt: skip
     figure.axes[0].set_ylabel("force (N)" if unit == "N" else f"pressure ({unit})")
     figure.axes[1].set_ylabel(f"difference ({unit})")
     figure.axes[1].set_xlabel("reading")

@@ -20,6 +20,7 @@ def draw_timeline(
     label: str = "skin",
     reference_label: str = "force/torque sensor",
     title: str = "Normal force",
+    unit: str = "N",
 ) -> "Figure":
     """Figure of the reconstructed normal force over time, with a reference and their difference.
 
@@ -32,6 +33,8 @@ def draw_timeline(
     reference : (T,) array, N
         What another sensor says at these times, NaN where it says nothing.
     label, reference_label, title : str
+    unit : str
+        Of both, in the words.
 
     Returns
     -------
@@ -69,7 +72,8 @@ def draw_timeline(
         words = "nothing in common with the reference"
         if len(known):
             mean, rms = float(known.mean()), float(np.sqrt((known**2).mean()))
-            words = f"{label} − reference: mean {number(mean)} N, root mean square {number(rms)} N"
+            mean_rms = f"mean {number(mean)} {unit}, root mean square {number(rms)} {unit}"
+            words = f"{label} − reference: {mean_rms}"
         difference.set_title(words, loc="left", fontsize=8.5, color=QUIET, pad=4)
         for axes in (forces, difference):
             open_axes(axes)
