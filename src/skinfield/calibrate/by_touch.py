@@ -28,6 +28,7 @@ ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
 FIRST = 2  # of these, by which the fit begins
 AGAIN = 2  # times with the nodes of the tables, weights and priors that were found
 BETWEEN_NODES = np.array([0.003, 0.0005])  # of ln thickness and ratio: what tables are off by
+WIDER = 1.7  # deviations of the skin beside those of a fit with presses of its own priors: measured
 RATIO = 0.46  # Poisson's, at which it begins
 
 
@@ -222,7 +223,7 @@ class _SkinFit:
         """Calibration, and forces (T,), N; NaN of presses that are left out."""
         state, covariance = marginal(self.fit, self.state)
         deviation = np.sqrt(np.diag(covariance))
-        deviation[:2] = np.hypot(deviation[:2], BETWEEN_NODES)
+        deviation[:2] = np.hypot(WIDER * deviation[:2], BETWEEN_NODES)
         gain, thickness = np.exp(state.log_gain), float(np.exp(state.skin[0]))
         forces = np.full(len(self.used), np.nan)
         forces[self.used] = np.exp(state.touches[:, 2])

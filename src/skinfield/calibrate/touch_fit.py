@@ -198,14 +198,21 @@ class Priors:
 
 
 def start(data: Data, tables: PressTables, state: State, error: float) -> Floats:
-    """Each press for itself (T, 4), for a skin that is taken to be known.
-
-    Readings have many minima between and beside taxels: the best of many places and radii, by the
-    force that explains most, are refined.
-    """
-    rows = np.arange(len(data.readings))
+    """Each press for itself (T, 4), for a skin that is taken to be known."""
     weight = data.weight(error)
-    peak = data.peak
+    begins = starts(data, tables, state, weight)[:REFINED]
+    usual = Priors.wide(state.skin, begins[0], data)
+    each = [replace(state, touches=touches) for touches in begins]
+    return refined(data, tables, each, weight, usual, ALONE).touches
+
+
+def starts(data: Data, tables: PressTables, state: State, weight: Floats) -> Floats:
+    """Where presses may be (N, T, 4), the most likely first.
+
+    Readings have many minima between and beside taxels: many places about the taxel that feels a
+    press most and many radii are tried, by the force that explains most.
+    """
+    rows, peak = np.arange(len(data.readings)), data.peak
     above = np.maximum(data.readings - PEAK * data.readings[rows, peak, None], 0.0)
     above = np.where(data.heard, above, 0.0)
     middle = above @ data.taxels / above.sum(axis=1, keepdims=True)
@@ -219,10 +226,8 @@ def start(data: Data, tables: PressTables, state: State, error: float) -> Floats
             touches, cost = _matched(data, tables, state, weight, place, np.log(radius))
             tried.append(touches)
             costs.append(cost)
-    best = np.argsort(costs, axis=0)[:REFINED]
-    begins = [replace(state, touches=np.array(tried)[order, rows]) for order in best]
-    usual = Priors.wide(state.skin, begins[0].touches, data)
-    return refined(data, tables, begins, weight, usual, ALONE).touches
+    best = np.argsort(costs, axis=0)
+    return np.asarray(np.array(tried)[best, rows])
 
 
 def _matched(

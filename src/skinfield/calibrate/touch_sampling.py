@@ -9,12 +9,13 @@ Laplace's approximation errs as far the other way. So chains walk over the poste
 so that neither scores nor chains change much: what is left to sample is what is not linear.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from skinfield.calibrate.press_tables import RATIOS
 from skinfield.calibrate.touch_fit import (
+    ALONE,
     COMMON,
     OWN,
     RATIO_STD,
@@ -23,8 +24,10 @@ from skinfield.calibrate.touch_fit import (
     THICKNESS_STD,
     JointFit,
     State,
+    alone,
     read,
     readings,
+    starts,
 )
 from skinfield.errors import Floats
 
@@ -32,7 +35,9 @@ CHAINS = 32  # a press
 JUMP, WHOLE = 2.38 / np.sqrt(2.0 * OWN), 0.1  # of the way between two chains; from peak to peak
 BURN, BETWEEN = 150, 3  # steps before the first sample, and between two
 ROUNDS, SAMPLES = 20, 10
+EVERY, OTHERS, WIDE = 4, 16, 0.5  # of starts; deviations about them
 LONGEST = 1.0  # deviations of a step of the skin
+MOMENTUM = 0.6  # of the step before: the way is long where presses take most of what is known
 MOST_LOST = 0.95  # of what is known in any direction
 NEWER = 0.2  # weight of a round's information beside that before
 
@@ -65,6 +70,7 @@ def marginal(fit: JointFit, state: State, seed: int = 0) -> tuple[State, Floats]
         chains.step()
     ends: list[State] = []
     complete = lost = np.zeros(0)
+    before = np.zeros(SHARED + len(state.log_gain))
     for round_ in range(ROUNDS):
         found = chains.moments()
         early = round_ < 3
@@ -72,8 +78,10 @@ def marginal(fit: JointFit, state: State, seed: int = 0) -> tuple[State, Floats]
         lost = found.lost if early else lost + NEWER * (found.lost - lost)
         covariance = _inverse(complete, lost, MOST_LOST)
         step = _inverse(complete, 0.5 * lost, 0.5 * MOST_LOST) @ found.score
+        step += MOMENTUM * before
         size = np.abs(step[:SHARED]) / np.sqrt(np.diag(covariance)[:SHARED])
-        chains.move(step * min(1.0, LONGEST / max(float(size.max()), 1e-12)), found.coupling)
+        before = step * min(1.0, LONGEST / max(float(size.max()), 1e-12))
+        chains.move(before, found.coupling)
         chains.learn(covariance)
         ends.append(chains.state)
     late = ends[ROUNDS // 2 :]
@@ -106,11 +114,29 @@ class Chains:
         self.fit, self.rng, self.skin, self.log_gain = fit, rng, state.skin, state.log_gain
         normal = fit.normal(state)
         self.coupling = normal.coupling
-        away = rng.standard_normal((len(normal.own), CHAINS, OWN)) @ np.linalg.cholesky(
-            normal.own
-        ).transpose(0, 2, 1)
-        self.places = state.touches[:, None] + 0.5 * away
+        self.places = self._begins(state, np.linalg.cholesky(normal.own))
         self.value = self._logs(self.places)
+
+    def _begins(self, state: State, lower: Floats) -> Floats:
+        """Where chains (T, C, 4) begin: about the press that is fitted, and about other minima."""
+        fit, weight, count = self.fit, self.fit.weight, len(state.touches)
+        begins = [
+            state.touches,
+            *starts(fit.data, fit.tables, state, weight)[: EVERY * OTHERS : EVERY],
+        ]
+        ends, costs = zip(
+            *(
+                alone(fit.data, fit.tables, replace(state, touches=each), weight, fit.priors, ALONE)
+                for each in begins
+            ),
+            strict=True,
+        )
+        likely = np.exp(np.min(costs, axis=0) - np.array(costs)).cumsum(axis=0)  # (N, T)
+        drawn = self.rng.random((CHAINS, count)) * likely[-1]
+        chosen = (likely[None] < drawn[:, None]).sum(axis=1)
+        places = np.array(ends)[chosen, np.arange(count)]
+        away = self.rng.standard_normal((*places.shape[:2], OWN, 1))
+        return np.asarray((places + WIDE * (lower @ away)[..., 0]).transpose(1, 0, 2))
 
     @property
     def state(self) -> State:
