@@ -83,9 +83,7 @@ def main() -> None:
     parser.add_argument("--skins", type=int, default=len(SKINS))
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    print(
-        "| reads | σ | h mm, ν | found | gains spread | left | stated | within 1, 2 deviations | s |"
-    )
+    print("| reads | σ | h mm, ν | found | gains spread | left | stated | in 1, 2 deviations | s |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     skin_off, gain_off = [], []
     for number, skin in enumerate(SKINS[: given.skins]):

@@ -20,7 +20,7 @@ from skinfield.signal import Calibration
 from skinfield.signal.noise import quiet_level, shared_noise
 from skinfield.skin import Patch
 
-LEAST, MOST = 20, 400  # presses
+LEAST, MOST = 20, 250  # presses
 STRONG = 12.0  # deviations, that the highest reading of a press is above rest at least
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out

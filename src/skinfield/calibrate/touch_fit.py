@@ -67,7 +67,7 @@ class Data:
     @cached_property
     def peak(self) -> NDArray[np.int64]:
         """Number (T,) of the taxel that feels each press most."""
-        return np.where(self.heard, self.readings, -np.inf).argmax(axis=1)
+        return np.asarray(np.where(self.heard, self.readings, -np.inf).argmax(axis=1))
 
     def weight(self, error: float) -> Floats:
         """One over the variance of readings (T, L) by themselves; 0 where not heard."""
@@ -461,7 +461,7 @@ class JointFit:
     def learn(self, state: State) -> None:
         """Take priors as a fit with those before makes them likely."""
         normal = self.normal(state)
-        covariance = np.linalg.inv(normal.schur)
+        covariance = np.asarray(np.linalg.inv(normal.schur), np.float64)
         joint = normal.coupling
         own = normal.own + joint.transpose(0, 2, 1) @ covariance @ joint
         centre = state.touches[:, 2:].mean(axis=0)

@@ -114,7 +114,7 @@ class Chains:
         self.fit, self.rng, self.skin, self.log_gain = fit, rng, state.skin, state.log_gain
         normal = fit.normal(state)
         self.coupling = normal.coupling
-        self.places = self._begins(state, np.linalg.cholesky(normal.own))
+        self.places = self._begins(state, np.asarray(np.linalg.cholesky(normal.own), np.float64))
         self.value = self._logs(self.places)
 
     def _begins(self, state: State, lower: Floats) -> Floats:

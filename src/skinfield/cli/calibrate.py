@@ -335,7 +335,8 @@ def touch(
         "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
         "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
     }  # fmt: skip
-    gains = {"Gain of each taxel": draw_gains(plan.patch, made.gain, "gain (1: the mean's)")}
+    beside = 100.0 * (made.gain - 1.0)
+    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
     report.say_notes(notes)
     shown = "Calibration by touch", facts, gains if report_folder else {}, notes
     _finish(made, result, shown, output, report_folder, as_json)
