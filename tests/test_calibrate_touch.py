@@ -91,12 +91,12 @@ def test_too_few_touches_are_refused() -> None:
 def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: Path) -> None:
     readings = touches()[0]
     idle = NOISE * np.random.default_rng(3).standard_normal((100, 72))
-    held = np.repeat(readings[:60], 4, axis=0)  # readings of each press
+    held = np.repeat(readings[:40], 4, axis=0)  # readings of each press
     counts = np.rint(20_000.0 + 20_000.0 * np.vstack([idle, held]))
     skin, cal = tmp_path / "presses.csv", tmp_path / "cal.toml"
     save_recording(Recording(np.arange(len(counts)) * 20_000_000, counts), skin)
     others, other = (
-        np.rint(20_100.0 + 20_000.0 * np.vstack([idle, readings[60:]])),
+        np.rint(20_100.0 + 20_000.0 * np.vstack([idle, readings[40:]])),
         tmp_path / "b.csv",
     )
     save_recording(Recording(np.arange(len(others)) * 20_000_000, others), other)
@@ -114,7 +114,7 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: P
     assert f"thickness {made.thickness * 1e3:.3f}" in said
     assert len(table.read_text().splitlines()) > 60
     save_calibration(
-        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2][:60], 4)]),
+        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2][:40], 4)]),
         cal,
     )
     words = ("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal)
