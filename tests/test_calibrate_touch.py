@@ -22,7 +22,7 @@ NOISE = 5e-4
 
 @cache
 def touches(
-    count: int = 160, seed: int = 0, thickness: float = 2.3e-3, ratio: float = 0.47
+    count: int = 90, seed: int = 0, thickness: float = 2.3e-3, ratio: float = 0.47
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Readings (T, L) of balls anywhere by the axisymmetric press, gains, and forces (T,), N."""
     rng, layer = np.random.default_rng(seed), sf.Layer(thickness, 150e3, ratio)
@@ -91,11 +91,16 @@ def test_too_few_touches_are_refused() -> None:
 def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: Path) -> None:
     readings = touches()[0]
     idle = NOISE * np.random.default_rng(3).standard_normal((100, 72))
-    held = np.repeat(readings, 4, axis=0)  # readings of each press
+    held = np.repeat(readings[:40], 4, axis=0)  # readings of each press
     counts = np.rint(20_000.0 + 20_000.0 * np.vstack([idle, held]))
     skin, cal = tmp_path / "presses.csv", tmp_path / "cal.toml"
     save_recording(Recording(np.arange(len(counts)) * 20_000_000, counts), skin)
-    words = (skin, "--skin", "hexagon72", "--gain", 20_000)
+    others, other = (
+        np.rint(20_100.0 + 20_000.0 * np.vstack([idle, readings[40:]])),
+        tmp_path / "b.csv",
+    )
+    save_recording(Recording(np.arange(len(others)) * 20_000_000, others), other)
+    words = (skin, other, "--skin", "hexagon72", "--gain", 20_000)
     said = run("calibrate", "touch", *words, "-o", cal, "--report", tmp_path / "page", "--json")
     result = json.loads(next(line for line in said.splitlines() if line.startswith("{")))
     assert result["thickness_mm"] == pytest.approx(2.3, rel=0.05)
@@ -109,7 +114,8 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: P
     assert f"thickness {made.thickness * 1e3:.3f}" in said
     assert len(table.read_text().splitlines()) > 60
     save_calibration(
-        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2], 4)]), cal
+        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2][:40], 4)]),
+        cal,
     )
     words = ("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal)
     assert "which holds a ForceCalibration" in refused(*words)

@@ -12,21 +12,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.calibrate.press_tables import PressTables
-from skinfield.calibrate.touch_fit import Data, JointFit, State, start
+from skinfield.calibrate.touch_fit import ALONE, OWN, Data, JointFit, Priors, State, refined, start
+from skinfield.calibrate.touch_sampling import marginal
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.signal import Calibration
 from skinfield.signal.noise import quiet_level, shared_noise
 from skinfield.skin import Patch
 
-LEAST, MOST = 20, 400  # presses
-STRONG = 8.0  # deviations, that the highest reading of a press is above rest at least
+LEAST, MOST = 20, 250  # presses
+STRONG = 12.0  # deviations, that the highest reading of a press is above rest at least
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
 ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
 FIRST = 2  # of these, by which the fit begins
-AGAIN = 2  # times with the nodes of the tables and weights that were found
-BETWEEN_NODES = np.array([0.01, 0.001])  # of ln thickness and ratio: what tables are off by
+AGAIN = 2  # times with the nodes of the tables, weights and priors that were found
+BETWEEN_NODES = np.array([0.003, 0.0005])  # of ln thickness and ratio: what tables are off by
+WIDER = 1.7  # deviations of the skin beside those of a fit with presses of its own priors: measured
 RATIO = 0.46  # Poisson's, at which it begins
 
 
@@ -179,7 +181,7 @@ def touch(
             f"{LEAST} or more, better a hundred, all over the patch"
         )
     heard = ~np.isnan(table[rows])
-    data = Data(np.nan_to_num(table[rows]), heard, noise, patch.plane)
+    data = Data(np.nan_to_num(table[rows]), heard, noise, patch.plane, quantity)
     first = [
         _fitted(data, patch, nominal, quantity, covered, ERRORS[: FIRST + 1])
         for covered in (False, True)
@@ -219,14 +221,9 @@ class _SkinFit:
 
     def finished(self, nominal: Layer) -> tuple[TouchCalibration, Floats]:
         """Calibration, and forces (T,), N; NaN of presses that are left out."""
-        fit, state, spread = self.fit, self.state, np.zeros((2, 2))
-        for _ in range(AGAIN):
-            fit.tables.centre_on(*state.skin)
-            state, spread = fit.refine(state)
-        whole = np.linalg.inv(fit.normal(state).schur)
-        deviation = np.sqrt(np.maximum(np.diag(whole), 0.0))
-        deviation[:2] = np.maximum(deviation[:2], np.sqrt(np.maximum(np.diag(spread), 0.0)))
-        deviation[:2] = np.hypot(deviation[:2], BETWEEN_NODES)
+        state, covariance = marginal(self.fit, self.state)
+        deviation = np.sqrt(np.diag(covariance))
+        deviation[:2] = np.hypot(WIDER * deviation[:2], BETWEEN_NODES)
         gain, thickness = np.exp(state.log_gain), float(np.exp(state.skin[0]))
         forces = np.full(len(self.used), np.nan)
         forces[self.used] = np.exp(state.touches[:, 2])
@@ -239,8 +236,8 @@ class _SkinFit:
             covered=self.covered,
             gain=gain,
             gain_std=gain * deviation[2:],
-            noise_std=fit.data.noise / gain,
-            model_error=fit.error,
+            noise_std=self.fit.data.noise / gain,
+            model_error=self.fit.error,
             presses=int(self.used.sum()),
             left_out=int((~self.used).sum()),
             force_ratio=float("nan"),
@@ -260,26 +257,46 @@ def _fitted(
     tables = PressTables(nominal, quantity, patch.pad_diameter, covered)
     skin = np.array([np.log(nominal.thickness), RATIO])
     tables.centre_on(*skin)
-    state = State(start(data, tables, skin, ERRORS[0]), skin, np.zeros(len(data.noise)))
-    whole, used = state.touches.copy(), np.ones(len(data.readings), np.bool_)
+    state = State(np.zeros((len(data.readings), OWN)), skin, np.zeros(len(data.noise)))
+    state = replace(state, touches=start(data, tables, state, errors[0]))
+    priors = Priors.wide(skin, state.touches, data)
+    whole, used = state, np.ones(len(data.readings), np.bool_)
     best: _SkinFit | None = None
     for place, error in enumerate(errors):
-        fit = JointFit(data.only(used), tables, skin, error)
+        fit = JointFit(data.only(used), tables, priors, error)
         for _ in range(AGAIN):
             tables.centre_on(*state.skin)
             state = fit.run(state)
-        whole[used] = state.touches
-        normal = fit.normal(state)
+            fit.learn(state)
+        priors, normal = fit.priors, fit.normal(state)
+        touches = whole.touches.copy()
+        touches[used] = state.touches
+        whole = replace(state, touches=touches)
         if place >= FIRST:
             evidence = normal.evidence / int(used.sum())
             if best is None or evidence > best.evidence:
-                best = _SkinFit(fit, state, used.copy(), evidence, covered)
+                best = _SkinFit(fit, state, used, evidence, covered)
             continue
-        squares, count = normal.squares.sum(axis=1), fit.data.heard.sum(axis=1)
-        most = count + FREEDOM * np.sqrt(2.0 * count)
-        odd = squares > np.maximum(most, SLACK * np.median(squares))
-        if (~odd).sum() >= LEAST:
-            used[np.flatnonzero(used)[odd]] = False
-            state = replace(state, touches=whole[used])
+        whole = _begun_again(data, tables, whole, priors, error)
+        used = _balls(JointFit(data, tables, priors, error), whole)
+        state = replace(whole, touches=whole.touches[used])
     assert best is not None
     return best
+
+
+def _begun_again(
+    data: Data, tables: PressTables, state: State, priors: Priors, error: float
+) -> State:
+    """Presses from new starts, where these lead further down."""
+    afresh = replace(state, touches=start(data, tables, state, error))
+    weight = data.weight(error)
+    return refined(data, tables, [state, afresh], weight, priors, ALONE)
+
+
+def _balls(fit: JointFit, state: State) -> NDArray[np.bool_]:
+    """Presses (T,) that a ball explains, at least `LEAST`."""
+    fit.aim(state)
+    squares, count = fit.misfit(state).sum(axis=1), fit.data.heard.sum(axis=1)
+    most = count + FREEDOM * np.sqrt(2.0 * count)
+    fine = squares <= np.maximum(most, SLACK * np.median(squares))
+    return fine if fine.sum() >= LEAST else np.ones(len(fine), np.bool_)

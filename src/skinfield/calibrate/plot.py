@@ -64,6 +64,7 @@ def draw_gains(patch: Patch, gain: Floats, label: str) -> "Figure":
             x, y, c=gain, s=60, cmap="RdBu_r" if low else "viridis", vmin=low, vmax=most,
             edgecolors=INK, linewidths=0.4,
         )  # fmt: skip
+        axes.margins(0.06)  # taxels at the rim are drawn whole
         axes.set_aspect("equal")
         axes.set_xlabel("x (mm)")
         axes.set_ylabel("y (mm)")

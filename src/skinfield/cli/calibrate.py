@@ -271,9 +271,7 @@ def by_pressure(
 
 @calibrate.command
 def touch(
-    recording: str,
-    /,
-    *,
+    *recordings: Annotated[str, Parameter(name="RECORDING", negative=())],
     layout: options.LayoutText,
     patch: options.PatchName = None,
     known: float | None = None,
@@ -293,15 +291,16 @@ def touch(
 
       skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
       skinfield calibrate touch presses.csv --skin palm.toml --known 0.981 --at 12.5,14 -o cal.toml
+      skinfield calibrate touch monday.csv tuesday.csv --skin palm.toml -o cal.toml
 
     Parameters
     ----------
-    recording : str
-        Of the presses.
+    *recordings : str
+        Of the presses, one or more. Each has a rest of its own; that of the first is kept.
     known : float, optional
         Force, N, of what presses during --at.
     at : str, optional
-        FROM,TO: when the known force pressed, s after the first reading.
+        FROM,TO: when the known force pressed, s after the first reading of the first recording.
     output : str, optional
         Calibration file (.toml, .npz), for `skinfield reconstruct --calibration`.
     report_folder : str, optional
@@ -320,19 +319,23 @@ def touch(
         raise InputError("--known and --at belong together: a force, and when it pressed")
     plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
     layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
-    found = readings_for(open_recording(recording), plan.patch)
-    readings, known_of = condition(found, plan.patch, layer, Capacitance(), how)
+    if not recordings:
+        raise InputError("RECORDING is missing, expected one or more of presses")
+    found = [readings_for(open_recording(each), plan.patch) for each in recordings]
+    every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
+    readings = np.concatenate([values for values, _ in every])
+    noise = np.sqrt(np.mean([np.square(survey.noise_std) for _, survey in every], axis=0))
+    notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
     forces = None
     if known is not None:
-        forces = np.where(_part_of(found.stamp_ns, at), known, np.nan)
+        forces = np.full(len(readings), np.nan)
+        forces[: len(found[0])][_part_of(found[0].stamp_ns, at)] = known
     with report.progress("fitting presses and skin"):
-        made = fit(
-            plan.patch, readings, noise_std=known_of.noise_std, layer=layer, known_force=forces
-        )
-    if known_of.conditioner.calibration is not None:
-        made = made.with_counts(known_of.conditioner.calibration)
+        made = fit(plan.patch, readings, noise_std=noise, layer=layer, known_force=forces)
+    counted = every[0][1].conditioner.calibration
+    made = made if counted is None else made.with_counts(counted)
     facts = {
-        "recording": recording, "presses": f"{made.presses}, {made.left_out} left out",
+        "recording": ", ".join(recordings), "presses": f"{made.presses}, {made.left_out} left out",
         "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
         "Poisson's ratio": f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}",
         "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
@@ -343,9 +346,10 @@ def touch(
         "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
         "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
     }  # fmt: skip
-    gains = {"Gain of each taxel": draw_gains(plan.patch, made.gain, "gain (1: the mean's)")}
-    report.say_notes(known_of.notes)
-    shown = "Calibration by touch", facts, gains if report_folder else {}, known_of.notes
+    beside = 100.0 * (made.gain - 1.0)
+    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
+    report.say_notes(notes)
+    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
     _finish(made, result, shown, output, report_folder, as_json)
 
 
