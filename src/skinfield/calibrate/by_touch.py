@@ -28,7 +28,7 @@ ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
 FIRST = 2  # of these, by which the fit begins
 AGAIN = 2  # times with the nodes of the tables, weights and priors that were found
 BETWEEN_NODES = np.array([0.003, 0.0005])  # of ln thickness and ratio: what tables are off by
-WIDER = 1.7  # deviations of the skin beside those of a fit with presses of its own priors: measured
+WIDER = 1.7  # times the deviations of the likelihood: chosen on ten virtual skins
 RATIO = 0.46  # Poisson's, at which it begins
 
 
