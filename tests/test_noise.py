@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import t
 
 import skinfield as sf
-from skinfield.signal.noise import quiet_level, shared_noise, touched_readings
+from skinfield.signal.noise import draw_in_jumps, quiet_level, shared_noise, touched_readings
 
 PATCH = sf.layouts.hexagon72()
 
@@ -95,3 +95,18 @@ def test_silence_has_no_noise_and_absence_none_to_tell() -> None:
     noise = shared_noise(apart, PATCH.neighbours)
     assert np.isnan(noise[3])
     assert not np.delete(noise, 3).any()
+
+
+def test_a_taxel_that_jumps_alone_for_one_reading_is_drawn_in() -> None:
+    neighbours = np.array([(k, k + 1) for k in range(9)])
+    noise = np.full(10, 0.01)
+    values = np.zeros((6, 10))
+    values[2, 4] = 0.2  # a jump
+    values[4, 8:] = 0.2  # a touch of two taxels
+    values[3:5, 0] = -0.2  # two readings
+    values[5, 3] = np.nan
+    before = values.copy()
+    assert draw_in_jumps(values, noise, neighbours) == 1
+    assert values[2, 4] == pytest.approx(0.03)
+    values[2, 4] = 0.2
+    np.testing.assert_array_equal(values, before)

@@ -25,6 +25,7 @@ from skinfield.signal import (
     valid_from_counts,
 )
 from skinfield.signal.faults import merged_faults, rows_text, taxel_rows
+from skinfield.signal.noise import Neighbours, draw_in_jumps
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 
@@ -84,6 +85,8 @@ class Conditioner:
         That sent the counts.
     without : tuple of int
         Taxels without a calibration that are left out.
+    neighbours : (P, 2) int array, optional
+        Pairs of taxels, by which those of boards that clip at rest are known to jump.
     """
 
     quantity: Quantity
@@ -91,6 +94,7 @@ class Conditioner:
     calibration: Calibration | None = None
     board: Convention | None = None
     without: tuple[int, ...] = ()
+    neighbours: Neighbours | None = None
 
     def __call__(self, counts: Floats) -> Floats:
         """Readings (T, L) from counts (T, L); NaN where invalid."""
@@ -99,6 +103,9 @@ class Conditioner:
     def counted(self, counts: Floats) -> tuple[Floats, int]:
         """Readings, and how many of them no skin reads: those are invalid, too."""
         values = self._values(counts)
+        if self.neighbours is not None and self.calibration is not None:
+            noise = self.noise_in_quantity(self.calibration.quantity_std())
+            draw_in_jumps(values, noise, self.neighbours)
         impossible = (values <= self.quantity.lowest) | (values >= self.quantity.highest)
         count = int(impossible.sum())
         return (np.where(impossible, np.nan, values) if count else values), count
@@ -331,7 +338,8 @@ def _of_counts(
             if found is not None:
                 rest = np.where(found.measured, found.baseline, calibration.baseline)
                 calibration = replace(calibration, baseline=rest)
-    conditioner = Conditioner(quantity, layer, calibration, board)
+    near = patch.neighbours if isinstance(board, CySkinCount) else None
+    conditioner = Conditioner(quantity, layer, calibration, board, neighbours=near)
     return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
 
 

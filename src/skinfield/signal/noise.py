@@ -23,6 +23,7 @@ FAR, FARTHER = 1e-2, 1e-3  # shares of values, by which a tail is told
 FREEDOMS = np.array([3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 30.0])
 SURE = 3.0  # standard errors, by which a tail is heavier than a Gaussian's, if it is taken for one
 ONCE = 1000.0  # readings of all taxels, of which one may have a value so far out
+JUMP = 3.0  # deviations: a taxel that is alone beyond, for one reading, jumped
 LOW = 20.0  # percent of readings, in which a taxel is not touched
 QUIETER = 25.0  # percent of readings, that are not touched
 ENOUGH = 5.0  # values beyond, that tell how many there are
@@ -56,6 +57,32 @@ def is_touched(apart: Floats, usual: float, neighbours: Neighbours) -> Bools:
     held, long = np.nan_to_num(apart), np.ones((STAYS, 1), np.bool_)
     above, below = (binary_opening(sign * held > TOUCHED * usual, long) for sign in (1.0, -1.0))
     return np.asarray(above | below | touched_readings(apart, usual, neighbours))
+
+
+def draw_in_jumps(values: Floats, noise: Floats, neighbours: Neighbours) -> int:
+    """Draw values in that jump: beyond `JUMP` deviations in one reading, alone; how many.
+
+    A touch is read by more than one taxel, or for longer.
+
+    Parameters
+    ----------
+    values : (T, L) array
+        From rest, in order of time; written over.
+    noise : (L,) array
+    neighbours : (P, 2) int array
+        Pairs of taxels.
+    """
+    most = JUMP * noise
+    with np.errstate(invalid="ignore"):
+        far = np.abs(values) > most
+    beside = np.zeros_like(far)
+    np.logical_or.at(beside.T, neighbours[:, 0], far.T[neighbours[:, 1]])
+    np.logical_or.at(beside.T, neighbours[:, 1], far.T[neighbours[:, 0]])
+    beside[1:] |= far[:-1]
+    beside[:-1] |= far[1:]
+    jumps = far & ~beside
+    values[jumps] = (np.sign(values) * most)[jumps]
+    return int(jumps.sum())
 
 
 def usual_deviation(apart: Floats) -> float:
