@@ -22,7 +22,7 @@ FAR, FARTHER = 1e-2, 1e-3  # shares of values, by which a tail is told
 # Degrees of freedom of Student's t that tails are compared with.
 FREEDOMS = np.array([3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 30.0])
 SURE = 3.0  # standard errors, by which a tail is heavier than a Gaussian's, if it is taken for one
-ONCE = 1000.0  # readings of all taxels, of which one may have a value so far out
+ONCE = 1e4  # readings of all taxels, of which one may have a value so far out
 JUMP = 3.0  # deviations: a taxel that is alone beyond, for one reading, jumped
 LOW = 20.0  # percent of readings, in which a taxel is not touched
 QUIETER = 25.0  # percent of readings, that are not touched
