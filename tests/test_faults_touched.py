@@ -10,7 +10,7 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.signal import CySkinCount, Verdict
+from skinfield.signal import CySkinCount, ICubByte, Verdict
 
 ROOT = Path(__file__).parents[1]
 PATCH = sf.layouts.hexagon72()
@@ -205,3 +205,11 @@ def test_the_users_word_wins(planted: ModuleType) -> None:
 def test_counts_of_another_width_than_the_patch_are_refused() -> None:
     with pytest.raises(InputError, match="counts has 71 columns, expected 72 as patch"):
         sf.find_faults(np.zeros((20, 71)), PATCH)
+
+
+@pytest.mark.parametrize("patch", [sf.layouts.hexagon72(), sf.layouts.icub_triangle()])
+def test_a_skin_that_repeats_itself_as_a_whole_is_not_called_faulty(patch: sf.Patch) -> None:
+    counts = np.full((110, len(patch)), 240.0)  # a quiet board that rounds to bytes
+    assert sf.find_faults(counts, patch, ICubByte()).usable.all()
+    counts[::7, 3] += 1.0
+    assert sf.find_faults(counts, patch, ICubByte()).usable.all()

@@ -44,6 +44,9 @@ def test_noise_and_single_pokes_are_no_order() -> None:
     pokes[np.arange(500), rng.integers(0, 72, 500)] = 150.0
     check_order(pokes, PATCH)
     check_order(np.full((5, 72), np.nan), PATCH)
+    together = rng.normal(240.0, 0.6, (200, 72))
+    together[50:80] -= 40.0 * rng.uniform(0.5, 1.0, (30, 1))  # of a palm, or of the board
+    check_order(together, PATCH)
 
 
 def written(path: Path, counts: np.ndarray, time: str, step: float) -> Path:

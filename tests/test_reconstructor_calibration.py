@@ -1,6 +1,7 @@
 """A reconstructor with a calibration: counts in, the contacts of what they stand for out."""
 
 from copy import copy
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -59,8 +60,11 @@ def test_a_calibration_of_another_patch_is_refused(
 
 
 def test_one_by_pressure_answers_by_itself() -> None:
+    names = [each.name for each in fields(PressureCalibration)]
     some = PressureCalibration(
-        *(np.zeros((3, 2)), *2 * [np.zeros(0)], *6 * [np.zeros(3)]), 3 * ("",)
+        **{name: np.zeros(3) for name in names}
+        | {"weights": np.zeros((3, 2)), "time_constants": np.zeros(0), "widths": np.zeros(0)}
+        | {"change_std": 1.0, "low": 0.0, "high": 1.0, "reasons": 3 * ("",)}
     )
     with pytest.raises(InputError, match=r"calibration\.pressure\(counts\)"):
         sf.Reconstructor(PATCH, calibration=some)

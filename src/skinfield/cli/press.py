@@ -56,6 +56,7 @@ def press(
       cylinder  radius [edge_radius]
       cone      radius half_angle [edge_radius]            angle from the axis
       bar       length width [edge_radius]                 flat face, length along x
+      finger    width length [second] [apart] [growth]     soft, its pressure is imposed
       rod       radius length [edge_radius]                lies along x
       wedge     length width half_angle [edge_radius]      straight edge along x
       ring      inner_radius outer_radius [edge_radius]

@@ -10,8 +10,9 @@ from skinfield.errors import Floats, InputError
 from skinfield.skin import Patch
 
 READINGS = 1000  # that are looked at: those in which most is read
+PART = 0.34  # of the taxels: readings in which more are touched tell no order
 TOGETHER = 0.7  # correlation of taxels that read together
-FEWEST = 30  # taxels that read together with another, by which an order is judged
+FEWEST = 30  # taxels that read together with another, and readings, by which an order is judged
 NEAR = 2.5  # distances of taxels, within which they are read side by side
 LEAST = 2.5  # times more partners side by side than in any order
 
@@ -33,8 +34,11 @@ def partners(counts: Floats, patch: Patch) -> tuple[int, float, float]:
     apart = np.nan_to_num(np.abs(known - np.nanmedian(known, axis=0)))
     most = apart[np.argsort(-apart.sum(axis=1), kind="stable")[:READINGS]]
     noise = 1.4826 * np.median(apart, axis=0) + 0.05 * float(np.max(most, initial=0.0))
-    touched = np.flatnonzero(most.max(axis=0, initial=0.0) > 5.0 * noise)
-    if len(touched) < FEWEST:
+    stands = most > 5.0 * noise
+    part = stands.mean(axis=1)
+    most = most[(part > 0.0) & (part < PART)]
+    touched = np.flatnonzero(stands[(part > 0.0) & (part < PART)].any(axis=0))
+    if min(touched.size, len(most)) < FEWEST:
         return 0, 0.0, 0.0
     values = most[:, touched] - most[:, touched].mean(axis=0)
     alike = (values.T @ values) / np.outer(*2 * [np.linalg.norm(values, axis=0)])

@@ -237,8 +237,8 @@ class Evidence:
     def at_clamp(self, constant: Bools) -> Bools:
         """Constant taxels (L,) at a clamp: the convention's, or the highest that others reach."""
         top, values = np.nanmax(self.counts), np.nan_to_num(self.value, nan=-np.inf)
-        reached = (self.counts == top).any(axis=0)
-        found = (values == top) & (reached.sum() > 1 if self.patch is not None else False)
+        reached = (self.counts == top).any(axis=0) & self.varies
+        found = (values == top) & bool(reached.any() and self.patch is not None)
         if self.convention is not None:
             found |= self.convention.saturated(self.value)
         return np.asarray(constant & found)
@@ -285,7 +285,7 @@ def constant_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[
 
 
 def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Finding, int]]:
-    """Boards of which all taxels repeat their values, since a reading.
+    """Boards of which all taxels repeat their values, since a reading, while those of others vary.
 
     Parameters
     ----------
@@ -303,7 +303,8 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
     for board in boards if len(boards) > 1 else ():
         rows = np.flatnonzero((seen.patch.module == board) & ~seen.absent)
         still = broken[rows] | constant[rows]
-        if len(rows) < LEAST_BOARD or not still.all():
+        others = seen.varies & (seen.patch.module != board)
+        if len(rows) < LEAST_BOARD or not still.all() or not others.any():
             continue
         chance = seen.constant_chance()
         if np.isfinite(seen.lowest) and (seen.value[rows] == seen.lowest).all():
