@@ -207,3 +207,17 @@ def tipping(data: Path, number: str) -> tuple[np.ndarray, np.ndarray, np.ndarray
         right, left = (foot(data, each).plane for each in ("right_foot", "left_foot"))
         counts = counts[:, cdist(right, left * [1.0, -1.0]).argmin(axis=1)]
     return (read.stamp_ns - read.stamp_ns[0]) * 1e-9, counts, FZ_OFFSET[name] - axes[:, 2]
+
+
+def test_a_taxel_that_was_silent_is_not_heard_later() -> None:
+    rng = np.random.default_rng(8)
+    patch = sf.layouts.icub_triangle()
+    force = np.clip(np.cumsum(rng.normal(0.0, 0.3, 600)), -5.0, 5.0) + 5.0
+    counts = 240.0 - np.outer(force, rng.uniform(2.0, 4.0, 12)) + rng.normal(0.0, 0.5, (600, 12))
+    silent = counts[:400].copy()
+    silent[:, 5] = np.nan
+    calibration = sf.calibrate.force(patch, silent, force[:400])
+    with_it, without = counts[400:], counts[400:].copy()
+    without[:, 5] = np.nan
+    np.testing.assert_allclose(calibration.force(with_it), calibration.force(without))
+    assert np.isfinite(calibration.force(with_it)).all()

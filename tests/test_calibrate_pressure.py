@@ -168,7 +168,7 @@ def test_wrong_input_is_named() -> None:
     with pytest.raises(InputError, match="bar"):
         sf.calibrate.pressure(counts, reference * 1e-5)
     with pytest.raises(InputError, match="kPa"):
-        sf.calibrate.pressure(counts, reference * 1e-4)
+        sf.calibrate.pressure(counts, reference * 1e-3)
     with pytest.raises(InputError, match="999"):
         sf.calibrate.pressure(counts, reference[:999])
     with pytest.raises(InputError, match=r"pressure_pa\[3\]"):

@@ -13,7 +13,7 @@ next, where rest has drifted and other taxels are touched.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
@@ -68,6 +68,7 @@ class ForceCalibration:
     gain : (L,) array, N per count
         Of each taxel, beside all this.
     mean_reading : (L,) array, counts
+        NaN of taxels that did not answer: they are not heard later either.
     places : (L, 2) array, in units of the blur
     constant_rmse, sum_rmse, ridge_rmse : float, N
         Of trivial answers, foretold the same way: the labels' mean, a line over the sum of
@@ -132,10 +133,11 @@ class ForceCalibration:
         """
         table = _table(counts, len(self))
         silent = np.isnan(table).all(axis=1)
-        table = np.where(np.isnan(table), self.mean_reading, table)
+        mean = np.nan_to_num(self.mean_reading)
+        table = np.where(np.isnan(table + self.mean_reading), mean, table)
         alike = _alike(table, self.patterns, self.places, self.length) - self.mean_pattern
         total = np.clip(table.sum(axis=1), *self.sums[1:]) - self.sums[0]
-        beside = (table - self.mean_reading) @ self.gain
+        beside = (table - mean) @ self.gain
         force = self.mean_force + self.slope * total + alike @ self.weights + beside
         return np.where(silent, np.nan, force)
 
@@ -217,7 +219,9 @@ def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
     heard = ~np.isnan(table).all(axis=0)
     mean_reading = np.zeros(len(patch))
     mean_reading[heard] = np.nanmean(table[:, heard], axis=0)
-    return _fit(patch, np.where(np.isnan(table), mean_reading, table), labels, axis)
+    found = _fit(patch, np.where(np.isnan(table), mean_reading, table), labels, axis)
+    known = np.where(heard, found.calibration.mean_reading, np.nan)
+    return found._replace(calibration=replace(found.calibration, mean_reading=known))
 
 
 def _refuse(labels: Floats) -> NoReturn:

@@ -25,6 +25,7 @@ MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0,
 WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.1, 0.4))  # parts of a taxel's span
 PARTS = 4  # contiguous parts, of which each is foretold from the others
 LEAST = 200  # readings
+LEAST_SPAN = 2000.0  # Pa: a bag or a plenum presses harder
 STEADY = 5  # readings, whose medians are compared to see a step
 STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
 LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
@@ -246,9 +247,9 @@ def _check_together(table: Floats, reference: Floats) -> None:
         raise InputError(f"pressure_pa[{bad[0]}] is {reference[bad[0]]}, expected a number, in Pa")
     span = float(np.ptp(reference))
     check_positive("the span of pressure_pa", span, "Pa: a pressure that changes")
-    if span < 100.0:
+    if span < LEAST_SPAN:
         raise InputError(
-            f"pressure_pa spans {span:.3g} Pa, expected hundreds or more: it is in "
+            f"pressure_pa spans {span:.3g} Pa, expected {LEAST_SPAN:g} or more: it is in "
             f"{'bar' if span < 20.0 else 'kPa'}, most likely; give Pa (1 bar is 1e5 Pa)"
         )
 

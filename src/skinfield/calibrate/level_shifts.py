@@ -79,16 +79,6 @@ class LevelTracker:
         self._taken = 0
         self.shifted: NDArray[np.bool_] = np.zeros(len(rest), np.bool_)
 
-    @property
-    def shift(self) -> Floats:
-        """Sizes of shifts (L,), counts; NaN of a taxel that never did."""
-        return np.where(np.isinf(self._var_shift), np.nan, self._shift)
-
-    @property
-    def shift_std(self) -> Floats:
-        """Their uncertainty (L,), counts."""
-        return np.sqrt(np.where(np.isinf(self._var_shift), np.nan, self._var_shift))
-
     def update(self, readings: Floats, shifted: NDArray[np.bool_] | None = None) -> Floats:
         """Levels (L,) by readings (L,), counts; NaN of a taxel that has not answered for long.
 

@@ -29,7 +29,7 @@ from skinfield.calibrate.touch_fit import (
     readings,
     starts,
 )
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 
 CHAINS = 32  # a press
 JUMP, WHOLE = 2.38 / np.sqrt(2.0 * OWN), 0.1  # of the way between two chains; from peak to peak
@@ -92,7 +92,13 @@ def marginal(fit: JointFit, state: State, seed: int = 0) -> tuple[State, Floats]
 
 def _inverse(complete: Floats, lost: Floats, most: float) -> Floats:
     """Inverse of what is left of the information, whatever samples make of what is lost."""
-    lower = np.linalg.inv(np.linalg.cholesky(complete))
+    try:
+        lower = np.linalg.inv(np.linalg.cholesky(complete))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "the touches do not tell layer and gains apart, expected presses of single bodies, one "
+            "at a time, all over the patch"
+        ) from None
     part, across = np.linalg.eigh(lower @ lost @ lower.T)
     back = lower.T @ across
     return np.asarray((back / (1.0 - np.clip(part, 0.0, most))) @ back.T)

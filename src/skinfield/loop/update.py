@@ -108,7 +108,7 @@ class Updater:
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
         self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
         self._drift = Drift(baseline.noise_std, self._binding.starts)
-        self._idle, self._follows = np.zeros(patches, np.bool_), False
+        self._idle, self._follows = np.zeros(patches, np.bool_), self.engine.finds_contacts
         known = model_config.quantity, model_config.layer, self._binding.unit
         strains, self._scale = quantity_scale(*known)
         self._how = int(update_kernel.STRAIN if strains else update_kernel.CHANGE)
@@ -240,13 +240,21 @@ class Updater:
         return fresh > 0
 
     def _run(self, budget: float | None) -> None:
-        """Answer what was taken in; of a touch that rests, contacts by the mean of its readings."""
-        self._follows = self.engine.finds_contacts and not self._smoothing
+        """Answer what was taken in, less where taxels rest, which is followed."""
         if not self._follows:
             self.engine.run(self._values, self._given, budget=budget)
             return
-        means, results = self._means, self.engine.results
         left = self._drift.take(self._values)
+        if self._smoothing:
+            self.engine.run(left, self._given, budget=budget)
+        else:
+            self._run_by_means(left, budget)
+        np.equal(self.engine.results.answer, IDLE, out=self._idle)
+        self._drift.learn_idle(self._given, self._idle, self._newest)
+
+    def _run_by_means(self, left: Floats, budget: float | None) -> None:
+        """Answer readings less their rest; of what rests, by their mean."""
+        means = self._means
         np.greater(self._kept.patches["answer"], IDLE, out=self._hot)
         means.take(left, self._given, self._arrived, self._newest, self._hot)
         self._kernel.doubt_neighbours(
@@ -258,8 +266,6 @@ class Updater:
             means.noise_std,
         )
         self.engine.run(means.values, self._given, means.noise_std, budget=budget)
-        np.equal(results.answer, IDLE, out=self._idle)
-        self._drift.learn_idle(self._given, self._idle, self._newest)
 
     def _take(self, channels: Channels, now_ns: int) -> int:
         """Read the newest counts of all taxels; how many patches have new ones."""

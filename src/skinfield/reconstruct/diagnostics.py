@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import Floats, InputError, check_positive
-from skinfield.reconstruct.order import check_order
+from skinfield.reconstruct.order import order_note
 from skinfield.signal import (
     Baseline,
     Calibration,
@@ -209,7 +209,6 @@ def survey(
             f"readings of {first.source} are {1.0 / rate:g} s apart, expected {1.0 / SLOWEST:g} s "
             "at most, as of a skin: if these are milliseconds, name their column time_ms"
         )
-    check_order(first.counts, patch)
     readings = sum(map(len, blocks()))
     if first.unit != "count":
         _check_unit(first, quantity)
@@ -224,6 +223,7 @@ def survey(
             notes += (f"in {first.unit} already: board, gain and calibration are not used",)
     else:
         conditioner, noise, notes = _of_counts(blocks, patch, layer, quantity, how, rate)
+    notes += order_note(first.counts, patch)
     if how.noise_std is not None:
         noise = np.full(len(patch), how.noise_std)
     if not isinstance(how.filter, NoFilter):

@@ -6,7 +6,7 @@ lie anywhere on the patch, the layout is another skin's, or the columns are in a
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
 from skinfield.skin import Patch
 
 READINGS = 1000  # that are looked at: those in which most is read
@@ -41,7 +41,10 @@ def partners(counts: Floats, patch: Patch) -> tuple[int, float, float]:
     if min(touched.size, len(most)) < FEWEST:
         return 0, 0.0, 0.0
     values = most[:, touched] - most[:, touched].mean(axis=0)
-    alike = (values.T @ values) / np.outer(*2 * [np.linalg.norm(values, axis=0)])
+    left, sizes, right = np.linalg.svd(values, full_matrices=False)
+    values = values - sizes[0] * np.outer(left[:, 0], right[0])  # what all read together
+    spread = np.maximum(np.linalg.norm(values, axis=0), 1e-12)
+    alike = (values.T @ values) / np.outer(spread, spread)
     np.fill_diagonal(alike, -1.0)
     other, sure = alike.argmax(axis=1), alike.max(axis=1) > TOGETHER
     places = patch.positions[touched]
@@ -51,12 +54,13 @@ def partners(counts: Floats, patch: Patch) -> tuple[int, float, float]:
     return int(sure.sum()), float(near.mean()) if sure.any() else 0.0, chance
 
 
-def check_order(counts: Floats, patch: Patch) -> None:
-    """Raise InputError where taxels that read together lie anywhere on the patch."""
+def order_note(counts: Floats, patch: Patch) -> tuple[str, ...]:
+    """A sentence where taxels that read together lie anywhere on the patch."""
     count, near, chance = partners(counts, patch)
-    if count >= FEWEST and near < LEAST * chance < 0.5:
-        raise InputError(
-            f"of {count} taxels that read together with another, {100 * near:.0f} % lie side by "
-            f"side on {patch.name!r}, as {100 * chance:.0f} % do in any order: expected the layout "
-            "of the recording's skin, with its taxels in the recording's order"
-        )
+    if not (count >= FEWEST and near < LEAST * chance < 0.5):
+        return ()
+    return (
+        f"of {count} taxels that read together with another, {100 * near:.0f} % lie side by side "
+        f"on {patch.name!r}, as {100 * chance:.0f} % do in any order: is it the layout of the "
+        "recording's skin, with its taxels in the recording's order?",
+    )

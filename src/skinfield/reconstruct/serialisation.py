@@ -173,7 +173,7 @@ class ReconstructorConfig:
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "ReconstructorConfig":
         """Undo `to_plain`; raises FileError for what it never writes."""
-        plain = {"relative": False, **plain}
+        plain = {"relative": True, **plain}  # files that do not say it
         missing = {*PARTS, "grid"} - set(plain)
         if missing:
             raise FileError(f"settings lack {', '.join(sorted(missing))}: is the file whole?")
