@@ -291,7 +291,10 @@ class Reconstructor:
         return self.plans.write(readings, out, stamp_ns, deadline)
 
     def reset(self) -> None:
-        """Forget the readings before, from which some solvers start the next."""
+        """Forget the readings before, from which solvers start the next: contacts and drift.
+
+        To be called between recordings.
+        """
         self.plans.reset()
 
     def __reduce__(self) -> tuple[Any, ...]:
