@@ -41,6 +41,7 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
+TAXELS_DIFFER = 0.55  # at least, standard deviation of the logarithm of their noise
 TOO_NOISY = 4.0  # times the noise of its calibration, or else of the median taxel
 APART = 3.5  # deviations of the logarithm of taxels' noise, that none is from the others
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
@@ -386,7 +387,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
             return []
         level, spreads = level_and_noise(np.log(varied)[:, None])
         middle = np.full(len(noise), level[0])
-        spread = max(float(spreads[0]), np.log(TOO_NOISY) / APART)
+        spread = max(float(spreads[0]), TAXELS_DIFFER)
         limit = APART * spread
     load = _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
     found = []
