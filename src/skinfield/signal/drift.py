@@ -6,8 +6,8 @@ followed by a Kalman filter (Kalman 1960, Journal of Basic Engineering 82, 35-45
 taxel, as noise is independent. What touches is what contacts explain, as far as their model is
 right; and what rests on the skin goes on being read as it is, so that what changes slowly is drift.
 A change that is too fast for one is another touch. What is read as faintly as drift is followed as
-drift, lest a rest that was mistaken be taken for a touch for ever. Jumps are drawn in (Huber 1964, Annals of
-Mathematical Statistics 35, 73-101): they move nothing.
+drift, lest a rest that was mistaken be taken for a touch for ever. Jumps are drawn in (Huber 1964,
+Annals of Mathematical Statistics 35, 73-101): they move nothing.
 """
 
 from typing import Any
