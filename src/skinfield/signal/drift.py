@@ -30,7 +30,7 @@ RECENT = 0.1  # weight of a reading in the mean of the recent ones, by which cha
 CHANGE = 5.0  # deviations of the sum of squares, from which on a pattern has changed
 READ = 2.0  # deviations from which on a taxel is one of a pattern
 LASTING = 10  # readings after which another number of contacts is believed
-FAINT = 6.0  # deviations that contacts explain at most, if they may as well be drift
+FAINT = 3.0  # deviations that contacts explain at most, if they may as well be drift
 LAG = 1.0  # deviations by which rests may be behind their drift
 
 Flags = NDArray[np.bool_]
