@@ -5,9 +5,8 @@ comes. What it reads beside what touches is its rest and noise: the rest is a ra
 followed by a Kalman filter (Kalman 1960, Journal of Basic Engineering 82, 35-45), a scalar for each
 taxel, as noise is independent. What touches is what contacts explain, as far as their model is
 right; and what rests on the skin goes on being read as it is, so that what changes slowly is drift.
-A change that is too fast for one is another touch. What is read as faintly as drift is followed as
-drift, lest a rest that was mistaken be taken for a touch for ever. Jumps are drawn in (Huber 1964,
-Annals of Mathematical Statistics 35, 73-101): they move nothing.
+A change that is too fast for one is another touch. Jumps are drawn in (Huber 1964, Annals of
+Mathematical Statistics 35, 73-101): they move nothing.
 """
 
 from typing import Any
@@ -30,7 +29,6 @@ RECENT = 0.1  # weight of a reading in the mean of the recent ones, by which cha
 CHANGE = 5.0  # deviations of the sum of squares, from which on a pattern has changed
 READ = 2.0  # deviations from which on a taxel is one of a pattern
 LASTING = 10  # readings after which another number of contacts is believed
-FAINT = 3.0  # deviations that contacts explain at most, if they may as well be drift
 LAG = 1.0  # deviations by which rests may be behind their drift
 
 Flags = NDArray[np.bool_]
@@ -155,11 +153,8 @@ def follow_rest(
         are held, of how many contacts, and for how many readings there were others.
     """
     rest, variance, held, recent, marks = state
-    wrong, clear = 0.0, 0.0
-    for taxel in range(len(rest)):
-        clear = max(clear, abs(predicted[taxel]) / noise[taxel])
-    faint = clear < FAINT
-    if contacts == 0 or faint:
+    wrong = 0.0
+    if contacts == 0:
         marks[0] = 0
     else:
         marks[2] = marks[2] + 1 if marks[1] != contacts else 0
@@ -181,7 +176,7 @@ def follow_rest(
         variance[taxel] += walk * own
         if not valid[taxel]:
             continue
-        expected, unsure = 0.0 if faint else predicted[taxel], own + wrong
+        expected, unsure = predicted[taxel], own + wrong
         if rests:
             expected = held[taxel]
             unsure *= UNDER**2 if abs(expected) > READ * noise[taxel] else 1.0
