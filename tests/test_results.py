@@ -241,25 +241,3 @@ def test_a_missing_package_names_its_extra(good: Path, package: str, monkeypatch
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[batch\]'"):
         open_results(good)
-
-
-def test_where_taxels_rest_goes_on_from_run_to_run(tmp_path: Path) -> None:
-    patch, rng, readings = sf.layouts.hexagon72(), np.random.default_rng(4), 12 * results_module.RUN
-    drift = np.linspace(0.0, 1.0, readings)[:, None] * rng.normal(0.0, 8e-3, len(patch))
-    values = drift + rng.normal(0.0, 0.002, drift.shape)
-    stamps = (np.arange(readings) + 1) * 200_000_000
-    grid = sf.Grid.square(patch, nodes=12)
-    made = sf.Reconstructor(patch, sf.Layer(), grid, noise_std=0.002)
-    place = pending(tmp_path / "drift.skinfield")
-    writer = ResultsWriter(place, ReconstructorConfig.of(made))
-    writer.write(stamps, values)
-    writer.close()
-    place.commit()
-    results = read_results(tmp_path / "drift.skinfield")
-    found = [len(each) for each in results.estimates(0, readings).contacts]
-    assert np.mean(found) < 0.02
-    through = made(values, stamp_ns=stamps)
-    assert abs(np.mean(found) - np.mean([len(each) for each in through.contacts])) < 0.02
-    made.reset()
-    late = made(values[-256:], stamp_ns=stamps[-256:])
-    assert np.mean([len(each) for each in late.contacts]) > 0.5  # what would be without

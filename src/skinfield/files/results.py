@@ -37,7 +37,6 @@ from skinfield.reconstruct.serialisation import (
     attributes_from_results,
     results_from_attributes,
 )
-from skinfield.signal.drift import Drift
 from skinfield.skin import Grid
 
 if TYPE_CHECKING:
@@ -87,10 +86,8 @@ class ResultsWriter:
             create_array(self._group, "stamp_ns", SERIES["stamp_ns"], (0,), (BLOCK,))
             spec = ("f8", ("taxel",), config.quantity.unit, "of the taxels")
             create_array(self._group, "readings", spec, (0, taxels), (BLOCK, taxels))
-        self._drift = Drift(np.broadcast_to(np.asarray(config.noise_std, np.float64), taxels))
-        self._rests: list[Floats] = []  # where runs begin
         self._waiting: list[tuple[NDArray[np.int64], Floats]] = []
-        self._count = self._seen = 0
+        self._count = 0
 
     def write(self, stamp_ns: NDArray[np.int64], readings: Floats) -> None:
         """Add readings (T, L), in the quantity's unit, with their stamps (T,).
@@ -102,31 +99,14 @@ class ResultsWriter:
         """
         check_shape("readings", readings, (None, len(self.config.patch)), "one number per taxel")
         check_shape("stamp_ns", stamp_ns, (len(readings),), "one per reading")
-        self._follow(stamp_ns, readings)
         self._waiting.append((stamp_ns, readings))
         self._count += len(readings)
         if self._count >= BLOCK:
             self._flush(self._count - self._count % BLOCK)  # no chunk is written twice
 
-    def _follow(self, stamp_ns: NDArray[np.int64], readings: Floats) -> None:
-        """Follow where taxels rest, and take note of it where runs begin."""
-        valid, drift = ~np.isnan(readings), self._drift
-        for stamp, reading, its in zip(stamp_ns.tolist(), readings, valid, strict=True):
-            begin = self._seen + WARM
-            if begin > 0 and begin % RUN == 0:
-                self._rests.append(drift.known)
-            drift.watch(reading, its, stamp)
-            self._seen += 1
-
     def close(self, notes: tuple[str, ...] = ()) -> None:
         """Write what is left, and what was assumed, found and left out."""
         self._flush(self._count)
-        if self._rests:
-            shape = (len(self._rests), 2, len(self.config.patch))
-            spec = ("f8", ("run", "moment", "taxel"), self.config.quantity.unit, "where runs begin")
-            with explained(self.place.target):
-                create_array(self._group, "rest", spec, shape, shape)
-                self._group["rest"][...] = np.stack(self._rests)
         if not self._group["stamp_ns"].shape[0]:
             raise InputError("no reading was written, expected one or more")
         with explained(self.place.target):
@@ -246,9 +226,6 @@ class Results:
         Where the readings come from.
     stored : mapping
         Zarr arrays of the fields that are stored, by their name.
-    rest : (R, 2, L) array
-        Where taxels rest when the readings before the second run and its followers begin, and the
-        variance of that.
     """
 
     config: ReconstructorConfig
@@ -258,7 +235,6 @@ class Results:
     notes: tuple[str, ...] = ()
     source: str = ""
     stored: Mapping[str, Any] = field(default_factory=dict)
-    rest: Floats = field(default_factory=lambda: np.zeros((0, 2, 0)))
 
     def __len__(self) -> int:
         return int(self.readings.shape[0])
@@ -312,9 +288,7 @@ class Results:
             for begin in range(first - first % RUN, last, RUN):
                 start, stop = max(begin - WARM, 0), min(begin + RUN, last)
                 values, stamps = self.values(start, stop), self.stamps(start, stop)
-                run = begin // RUN - 1
-                known = self.rest[run] if 0 <= run < len(self.rest) else None
-                self.reconstructor.plans.reset(known)
+                self.reconstructor.reset()
                 found = self.reconstructor(values, stamp_ns=stamps)
                 each += (found[at] for at in range(max(begin, first) - start, len(found)))
         return Estimate.joined(each, stamp_ns=self.stamps(first, last))
@@ -510,10 +484,7 @@ def read_results(
             grid=config.grid if grid is None else grid.on(config.patch),
         )
         stored = {}
-    rest = np.zeros((0, 2, 0))
-    if "rest" in arrays:
-        rest = np.asarray(_checked(path, arrays, "rest")[...])
-    return Results(config, str(path), stamps, readings, notes, source, stored, rest)
+    return Results(config, str(path), stamps, readings, notes, source, stored)
 
 
 def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
@@ -538,8 +509,7 @@ def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
 
 def _checked(path: str | Path, arrays: Mapping[str, Any], name: str) -> Any:
     """An array all of whose chunks are there."""
-    kinds = {"stamp_ns": "int64", "readings": "float64", "rest": "float64"}
-    kind = kinds.get(name, "float32")
+    kind = {"stamp_ns": "int64", "readings": "float64"}.get(name, "float32")
     array = arrays.get(name)
     if array is None or str(array.dtype) != kind:
         raise FileError(f"{path} holds no {name} of {kind}, expected them: is the folder whole?")

@@ -364,14 +364,10 @@ class Plan:
         live = LiveContacts([self.find.level(known)])
         return Followed(known), live, 1.0 / noise, np.zeros_like(noise)
 
-    def reset(self, rest: Floats | None = None) -> None:
-        """Forget the readings before, but for where taxels rest: `Drift.known`, if it is."""
-        if rest is not None and not self._spare:
-            self._spare.append(Followed(self.whole))
+    def reset(self) -> None:
+        """Forget the readings before."""
         for memory in self._spare:
             memory.reset()
-            if rest is not None and memory.drift is not None:
-                memory.drift.go_on_from(rest)
         if "_live" in vars(self):
             memory, live, *_ = self._live
             memory.reset()

@@ -21,7 +21,6 @@ FOLLOWED = 5.0  # s in which a drift is followed, at the usual rate
 UNDER = 6.0  # times longer, of a taxel that reads what rests on the skin
 USUAL = 0.02  # s between readings that have no stamps
 BACK_NS = 1_000_000_000  # by which a stamp must be older for all to begin anew
-STANDS = 5.0  # deviations that two taxels read, or twice as many one, where something touches
 LONGEST = 3600.0  # s: after a longer pause, a rest is as uncertain as after this
 JUMP = 3.0  # deviations from which on an innovation is drawn in
 SETTLED = 25  # readings whose mean is the pattern of what rests
@@ -250,26 +249,6 @@ class Drift:
         left, noise, nothing, before, state = self._parts[patch]
         explained = nothing if predicted is None else predicted
         follow_rest(left, valid, noise, explained, misfit, contacts, stamp_ns, before, state)
-
-    def watch(self, reading: Floats, valid: Flags, stamp_ns: int) -> None:
-        """Follow the rest by readings (L,) alone: what stands out of the noise is a touch."""
-        left = np.where(valid, self.take(reading, stamp_ns), 0.0)
-        away = np.sort(np.abs(left) / self.noise_std)[-2:]
-        if away[0] > STANDS or away[-1] > 2.0 * STANDS:
-            touch = np.where(np.abs(left) > READ * self.noise_std, left, 0.0)
-            self.learn(valid, stamp_ns, touch, contacts=1)
-        else:
-            self.learn(valid, stamp_ns)
-
-    @property
-    def known(self) -> Floats:
-        """Rest and its variance, (2, L), from which another may go on."""
-        return np.stack([self.rest, self.variance])
-
-    def go_on_from(self, known: Floats) -> None:
-        """Begin anew with a rest and its variance (2, L)."""
-        self.reset()
-        self.rest[:], self.variance[:] = known
 
     def learn_idle(self, valid: Flags, idle: Flags, stamps_ns: Ints) -> None:
         """Follow the rest of patches that nothing touches, as `idle` (P,) says."""
