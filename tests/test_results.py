@@ -241,3 +241,20 @@ def test_a_missing_package_names_its_extra(good: Path, package: str, monkeypatch
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[batch\]'"):
         open_results(good)
+
+
+def test_where_taxels_rest_goes_on_from_run_to_run(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(results_module, "WARM", 32)
+    rng, readings = np.random.default_rng(4), 12 * results_module.RUN
+    drift = np.linspace(0.0, 1.0, readings)[:, None] * rng.normal(0.0, 8e-3, len(PATCH))
+    values = drift + rng.normal(0.0, 0.002, drift.shape)
+    stamps = (np.arange(readings) + 1) * 200_000_000
+    made = sf.Reconstructor(PATCH, sf.Layer(), sf.Grid.square(PATCH, nodes=12), noise_std=0.002)
+    save_results(tmp_path / "drift.skinfield", made, values, stamps)
+    results = read_results(tmp_path / "drift.skinfield")
+    found = [len(each) for each in results.estimates(0, readings).contacts]
+    assert np.mean(found) < 0.02
+    late = [len(each) for each in results.estimates(readings - 40, readings).contacts]
+    assert late == found[-40:]
+    alone = made(values[-256:], stamp_ns=stamps[-256:])
+    assert np.mean([len(each) for each in alone.contacts]) > 0.5  # what would be without

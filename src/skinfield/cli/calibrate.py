@@ -544,11 +544,9 @@ def _loads_of(
 ) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
     """What reconstructs a recording, its stamps (T,) ns, and their normal force (T,) N."""
     from skinfield.cli.reconstruct_jobs import parts, place_of, take_in
-    from skinfield.files.results import read_results
 
     with place_of(None) as place:
-        take_in(recording, plan, place)
-        results = read_results(place.part)
+        results, _ = take_in(recording, plan, place)
         report.say_notes(results.notes)
         loads: list[Floats] = []
         with report.progress("reconstructing", len(results)) as step:

@@ -55,7 +55,8 @@ def reconstruct(
     A recording may be longer than memory. -o run.skinfield stores its readings, its contacts and
     what reconstructs them, far less than the fields, which are computed when they are looked at: in
     Python with skinfield.open_results, here with --slice. Solvers that start from the reading
-    before (auto, contact, nonnegative) do so within runs of 256, each from the 32 before it.
+    before (auto, contact, nonnegative) do so within runs of 256, each from the 32 before it;
+    where taxels rest is followed from the first reading on.
 
     Several recordings, or one by several processes, go into a folder: -o DIR gets results of each,
     made window by window by Dask's workers, here or on a cluster. What is complete stands in
@@ -215,8 +216,10 @@ def _reconstruct_one(
         place = files.enter_context(place_of(stores[0] if stores else None, parent))
         tables = [files.enter_context(open_contacts(name)) for name in output if name not in stores]
         series = files.enter_context(open_fields(fields)) if fields else None
-        skipped = 0 if plan is None else take_in(recording, plan, place)
-        results = read_results(recording if plan is None else place.part)
+        if plan is None:
+            results, skipped = read_results(recording), 0
+        else:
+            results, skipped = take_in(recording, plan, place)
         if stores and slice_ is None:
             folder = place.part / CONTACTS
             folder.mkdir()

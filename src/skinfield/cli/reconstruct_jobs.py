@@ -153,11 +153,13 @@ def place_of(store: str | None, parent: Path | None = None) -> Iterator[Pending]
         raise
 
 
-def take_in(recording: str, plan: JobPlan, place: Pending, *, quiet: bool = False) -> int:
-    """Read and condition a recording in one pass, into a folder of results.
+def take_in(
+    recording: str, plan: JobPlan, place: Pending, *, quiet: bool = False
+) -> tuple[Results, int]:
+    """Read and condition a recording in one pass, into a folder of results; follow its rest.
 
-    Beside the place's part there is room for the recording's numbers. Returns the number of lines
-    that were skipped.
+    Beside the place's part there is room for the recording's numbers. Returns the results, and the
+    number of lines that were skipped.
     """
     patch, layer = plan.patch, options.layer_of(plan.elastomer)
     counts, folder = plan.counts, place.part.parent
@@ -173,7 +175,11 @@ def take_in(recording: str, plan: JobPlan, place: Pending, *, quiet: bool = Fals
         config = options.config_of(patch, layer, quantity, found.noise_std, plan.model, relative)
         writer = ResultsWriter(place, config, spool.like.source)
         _condition(spool, found, how, writer)
-    return spool.skipped
+    results = read_results(place.part)
+    if len(results) > RUN:
+        with report.progress("following rest", len(results), quiet=quiet) as step:
+            results.store_rest(step)
+    return results, spool.skipped
 
 
 def is_relative(assumed: tuple[str, ...], unit: str) -> bool:
@@ -261,8 +267,7 @@ def intake_job(recording: str, plan: JobPlan, part: str, fields: bool) -> list[i
     place = Pending(Path(part), Path(part))
     place.discard()  # of a run that was ended
     try:
-        skipped = take_in(recording, plan, place, quiet=True)
-        results = read_results(place.part, computed=True)
+        results, skipped = take_in(recording, plan, place, quiet=True)
         if fields:
             create_fields(place.part, results.config.grid, len(results))
     except BaseException:

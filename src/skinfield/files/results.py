@@ -4,6 +4,7 @@
       results.zarr/      attributes: layout, grid, elastomer, solver; notes; source
         stamp_ns/        (T,) int64, ns
         readings/        (T, L) float64, in the quantity's unit; NaN where a taxel did not answer
+        rest/            (R, 2, L) float64, where taxels rest as runs begin, where that is followed
         pressure/ pressure_std/ displacement/ position/      where fields are stored
       contacts.parquet/  one row per contact and reading: `estimate.contact_table.COLUMNS`
 
@@ -202,6 +203,9 @@ def save_results(
         writer = ResultsWriter(place, ReconstructorConfig.of(reconstructor), source)
         writer.write(stamps.astype(np.int64), table)
         writer.close(notes)
+        written = read_results(place.part)
+        written.reconstructor = reconstructor
+        written.store_rest()
         place.commit()
     except BaseException:
         place.discard()
@@ -226,6 +230,8 @@ class Results:
         Where the readings come from.
     stored : mapping
         Zarr arrays of the fields that are stored, by their name.
+    rest : (R, 2, L) array
+        Where taxels rest as the second run and those after it begin, and the variance of that.
     """
 
     config: ReconstructorConfig
@@ -235,6 +241,7 @@ class Results:
     notes: tuple[str, ...] = ()
     source: str = ""
     stored: Mapping[str, Any] = field(default_factory=dict)
+    rest: Floats = field(default_factory=lambda: np.zeros((0, 2, 0)))
 
     def __len__(self) -> int:
         return int(self.readings.shape[0])
@@ -265,6 +272,34 @@ class Results:
         """Prepared when it is first needed."""
         return self.config.reconstructor()
 
+    def store_rest(self, step: Callable[[int], None] = lambda count: None) -> None:
+        """Answer all readings in turn, and store where taxels rest as runs begin.
+
+        Of solvers that follow it; `step` is called with the number of readings that are done.
+        """
+        plans = self.reconstructor.plans
+        memory, rests = (
+            plans.memory(),
+            np.zeros(((len(self) - 1) // RUN, 2, len(self.config.patch))),
+        )
+        if memory.drift is None or not len(rests):
+            return
+        for run in range(len(rests)):
+            begin = run * RUN
+            values, stamps = self.values(begin, begin + RUN), self.stamps(begin, begin + RUN)
+            for at, (reading, stamp) in enumerate(zip(values, stamps.tolist(), strict=True)):
+                if at == RUN - WARM:
+                    rests[run] = memory.drift.known
+                valid = ~np.isnan(reading)
+                memory.solve(plans.of(valid), reading, valid, stamp, None)
+            step(begin + len(values))
+        self.rest = rests
+        group = load_zarr().open_group(Path(self.path) / ARRAYS, mode="r+")
+        spec = ("f8", ("run", "moment", "taxel"), self.config.quantity.unit, "where runs begin")
+        with explained(Path(self.path)):
+            create_array(group, "rest", spec, rests.shape, rests.shape)
+            group["rest"][...] = rests
+
     def estimate(self, reading: int) -> Estimate:
         """Everything of one reading, from those before it in its run.
 
@@ -280,15 +315,18 @@ class Results:
     def estimates(self, first: int, last: int) -> Estimate:
         """Readings first to last as one estimate, whose contacts are found when looked at.
 
-        Runs begin at multiples of `RUN`, from the `WARM` readings before, and these from nothing,
-        so that what a reading gives does not depend on which others are wanted.
+        Runs begin at multiples of `RUN`, from the `WARM` readings before, and these from where
+        taxels rest, so that what a reading gives does not depend on which others are wanted.
         """
         each: list[Estimate] = []
         with _LOCK:
             for begin in range(first - first % RUN, last, RUN):
                 start, stop = max(begin - WARM, 0), min(begin + RUN, last)
                 values, stamps = self.values(start, stop), self.stamps(start, stop)
-                self.reconstructor.reset()
+                run = begin // RUN - 1
+                self.reconstructor.plans.reset(
+                    self.rest[run] if 0 <= run < len(self.rest) else None
+                )
                 found = self.reconstructor(values, stamp_ns=stamps)
                 each += (found[at] for at in range(max(begin, first) - start, len(found)))
         return Estimate.joined(each, stamp_ns=self.stamps(first, last))
@@ -484,7 +522,10 @@ def read_results(
             grid=config.grid if grid is None else grid.on(config.patch),
         )
         stored = {}
-    return Results(config, str(path), stamps, readings, notes, source, stored)
+    rest = np.asarray(_checked(path, arrays, "rest")[...]) if "rest" in arrays else None
+    if rest is None or rest.shape[1:] != (2, len(config.patch)):
+        rest = np.zeros((0, 2, 0))
+    return Results(config, str(path), stamps, readings, notes, source, stored, rest)
 
 
 def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
@@ -509,7 +550,8 @@ def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
 
 def _checked(path: str | Path, arrays: Mapping[str, Any], name: str) -> Any:
     """An array all of whose chunks are there."""
-    kind = {"stamp_ns": "int64", "readings": "float64"}.get(name, "float32")
+    kinds = {"stamp_ns": "int64", "readings": "float64", "rest": "float64"}
+    kind = kinds.get(name, "float32")
     array = arrays.get(name)
     if array is None or str(array.dtype) != kind:
         raise FileError(f"{path} holds no {name} of {kind}, expected them: is the folder whole?")

@@ -312,7 +312,7 @@ class Plan:
         try:
             memory = self._spare.pop()
         except IndexError:
-            memory = Followed(self.whole)
+            memory = self.memory()
         solution, data = memory.solve(operator, reading, valid, int(stamp_ns), end), memory.data
         solved, solution = time.perf_counter_ns(), solution.keep()
         margin = data.margin if data.searched else None  # else it could not have been any earlier
@@ -364,10 +364,18 @@ class Plan:
         live = LiveContacts([self.find.level(known)])
         return Followed(known), live, 1.0 / noise, np.zeros_like(noise)
 
-    def reset(self) -> None:
-        """Forget the readings before."""
+    def memory(self) -> Followed:
+        """That has seen no reading, of one that goes through a recording."""
+        return Followed(self.whole)
+
+    def reset(self, rest: Floats | None = None) -> None:
+        """Forget the readings before, but for where taxels rest: `Drift.known`, if it is given."""
+        if rest is not None and not self._spare:
+            self._spare.append(self.memory())
         for memory in self._spare:
             memory.reset()
+            if rest is not None and memory.drift is not None:
+                memory.drift.go_on_from(rest)
         if "_live" in vars(self):
             memory, live, *_ = self._live
             memory.reset()

@@ -250,6 +250,16 @@ class Drift:
         explained = nothing if predicted is None else predicted
         follow_rest(left, valid, noise, explained, misfit, contacts, stamp_ns, before, state)
 
+    @property
+    def known(self) -> Floats:
+        """Rest and its variance, (2, L), from which another may go on."""
+        return np.stack([self.rest, self.variance])
+
+    def go_on_from(self, known: Floats) -> None:
+        """Begin anew with a rest and its variance (2, L)."""
+        self.reset()
+        self.rest[:], self.variance[:] = known
+
     def learn_idle(self, valid: Flags, idle: Flags, stamps_ns: Ints) -> None:
         """Follow the rest of patches that nothing touches, as `idle` (P,) says."""
         known = self._left, valid, self.noise_std, idle, self._starts, stamps_ns, self._stamps
