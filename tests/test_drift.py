@@ -150,3 +150,17 @@ def test_a_live_skin_that_drifts_is_silent_and_keeps_what_rests_on_it() -> None:
     number = np.array([slot.patches["contacts"][0] for slot in held])
     assert np.mean(number == 1) > 0.95
     assert np.median(force[-200:]) == pytest.approx(np.median(force[100:300]), rel=0.05)
+
+
+def test_a_press_between_taxels_is_no_drift_though_it_is_found_in_nine_readings_of_ten() -> None:
+    ball = sf.simulate.Sphere(radius=6e-3, position=(2e-3, 1e-3), force=1.0)  # 5 mm from any taxel
+    pressed = sf.simulate.press(LAYER, [ball]).capacitance(PATCH.positions, PATCH.pad_diameter)
+    assert np.abs(pressed).max() < 5 * NOISE
+    rec, rng = sf.Reconstructor(PATCH, LAYER, noise_std=NOISE), np.random.default_rng(1)
+    out, forces = rec.rows(), np.zeros(1500)
+    for at in range(-100, len(forces)):
+        reading = rng.normal(0.0, NOISE, len(PATCH)) + (pressed if at >= 0 else 0.0)
+        found = rec.into(reading, out, stamp_ns=(at + 101) * 20_000_000)
+        if at >= 0:
+            forces[at] = out["normal_force"][:found].sum()
+    assert np.abs(forces.reshape(3, -1).mean(axis=1) - 1.0).max() < 0.15

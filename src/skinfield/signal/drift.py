@@ -76,48 +76,6 @@ def draw_near(value: float, gain: float, step: float, most: float) -> float:
 
 
 @njit
-def follow_idle(
-    left: Floats,
-    valid: Flags,
-    noise: Floats,
-    idle: Flags,
-    starts: Ints,
-    stamps: Ints,
-    stamps_before: Ints,
-    state: tuple[Floats, Floats, Floats, Floats, Ints],
-) -> None:
-    """`follow_rest` of all patches that nothing touches, as `idle` (P,) says.
-
-    Parameters
-    ----------
-    left, valid, noise : (L,) arrays
-        Of the taxels of all patches.
-    starts : (P + 1,) array
-        Where each patch's taxels begin.
-    stamps, stamps_before : (P,) arrays, ns
-        Of this reading, and the one before, which becomes this one.
-    state : tuple of arrays
-        Of all patches.
-    """
-    rest, variance, _, _, marks = state
-    for patch in range(len(idle)):
-        if not idle[patch]:
-            continue
-        seconds = seconds_since(stamps_before[patch], stamps[patch])
-        walk = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2
-        stamps_before[patch], marks[patch, 0] = stamps[patch], 0
-        for taxel in range(starts[patch], starts[patch + 1]):
-            own = noise[taxel] * noise[taxel]
-            variance[taxel] += walk * own
-            if valid[taxel]:
-                total = variance[taxel] + own
-                gain = variance[taxel] / total
-                most = JUMP * np.sqrt(total)
-                rest[taxel] = draw_near(rest[taxel], gain, left[taxel], most)
-                variance[taxel] *= 1.0 - gain
-
-
-@njit
 def follow_rest(
     left: Floats,
     valid: Flags,
@@ -153,20 +111,18 @@ def follow_rest(
     """
     rest, variance, held, recent, marks = state
     wrong = 0.0
-    if contacts == 0:
-        marks[0] = 0
-    else:
+    if contacts > 0 or marks[0] > 0:
         marks[2] = marks[2] + 1 if marks[1] != contacts else 0
         resting = marks[0] > 0 and marks[2] < LASTING
         if not resting or has_changed(left, valid, noise, held, predicted, recent):
             marks[0], marks[1], marks[2] = 0, contacts, 0
             held[:] = recent[:] = 0.0
-        if marks[0] < SETTLED:
-            marks[0] += 1
-            for taxel in range(len(rest)):
-                if valid[taxel]:
-                    held[taxel] += (left[taxel] - held[taxel]) / marks[0]
-                wrong = max(wrong, abs(predicted[taxel]))
+    if (contacts > 0 or marks[0] > 0) and marks[0] < SETTLED:
+        marks[0] += 1
+        for taxel in range(len(rest)):
+            if valid[taxel]:
+                held[taxel] += (left[taxel] - held[taxel]) / marks[0]
+            wrong = max(wrong, abs(predicted[taxel]))
     rests, seconds = marks[0] == SETTLED, seconds_since(before_ns[0], stamp_ns)
     before_ns[0] = stamp_ns
     walk, wrong = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2, (misfit * wrong) ** 2
@@ -183,6 +139,41 @@ def follow_rest(
         most, gain = JUMP * np.sqrt(variance[taxel] + own + wrong), variance[taxel] / total
         rest[taxel] = draw_near(rest[taxel], gain, left[taxel] - expected, most)
         variance[taxel] *= 1.0 - gain
+
+
+@njit
+def follow_idle(
+    left: Floats,
+    valid: Flags,
+    noise: Floats,
+    nothing: Floats,
+    idle: Flags,
+    starts: Ints,
+    stamps: Ints,
+    stamps_before: Ints,
+    state: tuple[Floats, Floats, Floats, Floats, Ints],
+) -> None:
+    """`follow_rest` of all patches that nothing touches, as `idle` (P,) says.
+
+    Parameters
+    ----------
+    left, valid, noise, nothing : (L,) arrays
+        Of the taxels of all patches; the last is 0.
+    starts : (P + 1,) array
+        Where each patch's taxels begin.
+    stamps, stamps_before : (P,) arrays, ns
+        Of this reading, and the one before, which becomes this one.
+    state : tuple of arrays
+        Of all patches.
+    """
+    rest, variance, held, recent, marks = state
+    for patch in range(len(idle)):
+        if idle[patch]:
+            a, b = starts[patch], starts[patch + 1]
+            own = rest[a:b], variance[a:b], held[a:b], recent[a:b], marks[patch]
+            parts = left[a:b], valid[a:b], noise[a:b], nothing[a:b]
+            before = stamps_before[patch : patch + 1]
+            follow_rest(*parts, 0.0, 0, stamps[patch], before, own)
 
 
 class Drift:
@@ -262,5 +253,5 @@ class Drift:
 
     def learn_idle(self, valid: Flags, idle: Flags, stamps_ns: Ints) -> None:
         """Follow the rest of patches that nothing touches, as `idle` (P,) says."""
-        known = self._left, valid, self.noise_std, idle, self._starts, stamps_ns, self._stamps
-        follow_idle(*known, self._state)
+        known = self._left, valid, self.noise_std, self._nothing, idle
+        follow_idle(*known, self._starts, stamps_ns, self._stamps, self._state)
