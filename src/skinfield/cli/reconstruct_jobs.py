@@ -91,21 +91,9 @@ class JobPlan:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
-        if skin := options.touched_skin(counts.calibration):
-            found = {
-                "thickness_mm": skin.thickness * 1e3,
-                "modulus_kpa": skin.young_modulus * 1e-3,
-                "poisson": skin.poisson_ratio,
-            }
-            for name, value in found.items():
-                if getattr(elastomer, name) is None:
-                    elastomer = replace(elastomer, **{name: value})  # type: ignore[arg-type]
-            if skin.covered and model.mechanics is None:
-                model = replace(model, mechanics="covered-layer")
-            report.note(skin.verdict)
-        known_gain = counts.gain is not None or counts.calibration is not None
-        unknown = skin.relative if skin else elastomer.modulus_kpa is None
-        names = (("gain", not known_gain), ("modulus", unknown))
+        given = elastomer
+        elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
+        assumed = options.assumed_of(counts, given, skin)
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
@@ -115,7 +103,7 @@ class JobPlan:
             counts=options.filled(counts, profile),
             elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
             model=options.filled(model, profile),
-            assumed=tuple(name for name, is_assumed in names if is_assumed),
+            assumed=assumed,
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -169,18 +157,11 @@ def take_in(recording: str, plan: JobPlan, place: Pending, *, quiet: bool = Fals
         quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[spool.like.unit])
         step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)
-        relative = is_relative(plan.assumed, spool.like.unit)
+        relative = options.is_relative(plan.assumed, spool.like.unit)
         config = options.config_of(patch, layer, quantity, found.noise_std, plan.model, relative)
         writer = ResultsWriter(place, config, spool.like.source)
         _condition(spool, found, how, writer)
     return spool.skipped
-
-
-def is_relative(assumed: tuple[str, ...], unit: str) -> bool:
-    """Whether forces hold up to one factor, where this is assumed and readings have such a unit."""
-    if unit == "Pa":  # the base bears the force, whatever its modulus
-        return False
-    return bool(set(assumed) - ({"gain"} if unit != "count" else set()))
 
 
 def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWriter) -> None:
