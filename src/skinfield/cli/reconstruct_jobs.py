@@ -78,7 +78,7 @@ class JobPlan:
 
         A layout that is a recording of a live skin brings its settings and calibration.
         """
-        board = None if counts.board == "auto" else counts.board
+        board, given, scale = None if counts.board == "auto" else counts.board, elastomer, counts
         recorded = options.settings_in(layout) if layout.lower().endswith(options.LIVE) else None
         if recorded is None:
             profile = options.profile_in_use(elastomer, board, layout)
@@ -91,9 +91,14 @@ class JobPlan:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
-        given = elastomer
+            named = scale.calibration or known.calibration  # what it has enclosed may be a tare
+            scale = replace(scale, gain=scale.gain or known.gain, calibration=named)
+            mechanics = model.mechanics or recorded.model.mechanics
+            model = replace(model, mechanics=mechanics)
         elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
-        assumed = options.assumed_of(counts, given, skin)
+        assumed = options.assumed_of(scale, given, skin)
+        if recorded is not None and given.modulus_kpa is None and skin is None:
+            assumed = assumed if options.relative_in(layout) else ()  # as it was live
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
