@@ -365,13 +365,6 @@ def settings_in(path: str) -> Settings | None:
     return None if plain is None else from_plain(Settings, plain)
 
 
-def relative_in(path: str) -> bool:
-    """Whether forces of a recording of a live skin hold up to one factor; older do not say it."""
-    from skinfield.files.mcap.live import LiveRecording
-
-    return bool(LiveRecording.open(Path(path)).configuration.get("relative", True))
-
-
 def flag_of(name: str) -> str:
     """Flag of a field or parameter, without its dashes."""
     return FLAGS.get(name, name.strip("_").replace("_", "-").lower())

@@ -22,9 +22,11 @@ from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.estimate.contact_table import RELATIVE, scale_of
 from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import (
@@ -98,7 +100,7 @@ class JobPlan:
         elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
         assumed = options.assumed_of(scale, given, skin)
         if recorded is not None and given.modulus_kpa is None and skin is None:
-            assumed = assumed if options.relative_in(layout) else ()  # as it was live
+            assumed = assumed if LiveRecording.open(Path(layout)).relative else ()  # as it was live
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
@@ -400,7 +402,8 @@ def reconstruct_many(
         with dask_client(*cluster) as client, _watched(len(manifest.names)) as watch:
             failures = run_jobs(manifest, plan, store_fields, client, watch)
     rows = _rows_of(manifest)
-    lines = [report.table_of(f"results in {folder}", rows, RECORDING)] if rows else []
+    columns = report.in_scale(RECORDING, any(row["scale"] == RELATIVE for row in rows))
+    lines = [report.table_of(f"results in {folder}", rows, columns)] if rows else []
     report.finish(as_json, {"folder": str(folder), "recordings": rows}, lines=lines)
     if failures:
         each = "\n\n".join(f"{name}: {why}" for name, why in failures.items())
@@ -444,6 +447,7 @@ def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
                 "skipped_lines": entry.skipped,
                 "taxels_left_out": len(totals.silent or ()),
                 "contacts": totals.contacts,
+                "scale": scale_of(results.config.relative),
                 "highest_force_N": totals.highest_force,
                 "highest_force_reading": totals.peak,
             }

@@ -30,7 +30,7 @@ from skinfield.cli.settings import (
     toml_from_settings,
 )
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.estimate.contact_table import NEWTONS, RELATIVE
+from skinfield.estimate.contact_table import scale_of
 from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
@@ -506,7 +506,7 @@ def summary_of(
     """
     return {
         **status.since.as_dict(),
-        "scale": RELATIVE if status.relative else NEWTONS,
+        "scale": scale_of(status.relative),
         "lost": status.lost,
         "solver": status.notes.get("solver"),
         "linear_s": status.notes.get("linear_s"),

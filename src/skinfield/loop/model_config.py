@@ -28,7 +28,7 @@ from skinfield.signal import Convention, Port
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, ContactFit, NonNegative, Solution, Solver
 
-VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows", "relative")
+VALUES = "layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows", "relative"
 
 
 @dataclass(frozen=True, eq=False)

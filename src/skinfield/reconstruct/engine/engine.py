@@ -219,8 +219,9 @@ class Engine:
         Parameters
         ----------
         readings : mapping from names of patches to (L,) array, or sequence in the skin's order
-            In the quantity's unit; with a calibration, counts. NaN, and numbers that no skin reads, mark taxels that did not
-            answer. A patch without a reading (not in the mapping, or None) is reported as missing.
+            In the quantity's unit; with a calibration, counts. NaN, and numbers that no skin reads,
+            mark taxels that did not answer. A patch without a reading (not in the mapping, or None)
+            is reported as missing.
         valid : mapping from names of patches to (L,) bool array, optional
             False for further taxels to leave out.
         stamp_ns : int, ns
