@@ -36,7 +36,7 @@ export function fixed(value, places = 1) {
 
 /** The unit of forces; they may hold up to one factor only. */
 export function forceUnit(relative) {
-  return relative ? "relative" : "N";
+  return relative ? "rel." : "N";
 }
 
 /** A quantity with its unit: quantity(0.00123, "m") is "1.23 mm". */
