@@ -180,13 +180,14 @@ HEADS = ("force N", "± N", "peak kPa", "highest N")  # of what is relative unti
 
 
 def in_scale(columns: Iterable[Column], relative: bool) -> list[Column]:
-    """Columns whose heads say so where forces are relative."""
-    return [
-        each._replace(head=f"{each.head.split()[0]} rel.")
-        if relative and each.head in HEADS
-        else each
-        for each in columns
-    ]
+    """Columns whose heads say so where forces are relative; narrow ones have no unit then."""
+    made = []
+    for each in columns:
+        if relative and each.head in HEADS:
+            name = each.head.split()[0]
+            each = each._replace(head=name if each.width else f"{name} rel.")
+        made.append(each)
+    return made
 
 
 def table_of_contacts(contacts: Sequence["Contact"], title: str, relative: bool = False) -> Table:

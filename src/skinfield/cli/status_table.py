@@ -79,6 +79,8 @@ def _headline(status: LiveStatus) -> Text:
     if status.state in STYLES and (start := start_in_words(status.notes)):
         text.append(f": {start}", "yellow")
     text.append(f"  {status.rate:,.0f} cycles/s")
+    if status.relative:
+        text.append("  forces relative", "yellow")
     if status.pid:  # a replay has no process
         text.append(f"  process {status.pid}")
     if status.generation > 1:
