@@ -139,5 +139,5 @@ def test_touches_of_readings_need_no_counts() -> None:
     np.testing.assert_allclose(values, expected)
     np.testing.assert_allclose(np.delete(found.noise_std, 7), np.delete(known.noise_std, 7))
     counts = Recording(20_000_000 * np.arange(4), np.full((4, 72), 200.0))
-    with pytest.raises(InputError, match="is of readings .* the recording is of counts"):
+    with pytest.raises(InputError, match=r"is of readings .* the recording is of counts"):
         condition(counts, PATCH, sf.Layer(), sf.Capacitance(), how)
