@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.elastic import BondedLayer, Layer, Mechanics, Quantity
+from skinfield.elastic import BondedLayer, Layer, Mechanics, Quantity, check_skin
 from skinfield.errors import Floats, InputError, check_type
 from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.signal import Calibration
@@ -47,16 +47,13 @@ class PatchModel:
         mechanics: Mechanics | None = None,
         relative: bool | None = None,
     ) -> "PatchModel":
-        """See the class; raises InputError for a calibration of another patch or kind."""
+        """See the class; raises InputError for parts that no skin has, or of another patch."""
         known = check_calibration(calibration, patch)
         layer = layer or getattr(known, "layer", None) or Layer()
-        return cls(
-            known,
-            layer,
-            mechanics or getattr(known, "mechanics", None) or BondedLayer(),
-            *_readings_from(known, quantity, layer),
-            getattr(known, "relative", False) if relative is None else relative,
-        )
+        mechanics = mechanics or getattr(known, "mechanics", None) or BondedLayer()
+        check_skin(patch, layer, mechanics, quantity)
+        free = getattr(known, "relative", False) if relative is None else relative
+        return cls(known, layer, mechanics, *_readings_from(known, quantity, layer), free)
 
 
 def check_calibration(calibration: Any, patch: Patch) -> Any:

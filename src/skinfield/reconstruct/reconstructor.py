@@ -15,7 +15,6 @@ from skinfield.elastic import (
     Mechanics,
     ObservationModel,
     Quantity,
-    check_skin,
 )
 from skinfield.errors import (
     Floats,
@@ -158,7 +157,6 @@ class Reconstructor:
         self.layer, self.mechanics, self.relative = own.layer, own.mechanics, own.relative
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
-        check_skin(patch, self.layer, self.mechanics, self.quantity)
         check_parts(self.solver, self.finder, grid)
         self.calibration, self._readings_from = own.calibration, own.readings
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)

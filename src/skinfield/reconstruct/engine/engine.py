@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import Capacitance, Layer, Mechanics, Quantity, check_skin
+from skinfield.elastic import Capacitance, Layer, Mechanics, Quantity
 from skinfield.errors import (
     Floats,
     InputError,
@@ -190,7 +190,6 @@ class Engine:
         for index, kind in enumerate(kinds_of(self.skin, layer, noise, typical)):
             progress(first, len(self.skin))
             patch = kind.patches[0]
-            check_skin(patch, kind.layer, *physics)
             rungs = prepare_rungs(
                 patch, kind.layer, self.rungs, *physics, self.solver, kind.noise_std
             )
