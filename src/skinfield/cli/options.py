@@ -328,17 +328,23 @@ def by_touch(
     skin = touched_skin(path)
     if skin is None:
         return elastomer, model, None
-    layer = skin.layer
+    note(skin.verdict)
+    return *by_model(skin.layer, skin.mechanics, elastomer, model), skin
+
+
+def by_model(
+    layer: "sf.Layer", mechanics: object, elastomer: E, model: ModelSettings
+) -> tuple[E, ModelSettings]:
+    """Layer and cover for what is not set."""
     found = {
         "thickness_mm": layer.thickness * 1e3,
         "modulus_kpa": layer.young_modulus * 1e-3,
         "poisson": layer.poisson_ratio,
     }
     missing = {name: its for name, its in found.items() if getattr(elastomer, name) is None}
-    if skin.covered and model.mechanics is None:
+    if model.mechanics is None and getattr(mechanics, "inextensible_cover", False):
         model = replace(model, mechanics="covered-layer")
-    note(skin.verdict)
-    return replace(elastomer, **missing), model, skin  # type: ignore[arg-type]
+    return replace(elastomer, **missing), model  # type: ignore[arg-type]
 
 
 def assumed_of(

@@ -5,6 +5,7 @@ reconstructed one by one, here or by workers. A manifest says which windows are 
 run that was ended goes on where it was.
 """
 
+import json
 import logging
 import secrets
 import time
@@ -38,6 +39,7 @@ from skinfield.files.results import (
     write_contacts_at,
     write_fields_at,
 )
+from skinfield.loop.model_config import ModelConfig
 from skinfield.plot import plural
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
@@ -92,15 +94,16 @@ class JobPlan:
             if counts.gain is None and counts.calibration is None:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
-            profile = options.profile_in_use(elastomer, hardware, known.layout)
             named = scale.calibration or known.calibration  # what it has enclosed may be a tare
             scale = replace(scale, gain=scale.gain or known.gain, calibration=named)
-            mechanics = model.mechanics or recorded.model.mechanics
-            model = replace(model, mechanics=mechanics)
+            if known.calibration is not None:
+                live = ModelConfig.from_json(json.dumps(LiveRecording.open(layout).configuration))
+                elastomer, model = options.by_model(live.layer, live.mechanics, elastomer, model)
+            profile = options.profile_in_use(elastomer, hardware, known.layout)
         elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
         assumed = options.assumed_of(scale, given, skin)
         if recorded is not None and given.modulus_kpa is None and skin is None:
-            assumed = assumed if LiveRecording.open(Path(layout)).relative else ()  # as it was live
+            assumed = assumed if LiveRecording.open(layout).relative else ()  # as it was live
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)

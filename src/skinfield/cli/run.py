@@ -209,6 +209,18 @@ def live_settings(
     )
 
 
+def calibrated(wanted: Settings) -> tuple[Settings, tuple[str, ...]]:
+    """Settings with what a calibration by touches knows, and what of the scale of forces does not.
+
+    A virtual skin stays as it was wanted, and without a calibration is what it is taken to be.
+    """
+    skin, model, touched = options.by_touch(wanted.skin.calibration, wanted.skin, wanted.model)
+    assumed = options.assumed_of(wanted.skin, wanted.skin, touched)
+    if wanted.source.hardware is None and touched is None:
+        assumed = ()
+    return replace(wanted, skin=skin, model=model), assumed
+
+
 def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
     from skinfield.signal import CySkinCount, ICubByte
@@ -314,13 +326,9 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
         profile = options.profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
-        its, model, touched = options.by_touch(wanted.skin.calibration, wanted.skin, wanted.model)
-        assumed = options.assumed_of(wanted.skin, wanted.skin, touched)
-        if source.hardware is None and touched is None:
-            assumed = ()  # the virtual skin is as it is taken to be
-        answers = replace(wanted, skin=its, model=model)  # the virtual skin stays as it is
-        # what it answers by, without secrets; a virtual skin is started anew
-        tree = changed(replace(answers, page=PageSettings(), record=RecordSettings()))
+        answers, assumed = calibrated(wanted)
+        # without secrets; a virtual skin is started anew
+        tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
         skin = skin_for(source.hardware or "", skin)
 
         def settings_of(source: SourceSettings) -> Any:
