@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from skinfield.loop.baseline import BaselineCollector, TareBaseline
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import CycleSlot
 from skinfield.loop.update import Updater, lowest_change
+from skinfield.record.drain import calibration_of
 from skinfield.signal import (
     Blocks,
     Calibration,
@@ -169,7 +171,7 @@ def taken(unit: str, counts: np.ndarray, *, anew: bool = False, **changes: objec
     return tare.finish()
 
 
-def test_a_calibration_is_live_what_it_is_offline() -> None:
+def test_a_calibration_is_live_what_it_is_offline(tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     gain = np.exp(0.1 * rng.standard_normal(72))
     known = replace(Calibration.identity(PATCH, noise_std=0.002), gain=gain)
@@ -179,6 +181,14 @@ def test_a_calibration_is_live_what_it_is_offline() -> None:
     np.testing.assert_allclose(np.delete(made.calibration[:, 1], (3, 70)), np.delete(gain, (3, 70)))
     np.testing.assert_allclose(np.delete(made.noise_std, (3, 70)), np.delete(0.002 / gain, (3, 70)))
     assert np.flatnonzero(made.calibration[:, 3] == 0).tolist() == [3, 70]
+    status = {"calibration": made.calibration, "noise_std": made.noise_std}
+    status |= {name: np.array([1]) for name in ("stale_ns", "tares")}
+    model_config = ModelConfig.of(settings(skin=PATCH), (Port("port", len(PATCH), "dC/C0"),))
+    enclosed = next(calibration_of(model_config, status))  # in a recording
+    (tmp_path / "cal.npz").write_bytes(enclosed.data)
+    again = sf.load_calibration(tmp_path / "cal.npz", PATCH)
+    np.testing.assert_allclose(again.gain[again.alive], gain[again.alive])
+    assert again.unit == "dC/C0"
     plain = taken("dC/C0", change, without=(3, 70))
     assert np.flatnonzero(plain.calibration[:, 3] == 0).tolist() == [3, 70]
     np.testing.assert_allclose(plain.calibration[:, 1], 1.0)
