@@ -36,9 +36,9 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], list[np.ndarray]]:
 class StillSource:
     """A skin of one hexagon that is answered when it is told to."""
 
-    def __init__(self, name: str = "still") -> None:
+    def __init__(self, name: str = "still", relative: bool = False) -> None:
         self._name = name
-        self._cycle = cycle_of(settings())
+        self._cycle = cycle_of(settings(relative=relative))
         self._models = Models(self._cycle.model_config, np.full(72, 0.004))
         self._channels, self._number = Channels(72), 0
         self._newest: Snapshot | None = None

@@ -48,7 +48,12 @@ class Engine:
         self.skin, taxels = skin, sum(map(len, skin))
         tree = {"skin": {"thickness_mm": 3.0, "modulus_kpa": 80.0}}
         settings = LiveSettings(
-            skin=skin, sources=(NoSource(),), name=name or unique_name(), rungs=(4,), tree=tree
+            skin=skin,
+            sources=(NoSource(),),
+            name=name or unique_name(),
+            rungs=(4,),
+            tree=tree,
+            relative=True,
         )
         ports = tuple(Port(patch.name, len(patch)) for patch in skin)
         description = description_of(settings, ModelConfig.of(settings, ports))

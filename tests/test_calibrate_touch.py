@@ -113,8 +113,19 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: P
     said = run("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal, "-o", table)
     assert f"thickness {made.thickness * 1e3:.3f}" in said
     assert len(table.read_text().splitlines()) > 60
+    forces = np.r_[np.zeros(100), np.repeat(touches()[2][:40], 4)]
+    part, labels, short = slice(60, 160), tmp_path / "labels.csv", tmp_path / "c.csv"
+    save_recording(Recording(np.arange(100) * 20_000_000, counts[part]), short)
+    table = np.column_stack([0.02 * np.arange(100), 3.0 * forces[part]])
+    np.savetxt(labels, table, delimiter=",", header="time_s,force_N", comments="")
+    words = ("calibrate", "check", cal, short, labels, "--skin", "hexagon72", "--json")
+    tried = json.loads(next(line for line in run(*words).splitlines() if line.startswith("{")))
+    assert tried["factor"] == pytest.approx(3.0, rel=0.2)  # relative: any modulus was assumed
+    assert 0.05 < tried["rmse_N"] / tried["constant_rmse_N"] < 0.5
+    assert "relative: one is" in tried["verdict"]
+    assert "expected the layout beside it" in refused("calibrate", "check", cal, skin)
     save_calibration(
-        sf.calibrate.force(PATCH, counts, np.r_[np.zeros(100), np.repeat(touches()[2][:40], 4)]),
+        sf.calibrate.force(PATCH, counts, forces),
         cal,
     )
     words = ("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal)

@@ -14,8 +14,9 @@ from test_calibrate_force import pressed
 from test_calibrate_pressure import foam, plenum
 
 import skinfield as sf
-from skinfield.cli.calibration_inputs import Series, delay_of
-from skinfield.errors import SkinfieldError
+from skinfield.calibrate.by_pressure import check_pressure
+from skinfield.cli.calibration_inputs import Series, delay_of, label_series
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.files import save_recording
 from skinfield.files.numbers import read_numbers
 from skinfield.skin.reading import Recording
@@ -67,7 +68,7 @@ def test_force_is_calibrated_and_tried_on_another_recording(tmp_path: Path) -> N
     assert "answers" in run("calibrate", "check", cal, skin, *SKIN)
     assert "there already" in refused(*words, "-o", cal)
     assert "'gone' is not in" in refused(*words[:-1], "gone")
-    assert "--unit is 'kp', expected one of Pa" in refused(*words, "--unit", "kp")
+    assert "--unit is 'kp', expected one of N, kN, mN" in refused(*words, "--unit", "kp")
 
 
 def test_force_of_several_recordings_less_what_their_sensor_reads_without_load(
@@ -118,8 +119,28 @@ def test_pressure_is_calibrated_from_matlab_and_bar(tmp_path: Path) -> None:
     tried = json.loads(run("calibrate", "check", cal, *words, "--json").splitlines()[0])
     assert tried["rmse_Pa"] < 2.0 * found["rmse_Pa"]
     assert "most likely; give Pa" in refused("calibrate", "pressure", *words[:-2])
+    unit = (skin, tmp_path / "a.mat:trial.P", "--columns", "3-")
+    assert "it is in bar, most likely" in refused("calibrate", "check", cal, *unit)
     assert "has 8 columns, expected 6" in refused("calibrate", "check", cal, skin, label)
     assert "expected one named so" in refused("calibrate", "pressure", tmp_path / "a.mat", label)
+
+
+def test_units_are_those_of_the_columns_names(tmp_path: Path) -> None:
+    force = 2.0 + np.sin(np.arange(60.0))
+    for name, by in {"force_N": 1.0, "force_kN": 1e-3, "f (mN)": 1e3, "load": 1.0}.items():
+        path = labels_in(tmp_path / "labels.csv", f"time_s,{name}", np.arange(60) / 50, by * force)
+        found = label_series(str(path), None, None, "N")
+        np.testing.assert_allclose(found.values[:, 0], force)
+    path = labels_in(tmp_path / "labels.csv", "time_s,p_kPa", np.arange(60) / 50, force)
+    assert label_series(str(path), None, None, "Pa").values[0, 0] == pytest.approx(1e3 * force[0])
+    with pytest.raises(InputError, match="'p_kPa' is in kPa, expected Pa: give --unit as it is"):
+        label_series(str(path), None, "Pa", "Pa")
+    with pytest.raises(InputError, match="'p_kPa' is in kPa, expected N or kN or mN"):
+        label_series(str(path), None, None, "N")
+    with pytest.raises(InputError, match="reaches 3e\\+06 N, expected 100000 at most"):
+        sf.calibrate.force(PATCH, np.zeros((60, 72)), 1e6 * force)
+    with pytest.raises(InputError, match="spans 2e\\+08 Pa, expected 1e\\+07 at most"):
+        check_pressure(1e8 * force)
 
 
 def test_labels_that_are_late_are_taken_back() -> None:

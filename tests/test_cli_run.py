@@ -11,17 +11,22 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import mcap_sample
+import numpy as np
 import pytest
-from command_line import refused, run
+from command_line import refused, result_of, run
 from live_skins import unique_name, wait_for
 from websockets.sync.client import ClientConnection, connect
 
+import skinfield as sf
+from skinfield.calibrate import TouchCalibration, save_calibration
 from skinfield.cli.report import end_undisturbed, signals_end
 from skinfield.cli.settings import RecordSettings, load_settings
 from skinfield.errors import InputError
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.loop.slots import CycleHead
 from skinfield.page.settings import PageSettings
 from skinfield.ring import Field, Ring, RingReader, State
+from skinfield.signal import Calibration, ICubByte
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 FOLDER = Path("/dev/shm")
@@ -293,3 +298,50 @@ def test_signals_are_as_before_when_a_command_has_ended() -> None:
     with pytest.raises(KeyboardInterrupt):
         told_twice()
     assert [signal.getsignal(each) for each in numbers] == before
+
+
+def test_a_calibration_by_touch_is_taken_live_and_by_its_recording(tmp_path: Path) -> None:
+    patch = sf.layouts.icub_triangle()
+    counts = Calibration.from_convention(patch, ICubByte(), gain=-171.0, noise_std=0.6)
+    known = {"thickness": 1.7e-3, "poisson_ratio": 0.48, "young_modulus": 150e3, "covered": True}
+    known |= {"gain": np.full(12, 1.25), "gain_std": np.ones(12), "noise_std": np.full(12, 3e-3)}
+    known |= {"thickness_std": 1e-5, "poisson_std": 1e-3, "model_error": 0.0, "presses": 99}
+    made = TouchCalibration(**known, left_out=0, force_ratio=float("nan"))
+    cal, file = tmp_path / "cal.toml", tmp_path / "a.mcap"
+    save_calibration(made.with_counts(counts), cal)
+    words = (*QUICK, "--name", unique_name(), "--port", "0", "--priority", "0")
+    chosen = ("--calibration", cal, "--without", "3,5-6", "--keep", "4")
+    live = ("run", *words, *chosen, "--record", file, "--duration", "0.3")
+    assert result_of(*live)["scale"] == "relative"
+    found = LiveRecording.open(file)
+    own = found.calibrations[patch.name]
+    assert found.relative
+    assert found.configuration["mechanics"]["inextensible_cover"] is True
+    assert found.configuration["layer"]["thickness"] == pytest.approx(1.7e-3)
+    assert np.flatnonzero(~own.alive).tolist() == [3, 5, 6]
+    assert own.gain[own.alive] == pytest.approx(-171.0 * 1.25)
+    summary = result_of("reconstruct", file, "--skin", file)
+    assert summary["scale"] == "relative"
+    assert summary["taxels_left_out"] == 3
+    assert "thickness=0.0017" in summary["layer"]
+    assert summary["options"]["mechanics"] == "covered-layer"
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        ("force", "which holds a ForceCalibration, expected one of counts or by touches"),
+        ("other", "has 12 taxels, expected 72"),
+        (None, "cannot be read"),
+    ],
+)
+def test_what_no_live_skin_can_take_is_refused(made: str | None, said: str, tmp_path: Path) -> None:
+    patch, cal = sf.layouts.hexagon72(), tmp_path / "cal.toml"
+    if made == "force":
+        rng = np.random.default_rng(0)
+        counts = 100.0 + 40.0 * rng.random((60, 72))
+        save_calibration(sf.calibrate.force(patch, counts, counts.sum(axis=1) / 1e3), cal)
+    elif made == "other":
+        other = sf.layouts.icub_triangle()
+        save_calibration(Calibration.identity(other, noise_std=0.01), cal)
+    assert said in refused("run", "--calibration", cal, "--headless", "--port", "0")

@@ -1,6 +1,8 @@
 """Baselines of virtual skins whose truth is known, and forces that come of them."""
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +12,22 @@ import skinfield as sf
 from skinfield.emulator import VirtualSettings
 from skinfield.emulator.electronics import Converters, manufacture
 from skinfield.emulator.packet import REST
+from skinfield.errors import InputError
 from skinfield.loop.baseline import BaselineCollector, TareBaseline
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.slots import CycleSlot
 from skinfield.loop.update import Updater, lowest_change
-from skinfield.signal import Blocks, Channels, CySkinCount, ICubByte, Kind, PlainCount, Port
+from skinfield.record.drain import calibration_of
+from skinfield.signal import (
+    Blocks,
+    Calibration,
+    Channels,
+    CySkinCount,
+    ICubByte,
+    Kind,
+    PlainCount,
+    Port,
+)
 from skinfield.simulate import Sphere, press
 
 PATCH = sf.layouts.hexagon72()
@@ -141,3 +154,60 @@ def test_what_no_taxel_reads(board: object, gain: float, noise: float, expected:
     known = np.tile([0.0, gain, noise, 1.0], (5, 1))
     assert lowest_change(board, known) == pytest.approx(expected)  # type: ignore[arg-type]
     assert lowest_change(board, known[:0]) == -np.inf  # type: ignore[arg-type]
+
+
+def taken(unit: str, counts: np.ndarray, *, anew: bool = False, **changes: object) -> TareBaseline:
+    """Baseline of hexagon72 by readings (T, 72) of a port, 10 ms apart."""
+    made = settings(skin=PATCH, tare_seconds=1.0, **changes)
+    binding = ModelConfig.of(made, (Port("port", len(PATCH), unit),)).binding
+    tare, channels, now = BaselineCollector(made, binding, anew=anew), Channels(72), 10**18
+    for row in counts:
+        now += STEP_NS
+        blocks = Blocks(1 << 12)
+        blocks.put(now, 0, row, Kind.FLOATS)
+        channels.apply(blocks)
+        if tare.take(channels, now):
+            break
+    return tare.finish()
+
+
+def test_a_calibration_is_live_what_it_is_offline(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    gain = np.exp(0.1 * rng.standard_normal(72))
+    known = replace(Calibration.identity(PATCH, noise_std=0.002), gain=gain)
+    change = 0.002 * rng.standard_normal((120, 72)).astype(np.float32)
+    made = taken("dC/C0", change, calibration={"hexagon72": known}, without=(3, 70))
+    assert made.calibration[:, 0] == pytest.approx(0.0)
+    np.testing.assert_allclose(np.delete(made.calibration[:, 1], (3, 70)), np.delete(gain, (3, 70)))
+    np.testing.assert_allclose(np.delete(made.noise_std, (3, 70)), np.delete(0.002 / gain, (3, 70)))
+    assert np.flatnonzero(made.calibration[:, 3] == 0).tolist() == [3, 70]
+    status = {"calibration": made.calibration, "noise_std": made.noise_std}
+    status |= {name: np.array([1]) for name in ("stale_ns", "tares")}
+    model_config = ModelConfig.of(settings(skin=PATCH), (Port("port", len(PATCH), "dC/C0"),))
+    enclosed = next(calibration_of(model_config, status))  # in a recording
+    (tmp_path / "cal.npz").write_bytes(enclosed.data)
+    again = sf.load_calibration(tmp_path / "cal.npz", PATCH)
+    np.testing.assert_allclose(again.gain[again.alive], gain[again.alive])
+    assert again.unit == "dC/C0"
+    plain = taken("dC/C0", change, without=(3, 70))
+    assert np.flatnonzero(plain.calibration[:, 3] == 0).tolist() == [3, 70]
+    np.testing.assert_allclose(plain.calibration[:, 1], 1.0)
+
+
+def test_rest_of_a_calibration_stays_until_a_tare_is_ordered() -> None:
+    rng = np.random.default_rng(6)
+    rest, gain = rng.uniform(225, 235, 72), -171.0 * np.exp(0.1 * rng.standard_normal(72))
+    known = Calibration(rest, gain, np.full(72, 0.6), np.ones(72, bool), PATCH.uid)
+    counts = np.rint(rest - 3.0 + 0.6 * rng.standard_normal((120, 72))).astype(np.float32)
+    counts[:, 9] = rng.integers(180, 255, 120)  # is broken
+    how = {"calibration": {"hexagon72": known}, "board": ICubByte()}
+    first = taken("count", counts, **how, keep=(9,))
+    np.testing.assert_allclose(first.calibration[:, 0], rest)
+    assert first.calibration[:, 3].all()
+    anew = taken("count", counts, anew=True, **how)
+    assert np.flatnonzero(anew.calibration[:, 3] == 0).tolist() == [9]
+    moved = np.delete(anew.calibration[:, 0] - rest, 9)
+    assert np.abs(moved + 3.0).max() < 0.5
+    np.testing.assert_allclose(np.delete(anew.calibration[:, 1], 9), np.delete(gain, 9))
+    with pytest.raises(InputError, match="both name taxels 9"):
+        settings(skin=PATCH, keep=(9,), without=(9,))

@@ -20,9 +20,11 @@ from websockets.sync.client import ClientConnection, connect
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.page.scene_layout import PlacedPatch
+from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.server import Page, serve_page
 from skinfield.page.settings import PageSettings
+from skinfield.page.source import EngineView
+from skinfield.page.updates import Updates
 from skinfield.page.wire import packed, scaled
 from skinfield.skin import Grid
 
@@ -198,6 +200,19 @@ def test_an_update_is_the_estimate(page: Page, source: StillSource) -> None:
     assert contact["force"] == found["normal_force"]
     apart = np.subtract(contact["position"], told["truth"][0]["position"])
     assert np.linalg.norm(apart) < 2e-3  # in one picture, whatever its frame
+
+
+@pytest.mark.parametrize(("relative", "unit"), [(False, "Pa"), (True, "relative")])
+def test_an_update_says_whether_forces_are_newtons(relative: bool, unit: str) -> None:
+    source = StillSource(relative=relative)
+    source.read(1.0)
+    updates = Updates(SceneLayout((source,)))
+    *_, message = updates.make(1, [EngineView(source.latest())], ())
+    head, _ = unpacked(message)
+    assert (head["relative"], head["unit"]) == (relative, unit)
+    snapshot = source.latest()
+    assert snapshot is not None
+    assert snapshot["hexagon72"].relative is relative
 
 
 def test_one_update_is_in_flight_and_the_newest_wins(page: Page, source: StillSource) -> None:

@@ -159,8 +159,9 @@ def curved(look: Look) -> None:
 
 
 def reconnects(look: Look, running: Served) -> None:
-    """The page goes on by itself when a server is there again."""
-    source, port = StillSource(), running.port
+    """The page goes on by itself when a server is there again, here of forces that are relative."""
+    source, port = StillSource(relative=True), running.port
+    assert texts(look, ".force-unit") == ["N", "N"]
     source.read(1.0)
     running.kill()
     look.until("!skinfield.socket.open")
@@ -172,6 +173,16 @@ def reconnects(look: Look, running: Served) -> None:
         assert look.value("skinfield.state.connections") == 2
         look.until("skinfield.state.status.state === 'running'")
         look.wait_rows(lambda rows: len(rows) == 1)
+        assert texts(look, ".force-unit") == ["rel.", "rel."]
+        assert texts(look, "#contacts-total")[0].endswith(" rel. in all")
+        assert texts(look, "#colour-name, #range-unit") == ["Pressure, relative", "relative"]
+        look.shoot("relative")
+
+
+def texts(look: Look, selector: str) -> list[str]:
+    """Of all elements of a selector, in the page's order."""
+    script = f"[...document.querySelectorAll({selector!r})].map((each) => each.textContent)"
+    return list(look.value(script))
 
 
 # the command

@@ -80,6 +80,7 @@ def test_csv(recorded, tmp_path):
     again = readings_for(open_recording(tmp_path / "a.csv"), engine.skin[0])
     np.testing.assert_array_equal(again.counts, counts)
     assert again.unit == "count"
+    assert "# forces = relative\n" in (tmp_path / "a.contacts.csv").read_text()
     rows = rows_of(tmp_path / "a.contacts.csv")
     assert [row["cycle"] for row in rows][:3] == ["2", "3", "3"]
     assert [rows[0][name] for name in ("shape", "maybe", "radius")] == ["1", "1", "0.004"]

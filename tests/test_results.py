@@ -28,6 +28,7 @@ PATCH = sf.layouts.hexagon72()
 GRID = sf.Grid.square(PATCH, nodes=8)
 RNG = np.random.default_rng(8)
 SOLVERS = [sf.GaussianField(), sf.Tikhonov(), sf.PseudoInverse(), sf.Inverse(), sf.NonNegative()]
+PRESSED = {"pressure": "Pa", "normal_force": "N"}
 COUNT = 200
 READINGS = RNG.normal(0.01, 0.01, (COUNT, 72))
 READINGS[60:140, 30] += 0.1
@@ -49,7 +50,8 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     ids=lambda each: type(each).__name__,
 )
 def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path) -> None:
-    made = sf.Reconstructor(PATCH, grid=GRID, solver=solver, quantity=quantity)
+    relative = isinstance(solver, sf.Tikhonov)
+    made = sf.Reconstructor(PATCH, grid=GRID, solver=solver, quantity=quantity, relative=relative)
     readings = READINGS * (1e5 if isinstance(quantity, sf.BaseStress) else 1.0)
     path = tmp_path / "run.skinfield"
     save_results(path, made, readings, STAMPS, notes=("one", "two"), source="here")
@@ -61,7 +63,8 @@ def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path
     assert (results.attrs["notes"], results.attrs["source"]) == (["one", "two"], "here")
     units = {name: results[name].attrs["units"] for name in results.data_vars}
     lengths = {"indentation": "m", "displacement": "m"}
-    assert units == {"pressure": "Pa", **lengths, "normal_force": "N", "readings": quantity.unit}
+    pressed = {name: "relative" if relative else its for name, its in PRESSED.items()}
+    assert units == {**pressed, **lengths, "readings": quantity.unit}
     estimates = []
     for first in range(0, COUNT, 64):  # a run of an iterative solver each
         made.reset()

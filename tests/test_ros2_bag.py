@@ -102,6 +102,11 @@ def test_what_it_says(bags):
         ]  # fmt: skip
 
 
+def test_it_says_that_forces_are_relative(bags):
+    for bag in bags:
+        assert "skinfield_forces: relative" in (bag / "metadata.yaml").read_text()
+
+
 def test_one_patch(recorded):
     bag = recorded.with_name("one")
     run("export", recorded, "--format", "rosbag2", "-o", bag, "--patch", "2nd-finger")

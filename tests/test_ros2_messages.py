@@ -201,7 +201,8 @@ def test_diagnostics(engine, live, speaker):
     assert told["patch left palm"].message == "1 taxels left out"
     values = {each.key: each.value for each in told["patch left palm"].values}
     assert values["taxels left out"] == "1"
-    assert values["force (N)"] == "2"
+    assert values["force (relative)"] == "2"
+    assert {each.key: each.value for each in told["engine"].values}["forces"] == "relative"
     assert told["patch 2nd-finger"].level == 0
     engine.ring.status["stale_ns"][0] = 10**6
     engine.cycle([], (STAMP, 0), answers=(2, 0))

@@ -39,6 +39,8 @@ WORDS = {  # fields whose values are checked in their own way
     "yarp_name_server": st.none(),
     "rate_hz": st.floats(1.0, 1e5),
     "gain": st.none() | st.floats(-1e4, -1e-3),
+    "keep": st.none() | st.sampled_from(["3", "0-5,17"]),
+    "without": st.none() | st.sampled_from(["6", "7-9"]),
     "deadline_us": st.none() | st.floats(0.1, 9.0),
 }
 

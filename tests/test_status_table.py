@@ -96,6 +96,10 @@ def calibrating() -> LiveStatus:
     )
 
 
+def relative() -> LiveStatus:
+    return replace(many_contacts(), relative=True)
+
+
 def restarted() -> LiveStatus:
     events = [[time.time_ns(), "failed", "ended with signal SIGKILL: " + "signal " * 20]]
     return replace(
@@ -112,7 +116,7 @@ def failed() -> LiveStatus:
     return replace(many_contacts(), state="failed", rate=0.0)
 
 
-SCENES = (idle, one_contact, many_contacts, dead_source, calibrating, restarted, failed)
+SCENES = (idle, one_contact, many_contacts, relative, dead_source, calibrating, restarted, failed)
 
 
 def text_of(status: LiveStatus, width: int, height: int | None = None, styles: bool = False) -> str:
@@ -156,6 +160,13 @@ def test_what_does_not_fit_is_counted() -> None:
     text = text_of(many_contacts(), 80, 22)
     rows = len(re.findall(r"^ +1\d\d ", text, re.M))
     assert re.search(rf"^ {14 - rows} more, \d+\.\d\d N in all", text, re.M)
+
+
+def test_forces_say_where_they_are_relative() -> None:
+    for made, newtons in ((many_contacts, True), (relative, False)):
+        text = text_of(made(), 80, 22)
+        assert text.count("force N") == text.count("N in all") + newtons == 2 * newtons
+        assert ("forces relative\n" in text) == (" (relative) in all" in text) == (not newtons)
 
 
 def test_columns_stay_where_they_are() -> None:

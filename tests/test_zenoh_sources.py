@@ -132,6 +132,7 @@ def test_contacts_are_plain_json_of_the_ring(scene) -> None:
         head = EstimateHead.of(sample.attachment.to_bytes())
         assert (plain["number"], plain["stamp_ns"]) == (number, 10**18)
         assert (head.number, head.stamp_ns) == (number, 10**18)
+        assert plain["relative"] is False
         (contact,) = plain["contacts"]
         assert contact["patch"] == "hexagon72"
         assert contact["track"] == 1

@@ -6,7 +6,7 @@ import { MAP_OF, mapGradient } from "./scene/colours.js";
 
 const NAMES = { pressure: "Pressure", deformation: "Deformation", uncertainty: "Uncertainty", taxels: "Readings" };
 
-const USUAL = { Pa: 1e4, m: 1e-4 }; // reaches of a light touch
+const USUAL = { Pa: 1e4, relative: 1e4, m: 1e-4 }; // reaches of a light touch
 
 export class ColourBar {
   #calm = new CalmRange();
@@ -33,7 +33,7 @@ export class ColourBar {
 
   /** Follow an update of the time now, s. */
   follow({ quantity, unit, range }, now) {
-    if (quantity !== this.#quantity) {
+    if (quantity !== this.#quantity || (unit ?? "") !== this.#unit) {
       this.#quantity = quantity;
       this.#unit = unit ?? "";
       this.#calm.reset(USUAL[unit]);

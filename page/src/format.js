@@ -4,6 +4,7 @@ const STEPS = {
   Pa: [[1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]],
   m: [[1e-3, "mm"]],
   N: [[1, "N"], [1e-3, "mN"]],
+  relative: [[1e3, "relative"]], // pressure that holds up to one factor
   1: [[1, "ΔC/C₀"]], // the one ratio that taxels tell
 };
 
@@ -31,6 +32,11 @@ export function fixed(value, places = 1) {
   if (!Number.isFinite(value)) return "–";
   const text = value.toFixed(places);
   return minus(Number(text) === 0 ? text.replace("-", "") : text);
+}
+
+/** The unit of forces; they may hold up to one factor only. */
+export function forceUnit(relative) {
+  return relative ? "rel." : "N";
 }
 
 /** A quantity with its unit: quantity(0.00123, "m") is "1.23 mm". */

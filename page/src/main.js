@@ -6,7 +6,7 @@ import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
 import { byId, setText } from "./dom.js";
-import { fixed } from "./format.js";
+import { fixed, forceUnit } from "./format.js";
 import { startKeyboard } from "./keyboard.js";
 import { matched } from "./truth_match.js";
 import { notice } from "./notices.js";
@@ -196,7 +196,11 @@ function show(head, arrays) {
   const pairs = matched(head.contacts, head.truth);
   const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
   plots.add(time, pairs, head);
-  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords() });
+  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords(), relative: head.relative });
+  for (const each of document.querySelectorAll(".force-unit")) {
+    setText(each, forceUnit(head.relative));
+    each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
+  }
   press.seen(head.truth);
   replay.at(head.time_s);
   const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);

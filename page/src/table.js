@@ -1,6 +1,6 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
-import { contactWords, fixed, orElse } from "./format.js";
+import { contactWords, fixed, forceUnit, orElse } from "./format.js";
 import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
@@ -13,10 +13,10 @@ export class ContactsTable {
    * Show contacts matched with presses.
    * @param {Array} rows of truth_match.matched
    * @param {Array} truths
-   * @param {{now: number, patchName: (i) => string, slotOf: (track) => number, none: string}} of
-   *   the page; none: what to say where there is no contact
+   * @param {{now: number, patchName: (i) => string, slotOf: (track) => number, none: string, relative: boolean}} of
+   *   the page; none: what to say where there is no contact; relative: forces hold up to one factor
    */
-  show(rows, truths, { now, patchName, slotOf, none }) {
+  show(rows, truths, { now, patchName, slotOf, none, relative }) {
     const missed = unfound(rows, truths);
     const made = [
       ...rows.map((row) => contactRow(row, patchName, slotOf)),
@@ -24,7 +24,7 @@ export class ContactsTable {
     ];
     if (made.length === 0) made.push(emptyRow(none));
     this.#body.replaceChildren(...made);
-    this.#say(rows, now);
+    this.#say(rows, now, relative);
   }
 
   /** Show nothing. */
@@ -33,13 +33,13 @@ export class ContactsTable {
     setText(byId("contacts-total"), "");
   }
 
-  #say(rows, now) {
+  #say(rows, now, relative) {
     const total = rows.reduce((sum, { contact }) => sum + contact.force, 0);
-    setText(byId("contacts-total"), rows.length ? `${rows.length} · ${fixed(total, 2)} N in all` : "");
+    setText(byId("contacts-total"), rows.length ? `${rows.length} · ${fixed(total, 2)} ${forceUnit(relative)} in all` : "");
     const { at, count } = this.#said;
     if (now - at < SAY_EVERY_S || (rows.length === count && rows.length === 0)) return;
     this.#said = { at: now, count: rows.length };
-    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres${contact.maybe ? `, perhaps ${orElse(contact.maybe)}` : ""}`);
+    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} ${relative ? "relative" : "newtons"} at ${place(contact)} millimetres${contact.maybe ? `, perhaps ${orElse(contact.maybe)}` : ""}`);
     const words = rows.length ? `${rows.length} contact${rows.length > 1 ? "s" : ""}: ${each.join("; ")}` : "No contact";
     setText(byId("contacts-summary"), words);
   }

@@ -8,6 +8,7 @@ test("units are the ones that read best", () => {
     [[1530, "Pa"], "1.53 kPa"], [[999, "Pa"], "999 Pa"], [[1000, "Pa"], "1.00 kPa"], [[2.5e6, "Pa"], "2.50 MPa"],
     [[0.00123, "m"], "1.23 mm"], [[0.0000456, "m"], "0.0456 mm"], [[0.05, "N"], "50.0 mN"], [[-2, "N"], "−2.00 N"],
     [[0.25, "1"], "0.250 ΔC/C₀"], [[3, ""], "3.00"], [[NaN, "Pa"], "–"], [[undefined, "m"], "–"], [[0, "Pa"], "0 Pa"],
+    [[1530, "relative"], "1.53 relative"], [[30, "relative"], "0.0300 relative"],
   ];
   for (const [args, wanted] of cases) assert.equal(format.quantity(...args), wanted);
 });

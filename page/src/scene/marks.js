@@ -26,6 +26,7 @@ export class Marks {
     this.group = new THREE.Group();
     this.group.add(this.lines.mesh, this.arrows.mesh, this.labels.group);
     this.contacts = [];
+    this.unit = "N"; // of their forces
     this.truth = [];
     this.waiting = []; // presses that are asked for: {id, position, why}
     this.focus = null;
@@ -90,7 +91,7 @@ export class Marks {
     }
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
-      title: `${contact.force.toFixed(2)} N${spread}${contact.maybe ? ` · ${orElse(contact.maybe)}?` : ""}`,
+      title: `${contact.force.toFixed(2)} ${this.unit}${spread}${contact.maybe ? ` · ${orElse(contact.maybe)}?` : ""}`,
       detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
       accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,

@@ -5,7 +5,7 @@
  */
 
 import * as THREE from "three";
-import { fixed } from "../format.js";
+import { fixed, forceUnit } from "../format.js";
 import { OrbitCamera } from "./camera.js";
 import { mapTable } from "./colours.js";
 import { FINEST } from "./grid.js";
@@ -109,6 +109,7 @@ export class SkinScene {
     const full = head.quantity === "taxels" ? head.range?.[1] : null;
     for (const entry of head.patches ?? []) this.patches.update(entry, arrays, full);
     this.marks.contacts = head.contacts ?? [];
+    this.marks.unit = forceUnit(head.relative);
     this.marks.truth = head.truth ?? [];
     this.redraw();
   }

@@ -24,6 +24,7 @@ from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.skin import Patch
 
 TRIVIAL = ("a constant", "a line over the sum of counts", "ridge regression")
+MOST = 1e5  # N: no skin is pressed harder
 PARTS = 5  # contiguous parts, of which each is foretold from the others
 LEAST = 50  # readings
 PATTERNS = 100  # that readings are compared with
@@ -213,6 +214,11 @@ def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
     if len(bad):
         row = tuple(bad[0].tolist())
         raise InputError(f"force[{row[0]}] is {labels[row]}, expected a number, in N")
+    if (largest := float(np.abs(labels).max())) > MOST:
+        raise InputError(
+            f"force reaches {largest:.3g} N, expected {MOST:g} at most: its unit is a smaller one, "
+            "most likely"
+        )
     axis = int(np.argmax(labels.std(axis=0))) if axes else 0  # offsets say nothing of the load
     if axes:
         labels = labels[:, axis] * (1.0 if labels[:, axis].mean() >= 0.0 else -1.0)

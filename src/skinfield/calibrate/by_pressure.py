@@ -25,7 +25,7 @@ MEMORIES: tuple[tuple[float, ...], ...] = ((), (15.0, 150.0), (5.0, 25.0, 100.0,
 WIDTHS: tuple[tuple[float, ...], ...] = ((), (0.1, 0.4))  # parts of a taxel's span
 PARTS = 4  # contiguous parts, of which each is foretold from the others
 LEAST = 200  # readings
-LEAST_SPAN = 2000.0  # Pa: a bag or a plenum presses harder
+LEAST_SPAN, MOST_SPAN = 2000.0, 1e7  # Pa: a bag or a plenum presses harder, and less hard
 STEADY = 5  # readings, whose medians are compared to see a step
 STEPS = 1.5  # times the step that hardly any of a calibration exceeds, and
 LEAST_STEP = 0.1  # of the span more: what may be a shift of a board
@@ -242,6 +242,11 @@ def _check_together(table: Floats, reference: Floats) -> None:
         )
     if len(table) < LEAST:
         raise InputError(f"counts has {len(table)} readings, expected {LEAST} or more, in order")
+    check_pressure(reference)
+
+
+def check_pressure(reference: Floats) -> None:
+    """Raise InputError for what is no changing pressure of a bag or a plenum, in Pa."""
     bad = np.flatnonzero(~np.isfinite(reference))
     if len(bad):
         raise InputError(f"pressure_pa[{bad[0]}] is {reference[bad[0]]}, expected a number, in Pa")
@@ -251,6 +256,11 @@ def _check_together(table: Floats, reference: Floats) -> None:
         raise InputError(
             f"pressure_pa spans {span:.3g} Pa, expected {LEAST_SPAN:g} or more: it is in "
             f"{'bar' if span < 20.0 else 'kPa'}, most likely; give Pa (1 bar is 1e5 Pa)"
+        )
+    if span > MOST_SPAN:
+        raise InputError(
+            f"pressure_pa spans {span:.3g} Pa, expected {MOST_SPAN:g} at most: no bag or plenum "
+            "presses harder; its unit is a smaller one, most likely"
         )
 
 

@@ -125,6 +125,15 @@ class TouchCalibration:
             return self.counts.relative_capacitance_from_counts(values)
         return np.asarray(as_floats("values", values) / self.gain)
 
+    def of_taxels(self, patch: Patch) -> Calibration:
+        """From counts to readings; without counts, from readings as those of the touches."""
+        if self.counts is not None:
+            return self.counts
+        noise = self.noise_std * self.gain
+        whole = self.with_counts(Calibration.identity(patch, noise_std=noise)).counts
+        assert whole is not None  # just made
+        return whole
+
     def with_counts(self, counts: Calibration) -> "TouchCalibration":
         """The same for counts, which a calibration turned into the readings of the touches."""
         own = replace(counts, gain=counts.gain * self.gain, basis=f"{counts.basis}; touches")

@@ -1,7 +1,5 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
-import warnings
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -17,10 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
+    from skinfield.cli.calibration_inputs import Series
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
-
-    Tried = tuple[str, dict[str, Any], dict[str, Figure]]  # verdict, numbers, figures
+    from skinfield.skin import Patch
 
 calibrate = new_app(
     "calibrate",
@@ -132,7 +130,7 @@ def by_force(
     time: str | None = None,
     columns: str | None = None,
     labels: str | None = None,
-    unit: str = "N",
+    unit: str | None = None,
     offset: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
     report_folder: Annotated[str | None, Parameter(name="--report")] = None,
@@ -161,8 +159,8 @@ def by_force(
         Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
     labels : str, optional
         Columns of the forces, one or three. Default all but the times.
-    unit : str
-        Of the labels: N or kN.
+    unit : str, optional
+        Of the labels: N, kN or mN. Default as columns are named, such as force_kN, else N.
     offset : str, optional
         What the sensor reads without load, to be taken off: as many numbers as labels have columns.
     output : str, optional
@@ -173,6 +171,7 @@ def by_force(
     from skinfield.calibrate.by_force import fit_force
     from skinfield.calibrate.plot import draw_trivial
     from skinfield.cli.calibration_inputs import forces_together
+    from skinfield.cli.calibration_trials import draw_answers
 
     _check_files(output, report_folder, force)
     its = options.patch_of(options.skin_from_text(layout), patch)
@@ -192,7 +191,7 @@ def by_force(
     figures = {}
     if report_folder:
         figures = {
-            "Each fifth foretold from the others": _timeline(
+            "Each fifth foretold from the others": draw_answers(
                 foretold, made.label(forces), its.name
             ),
             "Error beside trivial answers": draw_trivial(made.residual_std, made.rmse),
@@ -211,7 +210,7 @@ def by_pressure(
     time: str | None = None,
     columns: str | None = None,
     labels: str | None = None,
-    unit: str = "Pa",
+    unit: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
     report_folder: Annotated[str | None, Parameter(name="--report")] = None,
     force: options.Force = False,
@@ -236,8 +235,9 @@ def by_pressure(
         Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
     labels : str, optional
         Column of the pressure. Default the only one beside the times.
-    unit : str
-        Of the pressure: Pa, kPa, bar, mbar, psi.
+    unit : str, optional
+        Of the pressure: Pa, kPa, MPa, bar, mbar, psi. Default as columns are named, such as p_kPa,
+        else Pa.
     output : str, optional
         Calibration file (.toml, .npz).
     report_folder : str, optional
@@ -249,7 +249,7 @@ def by_pressure(
 
     _check_files(output, report_folder, force)
     skin = skin_series(recording, None, time, columns)
-    counts, reference, notes = together(skin, label_series(labels_file, labels, unit))
+    counts, reference, notes = together(skin, label_series(labels_file, labels, unit, "Pa"))
     made = fit(counts, reference[:, 0])
     broken = {f"taxel {k}": why for k, why in enumerate(made.reasons) if why}
     facts = {
@@ -381,7 +381,8 @@ def check(
     Parameters
     ----------
     calibration : str
-        File of `skinfield calibrate force` or `pressure`.
+        File of `skinfield calibrate force`, `pressure` or `touch`; by touches, what the contacts
+        press together is tried, in as many newtons as fit best where forces are relative.
     recording : str
         Of the skin.
     labels_file : str, optional
@@ -395,106 +396,91 @@ def check(
     labels : str, optional
         Columns of the labels. Default all but the times.
     unit : str, optional
-        Of the labels. Default N or Pa.
+        Of the labels. Default as columns are named, else N or Pa.
     offset : str, optional
         What their sensor reads without load, to be taken off.
     report_folder : str, optional
         DIR for a page with a figure and a verdict.
     """
     from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
-    from skinfield.cli.calibration_inputs import forces_of, label_series, skin_series, together
+    from skinfield.cli.calibration_inputs import forces_of, label_series, together
+    from skinfield.cli.calibration_trials import sum_up, try_contacts, try_force, try_pressure
 
     _check_files(None, report_folder, force)
-    made = load_calibration(calibration)
-    if not isinstance(made, ForceCalibration | PressureCalibration):
-        raise InputError(
-            f"{calibration} is of {type(made).__name__}, expected one by force or pressure: one of "
-            "counts is tried by `skinfield reconstruct --calibration`"
-        )
+    made, relative = load_calibration(calibration), False
     its = options.patch_of(options.skin_from_text(layout), patch) if layout else None
-    if its is not None and len(its) != len(made):
-        raise InputError(f"{calibration} has {len(made)} taxels, expected {len(its)} of {layout}")
-    skin = skin_series(recording, its, time, columns)
-    if skin.values.shape[1] != len(made):
-        raise InputError(
-            f"{recording} has {skin.values.shape[1]} columns, expected {len(made)} as {calibration}"
-            ": give its layout (--skin), or the columns (--columns)"
-        )
-    name, notes = "N" if isinstance(made, ForceCalibration) else "Pa", skin.notes
+    if isinstance(made, ForceCalibration | PressureCalibration):
+        skin = _counts_for(made, calibration, recording, its, time, columns)
+    else:
+        skin, relative = _contacts_for(calibration, recording, layout, patch, time or columns)
+    name, notes = "Pa" if isinstance(made, PressureCalibration) else "N", skin.notes
     figures: dict[str, Figure] = {}
     if labels_file is None:
-        of = made.force if isinstance(made, ForceCalibration) else made.pressure
-        answer = of(skin.values)
-        low, middle, high = np.nanpercentile(answer, [1.0, 50.0, 99.0])
-        result: dict[str, Any] = {f"low_{name}": low, f"high_{name}": high}
-        verdict = f"answers {low:.4g} to {high:.4g} {name} (1 to 99 %), median {middle:.4g}"
+        values = skin.values
+        of = getattr(made, "force", getattr(made, "pressure", None))
+        verdict, result = sum_up(values if of is None else of(values), name, relative)
     else:
-        label = label_series(labels_file, labels, unit or name)
-        counts, wanted, notes = together(skin, label)
-        if isinstance(made, ForceCalibration):
-            forces = forces_of(labels_file, wanted, offset)
-            verdict, result, figures = _force_tried(made, counts, forces, recording)
+        counts, wanted, notes = together(skin, label_series(labels_file, labels, unit, name))
+        if isinstance(made, PressureCalibration):
+            verdict, result, figures = try_pressure(made, counts, wanted[:, 0], recording)
         else:
-            verdict, result, figures = _pressure_tried(made, counts, wanted[:, 0], recording)
+            forces = forces_of(labels_file, wanted, offset)
+            if isinstance(made, ForceCalibration):
+                verdict, result, figures = try_force(made, counts, forces, recording)
+            else:
+                verdict, result, figures = try_contacts(counts[:, 0], forces, relative, recording)
     result["verdict"] = verdict
     page = None
     if report_folder:
         from skinfield.cli.calibration_report import write_report
 
-        facts = {"calibration": calibration, "made": made.verdict, "recording": recording}
+        said = getattr(made, "verdict", repr(made))
+        facts = {"calibration": calibration, "made": said, "recording": recording}
         page = write_report(report_folder, "Calibration, tried", verdict, facts, figures, notes)
     report.say_notes(notes)
     report.finish(as_json, result, (page,), [verdict])
 
 
-def _force_tried(
-    made: "ForceCalibration", counts: Floats, labels: Floats, recording: str
-) -> "Tried":
-    """How far a calibration by force, and trivial answers of it, are off labels."""
-    from skinfield.calibrate.by_force import compared
-    from skinfield.calibrate.plot import draw_trivial
+def _counts_for(
+    made: "ForceCalibration | PressureCalibration",
+    calibration: str,
+    recording: str,
+    patch: "Patch | None",
+    time: str | None,
+    columns: str | None,
+) -> "Series":
+    """Counts (T, L) of a recording, as many columns as a calibration has taxels."""
+    from skinfield.cli.calibration_inputs import skin_series
 
-    wanted, answer = made.label(labels), made.force(counts)
-    heard = np.isfinite(answer)
-    off = (answer - wanted)[heard]
-    rmse = float(np.sqrt(np.mean(np.square(off))))
-    trivial = {
-        name: float(np.sqrt(np.mean(np.square((its - wanted)[heard]))))
-        for name, its in made.trivial(counts).items()
-    }
-    within = float(np.mean(np.abs(off) < made.residual_std))
-    mean = float(off.mean())
-    result = {"rmse_N": rmse, "mean_off_N": mean, "within_one_std": within} | dict(
-        zip(("constant_rmse_N", "sum_rmse_N", "ridge_rmse_N"), trivial.values(), strict=True)
-    )
-    share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
-    verdict = f"{compared(rmse, trivial)}; {share}"
-    figures = {
-        "Over the readings": _timeline(answer, wanted, Path(recording).name),
-        "Error beside trivial answers": draw_trivial(rmse, trivial),
-    }
-    return verdict, result, figures
+    if patch is not None and len(patch) != len(made):
+        raise InputError(
+            f"{calibration} has {len(made)} taxels, expected {len(patch)} of {patch.name!r}"
+        )
+    skin = skin_series(recording, patch, time, columns)
+    if skin.values.shape[1] != len(made):
+        raise InputError(
+            f"{recording} has {skin.values.shape[1]} columns, expected {len(made)} as {calibration}"
+            ": give its layout (--skin), or the columns (--columns)"
+        )
+    return skin
 
 
-def _pressure_tried(
-    made: "PressureCalibration", counts: Floats, wanted: Floats, recording: str
-) -> "Tried":
-    """How far a calibration by pressure is off labels, median over the taxels."""
-    answer = made.pressure(counts)
-    with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
-        errors = np.sqrt(np.nanmean(np.square(answer - wanted[:, None]), axis=0))
-        rmse, shown = float(np.nanmedian(errors)), np.nanmedian(answer, axis=1)
-    there = np.isfinite(answer).mean(axis=0)  # of the readings
-    alive, constant = there[there > 0.0], float(wanted.std())
-    better = "" if rmse < constant else "; a constant is better"
-    result = {"rmse_Pa": rmse, "constant_rmse_Pa": constant, "usable": len(alive)}
-    result["answered_share"] = float(alive.mean()) if len(alive) else 0.0
-    verdict = (
-        f"{rmse:.4g} Pa off (rms, median of {len(alive)} of {len(made)} taxels, which answer "
-        f"{result['answered_share']:.2%} of their readings), a constant {constant:.4g}{better}"
-    )
-    figures = {"Over the readings": _timeline(shown, wanted, Path(recording).name, "Pa")}
-    return verdict, result, figures
+def _contacts_for(
+    calibration: str, recording: str, layout: str | None, patch: str | None, columns: str | None
+) -> "tuple[Series, bool]":
+    """Force (T, 1) of all contacts of a recording by a calibration; whether it is relative."""
+    from skinfield.cli.calibration_inputs import Series
+    from skinfield.cli.reconstruct_jobs import JobPlan
+
+    if layout is None or columns:
+        raise InputError(
+            f"{calibration} is by touches or of counts, expected the layout beside it (--skin), "
+            "and a recording whose columns need no choice (no --time, no --columns)"
+        )
+    counts = options.CountSettings(calibration=calibration)
+    plan = JobPlan.of(layout, patch, counts, Elastomer(), ModelSettings())
+    config, stamps, loads = _loads_of(recording, plan)
+    return Series(loads[:, None], stamps / 1e9), config.relative
 
 
 def _check_files(output: str | None, report_folder: str | None, force: bool) -> None:
@@ -502,21 +488,6 @@ def _check_files(output: str | None, report_folder: str | None, force: bool) -> 
 
     report.check_output("--output", output, force, ".toml", ".npz")
     check_folder(report_folder, force)
-
-
-def _timeline(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "Figure":
-    """Answers and labels (T,) over the readings, and their difference."""
-    from skinfield.signal.plot import draw_timeline
-
-    label = "skin" if unit == "N" else "skin, median of taxels"
-    figure = draw_timeline(
-        np.arange(len(answer)), answer, wanted,
-        label=label, reference_label="label", title=title, unit=unit,
-    )  # fmt: skip
-    figure.axes[0].set_ylabel("force (N)" if unit == "N" else f"pressure ({unit})")
-    figure.axes[1].set_ylabel(f"difference ({unit})")
-    figure.axes[1].set_xlabel("reading")
-    return figure
 
 
 def _finish(

@@ -1,5 +1,6 @@
 """Recordings and labels of a calibration, side by side: columns, times, units, delay."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -9,7 +10,10 @@ import numpy as np
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Patch
 
-UNITS = {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "N": 1.0, "kN": 1e3}
+UNITS = {  # of labels, by what they are in SI
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "MPa": 1e6},
+    "N": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
+}
 LATE, STEP = 1.0, 0.025  # s: delays that are tried
 BETTER = 0.02  # of a correlation, by which a delay must be better than none
 CLEAR = 0.6  # correlation, from which on a delay is believed
@@ -48,20 +52,45 @@ def skin_series(name: str, patch: Patch | None, time: str | None, columns: str |
     return Series(values, table.time(time))
 
 
-def label_series(name: str, labels: str | None, unit: str) -> Series:
-    """Labels (T, N) in SI units: of a force log its fx, fy and fz, else of columns by name."""
+def factor_of(unit: str | None, si: str, names: Sequence[str]) -> float:
+    """From a unit to `si`: as given, else as columns are named, such as p_kPa, else that itself.
+
+    Raises
+    ------
+    InputError
+        If it is a unit of something else, or the columns say another.
+    """
+    known = UNITS[si]
+    if unit is not None and unit not in known:
+        raise InputError(f"--unit is {unit!r}, expected one of {', '.join(known)}")
+    every = {each for its in UNITS.values() for each in its}
+    for name in names:
+        own = re.split(r"[^A-Za-z]+", name.rstrip(")] "))[-1]
+        if own != name and own in every and (own not in known or own != (unit or own)):
+            raise InputError(
+                f"column {name!r} is in {own}, expected {unit or ' or '.join(known)}: give "
+                "--unit as it is, and choose columns with --labels"
+            )
+        if own != name and own in known:
+            unit = own
+    return known[unit or si]
+
+
+def label_series(name: str, labels: str | None, unit: str | None, si: str) -> Series:
+    """Labels (T, N) in `si`, N or Pa: of a force log its fx, fy and fz, else of columns by name."""
     from skinfield.files import open_recording
     from skinfield.files.numbers import is_numbers, read_numbers
 
-    if unit not in UNITS:
-        raise InputError(f"--unit is {unit!r}, expected one of {', '.join(UNITS)}")
+    factor = factor_of(unit, si, ())  # refuses what it must before files are read
     if labels is None:
         try:
             sensor = open_recording(name)
         except (FileError, InputError):
             sensor = None  # then it is a table
         if sensor is not None and sensor.unit == "N, N m":
-            return Series(sensor.counts[:, :3] * UNITS[unit], sensor.stamp_ns / 1e9, sensor.notes)
+            if si != "N":
+                raise InputError(f"{name} is of a force sensor, expected pressures, in Pa")
+            return Series(sensor.counts[:, :3] * factor, sensor.stamp_ns / 1e9, sensor.notes)
         if not is_numbers(name):
             open_recording(name)  # says what is wrong with it
             raise InputError(f"{name} is of a skin, expected labels: the skin's recording is first")
@@ -70,7 +99,8 @@ def label_series(name: str, labels: str | None, unit: str) -> Series:
     if labels is None:
         chosen = [column for column in table.names if not _is_time(column)]
         labels = ",".join(chosen)
-    return Series(table.columns(labels) * UNITS[unit], seconds)
+    factor = factor_of(unit, si, table.names_of(labels))
+    return Series(table.columns(labels) * factor, seconds)
 
 
 def forces_of(name: str, values: Floats, offset: str | None = None) -> Floats:
@@ -102,7 +132,7 @@ def forces_together(
     time: str | None,
     columns: str | None,
     labels: str | None,
-    unit: str,
+    unit: str | None,
     offset: str | None,
 ) -> tuple[Floats, Floats, tuple[str, ...]]:
     """Counts (T, L) and forces (T,) or (T, 3) of recordings one after another, and notes.
@@ -115,7 +145,7 @@ def forces_together(
         raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
     tables, forces, notes = [], [], []
     for recording, its in zip(files[::2], files[1::2], strict=True):
-        label = label_series(its, labels, unit)
+        label = label_series(its, labels, unit, "N")
         taken = forces_of(its, label.values, offset)
         label = label._replace(values=taken.reshape(len(taken), -1))
         counts, values, said = together(skin_series(recording, patch, time, columns), label)

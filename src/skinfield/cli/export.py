@@ -60,7 +60,7 @@ def export(
             sink: LiveExport = parts.enter_context(TableExport(output, work))
         else:
             sqlite = form == "rosbag2-sqlite"
-            bag = BagExport(output, work.patches, work.numbers, sqlite=sqlite)
+            bag = BagExport(output, work.patches, work.numbers, sqlite=sqlite, forces=work.scale)
             sink = parts.enter_context(bag)
         with progress("exporting", recording.outline.size) as step:
             for at in work.into(sink):

@@ -13,8 +13,16 @@ from cyclopts import Group, Parameter
 import skinfield as sf
 from skinfield.cli.profiles import SkinProfile, profile_of
 from skinfield.cli.report import note
-from skinfield.cli.settings import Elastomer, ModelSettings, QuantityName, Settings, SolverName
-from skinfield.errors import InputError
+from skinfield.cli.settings import (
+    Elastomer,
+    ModelSettings,
+    QuantityName,
+    Settings,
+    SolverName,
+    TaxelSettings,
+    taxels_of,
+)
+from skinfield.errors import FileError, InputError
 from skinfield.page.settings import PageSettings
 from skinfield.settings import Positive, Range, Section, from_plain
 
@@ -48,6 +56,7 @@ FLAGS = {  # of fields whose flag has another name
 }
 OF_UNIT = {"count": "capacitance", "dC/C0": "capacitance", "Pa": "stress", "1": "gap"}
 S = TypeVar("S", bound=Section)
+E = TypeVar("E", bound=Elastomer)
 T = TypeVar("T")
 QUANTITIES = {"capacitance": "Capacitance", "gap": "Gap", "stress": "BaseStress"}
 LIVE = ".mcap"  # ends the name of a recording of a live skin
@@ -69,19 +78,13 @@ def heading(title: str, name: str | None = None) -> Parameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CountSettings(Section):
-    """What the counts of a recording mean.
+class CountSettings(TaxelSettings):
+    """What the counts of a recording mean; see also `TaxelSettings`.
 
     Parameters
     ----------
     board : str
         Whose counts they are; auto goes by their range.
-    no_load : int, optional
-        What an iCub byte rests at. Default the profile's, else 240.
-    gain : float, optional
-        Counts per unit of ΔC/C₀; negative where pressure lowers them. Default the profile's.
-    calibration : str, optional
-        Calibration file (.toml, .npz) instead of both.
     smoothing_ms : float, ms
         Time constant of an exponential filter, ms; 0: none.
     noise : float, optional
@@ -89,30 +92,18 @@ class CountSettings(Section):
     tare : str, optional
         FROM,TO: when nothing touched, s after the first reading; taxels rest at what they read
         then. Default the quietest stretch.
-    keep : str, optional
-        Taxels to use whatever is found faulty, such as 3,17-20: rows of the patch, from 0.
-    without : str, optional
-        Taxels to leave out.
     """
 
     board: Literal["auto", "icub", "cyskin"] = "auto"
-    no_load: Annotated[int | None, Range(1, 255, "what an iCub byte rests at")] = None
-    gain: float | None = None
-    calibration: str | None = None
     smoothing_ms: Annotated[float, Range(0.0, 1e6, "ms; 0: none")] = 0.0
     noise: Annotated[float | None, Positive("no reading is exact")] = None
     tare: str | None = None
-    keep: str | None = None
-    without: str | None = None
 
     def check(self) -> None:
         """See `Section`."""
+        super().check()
         if self.tare is not None:
             times_of("--tare", self.tare)
-        taxels_of("--keep", self.keep)
-        taxels_of("--without", self.without)
-        if self.gain is not None and not 0 < abs(self.gain) < inf:
-            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
 
 
 Counts = Annotated[CountSettings, part("Counts")]
@@ -271,9 +262,6 @@ def conditioning_of(patch: "sf.Patch", counts: CountSettings) -> "Conditioning":
     )
 
 
-MOST_DIGITS = 10  # of the number of a taxel
-
-
 def times_of(flag: str, text: str) -> tuple[float, float]:
     """Two times, s, such as 0,6.5; InputError for what is none."""
     try:
@@ -283,22 +271,6 @@ def times_of(flag: str, text: str) -> tuple[float, float]:
     if not 0.0 <= begin < end < inf:
         raise InputError(f"{flag} is {text!r}, expected two numbers such as 0,6.5, in s")
     return begin, end
-
-
-def taxels_of(flag: str, text: str | None, taxels: int | None = None) -> tuple[int, ...]:
-    """Rows of taxels, such as 3,17-20; InputError for what is none, or is not of the patch."""
-    rows: list[int] = []
-    for word in (text or "").split(",") if text is not None else ():
-        ends = word.strip().split("-")
-        if len(ends) > 2 or not all(end.isdecimal() and len(end) < MOST_DIGITS for end in ends):
-            raise InputError(f"{flag} is {text!r}, expected taxels such as 3,17-20")
-        first, last = int(ends[0]), int(ends[-1])
-        if last < first or (taxels is not None and last >= taxels):
-            most = "in ascending order" if taxels is None else f"of the patch, 0 to {taxels - 1}"
-            raise InputError(f"{flag} names taxels {word.strip()}, expected rows {most}")
-        if taxels is not None:
-            rows += range(first, last + 1)
-    return tuple(rows)
 
 
 def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
@@ -311,14 +283,32 @@ def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
     from skinfield.signal import Calibration
 
     made = load_calibration(path, patch)
-    counts = made.counts if isinstance(made, TouchCalibration) else made
-    if not isinstance(counts, Calibration):
+    known = made.of_taxels(patch) if isinstance(made, TouchCalibration) else made
+    if not isinstance(known, Calibration):
         raise InputError(
-            f"--calibration is {path!r}, which holds a {type(made).__name__}, expected what turns "
-            "counts into readings: of counts, or by touches of a recording in counts; "
-            "`skinfield calibrate check` answers by the others"
+            f"--calibration is {path!r}, which holds a {type(made).__name__}, expected one of "
+            "counts or by touches, which know each taxel by itself; `skinfield calibrate check` "
+            "answers by this one"
         )
-    return counts
+    return known
+
+
+def calibration_for(path: str | None, skin: "sf.Skin") -> dict[str, "Calibration"]:
+    """Calibration of a file by the name of the patch that it is of, for a live skin."""
+    made: dict[str, Calibration | None] = {}
+    for patch in skin if path is not None else ():
+        try:
+            made[patch.name] = calibration_in(str(path), patch)
+        except FileError:
+            if patch is skin[-1] and not made:  # else it is of another patch
+                raise
+    found = {name: its for name, its in made.items() if its is not None}
+    if path is not None and len(found) != 1 and not path.lower().endswith(LIVE):
+        raise InputError(
+            f"--calibration is {path!r}, which fits {', '.join(found)}, expected one patch of "
+            f"{skin.name}: make it of a recording in counts, whose taxels are known"
+        )
+    return found
 
 
 def touched_skin(path: str | None) -> "TouchCalibration | None":
@@ -329,6 +319,48 @@ def touched_skin(path: str | None) -> "TouchCalibration | None":
 
     made = load_calibration(path)
     return made if isinstance(made, TouchCalibration) else None
+
+
+def by_touch(
+    path: str | None, elastomer: E, model: ModelSettings
+) -> tuple[E, ModelSettings, "TouchCalibration | None"]:
+    """What a calibration by touches knows, if it is one, for what is not set; and itself."""
+    skin = touched_skin(path)
+    if skin is None:
+        return elastomer, model, None
+    note(skin.verdict)
+    return *by_model(skin.layer, skin.mechanics, elastomer, model), skin
+
+
+def by_model(
+    layer: "sf.Layer", mechanics: object, elastomer: E, model: ModelSettings
+) -> tuple[E, ModelSettings]:
+    """Layer and cover for what is not set."""
+    found = {
+        "thickness_mm": layer.thickness * 1e3,
+        "modulus_kpa": layer.young_modulus * 1e-3,
+        "poisson": layer.poisson_ratio,
+    }
+    missing = {name: its for name, its in found.items() if getattr(elastomer, name) is None}
+    if model.mechanics is None and getattr(mechanics, "inextensible_cover", False):
+        model = replace(model, mechanics="covered-layer")
+    return replace(elastomer, **missing), model  # type: ignore[arg-type]
+
+
+def assumed_of(
+    counts: TaxelSettings, elastomer: Elastomer, skin: "TouchCalibration | None"
+) -> tuple[str, ...]:
+    """What of the scale of forces, "gain" and "modulus", nothing known gives."""
+    gain = counts.gain is None and counts.calibration is None
+    modulus = skin.relative if skin else elastomer.modulus_kpa is None
+    return ("gain",) * gain + ("modulus",) * modulus
+
+
+def is_relative(assumed: tuple[str, ...], unit: str) -> bool:
+    """Whether forces hold up to one factor, where this is assumed and readings have such a unit."""
+    if unit == "Pa":  # the base bears the force, whatever its modulus
+        return False
+    return bool(set(assumed) - ({"gain"} if unit != "count" else set()))
 
 
 def settings_in(path: str) -> Settings | None:

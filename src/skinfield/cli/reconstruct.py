@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 from skinfield.cli import options, report
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import FileError, InputError
-from skinfield.estimate.contact_table import NEWTONS, RELATIVE
+from skinfield.estimate.contact_table import scale_of
 from skinfield.plot import plural
 
 if TYPE_CHECKING:
@@ -325,7 +325,7 @@ def _summary(
         "layer": repr(config.layer),
         "grid": list(config.grid.shape),
         "options": {name: value for name, value in values.items() if value is not None},
-        "scale": RELATIVE if config.relative else NEWTONS,
+        "scale": scale_of(config.relative),
         "total_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
         "highest_force_reading": totals.peak,

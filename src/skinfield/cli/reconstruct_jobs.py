@@ -5,6 +5,7 @@ reconstructed one by one, here or by workers. A manifest says which windows are 
 run that was ended goes on where it was.
 """
 
+import json
 import logging
 import secrets
 import time
@@ -22,9 +23,11 @@ from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.estimate.contact_table import RELATIVE, scale_of
 from skinfield.files import rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import (
@@ -36,6 +39,7 @@ from skinfield.files.results import (
     write_contacts_at,
     write_fields_at,
 )
+from skinfield.loop.model_config import ModelConfig
 from skinfield.plot import plural
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
@@ -78,7 +82,7 @@ class JobPlan:
 
         A layout that is a recording of a live skin brings its settings and calibration.
         """
-        board = None if counts.board == "auto" else counts.board
+        board, given, scale = None if counts.board == "auto" else counts.board, elastomer, counts
         recorded = options.settings_in(layout) if layout.lower().endswith(options.LIVE) else None
         if recorded is None:
             profile = options.profile_in_use(elastomer, board, layout)
@@ -90,22 +94,16 @@ class JobPlan:
             if counts.gain is None and counts.calibration is None:
                 counts = replace(counts, gain=known.gain, calibration=layout)
             counts = replace(counts, no_load=counts.no_load or known.no_load)
+            named = scale.calibration or known.calibration  # what it has enclosed may be a tare
+            scale = replace(scale, gain=scale.gain or known.gain, calibration=named)
+            if known.calibration is not None:
+                live = ModelConfig.from_json(json.dumps(LiveRecording.open(layout).configuration))
+                elastomer, model = options.by_model(live.layer, live.mechanics, elastomer, model)
             profile = options.profile_in_use(elastomer, hardware, known.layout)
-        if skin := options.touched_skin(counts.calibration):
-            found = {
-                "thickness_mm": skin.thickness * 1e3,
-                "modulus_kpa": skin.young_modulus * 1e-3,
-                "poisson": skin.poisson_ratio,
-            }
-            for name, value in found.items():
-                if getattr(elastomer, name) is None:
-                    elastomer = replace(elastomer, **{name: value})  # type: ignore[arg-type]
-            if skin.covered and model.mechanics is None:
-                model = replace(model, mechanics="covered-layer")
-            report.note(skin.verdict)
-        known_gain = counts.gain is not None or counts.calibration is not None
-        unknown = skin.relative if skin else elastomer.modulus_kpa is None
-        names = (("gain", not known_gain), ("modulus", unknown))
+        elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
+        assumed = options.assumed_of(scale, given, skin)
+        if recorded is not None and given.modulus_kpa is None and skin is None:
+            assumed = assumed if LiveRecording.open(layout).relative else ()  # as it was live
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
@@ -115,7 +113,7 @@ class JobPlan:
             counts=options.filled(counts, profile),
             elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
             model=options.filled(model, profile),
-            assumed=tuple(name for name, is_assumed in names if is_assumed),
+            assumed=assumed,
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -171,7 +169,7 @@ def take_in(
         quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[spool.like.unit])
         step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)
-        relative = is_relative(plan.assumed, spool.like.unit)
+        relative = options.is_relative(plan.assumed, spool.like.unit)
         config = options.config_of(patch, layer, quantity, found.noise_std, plan.model, relative)
         writer = ResultsWriter(place, config, spool.like.source)
         _condition(spool, found, how, writer)
@@ -180,13 +178,6 @@ def take_in(
         with report.progress("following rest", len(results), quiet=quiet) as step:
             results.store_rest(step)
     return results, spool.skipped
-
-
-def is_relative(assumed: tuple[str, ...], unit: str) -> bool:
-    """Whether forces hold up to one factor, where this is assumed and readings have such a unit."""
-    if unit == "Pa":  # the base bears the force, whatever its modulus
-        return False
-    return bool(set(assumed) - ({"gain"} if unit != "count" else set()))
 
 
 def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWriter) -> None:
@@ -419,7 +410,8 @@ def reconstruct_many(
         with dask_client(*cluster) as client, _watched(len(manifest.names)) as watch:
             failures = run_jobs(manifest, plan, store_fields, client, watch)
     rows = _rows_of(manifest)
-    lines = [report.table_of(f"results in {folder}", rows, RECORDING)] if rows else []
+    columns = report.in_scale(RECORDING, any(row["scale"] == RELATIVE for row in rows))
+    lines = [report.table_of(f"results in {folder}", rows, columns)] if rows else []
     report.finish(as_json, {"folder": str(folder), "recordings": rows}, lines=lines)
     if failures:
         each = "\n\n".join(f"{name}: {why}" for name, why in failures.items())
@@ -463,6 +455,7 @@ def _rows_of(manifest: Manifest) -> list[dict[str, Any]]:
                 "skipped_lines": entry.skipped,
                 "taxels_left_out": len(totals.silent or ()),
                 "contacts": totals.contacts,
+                "scale": scale_of(results.config.relative),
                 "highest_force_N": totals.highest_force,
                 "highest_force_reading": totals.peak,
             }

@@ -176,6 +176,20 @@ def plain_contacts(contacts: Sequence["Contact"]) -> list[dict[str, Any]]:
     ]
 
 
+HEADS = ("force N", "± N", "peak kPa", "highest N")  # of what is relative until calibrated
+
+
+def in_scale(columns: Iterable[Column], relative: bool) -> list[Column]:
+    """Columns whose heads say so where forces are relative; narrow ones have no unit then."""
+    made = []
+    for each in columns:
+        if relative and each.head in HEADS:
+            name = each.head.split()[0]
+            each = each._replace(head=name if each.width else f"{name} rel.")
+        made.append(each)
+    return made
+
+
 def table_of_contacts(contacts: Sequence["Contact"], title: str, relative: bool = False) -> Table:
     """Contacts; their height stands there where one is not 0: on a flat patch it says nothing.
 
@@ -184,10 +198,7 @@ def table_of_contacts(contacts: Sequence["Contact"], title: str, relative: bool 
     first = plain_contacts(contacts[:MOST_CONTACTS])
     curved = any(abs(row["z_m"]) > FLAT for row in first)
     columns = [column for column in CONTACT if curved or column.key != "z_m"]
-    if relative:
-        heads = {"force N": "force rel.", "± N": "± rel.", "peak kPa": "peak rel."}
-        columns = [each._replace(head=heads.get(each.head, each.head)) for each in columns]
-    made = table_of(title, first, columns)
+    made = table_of(title, first, in_scale(columns, relative))
     if len(contacts) > MOST_CONTACTS:
         made.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"
     return made

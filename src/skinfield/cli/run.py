@@ -26,9 +26,11 @@ from skinfield.cli.settings import (
     SolverName,
     SourceSettings,
     changed,
+    taxels_of,
     toml_from_settings,
 )
 from skinfield.errors import InputError, SkinfieldError
+from skinfield.estimate.contact_table import scale_of
 from skinfield.page.settings import PageSettings
 
 REFRESH = 0.25  # s
@@ -168,14 +170,20 @@ def check_port(port: int | None, host: str) -> None:
         ) from error
 
 
-def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any) -> Any:
-    """`LiveSettings` of the settings; the source is one of the live sources."""
+def live_settings(
+    wanted: Settings, profile: SkinProfile, skin: Any, source: Any, assumed: tuple[str, ...] = ()
+) -> Any:
+    """`LiveSettings` of the settings; the source is one of the live sources.
+
+    `assumed` is what of the scale of forces nothing known gives, see `options.assumed_of`.
+    """
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
 
     model, loop = options.filled(wanted.model, profile), wanted.loop
     late, deadline = loop.late_after_ms, loop.deadline_us
     grid = model.grid or max(options.nodes_for(patch, LIVE_FINEST) for patch in skin)
+    taxels = sum(map(len, skin))
     return LiveSettings(
         skin=skin,
         sources=(source,),
@@ -187,6 +195,10 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
         gain=options.filled(wanted.skin, profile).gain,
+        calibration=options.calibration_for(wanted.skin.calibration, skin),
+        keep=taxels_of("--keep", wanted.skin.keep, taxels),
+        without=taxels_of("--without", wanted.skin.without, taxels),
+        relative=options.is_relative(assumed, getattr(source, "unit", "count")),
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
         deadline=None if late is None else late * 1e-3,
@@ -195,6 +207,18 @@ def live_settings(wanted: Settings, profile: SkinProfile, skin: Any, source: Any
         tare_seconds=loop.tare_s,
         real_time=RealTime(priority=loop.priority, cpu=loop.cpu),
     )
+
+
+def calibrated(wanted: Settings) -> tuple[Settings, tuple[str, ...]]:
+    """Settings with what a calibration by touches knows, and what of the scale of forces does not.
+
+    A virtual skin stays as it was wanted, and without a calibration is what it is taken to be.
+    """
+    skin, model, touched = options.by_touch(wanted.skin.calibration, wanted.skin, wanted.model)
+    assumed = options.assumed_of(wanted.skin, wanted.skin, touched)
+    if wanted.source.hardware is None and touched is None:
+        assumed = ()
+    return replace(wanted, skin=skin, model=model), assumed
 
 
 def board_of(source: SourceSettings, no_load: int | None, profile: SkinProfile) -> Any:
@@ -302,7 +326,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
         profile = options.profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
-        # what it answers by, without secrets; a virtual skin is started anew
+        answers, assumed = calibrated(wanted)
+        # without secrets; a virtual skin is started anew
         tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
         skin = skin_for(source.hardware or "", skin)
 
@@ -312,7 +337,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
                 extra.setdefault("no_load", str(wanted.skin.no_load))
             hardware, bus = source.hardware or "icub", source.bus or ""
             stream = source_from_options(hardware, bus, source.channel, skin, extra)
-            live = live_settings(replace(wanted, source=source), profile, skin, stream)
+            its = replace(answers, source=source)
+            live = live_settings(its, profile, skin, stream, assumed)
             return replace(live, tree=tree)
 
         settings = settings_of(source)  # refuses what it must before anything starts
@@ -488,6 +514,7 @@ def summary_of(
     """
     return {
         **status.since.as_dict(),
+        "scale": scale_of(status.relative),
         "lost": status.lost,
         "solver": status.notes.get("solver"),
         "linear_s": status.notes.get("linear_s"),

@@ -10,11 +10,13 @@ from typing import Annotated, Any, Literal
 
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.emulator.settings import NO_HABITS, HabitsName
+from skinfield.errors import InputError
 from skinfield.page.settings import PageSettings
 from skinfield.settings import (
     Positive,
     Range,
     Section,
+    SettingError,
     pair_from_text,
     text_of_file,
     value_from_toml,
@@ -51,28 +53,71 @@ class Elastomer(Section):
     poisson: Annotated[float | None, Range(0.0, 0.5, "Poisson's ratio")] = None
 
 
+MOST_DIGITS = 10  # of the number of a taxel
+
+
+def taxels_of(flag: str, text: str | None, taxels: int | None = None) -> tuple[int, ...]:
+    """Rows of taxels, such as 3,17-20; InputError for what is none, or is not of the patch."""
+    rows: list[int] = []
+    for word in (text or "").split(",") if text is not None else ():
+        ends = word.strip().split("-")
+        if len(ends) > 2 or not all(end.isdecimal() and len(end) < MOST_DIGITS for end in ends):
+            raise InputError(f"{flag} is {text!r}, expected taxels such as 3,17-20")
+        first, last = int(ends[0]), int(ends[-1])
+        if last < first or (taxels is not None and last >= taxels):
+            most = "in ascending order" if taxels is None else f"of the patch, 0 to {taxels - 1}"
+            raise InputError(f"{flag} names taxels {word.strip()}, expected rows {most}")
+        if taxels is not None:
+            rows += range(first, last + 1)
+    return tuple(rows)
+
+
 @dataclass(frozen=True, kw_only=True)
-class SkinSettings(Elastomer):
+class TaxelSettings(Section):
+    """What the counts of each taxel mean, and which taxels are used.
+
+    Parameters
+    ----------
+    no_load : int, optional
+        What an iCub byte rests at. Default the profile's, else 240.
+    gain : float, optional
+        Counts per unit of ΔC/C₀; negative where pressure lowers them. Default the profile's.
+    calibration : str, optional
+        Calibration file (.toml, .npz) instead of both.
+    keep : str, optional
+        Taxels to use whatever is found faulty, such as 3,17-20: rows of the patch, from 0.
+    without : str, optional
+        Taxels to leave out.
+    """
+
+    no_load: Annotated[int | None, Range(1, 255, "what an iCub byte rests at")] = None
+    gain: float | None = None
+    calibration: str | None = None
+    keep: str | None = None
+    without: str | None = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        for name in ("keep", "without"):
+            try:
+                taxels_of(name, getattr(self, name))
+            except InputError as error:
+                raise SettingError(name, str(error).removeprefix(f"{name} ")) from error
+        if self.gain is not None and not 0 < abs(self.gain) < inf:
+            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkinSettings(TaxelSettings, Elastomer):
     """Where the taxels are, under what, and what a count means; see also `Elastomer`.
 
     Parameters
     ----------
     layout : str
         Layout file, or a generator by name.
-    gain : float, optional
-        Counts per unit of ΔC/C₀; negative where pressure lowers them.
-    no_load : int, optional
-        What an iCub byte rests at.
     """
 
     layout: str = "hexagon72"
-    gain: float | None = None
-    no_load: Annotated[int | None, Range(1, 255, "what an iCub byte rests at")] = None
-
-    def check(self) -> None:
-        """See `Section`."""
-        if self.gain is not None and not (0 < abs(self.gain) < inf):
-            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from skinfield.cli.report import NONE, Column, table, table_of
+from skinfield.cli.report import NONE, Column, in_scale, table, table_of
 from skinfield.loop.realtime import Quantiles
 from skinfield.loop.status import LiveStatus
 from skinfield.loop.status_text import start_in_words
@@ -79,6 +79,8 @@ def _headline(status: LiveStatus) -> Text:
     if status.state in STYLES and (start := start_in_words(status.notes)):
         text.append(f": {start}", "yellow")
     text.append(f"  {status.rate:,.0f} cycles/s")
+    if status.relative:
+        text.append("  forces relative", "yellow")
     if status.pid:  # a replay has no process
         text.append(f"  process {status.pid}")
     if status.generation > 1:
@@ -118,11 +120,16 @@ def _contacts(
         | {"what": ("one?" if row["maybe"] == 1 else "two?") if row["maybe"] else row["shape"]}
         for row in contacts[:room]
     ]
-    columns = (Column("no.", "track", decimals=0, width=5), Column("patch", "patch", width=letters))
-    lines: list[Table | Text] = [table_of(None, rows, (*columns, *CONTACT), **LOOK)]
+    columns: tuple[Column, ...] = (
+        Column("no.", "track", decimals=0, width=5),
+        Column("patch", "patch", width=letters),
+    )
+    columns = (*columns, *in_scale(CONTACT, status.relative))
+    lines: list[Table | Text] = [table_of(None, rows, columns, **LOOK)]
     if rest := contacts[room:]:
         force = sum(row["normal_force"] for row in rest)
-        lines.append(_line(f" {len(rest)} more, {force:.2f} N in all", "bold"))
+        unit = "(relative)" if status.relative else "N"
+        lines.append(_line(f" {len(rest)} more, {force:.2f} {unit} in all", "bold"))
     if not contacts:
         known = any(each["answer"] != "missing" for each in status.patches)
         words = "nothing touches the skin" if known else "not known: no patch has an answer"
@@ -160,7 +167,8 @@ def _patches(
             | {"style": "red" if bad and _is_old(status, row) else ""}
             for row in patches[:room]
         ]
-        columns = (Column("patch", "name", width=letters), *PATCH)
+        its = in_scale(PATCH, status.relative)
+        columns = (Column("patch", "name", width=letters), *its)
         lines.append(table_of(None, rows, columns, **LOOK))
     answers = [each["answer"] for each in status.patches]
     missing, idle = answers.count("missing"), answers.count("idle")

@@ -26,6 +26,13 @@ KINDS, LISTED_KINDS = (
 )
 SENT = "sent"  # solver of contacts that another program found, and scale of their forces
 NEWTONS, RELATIVE = "newtons", "relative"  # scale of forces: known, or up to one factor
+
+
+def scale_of(relative: bool) -> str:
+    """What forces are, in a word: newtons, or relative, where they hold up to one factor."""
+    return RELATIVE if relative else NEWTONS
+
+
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
@@ -41,7 +48,7 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
     stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
     each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
     names = np.broadcast_to(estimate.solver, len(forces)).tolist()
-    scale = RELATIVE if estimate.relative else NEWTONS
+    scale = scale_of(estimate.relative)
     every = zip(forces.tolist(), stamps, names, each, strict=True)
     for k, (force, stamp, name, contacts) in enumerate(every):
         reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), name, valid[k])

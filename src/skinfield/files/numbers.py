@@ -46,10 +46,13 @@ class Numbers:
         InputError
             If there is none.
         """
+        return self.values[:, self._place(wanted)]
+
+    def _place(self, wanted: str) -> int:
         if wanted in self.names:
-            return self.values[:, self.names.index(wanted)]
+            return self.names.index(wanted)
         if wanted.isdecimal() and 1 <= int(wanted) <= len(self.names):
-            return self.values[:, int(wanted) - 1]
+            return int(wanted) - 1
         known = ", ".join(self.names[:SHOWN]) + (", ..." if len(self.names) > SHOWN else "")
         raise InputError(
             f"column {wanted!r} is not in {self.source}, expected one of its {len(self.names)}: "
@@ -58,15 +61,22 @@ class Numbers:
 
     def columns(self, wanted: str) -> Floats:
         """Values (T, N) of columns such as "force_z", "fx,fy,fz" or "3-282"."""
-        found: list[Floats] = []
+        return self.values[:, self._places(wanted)]
+
+    def names_of(self, wanted: str) -> list[str]:
+        """Names of such columns."""
+        return [self.names[place] for place in self._places(wanted)]
+
+    def _places(self, wanted: str) -> list[int]:
+        found: list[int] = []
         for each in wanted.split(","):
             first, dash, last = each.partition("-")
             if dash and first.isdecimal() and (last.isdecimal() or not last):
                 end = int(last) if last else len(self.names)
-                found += [self.column(str(number)) for number in range(int(first), end + 1)]
+                found += [self._place(str(number)) for number in range(int(first), end + 1)]
             else:
-                found.append(self.column(each.strip()))
-        return np.column_stack(found)
+                found.append(self._place(each.strip()))
+        return found
 
     def time(self, wanted: str | None = None) -> Floats | None:
         """Seconds (T,) of a column, or of the one that is named like a time; None without any.

@@ -25,7 +25,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import FileError, Floats, InputError, SkinfieldError, check_count, check_shape
 from skinfield.estimate import Estimate
-from skinfield.estimate.contact_table import COLUMNS, KINDS, Row, load_pyarrow, rows_from_estimate
+from skinfield.estimate.contact_table import (
+    COLUMNS,
+    KINDS,
+    RELATIVE,
+    Row,
+    load_pyarrow,
+    rows_from_estimate,
+)
 from skinfield.files.fields import SERIES, Arrays, create_array, create_arrays, load_zarr
 from skinfield.files.pending import Pending, explained, pending
 from skinfield.files.tables import arrow_schema, open_contacts
@@ -345,13 +352,17 @@ class Results:
         rows, columns = grid.shape
         lazy = self._stored(array) if self.stored else self._lazy(array, precision)
         dims = ("reading", "row", "column", "axis")
+        units = {"Pa": RELATIVE, "N": RELATIVE} if self.config.relative else {}
         variables: dict[str, Any] = {
-            name: (dims[: values.ndim], values, {"units": unit, "long_name": text})
+            name: (dims[: values.ndim], values, {"units": units.get(unit, unit), "long_name": text})
             for name, values in lazy.items()
             for unit, text in [TEXTS[name]]
         }
         force = self._blocks(array, self._forces, 1, np.float64)[:, 0]
-        known = {"units": "N", "long_name": "sum of the contacts, or of the field that answers"}
+        known = {
+            "units": units.get("N", "N"),
+            "long_name": "sum of the contacts, or of the field that answers",
+        }
         variables["normal_force"] = ("reading", force, known)
         values = self._blocks(array, self.values, len(patch), np.float64)
         quantity = self.config.quantity
@@ -438,6 +449,7 @@ def open_results(
     xarray.Dataset
         Over reading, row, column, axis and taxel, with units as attributes: `pressure` Pa,
         `indentation` m, `displacement` m, `normal_force` N and `readings`, as arrays of Dask;
+        "relative" where pressure and forces hold up to one factor;
         ``results.pressure[100:200].values`` computes what it needs. Its contacts: `load_contacts`.
 
     Raises

@@ -37,7 +37,7 @@ class TareBaseline:
     ----------
     calibration : (L, 4) array
         Baseline and gain (counts, counts per unit of ΔC/C₀), noise_std (counts), alive (0 or 1);
-        of readings that are no counts: 0, 1, the noise in their unit, and alive.
+        of readings that are no counts: 0, 1 or a calibration's gain, the noise, and alive.
     noise_std : (L,) array
         In the quantity's unit.
     stale_ns : int, ns
@@ -57,11 +57,17 @@ class BaselineCollector:
 
     Something that lies on the skin meanwhile would be part of it: a taxel that is let go later
     reads less than nothing then, which only ten times the force around it would explain. So it goes
-    on for up to `PATIENCE` times the asked time, until there is a stretch without.
+    on for up to `PATIENCE` times the asked time, until there is a stretch without. The rest of a
+    calibration stays, unless it is to be measured `anew`.
     """
 
-    def __init__(self, settings: LiveSettings, binding: Binding) -> None:
+    def __init__(self, settings: LiveSettings, binding: Binding, *, anew: bool = False) -> None:
         self._settings, self._binding = settings, binding
+        starts = binding.starts.tolist()
+        self._how = [
+            _how(patch, settings, start, anew)
+            for patch, start in zip(settings.skin, starts, strict=False)
+        ]
         self._rows: Floats = np.full((MOST, len(binding.channel)), np.nan)
         self._stamps: Ints = np.zeros(MOST, np.int64)
         self._seen = np.zeros(binding.channels, np.bool_)
@@ -104,8 +110,8 @@ class BaselineCollector:
         began = time.monotonic()
         stamps, rows = self._collected()
         found = all(
-            np.isnan(its.counts).all() or untouched(its, _how(patch, self._settings))
-            for patch, its in zip(self._settings.skin, self._parts(stamps, rows), strict=True)
+            np.isnan(its.counts).all() or untouched(its, how)
+            for its, how in zip(self._parts(stamps, rows), self._how, strict=True)
         )
         pause = max(LOOK, (time.monotonic() - began) / SHARE_OF_LOOKS)
         self._look = now_ns + int(pause * 1e9)
@@ -138,11 +144,10 @@ class BaselineCollector:
             raise InputError("no reading came while the baseline was taken, expected some")
         table, noise = np.zeros((len(binding.channel), 4)), np.zeros(len(binding.channel))
         notes: list[str] = []
-        for place, (patch, recording) in enumerate(
-            zip(settings.skin, self._parts(stamps, rows), strict=True)
-        ):
+        parts = zip(settings.skin, self._parts(stamps, rows), self._how, strict=True)
+        for place, (patch, recording, how) in enumerate(parts):
             its = slice(int(binding.starts[place]), int(binding.starts[place + 1]))
-            table[its], noise[its], said = _patch_baseline(patch, recording, settings)
+            table[its], noise[its], said = _patch_baseline(patch, recording, settings, how)
             notes += [f"{patch.name}: {note}" for note in said]
         return TareBaseline(table, noise, self._stale_ns(stamps), tuple(notes))
 
@@ -153,14 +158,25 @@ class BaselineCollector:
         return int(max(USUAL * usual, YOUNGEST * 1e9))
 
 
-def _how(patch: Patch, settings: LiveSettings) -> Conditioning:
+def _how(patch: Patch, settings: LiveSettings, start: int, anew: bool) -> Conditioning:
+    """How counts of a patch are taken, whose taxels begin at `start`."""
+    keep, without = (
+        tuple(row - start for row in rows if 0 <= row - start < len(patch))
+        for rows in (settings.keep, settings.without)
+    )
+    known = settings.calibration.get(patch.name)
     return Conditioning(
-        board=settings.board, gain=settings.gain, calibration=settings.calibration.get(patch.name)
+        board=settings.board,
+        gain=settings.gain,
+        calibration=known,
+        keep=keep,
+        without=without,
+        tare=(0.0, np.inf) if anew and known is not None else None,
     )
 
 
 def _patch_baseline(
-    patch: Patch, recording: Recording, settings: LiveSettings
+    patch: Patch, recording: Recording, settings: LiveSettings, how: Conditioning
 ) -> tuple[Floats, Floats, tuple[str, ...]]:
     """Calibration (L, 4) and noise (L,) of one patch, and notes."""
     table = np.zeros((len(patch), 4))
@@ -170,14 +186,14 @@ def _patch_baseline(
         table[:, 2] = 1.0
         noise = np.full(len(patch), settings.quantity.typical_noise)
         return table, noise, ("no taxel answered while the baseline was taken: all are left out",)
-    how = _how(patch, settings)
     found = survey(lambda: iter([recording]), patch, settings.layer, settings.quantity, how)
     known = found.conditioner.calibration
     if known is None:
         table[:, 2], table[:, 3] = found.noise_std, answered
+        table[list(how.without), 3] = 0.0
         return table, found.noise_std, found.notes
     baseline, noise = known.baseline, known.noise_std
-    if settings.calibration.get(patch.name) is None:
+    if how.calibration is None or how.tare is not None:
         baseline, noise = unrounded(recording.counts, known)
     columns = np.column_stack([baseline, known.gain, noise, known.alive])
     table[known.alive] = columns[known.alive]

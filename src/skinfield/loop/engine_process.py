@@ -510,7 +510,7 @@ class EngineProcess:
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
-        self.again = BaselineCollector(self.settings, self.model_config.binding)
+        self.again = BaselineCollector(self.settings, self.model_config.binding, anew=True)
         self.again.skip(self.intake.channels)
         self._note(tare=["a new baseline is being taken"])
 

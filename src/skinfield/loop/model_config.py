@@ -28,7 +28,7 @@ from skinfield.signal import Convention, Port
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, ContactFit, NonNegative, Solution, Solver
 
-VALUES = ("layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows")
+VALUES = "layer", "mechanics", "quantity", "solver", "rungs", "board", "budget", "rows", "relative"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +107,8 @@ class ModelConfig:
         Of the reconstruction.
     rows : int
         Contacts per patch.
+    relative : bool
+        Whether forces hold up to one factor only.
     """
 
     skin: Skin
@@ -119,6 +121,7 @@ class ModelConfig:
     board: Convention | None
     budget: float
     rows: int
+    relative: bool = False
 
     @cached_property
     def binding(self) -> Binding:
@@ -147,6 +150,7 @@ class ModelConfig:
             quantity=self.quantity,
             solver=self.solver,
             noise_std=self.noise_of(noise_std),
+            relative=self.relative,
             progress=progress,
         )
 
@@ -182,7 +186,7 @@ class ModelConfig:
             For what it never writes.
         """
         try:
-            plain = json.loads(text)
+            plain = {"relative": True, **json.loads(text)}  # older ones do not say it
             patches = tuple(value_from_plain("patch", each) for each in plain["skin"]["patches"])
             ports = tuple(Port(*row) for row in plain["ports"])
             values: Mapping[str, Any] = {n: value_from_plain(n, plain[n]) for n in VALUES}
@@ -393,6 +397,7 @@ class Models:
             solver=self.solver_of(answer),
             notes=notes,
             is_field=answer != int(Answer.CONTACTS),
+            relative=model_config.relative,
         )
 
     def _rung(self, patch: int, nodes: int) -> Rung:

@@ -70,6 +70,7 @@ def describe(
         "period": period,
         "budget": model_config.budget,
         "rungs": list(model_config.rungs),
+        "relative": model_config.relative,
         "head": [each.name.lower() for each in CycleHead],
         "answers": [each.name.lower() for each in Answer],
         "times": list(TIMES),

@@ -10,6 +10,7 @@ from skinfield.loop.realtime.setup import RealTime
 from skinfield.loop.runtime_parameters import HEAVIEST, SLOWEST, Tuning
 from skinfield.settings import Positive, Range, Section
 from skinfield.signal import Calibration, Convention, Source
+from skinfield.signal.faults import chosen_rows
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -38,6 +39,10 @@ class LiveSettings(Section):
         Default a guess for the board.
     calibration : mapping from names of patches to Calibration
         Patches without one take their baseline while the engine starts, of an untouched skin.
+    keep, without : tuple of int
+        Rows of taxels, counted on from patch to patch, to use or to leave out, whatever is faulty.
+    relative : bool
+        Whether forces hold up to one factor only.
     rate : float, 1/s, or None
         Of cycles; None for a cycle whenever readings arrive.
     budget : float, s, optional
@@ -78,6 +83,9 @@ class LiveSettings(Section):
     board: Convention | None = None
     gain: float | None = None
     calibration: Mapping[str, Calibration] = field(default_factory=dict)
+    keep: tuple[int, ...] = ()
+    without: tuple[int, ...] = ()
+    relative: bool = False
     rate: Annotated[float | None, Positive("cycles per second; None: as readings come")] = 1000.0
     budget: Annotated[float | None, Positive("seconds")] = None
     deadline: Annotated[float | None, Positive("seconds")] = None
@@ -100,6 +108,7 @@ class LiveSettings(Section):
             check_offers("sources", source, ("open",), "objects such as PacketUdp()")
         if not self.sources:
             raise InputError("sources is empty, expected one or more: where readings come from")
+        chosen_rows(self.keep, self.without, sum(map(len, self.skin)))
         unknown = set(self.calibration) - {patch.name for patch in self.skin}
         if unknown:
             raise InputError(

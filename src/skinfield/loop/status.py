@@ -71,6 +71,8 @@ class LiveStatus:
         Of the supervisor and the recorder, where there are any.
     memory : dict
         Of the engine's process: resident bytes.
+    relative : bool
+        Whether forces hold up to one factor only.
     tuning : dict
         What can be changed, as `Limits.as_dict` tells it, and the solver; empty of another ring.
     """
@@ -91,6 +93,7 @@ class LiveStatus:
     sidecars: dict[str, Any] = field(default_factory=dict)
     memory: dict[str, int] = field(default_factory=dict)
     tuning: dict[str, Any] = field(default_factory=dict)
+    relative: bool = False
 
     @property
     def sentences(self) -> list[str]:
@@ -181,6 +184,7 @@ class Observer:
             sidecars={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
             tuning=_tuning(reader),
+            relative=bool(told.get("relative", True)),  # older ones do not say it
         )
 
 

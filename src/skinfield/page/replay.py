@@ -194,6 +194,7 @@ class RecordingSource:
                 patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
                 contacts=[] if found is None else plain_contacts(names, found.contacts),
                 notes=self._notes(),
+                relative=self.replay.model_config.relative,
             )
 
     def status(self) -> dict[str, Any]:

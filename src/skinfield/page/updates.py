@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.estimate.contact_table import RELATIVE
 from skinfield.estimate.row_contacts import outline_of, shape_name
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
@@ -116,12 +117,15 @@ class Updates:
             if row is not None:
                 patches.append(row)
             contacts += self._contacts(place, each, its)
-        head = newest_of([each.snapshot for each in views if each.snapshot is not None])
+        known = [each.snapshot for each in views if each.snapshot is not None]
+        relative = any(each.model_config.relative for each in known)
+        head = newest_of(known)
         head |= {
             "kind": "update",
             "number": number,
             "quantity": self.quantity,
-            "unit": self._unit(views),
+            "unit": self._unit(known, relative),
+            "relative": relative,
             "range": [0.0, parcel.highest],
             "patches": patches,
             "contacts": contacts,
@@ -131,10 +135,10 @@ class Updates:
             head["time_s"] = time_s
         return [*parcel.geometry, packed(head, parcel.arrays)]
 
-    def _unit(self, views: Sequence[EngineView]) -> str:
+    def _unit(self, known: Sequence[Snapshot], relative: bool) -> str:
         if self.quantity != "taxels":
-            return QUANTITIES[self.quantity]
-        known = [each.snapshot for each in views if each.snapshot is not None]
+            unit = QUANTITIES[self.quantity]
+            return RELATIVE if relative and unit == "Pa" else unit
         return known[0].model_config.quantity.unit if known else ""
 
     def _patch(

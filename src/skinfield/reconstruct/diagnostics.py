@@ -213,14 +213,17 @@ def survey(
     if first.unit != "count":
         _check_unit(first, quantity)
         out = tuple(int(row) for row in taxel_rows("without", how.without, len(patch)))
-        conditioner, (noise, _, notes) = (
-            Conditioner(quantity, layer, without=out),
-            _noise(blocks, None, rate, patch),
-        )
+        own = how.calibration if first.unit == "dC/C0" else None
+        own = own if own is not None and own.unit != "count" else None
+        noise, _, notes = _noise(blocks, None, rate, patch)
         if out:
             notes += (f"left out as asked: {rows_text(np.array(out))}",)
-        if how.board is not None or how.gain is not None or how.calibration is not None:
+        if own is not None:
+            own = own.without(np.isin(np.arange(len(patch)), out))
+            noise = own.quantity_std()
+        elif how.calibration is not None or how.board is not None or how.gain is not None:
             notes += (f"in {first.unit} already: board, gain and calibration are not used",)
+        conditioner = Conditioner(quantity, layer, own, without=out)
     else:
         conditioner, noise, notes = _of_counts(blocks, patch, layer, quantity, how, rate)
     notes += order_note(first.counts, patch)
@@ -281,7 +284,7 @@ def untouched(recording: Recording, how: Conditioning) -> bool:
     those at the clamp, which are not heard. Where no baseline is measured (a calibration is there,
     the board takes it off, or the numbers are no counts) there is nothing to wait for.
     """
-    if recording.unit != "count" or how.calibration is not None:
+    if recording.unit != "count" or (how.calibration is not None and how.tare is None):
         return True
     board = how.board if how.board is not None else _board_of(lambda: iter([recording]))[0]
     if isinstance(board, CySkinCount) or len(recording) < FEWEST:
@@ -306,6 +309,11 @@ def _check_unit(recording: Recording, quantity: Quantity) -> None:
 def _of_counts(
     blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning, rate: float
 ) -> tuple[Conditioner, Floats, tuple[str, ...]]:
+    if how.calibration is not None and how.calibration.unit != "count":
+        raise InputError(
+            f"calibration is of readings ({how.calibration.basis}), the recording is of counts, "
+            "expected one of counts: make it of a recording in counts of the same boards"
+        )
     board, notes = (how.board, ()) if how.board is not None else _board_of(blocks)
     faults = _faults(blocks, patch, board, how.calibration).chosen(how.keep, how.without)
     notes += faults.sentences

@@ -1,7 +1,7 @@
 """Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import (
-    BondedLayer,
     Capacitance,
     Deformation,
     Layer,
     Mechanics,
     ObservationModel,
     Quantity,
-    check_skin,
 )
 from skinfield.errors import (
     Floats,
@@ -31,9 +29,8 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.reconstruct.diagnostics import Conditioner
+from skinfield.reconstruct.patch_model import PatchModel
 from skinfield.reconstruct.plan import LinearFields, Plan
-from skinfield.signal import Calibration
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -155,28 +152,24 @@ class Reconstructor:
         relative: bool | None = None,
     ) -> None:
         self.patch = patch
-        known = check_calibration(calibration, patch)
-        self.layer = layer or getattr(known, "layer", None) or Layer()
-        self.mechanics = mechanics or getattr(known, "mechanics", None) or BondedLayer()
         self.quantity = Capacitance() if quantity is None else quantity
+        own = PatchModel.of(patch, calibration, self.quantity, layer, mechanics, relative)
+        self.layer, self.mechanics, self.relative = own.layer, own.mechanics, own.relative
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
-        check_skin(patch, self.layer, self.mechanics, self.quantity)
         check_parts(self.solver, self.finder, grid)
-        self.calibration = known
-        self._readings_from, usual = readings_from(known, self.quantity, self.layer)
+        self.calibration, self._readings_from = own.calibration, own.readings
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
-        noise = usual if noise_std is None else noise_std
+        noise = own.noise_std if noise_std is None else noise_std
         support, nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        alive = known.alive if isinstance(known, Calibration) else None
+        alive = getattr(own.calibration, "alive", None)  # of counts
         parts = self.deformation, nodes, self.grid, self.finder, precision, alive
         self.plans = Plan(self.solver.prepare(self.model), *parts)
-        self.relative = getattr(known, "relative", False) if relative is None else relative
         self.plans.relative = self.relative
         self._linear = np.empty(len(patch), precision)
         self._run_in()
@@ -332,41 +325,6 @@ def check_parts(solver: object, finder: object, grid: object) -> None:
     check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
     if grid is not None:
         check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
-
-
-def check_calibration(calibration: Any, patch: Patch) -> Any:
-    """Raise InputError for a calibration of another patch, or one that no reading comes from."""
-    if calibration is None or isinstance(calibration, Calibration):
-        if calibration is not None:
-            calibration.check_patch(patch)
-        return calibration
-    if not hasattr(calibration, "readings"):
-        name = type(calibration).__name__
-        own = next((each for each in ("pressure", "force") if hasattr(calibration, each)), None)
-        raise InputError(
-            f"calibration is of {name}, expected one of counts or by touches, such as "
-            "skinfield.load_calibration reads"
-            + (f": this one answers by itself, calibration.{own}(counts)" if own else "")
-        )
-    if len(calibration) != len(patch):
-        raise InputError(
-            f"calibration has {len(calibration)} taxels, expected {len(patch)} as patch "
-            f"{patch.name!r}: it belongs to another layout"
-        )
-    return calibration
-
-
-def readings_from(
-    calibration: Any, quantity: Quantity, layer: Layer
-) -> tuple[Callable[[Floats], Floats] | None, ArrayLike]:
-    """What turns recorded numbers into readings, if anything does; and their noise."""
-    if calibration is None:
-        return None, quantity.typical_noise
-    if isinstance(calibration, Calibration):
-        conditioner = Conditioner(quantity, layer, calibration)
-        noise = conditioner.noise_in_quantity(calibration.quantity_std())
-        return conditioner, np.where(np.isfinite(noise), noise, quantity.typical_noise)
-    return calibration.readings, calibration.noise_std
 
 
 def checked_readings(

@@ -47,15 +47,14 @@ def enclosed_of(reader: RingReader, model_config: ModelConfig) -> tuple[Enclosed
 
 def calibration_of(model_config: ModelConfig, status: dict[str, Array]) -> Iterator[Enclosed]:
     """The engine's calibration, patch by patch and as it is in the ring's status."""
-    calibrations, start = {}, 0
+    calibrations, start, unit = {}, 0, model_config.binding.unit
     for patch in model_config.skin:
         rows = status["calibration"][start : start + len(patch)]
         baseline, gain, noise_std, alive = rows.T.copy()
         start += len(patch)
         with contextlib.suppress(InputError):  # a patch that never answered has no baseline
-            calibrations[patch.name] = Calibration(
-                baseline, gain, noise_std, alive > 0, patch.uid, patch_name=patch.name
-            )
+            known = baseline, gain, noise_std, alive > 0, patch.uid
+            calibrations[patch.name] = Calibration(*known, patch_name=patch.name, unit=unit)
     yield from enclosures(calibrations=calibrations)
     buffer = io.BytesIO()
     names = ("calibration", "noise_std", "stale_ns", "tares")

@@ -106,12 +106,7 @@ class Faults:
         InputError
             If a taxel does not exist, or is in both.
         """
-        kept = taxel_rows("keep", keep, len(self.verdict))
-        out = taxel_rows("without", without, len(self.verdict))
-        if len(both := np.intersect1d(kept, out)):
-            raise InputError(
-                f"keep and without both name taxels {rows_text(both)}, expected each in one"
-            )
+        kept, out = chosen_rows(keep, without, len(self.verdict))
         if not len(kept) and not len(out):
             return self
         verdict, since, probability = (
@@ -134,6 +129,18 @@ class Faults:
             self, verdict=verdict, probability=probability, since=since, evidence=tuple(words),
             sentences=(*self.sentences, *said),
         )  # fmt: skip
+
+
+def chosen_rows(
+    keep: Iterable[int], without: Iterable[int], taxels: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows to keep and to leave out; InputError where there is no such taxel, or one is in both."""
+    kept, out = taxel_rows("keep", keep, taxels), taxel_rows("without", without, taxels)
+    if len(both := np.intersect1d(kept, out)):
+        raise InputError(
+            f"keep and without both name taxels {rows_text(both)}, expected each in one"
+        )
+    return kept, out
 
 
 def taxel_rows(name: str, rows: Iterable[int], taxels: int) -> NDArray[np.int64]:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.estimate.contact_table import RELATIVE, scale_of
 from skinfield.files.ros.kinds import (
     CLOUD,
     CONTACTS,
@@ -81,6 +82,7 @@ def _engine(status: LiveStatus) -> Row:
         "engine",
         message,
         {
+            "forces": scale_of(status.relative),
             "rate (1/s)": status.rate,
             "late": status.since.late,
             "late lately": lately.late,
@@ -107,7 +109,7 @@ def _patches(status: LiveStatus) -> Iterator[Row]:
         values = {
             "answer": patch["answer"],
             "age (s)": patch["age"],
-            "force (N)": patch["force"],
+            f"force ({RELATIVE if status.relative else 'N'})": patch["force"],
             "contacts": patch["contacts"],
             "taxels left out": patch["invalid"],
             "grid": patch["rung"],

@@ -356,6 +356,7 @@ class StatusMessage(Struct):
     sidecars: dict[str, Any] = field(default_factory=dict, name="beside")
     memory: dict[str, Whole] = {}
     tuning: dict[str, Any] = {}
+    relative: bool = True  # older ones do not say it
     since_start: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
     lately: dict[str, Any] = field(default_factory=BLANK_TIMING.copy)
     lost: Whole = 0
@@ -418,7 +419,12 @@ def status_and_health(plain: dict[str, Any], tares: int) -> tuple[bytes, bytes]:
 def contacts_of(snapshot: Snapshot, plain: list[dict[str, Any]]) -> bytes:
     """Contacts of a cycle, each as `contact_plain` makes it."""
     return strict_json(
-        {"number": snapshot.number, "stamp_ns": snapshot.stamp_ns, "contacts": plain}
+        {
+            "number": snapshot.number,
+            "stamp_ns": snapshot.stamp_ns,
+            "relative": snapshot.model_config.relative,
+            "contacts": plain,
+        }
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
+from skinfield.estimate.contact_table import scale_of
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, Cycle, Rows
@@ -75,6 +76,7 @@ class TableExport(LiveExport):
 
     def __init__(self, path: str | Path, export: "Export") -> None:
         path, source = Path(path), {"source": export.source}
+        scale = {"forces": export.scale}
         self._files: dict[str, TableFile] = {}
         self._happened, self._text = path.with_suffix(".events.json"), b""
         single = len(export.patches) == 1
@@ -91,7 +93,7 @@ class TableExport(LiveExport):
             for table, rows in export.tables.items():
                 beside = path.with_suffix(f".{table}{path.suffix}")
                 columns = [(name, values.dtype) for name, values in flat(rows)]
-                self._files[table] = TableFile(beside, columns, source)
+                self._files[table] = TableFile(beside, columns, scale | source)
         except BaseException:
             self.discard()
             raise
@@ -145,8 +147,8 @@ class Export:
 
     Attributes
     ----------
-    source : str
-        File that it comes from.
+    source, scale : str
+        File that it comes from; what its forces are, see `scale_of`.
     patches : tuple of Patch
     units : tuple of str
         Of the patches' counts.
@@ -161,7 +163,7 @@ class Export:
         for name in names:
             skin[name]  # says which there are
         self._recording = recording
-        self.source = str(recording.path)
+        self.source, self.scale = str(recording.path), scale_of(recording.relative)
         self.patches = tuple(patch for patch in skin if not names or patch.name in names)
         every = [patch.name for patch in skin]
         self.numbers = [every.index(patch.name) for patch in self.patches]

@@ -132,6 +132,11 @@ class LiveRecording:
         """How the engine was run; empty if not enclosed. Raises FileError if it is damaged."""
         return self._json(schema.CONFIGURATION)
 
+    @property
+    def relative(self) -> bool:
+        """Whether forces hold up to one factor only; older recordings do not say it."""
+        return bool(self.configuration.get("relative", True))
+
     @cached_property
     def description(self) -> dict[str, Any]:
         """Of the ring; empty if not enclosed. Raises FileError if it is damaged."""

@@ -44,6 +44,8 @@ class BagExport(LiveExport):
         An SQLite file, as Humble writes; default an MCAP file, as later ones do.
     prefix : str
         Before the skin's own topics.
+    forces : str, optional
+        What forces are, see `scale_of`: `custom_data` of the metadata says so.
 
     Raises
     ------
@@ -61,6 +63,7 @@ class BagExport(LiveExport):
         *,
         sqlite: bool = False,
         prefix: str = "/skin",
+        forces: str | None = None,
     ) -> None:
         self._kinds = RosbagKinds()
         from rosbags.rosbag2 import StoragePlugin, Writer
@@ -81,6 +84,8 @@ class BagExport(LiveExport):
                 self._place.part / target.name, version=VERSION, storage_plugin=plugin
             )
             self._writer.open()
+        if forces is not None:
+            self._writer.set_custom_data("skinfield_forces", forces)
 
     def add_counts(self, patch: int, stamp_ns: Ints, counts: Floats) -> None:
         """See `LiveExport`."""

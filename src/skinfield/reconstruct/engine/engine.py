@@ -3,12 +3,20 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
-from skinfield.errors import Floats, check_count, check_offers, check_positive
+from skinfield.elastic import Capacitance, Layer, Mechanics, Quantity
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_count,
+    check_offers,
+    check_positive,
+)
 from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.engine.intake import EngineReadings, Readings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
@@ -18,6 +26,7 @@ from skinfield.reconstruct.engine.stages import answer_linearly, spend
 from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
+from skinfield.reconstruct.patch_model import PatchModel, calibrations_of
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 from skinfield.solve.atoms.fitter import STOPPED
@@ -55,6 +64,12 @@ class Engine:
     noise_std : float or (L,) array, or mapping from names of patches to such, optional
         In the quantity's unit. Default the quantity's `typical_noise`.
     finder : ContactFinder, optional
+    calibration : Calibration or TouchCalibration, or mapping from names of patches to such
+        As `skinfield.load_calibration` reads it. Readings of these patches are then counts, or
+        whatever it was made from; noise, and by touches layer and mechanics, are those of it.
+    relative : bool, optional
+        Whether forces hold up to one factor only; estimates say so. Default what calibrations by
+        touches say, else False.
     clock : function that returns ns, optional
         By which time is told. Default `time.perf_counter_ns`, which the solvers go by.
 
@@ -82,13 +97,22 @@ class Engine:
         solver: Solver | None = None,
         noise_std: ArrayLike | Mapping[str, ArrayLike] | None = None,
         finder: ContactFinder | None = None,
+        calibration: Any = None,
+        relative: bool | None = None,
         clock: Callable[[], int] = time.perf_counter_ns,
         progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
         check_positive("budget", budget, FOR_ALL)
         self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
-        self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
+        own = self._by_calibration(calibration, layer, mechanics, relative)
+        self.mechanics = next(iter(own.values())).mechanics
+        self.relative = any(each.relative for each in own.values())
+        if calibration is not None:
+            layer = layer or {name: each.layer for name, each in own.items()}
+            if noise_std is None or isinstance(noise_std, Mapping):
+                usual = {name: each.noise_std for name, each in own.items()}
+                noise_std = {**usual, **(noise_std or {})}
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         check_offers("solver", self.solver, ("prepare",), "one such as Auto()")
@@ -106,7 +130,47 @@ class Engine:
         self.spent = self.first = 0.0
         places = self._work.places
         self._grid_of = lru_cache(KEPT)(lambda patch, rung: grid_on(*places[patch], rung))
+        self._counted: dict[str, Callable[[Floats], Floats]] = {}
         self._run_in()
+        self._counted = {name: each.readings for name, each in own.items() if each.readings}
+
+    def _by_calibration(
+        self,
+        calibration: Any,
+        layer: Layer | Mapping[str, Layer] | None,
+        mechanics: Mechanics | None,
+        relative: bool | None,
+    ) -> dict[str, PatchModel]:
+        """Model of each patch by its name; raises InputError where their mechanics differ."""
+        known, made = calibrations_of(self.skin, calibration), {}
+        for patch in self.skin:
+            its = layer.get(patch.name) if isinstance(layer, Mapping) else layer
+            physics = self.quantity, its, mechanics, relative
+            made[patch.name] = PatchModel.of(patch, known.get(patch.name), *physics)
+        kinds = {repr(each.mechanics): name for name, each in made.items()}
+        if len(kinds) > 1:
+            raise InputError(
+                f"mechanics of {' and '.join(kinds.values())} differ by their calibrations "
+                f"({', '.join(kinds)}), expected one for all patches: hand in mechanics="
+            )
+        return made
+
+    def _read(self, readings: Readings) -> Readings:
+        """Readings of what was recorded, where patches have a calibration."""
+        if not self._counted:
+            return readings
+
+        def of(name: str, row: ArrayLike | None) -> Any:
+            counted = self._counted.get(name)
+            if counted is None or row is None:
+                return row
+            return counted(as_floats(f"readings[{name!r}]", row))
+
+        if isinstance(readings, Mapping):
+            return {name: of(name, row) for name, row in readings.items()}
+        if len(readings) != len(self.names):
+            return readings  # which is refused
+        return [of(name, row) for name, row in zip(self.names, readings, strict=True)]
 
     def _prepared(
         self,
@@ -126,7 +190,6 @@ class Engine:
         for index, kind in enumerate(kinds_of(self.skin, layer, noise, typical)):
             progress(first, len(self.skin))
             patch = kind.patches[0]
-            check_skin(patch, kind.layer, *physics)
             rungs = prepare_rungs(
                 patch, kind.layer, self.rungs, *physics, self.solver, kind.noise_std
             )
@@ -155,8 +218,9 @@ class Engine:
         Parameters
         ----------
         readings : mapping from names of patches to (L,) array, or sequence in the skin's order
-            In the quantity's unit. NaN, and numbers that no skin reads, mark taxels that did not
-            answer. A patch without a reading (not in the mapping, or None) is reported as missing.
+            In the quantity's unit; with a calibration, counts. NaN, and numbers that no skin reads,
+            mark taxels that did not answer. A patch without a reading (not in the mapping, or None)
+            is reported as missing.
         valid : mapping from names of patches to (L,) bool array, optional
             False for further taxels to leave out.
         stamp_ns : int, ns
@@ -175,7 +239,7 @@ class Engine:
         """
         start = self._begin(budget)
         work, cycle = self._work, self.cycle + 1
-        work.intake.take(readings, valid)
+        work.intake.take(self._read(readings), valid)
         left = self._run(start)
         report = CycleReport.of(
             work,
@@ -191,7 +255,8 @@ class Engine:
         return Estimates(
             self.names,
             lambda name: estimate_of(
-                work, self.finder, self._ordered.index(name), self._grid_of, stamp_ns, report
+                *(work, self.finder, self._ordered.index(name), self._grid_of),
+                *(stamp_ns, report, self.relative),
             ),
             lambda: self.cycle == cycle,
             report,
@@ -210,7 +275,8 @@ class Engine:
         Parameters
         ----------
         readings : (N,) float64 array
-            Of all taxels, patch by patch in the skin's order. NaN, and numbers that no skin reads,
+            Of all taxels, patch by patch in the skin's order; with a calibration, counts, which
+            are converted anew at each call. NaN, and numbers that no skin reads,
             mark taxels that did not answer; a patch without any other is missing.
         valid : (N,) bool array, optional
             False for further taxels to leave out.
@@ -225,6 +291,10 @@ class Engine:
             For arrays of another shape or type.
         """
         start = self._begin(budget)
+        if self._counted and len(readings) == len(self._work.intake.given):
+            ends = np.cumsum([len(patch) for patch in self.skin])[:-1]
+            rows = self._read(np.split(readings, ends))
+            readings = np.concatenate([np.asarray(row) for row in rows])
         self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 

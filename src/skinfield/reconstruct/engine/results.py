@@ -138,6 +138,7 @@ def estimate_of(
     grid_of: Callable[[int, int], Grid],
     stamp_ns: int,
     report: CycleReport,
+    relative: bool,
 ) -> Estimate:
     """Copy a patch's answer out of the arrays; contacts and deformation follow when asked for."""
     state, intake = work.state, work.intake
@@ -178,6 +179,7 @@ def estimate_of(
         stamp_ns=stamp_ns,
         deadline_met=not report.overrun,
         notes=(*_notes(work, answer, valid), *solution.notes),
+        relative=relative,
     )
 
 
