@@ -83,6 +83,8 @@ def estimate_of(grid: sf.Grid, presses: list[tuple[np.ndarray, float, float]]) -
         contacts=tuple(contacts),
         residual=np.linspace(-0.01, 0.01, taxels),
         valid=np.ones(taxels, dtype=bool),
+        readings=np.zeros(taxels),
+        readings_std=np.ones(taxels),
         latency=40e-6,
     )
 
