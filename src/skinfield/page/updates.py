@@ -166,7 +166,8 @@ class Updates:
             "invalid": int(row["invalid"]),
             "taxels": parcel.put("taxels", self._taxels(number, each, snapshot, parcel)),
         }
-        if self.quantity == "taxels" and fields["invalid"] and snapshot.prepared:
+        looked_at = self.quantity == "taxels" and answer != Answer.MISSING
+        if looked_at and fields["invalid"] and snapshot.prepared:
             fields["repaired"] = parcel.put("repaired", self._repaired(number, snapshot[name]))
         fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
         fields |= {"height": -1, "colour": -1, "height_scale": 0.0}

@@ -19,9 +19,9 @@ REACH = 0.8  # pitches: width of the mean over neighbours
 FELT = 1.2  # pitches: width of the surroundings of which an answer's error is a part
 AROUND = 1.5  # pitches: width within which others' errors are those of a lost taxel
 NEAREST = 48  # taxels that are looked at
-BEFORE = 1.0  # of what neighbours read: error of their mean, known as if of one taxel more
 LIKENESS = 0.05  # of what is read around: the least that an answer is off by
 TOUCHED = 3.0  # deviations
+ALONE = 1e3  # pitches: too far for a neighbour
 
 Flags = NDArray[np.bool_]
 
@@ -78,7 +78,6 @@ def repaired(
     read : (L,) array
         Numbers, whatever those of lost taxels.
     valid : (L,) bool array
-        One or more.
     noise : (L,) array
     places : (L, 2) array, in pitches
     predicted : (L,) array
@@ -88,6 +87,8 @@ def repaired(
     """
     from scipy.spatial import cKDTree
 
+    if not valid.any():  # nothing is known
+        return predicted, np.full(len(read), np.inf)
     read, std, lost = read.copy(), noise.copy(), np.flatnonzero(~valid)
     known, values, own = places[valid], read[valid], noise[valid]
     part = error_part(values, predicted[valid], own, parameters)
@@ -95,18 +96,17 @@ def repaired(
     for taxel in lost:
         apart, near = map(np.asarray, tree.query(places[taxel], k=ranks))
         around = np.exp(-np.square(apart / FELT)) @ np.square(values[near])
-        answer = predicted[taxel], part * (predicted[taxel] ** 2 + around)
-        others = neighbour_mean(known[near], values[near], own[near], apart)
-        far = -np.expm1(-(max(apart[0] - 1.0, 0.0) ** 2))  # the patch's other parts may be here
-        others = others[0], others[1] + far * np.square(values).mean()
-        read[taxel], std[taxel] = mixed(answer, others, noise[taxel])
+        mean, variance = neighbour_mean(known[near], values[near], own[near], apart)
+        away = -np.expm1(-(max(apart[0] - 1.0, 0.0) ** 2))  # what is read elsewhere may be here
+        unknown = away * np.square(values).mean() + noise[taxel] ** 2
+        answer = predicted[taxel], part * (predicted[taxel] ** 2 + around) + unknown
+        read[taxel], std[taxel] = mixed(answer, (mean, variance + unknown))
     return read, std
 
 
-def mixed(one: tuple[float, float], other: tuple[float, float], noise: float) -> Floats:
-    """Mean and deviation of a mixture of two means by their variances; each has the noise, too."""
+def mixed(one: tuple[float, float], other: tuple[float, float]) -> Floats:
+    """Mean and deviation of a mixture of two means, weighed by their variances."""
     (first, narrow), (second, wide) = one, other
-    narrow, wide = narrow + noise * noise, wide + noise * noise
     weight = wide / (narrow + wide)
     apart = weight * (1.0 - weight) * (first - second) ** 2
     variance = weight * narrow + (1.0 - weight) * wide + apart
@@ -134,27 +134,22 @@ def neighbour_mean(
 ) -> tuple[float, float]:
     """Mean of what neighbours of a lost taxel read, and its variance.
 
-    The error is a part of what they read: that of the same mean of the other taxels, of which those
-    count most that are near.
+    That is the mean square of what the same mean of the taxels around is off by.
 
     Parameters
     ----------
     places : (N, 2) array, in pitches
-        Of the taxels around, the nearest first.
+        Of the taxels around.
     read, noise, apart : (N,) arrays
         Of these; in pitches from the lost one.
     """
-    steps = np.linalg.norm(places[:, None] - places, axis=-1)
-    np.fill_diagonal(steps, np.inf)  # no taxel is its own neighbour
-    steps = np.vstack([apart, steps]) if len(read) > 1 else apart[None]
-    nearest = steps.min(axis=1, keepdims=True)
-    weights = np.exp((np.square(nearest) - np.square(steps)) / REACH**2)
-    weights /= weights.sum(axis=1, keepdims=True)
-    mean, square = weights @ read, weights @ np.square(read)
     if len(read) == 1:
-        return float(mean[0]), float(BEFORE**2 * square[0])
-    alike = np.exp(-np.square(apart / AROUND))
+        return float(read[0]), float(read[0] ** 2)
+    steps = np.linalg.norm(places[:, None] - places, axis=-1)
+    np.fill_diagonal(steps, ALONE)  # no taxel is its own neighbour
+    steps = np.vstack([apart, steps])
+    weights = np.exp((np.square(steps.min(axis=1, keepdims=True)) - np.square(steps)) / REACH**2)
+    mean = weights @ read / weights.sum(axis=1)
+    alike = np.exp((apart.min() ** 2 - np.square(apart)) / AROUND**2)
     off = np.maximum(np.square(read - mean[1:]) - np.square(noise), 0.0)
-    weight = alike @ square[1:] + square[0]
-    part = (alike @ off + BEFORE**2 * square[0]) / weight if weight > 0.0 else 0.0
-    return float(mean[0]), float(part * square[0])
+    return float(mean[0]), float(alike @ off / alike.sum())
