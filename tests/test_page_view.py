@@ -224,8 +224,8 @@ SHOW = """([count, pitch, high, value, answer, quantity, spots, dead, repaired])
   scene.setQuantity(quantity);
   scene.setColours({ lo: 0, hi: high, map: "viridis" });
   scene.update({ quantity, range: [0, high], contacts: [], truth: [], patches: [{
-    i: 0, answer, rung: count, height: 0, colour: 1, taxels: 2, repaired: 3, height_scale: 1e-4 / 65535,
-    colour_lo: 0, colour_hi: high }] },
+    i: 0, answer, rung: count, height: 0, colour: 1, taxels: 2, repaired: 3,
+    height_scale: 1e-4 / 65535, colour_lo: 0, colour_hi: high }] },
     [height, colour, Uint8Array.from([0, 127, dead ? 255 : 0, 254]),
       Uint8Array.from(repaired === null ? [] : [0, 0, repaired, 0])]);
   return spots.map(([x, y]) => {

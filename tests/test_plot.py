@@ -373,9 +373,8 @@ def test_tiny_grids_are_drawn(taxels, shape):
 
 def test_a_batch_is_refused_and_the_highest_load_is_named():
     estimate, readings, _ = two_presses()
-    names = (
-        "pressure traction displacement pressure_std residual valid readings readings_std".split()
-    )
+    names = ("pressure", "traction", "displacement", "pressure_std", "residual", "valid")
+    names += ("readings", "readings_std")
     fields = {name: np.stack([getattr(estimate, name)] * 3) for name in names}
     fields["pressure"][1] *= 3
     batch = replace(estimate, contacts=(estimate.contacts,) * 3, **fields)

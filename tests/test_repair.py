@@ -16,11 +16,11 @@ from skinfield.loop import Answer
 from skinfield.loop.model_config import Models
 from skinfield.loop.slots import CycleSlot
 from skinfield.loop.snapshot import Snapshot
-from skinfield.simulate import press
-from skinfield.simulate.rig import Pose
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView
 from skinfield.page.updates import DEAD, FULL, Updates
+from skinfield.simulate import press
+from skinfield.simulate.rig import Pose
 from skinfield.solve.repair import error_part, repaired
 
 PATCH = sf.layouts.hexagon72()
