@@ -68,6 +68,11 @@ def knocked_out(patch, layer, noise, reading, each, rng):
                 yield within, name, reading[taxel], reading[near[taxel]].mean(), *repair
 
 
+def rms(values):
+    """Root of the mean square."""
+    return np.sqrt(np.mean(np.square(values)))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("recordings", nargs="*")
@@ -89,9 +94,7 @@ def main():
             truth, mean, repair, std = some.T
             off, others = np.abs(repair - truth), np.abs(mean - truth)
             shares = [np.mean(off < times * std) for times in (1, 2)]
-            errors = [
-                f(x) for x in (off, others) for f in (np.median, lambda x: (x @ x / len(x)) ** 0.5)
-            ]
+            errors = [f(each) for each in (off, others) for f in (np.median, rms)]
             words = [f"{value:<6.3f}" for value in shares], [f"{value:<7.4f}" for value in errors]
             print(f"{'in' if within else 'out':9} {name:9} {len(off):<7}", *words[0], *words[1])
 

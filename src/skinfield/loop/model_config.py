@@ -366,8 +366,9 @@ class Models:
             operator = step.operator
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
-            searched = (lambda: step.matrix @ pressure) if answer >= Answer.FEASIBLE else None
-            parts = valid, grid, step.deformation.on(grid), None, None, searched, (values, 0.0)
+            by_pressure = answer >= Answer.FEASIBLE or not valid.all()
+            predict = (lambda: step.matrix @ pressure) if by_pressure else None
+            parts = valid, grid, step.deformation.on(grid), None, None, predict, (values, 0.0)
             return details(solution, pressure, *parts)
 
         names = ("displacement", "pressure_std", "residual", "readings", "readings_std")
