@@ -3,7 +3,7 @@
 An answer foretells a lost taxel as well as it explains the others, if enough are left to test it.
 On a skin unlike its model a few contacts more explain every reading, as a field always does, and
 say nothing of what lies between. There the neighbours tell more. Each of the two has an error that
-the other taxels tell; they are mixed by their variances, and where they disagree σ is wider.
+the other taxels tell; they are averaged by their variances, and where they disagree σ is wider.
 """
 
 from collections.abc import Callable
@@ -98,19 +98,23 @@ def repaired(
         around = np.exp(-np.square(apart / FELT)) @ np.square(values[near])
         mean, variance = neighbour_mean(known[near], values[near], own[near], apart)
         away = -np.expm1(-(max(apart[0] - 1.0, 0.0) ** 2))  # what is read elsewhere may be here
-        unknown = away * np.square(values).mean() + noise[taxel] ** 2
+        unknown = away * np.square(values).mean()
         answer = predicted[taxel], part * (predicted[taxel] ** 2 + around) + unknown
-        read[taxel], std[taxel] = mixed(answer, (mean, variance + unknown))
+        read[taxel], std[taxel] = averaged(answer, (mean, variance + unknown), noise[taxel])
     return read, std
 
 
-def mixed(one: tuple[float, float], other: tuple[float, float]) -> Floats:
-    """Mean and deviation of a mixture of two means, weighed by their variances."""
-    (first, narrow), (second, wide) = one, other
-    weight = wide / (narrow + wide)
+def averaged(one: tuple[float, float], other: tuple[float, float], noise: float) -> Floats:
+    """Mean of two means by their variances; the deviation of a reading with noise from it.
+
+    It is as much wider as they disagree.
+    """
+    (first, narrow), (second, wide), own = one, other, noise * noise
+    weight = (wide + own) / (narrow + wide + 2.0 * own)
+    independent = weight**2 * narrow + (1.0 - weight) ** 2 * wide
     apart = weight * (1.0 - weight) * (first - second) ** 2
-    variance = weight * narrow + (1.0 - weight) * wide + apart
-    return np.array([weight * first + (1.0 - weight) * second, np.sqrt(variance)])
+    mean = weight * first + (1.0 - weight) * second
+    return np.array([mean, np.sqrt(own + independent + apart)])
 
 
 def error_part(read: Floats, predicted: Floats, noise: Floats, parameters: float) -> float:
