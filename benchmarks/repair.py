@@ -44,8 +44,9 @@ def simulated(count, seed):
             yield case.patch, case.layer, noise, np.atleast_2d(case.readings)[0]
 
 
-def knocked_out(patch, layer, noise, reading, each, rng):
+def knocked_out(scene, each, rng):
     """Rows of (in, solver, what it read, mean of neighbours, repair, σ) of some taxels."""
+    patch, layer, noise, reading = scene
     apart = np.linalg.norm(patch.plane[:, None] - patch.plane, axis=-1)
     near = (apart < 1.3 * np.median(np.sort(apart, axis=1)[:, 1])) & np.isfinite(reading)
     np.fill_diagonal(near, False)
@@ -86,7 +87,7 @@ def main():
     if given.recordings:
         scenes = recorded(given.recordings, given.layout, rng)
     for scene in scenes:
-        rows += knocked_out(*scene, given.each, rng)
+        rows += knocked_out(scene, given.each, rng)
     print("taxels    solver    number  1 σ    2 σ    median  rms     neighbours' median  rms")
     for within in (True, False):
         for name in SOLVERS:
