@@ -308,6 +308,9 @@ def test_missing_taxels_are_left_out_of_a_linear_answer_exactly(
     estimate = linear(readings)["other"]
     assert apart(estimate.pressure, expected) < CUT < apart(whole, expected)
     assert np.isnan(estimate.residual[missing]).all()
+    assert estimate.readings[valid] == pytest.approx(readings["other"][valid], abs=1e-12)
+    assert np.isfinite(estimate.readings).all()
+    assert (estimate.readings_std[missing] > NOISE).all()
     assert not estimate.valid[missing].any()
     assert np.isfinite(estimate.residual[valid]).all()
     assert any("left out" in note for note in estimate.notes)

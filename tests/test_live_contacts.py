@@ -111,7 +111,8 @@ def test_a_live_robot_gets_what_the_tracker_promises() -> None:
             start = int(live.memory.words[EVENTS])
             assert live.take(rows, len(rows), np.zeros(2), now, out) == len(rows)
             contacts = contacts_of_rows(rows, flat, np.zeros(len(flat)))
-            rest = {"residual": np.zeros(0), "valid": np.ones(4, bool), "stamp_ns": now}
+            rest = dict.fromkeys(("residual", "readings", "readings_std"), np.zeros(0))
+            rest |= {"valid": np.ones(4, bool), "stamp_ns": now}
             tracked = tracker(sf.Estimate(grid=flat, contacts=contacts, **blank, **rest))
             ages = {int(row["track"]): float(row["age"]) for row in out[: len(rows)]}
             measured = {each.track_id: each for each in tracked if not each.is_coasting}

@@ -225,7 +225,7 @@ BEGIN = """([count, pitch]) => {
 }"""
 
 # The same value everywhere, the middle pressed in by a smooth dent; then a look at some places
-SHOW = """([count, pitch, high, value, answer, quantity, spots, dead]) => {
+SHOW = """([count, pitch, high, value, answer, quantity, spots, dead, repaired]) => {
   const scene = window.skinfield.scene, k = count * count, middle = (count - 1) / 2;
   const height = Uint16Array.from({ length: k }, (_, i) => {
     const away = Math.hypot(i % count - middle, Math.floor(i / count) - middle) / count;
@@ -235,9 +235,10 @@ SHOW = """([count, pitch, high, value, answer, quantity, spots, dead]) => {
   scene.setQuantity(quantity);
   scene.setColours({ lo: 0, hi: high, map: "viridis" });
   scene.update({ quantity, range: [0, high], contacts: [], truth: [], patches: [{
-    i: 0, answer, rung: count, height: 0, colour: 1, taxels: 2, height_scale: 1e-4 / 65535,
-    colour_lo: 0, colour_hi: high }] },
-    [height, colour, Uint8Array.from([0, 127, dead ? 255 : 0, 254])]);
+    i: 0, answer, rung: count, height: 0, colour: 1, taxels: 2, repaired: 3,
+    height_scale: 1e-4 / 65535, colour_lo: 0, colour_hi: high }] },
+    [height, colour, Uint8Array.from([0, 127, dead ? 255 : 0, 254]),
+      Uint8Array.from(repaired === null ? [] : [0, 0, repaired, 0])]);
   return spots.map(([x, y]) => {
     const out = { position: [0, 0, 0], normal: [0, 0, 1] };
     scene.patches.at(0, x, y, out);
@@ -273,8 +274,9 @@ def colours_at(
     answer: str = "contacts",
     quantity: str = "pressure",
     dead: bool = False,
+    repaired: int | None = None,
 ) -> np.ndarray:
-    given = [COUNT, PITCH, HIGH, value, answer, quantity, spots, dead]
+    given = [COUNT, PITCH, HIGH, value, answer, quantity, spots, dead, repaired]
     return np.array(page.evaluate(SHOW, given))
 
 
@@ -316,6 +318,15 @@ def test_a_dead_taxel_is_marked(page: Any, quantity: str) -> None:
     assert colour[1:].max() < 130
     [alive] = colours_at(page, [(CORNER, CORNER)], quantity=quantity)
     assert alive[0] < 120
+
+
+def test_a_dead_taxel_is_a_cross_over_what_it_would_read(page: Any) -> None:
+    spots = [(CORNER, CORNER), (CORNER + 0.9e-3, CORNER)]
+    [middle, aside] = colours_at(page, spots, quantity="taxels", dead=True, repaired=127)
+    assert middle[0] > 200
+    assert np.abs(aside - viridis(127 / 254)).max() <= 3
+    [_, unknown] = colours_at(page, spots, quantity="taxels", dead=True)
+    assert np.abs(unknown - viridis(127 / 254)).max() > 40
 
 
 def test_nothing_is_drawn_while_nothing_changes(page: Any) -> None:

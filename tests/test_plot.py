@@ -83,6 +83,8 @@ def estimate_of(grid: sf.Grid, presses: list[tuple[np.ndarray, float, float]]) -
         contacts=tuple(contacts),
         residual=np.linspace(-0.01, 0.01, taxels),
         valid=np.ones(taxels, dtype=bool),
+        readings=np.zeros(taxels),
+        readings_std=np.ones(taxels),
         latency=40e-6,
     )
 
@@ -372,6 +374,7 @@ def test_tiny_grids_are_drawn(taxels, shape):
 def test_a_batch_is_refused_and_the_highest_load_is_named():
     estimate, readings, _ = two_presses()
     names = ("pressure", "traction", "displacement", "pressure_std", "residual", "valid")
+    names += ("readings", "readings_std")
     fields = {name: np.stack([getattr(estimate, name)] * 3) for name in names}
     fields["pressure"][1] *= 3
     batch = replace(estimate, contacts=(estimate.contacts,) * 3, **fields)

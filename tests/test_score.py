@@ -79,6 +79,8 @@ def estimate_of(
         contacts=contacts,
         residual=np.zeros(len(grid.patch)),
         valid=np.ones(len(grid.patch), dtype=np.bool_),
+        readings=np.zeros(len(grid.patch)),
+        readings_std=np.ones(len(grid.patch)),
         **more,
     )
 

@@ -126,6 +126,9 @@ def test_a_silent_taxel_is_left_out() -> None:
     estimate = sheet(readings)
     assert off(estimate.pressure, exact) < 5e-4
     assert (estimate.valid == heard).all()
+    assert np.array_equal(estimate.readings[heard], readings[heard])
+    repaired = np.abs(estimate.readings - dense.readings)[silent] / estimate.readings_std[silent]
+    assert 0.5 < np.mean(repaired < 1.0) < 1.0
     assert np.isnan(estimate.residual[silent]).all()
     assert off(sheet(dense.readings).pressure, dense.pressure) < 5e-4, "they stay silent"
 
@@ -133,6 +136,8 @@ def test_a_silent_taxel_is_left_out() -> None:
 def test_no_taxel_answers() -> None:
     estimate = usual_pair()[0](np.full(len(PLACES), np.nan))
     assert not estimate.pressure.any()
+    assert not estimate.readings.any()
+    assert np.isinf(estimate.readings_std).all()
     assert estimate.contacts == ()
     assert (estimate.iterations, usual_pair()[0].relative_residual) == (0, 0.0)
 

@@ -58,6 +58,8 @@ def estimates(readings: int = len(CONTACTS), first: int = 0) -> Estimate:
         contacts=tuple(contacts[first:]),
         residual=np.zeros((readings - first, 12)),
         valid=np.arange(12) > np.arange(first, readings)[:, None],
+        readings=np.zeros((readings - first, 12)),
+        readings_std=np.ones((readings - first, 12)),
         stamp_ns=START + np.arange(first, readings) * 20_000_000,
     )
 

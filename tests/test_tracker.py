@@ -18,6 +18,7 @@ PATCH = sf.Patch(np.array([(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 
 GRID = sf.Grid.square(PATCH, nodes=3)
 STEP = 0.02
 REST = ("pressure", "traction", "displacement", "pressure_std", "residual", "valid")
+REST += ("readings", "readings_std")
 Place = tuple[float, float, float]  # x mm, y mm, force N
 
 

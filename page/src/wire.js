@@ -87,7 +87,7 @@ export function checkUpdate({ head, arrays }) {
 
 function checkPatch(patch, arrays) {
   need(isCount(patch.i), "a patch without number");
-  const kinds = { height: Uint16Array, colour: Uint16Array, taxels: Uint8Array };
+  const kinds = { height: Uint16Array, colour: Uint16Array, taxels: Uint8Array, repaired: Uint8Array };
   for (const [key, Kind] of Object.entries(kinds)) {
     patch[key] ??= -1;
     need(patch[key] === -1 || arrays[patch[key]] instanceof Kind, `a patch without its ${key}`);

@@ -1,5 +1,6 @@
 /**
- * The taxels: one dot each, growing and brightening with its reading; a cross where one is dead.
+ * The taxels: one dot each, growing and brightening with its reading; a cross where one is dead, over
+ * what it would read.
  */
 
 import * as THREE from "three";
@@ -13,6 +14,7 @@ export const FULL = 254;
 const VERTEX = /* glsl */ `
   attribute vec3 outward;
   attribute float reading;
+  attribute float repaired;
   attribute float height;
   uniform float depth;
   uniform float size;      // px at the distance of one metre
@@ -20,6 +22,7 @@ const VERTEX = /* glsl */ `
   uniform float large;     // 1: the taxels are what is looked at
   uniform float shown;     // 0: only those that are dead
   varying float vReading;
+  varying float vRepaired;
   varying float vSize;
   void main() {
     vec3 sunk = position - outward * height * depth;
@@ -32,6 +35,7 @@ const VERTEX = /* glsl */ `
     bool hidden = shown < 0.5 && reading * 255.0 < 254.5;
     if (facing <= 0.0 || hidden) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     vReading = reading * 255.0;
+    vRepaired = repaired * 255.0;
     float dead = step(254.5, vReading);
     float level = min(vReading / 254.0, 1.0) * (1.0 - dead);
     float share = mix(0.20 + 0.16 * level, 0.62, large);
@@ -47,7 +51,12 @@ const FRAGMENT = /* glsl */ `
   uniform float full;   // what the strongest reading stands for
   uniform vec2 bar;     // ends of the colour bar
   varying float vReading;
+  varying float vRepaired;
   varying float vSize;
+  vec3 colourOf(float reading) {
+    float shade = clamp((reading / 254.0 * full - bar.x) / max(bar.y - bar.x, 1e-30), 0.0, 1.0);
+    return texture2D(map, vec2((shade * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  }
   void main() {
     vec2 at = gl_PointCoord * 2.0 - 1.0;
     float soft = 2.0 / vSize;
@@ -58,16 +67,16 @@ const FRAGMENT = /* glsl */ `
       float casing = 1.0 - smoothstep(wide + 0.16, wide + 0.16 + soft, arm);
       float within = 1.0 - smoothstep(1.0 - soft, 1.0, length(at));
       gl_FragColor = vec4(mix(vec3(0.05), dead, inside), within * max(inside, 0.55 * casing));
+      if (vRepaired < 254.5) gl_FragColor = vec4(mix(colourOf(vRepaired), dead, inside), within);
     } else {
       float r = length(at);
       float inside = 1.0 - smoothstep(1.0 - 1.5 * soft, 1.0, r);
       float level = vReading / 254.0;
-      float shade = clamp((level * full - bar.x) / max(bar.y - bar.x, 1e-30), 0.0, 1.0);
-      vec3 colour = texture2D(map, vec2((shade * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+      vec3 colour = colourOf(vReading);
       float ring = smoothstep(1.0 - 3.2 * soft, 1.0 - 2.2 * soft, r);
-      vec4 full = vec4(mix(colour, rim, ring), 1.0);
+      vec4 wide = vec4(mix(colour, rim, ring), 1.0);
       vec4 small = vec4(vec3(1.0), mix(0.34, 0.95, level));
-      gl_FragColor = mix(small, full, large);
+      gl_FragColor = mix(small, wide, large);
       gl_FragColor.a *= inside;
     }
     if (gl_FragColor.a < 0.02) discard;
@@ -88,8 +97,10 @@ export class Dots {
     geometry.setAttribute("position", new THREE.BufferAttribute(this.positions, 3));
     geometry.setAttribute("outward", new THREE.BufferAttribute(Float32Array.from(normals), 3));
     this.reading = attribute(new Uint8Array(this.count));
+    this.repaired = attribute(new Uint8Array(this.count).fill(DEAD));
     this.height = attribute(new Uint16Array(this.count));
     geometry.setAttribute("reading", this.reading);
+    geometry.setAttribute("repaired", this.repaired);
     geometry.setAttribute("height", this.height);
     this.material = material(table);
     this.material.uniforms.lift.value = 0.4 * pitch;
@@ -100,10 +111,16 @@ export class Dots {
     this.corners = new Uint32Array(this.count);
   }
 
-  /** @param {Uint8Array} readings 0 .. FULL, or DEAD */
-  setReadings(readings) {
+  /**
+   * @param {Uint8Array} readings 0 .. FULL, or DEAD
+   * @param {Uint8Array} [repaired] what the dead ones would read, where that is known
+   */
+  setReadings(readings, repaired) {
     this.reading.array.set(readings.length === this.count ? readings : []);
     this.reading.needsUpdate = true;
+    if (repaired?.length === this.count) this.repaired.array.set(repaired);
+    else this.repaired.array.fill(DEAD);
+    this.repaired.needsUpdate = true;
   }
 
   /**

@@ -106,7 +106,7 @@ export class Patches {
       surface.setColour(colour, colour ? entry.colour_lo : 0, colour ? entry.colour_hi : 0);
     }
     const readings = arrays[entry.taxels];
-    if (readings && patch.dots) patch.dots.setReadings(readings);
+    if (readings && patch.dots) patch.dots.setReadings(readings, arrays[entry.repaired]);
     patch.full = entry.taxels_full ?? full ?? patch.full;
     this.#show(patch);
   }

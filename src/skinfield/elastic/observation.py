@@ -41,6 +41,7 @@ def check_skin(patch: object, layer: object, mechanics: object, quantity: object
     check_units(layer)
 
 
+STEEPEST = 0.95  # strain of a gap
 THINNEST, THICKEST = 2e-5, 0.2  # m
 SOFTEST, STIFFEST = 500.0, 5e8  # Pa: gels, plastics
 
@@ -89,6 +90,10 @@ class Quantity(ABC):
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Readings of a linear sensor: `readings` themselves, or written into `out`."""
         return readings
+
+    def from_linear(self, linear: Floats) -> Floats:
+        """Readings of those of a linear sensor: what `linearise` undoes."""
+        return linear
 
 
 def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Floats, pad: float,
@@ -194,6 +199,13 @@ class Capacitance(Quantity):
             return readings
         np.add(readings, 1.0, out=out)
         return np.divide(readings, out, out=out)
+
+    def from_linear(self, linear: Floats) -> Floats:
+        """See `Quantity.from_linear`; strains that no gap has are taken for the highest."""
+        if self.order == 1:
+            return linear
+        strain = np.minimum(linear, STEEPEST)
+        return np.asarray(strain / (1.0 - strain))
 
 
 @dataclass(frozen=True, eq=False)

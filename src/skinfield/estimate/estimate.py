@@ -40,6 +40,12 @@ class Estimate:
         that were left out.
     valid : ([T,] L) bool array
         Taxels that were used.
+    readings : ([T,] L) array, in the quantity's unit
+        As measured; of taxels that were left out what they would read, by the answer and by their
+        neighbours.
+    readings_std : ([T,] L) array, in the quantity's unit
+        One standard deviation: of measured ones their noise, of the others how far the reading of
+        a taxel that works would be off.
     latency : float, s
         From the reading to the pressure, for the whole call.
     stamp_ns : int or (T,) int64 array, ns
@@ -74,6 +80,8 @@ class Estimate:
     contacts: Any
     residual: Floats
     valid: NDArray[np.bool_]
+    readings: Floats
+    readings_std: Floats
     latency: float = float("nan")
     stamp_ns: Any = 0
     notes: tuple[str, ...] = field(default=())
@@ -203,4 +211,4 @@ class Estimate:
 
 
 REQUIRED = {"grid", "pressure", "traction", "displacement", "pressure_std", "contacts"}
-REQUIRED |= {"residual", "valid"}  # what no estimate is without
+REQUIRED |= {"residual", "valid", "readings", "readings_std"}  # what no estimate is without

@@ -370,12 +370,12 @@ class Models:
             operator = step.operator
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
-            found = details(solution, pressure, valid, grid, step.deformation.on(grid))
-            if answer >= Answer.FEASIBLE:
-                found["residual"] = lambda: np.where(valid, linear - step.matrix @ pressure, np.nan)
-            return found
+            by_pressure = answer >= Answer.FEASIBLE or not valid.all()
+            predict = (lambda: step.matrix @ pressure) if by_pressure else None
+            parts = valid, grid, step.deformation.on(grid), None, None, predict, (values, 0.0)
+            return details(solution, pressure, *parts)
 
-        names = ("displacement", "pressure_std", "residual")
+        names = ("displacement", "pressure_std", "residual", "readings", "readings_std")
         later: dict[str, Callable[[], Any]] = {
             name: partial(lambda name: rest()[name](), name) for name in names
         }
@@ -383,6 +383,9 @@ class Models:
         later["contacts"] = partial(contacts_of_rows, rows, grid, pressure)
         if answer == int(Answer.CONTACTS):
             later["pressure_std"] = partial(pressure_std_of_rows, rows, grid, pressure)
+        if valid.all():  # nothing to prepare for
+            later["readings"] = lambda: values
+            later["readings_std"] = lambda: self.noise_std[taxels].copy()
         later["traction"] = lambda: -pressure[:, None] * grid.normals
         return Estimate.later(
             later,

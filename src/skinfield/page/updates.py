@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
 from skinfield.estimate.row_contacts import outline_of, shape_name
 from skinfield.loop import Answer
@@ -169,6 +170,9 @@ class Updates:
             "invalid": int(row["invalid"]),
             "taxels": parcel.put("taxels", self._taxels(number, each, snapshot, parcel)),
         }
+        looked_at = self.quantity == "taxels" and answer != Answer.MISSING
+        if looked_at and fields["invalid"] and snapshot.prepared:
+            fields["repaired"] = parcel.put("repaired", self._repaired(number, snapshot[name]))
         fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
         fields |= {"height": -1, "colour": -1, "height_scale": 0.0}
         if answer >= Answer.LINEAR:
@@ -209,8 +213,18 @@ class Updates:
         full = self._strongest[number] = max(self._strongest.get(number, floor), strongest, floor)
         if self.quantity == "taxels":
             parcel.highest = max(parcel.highest, full)
-        shown = np.clip(strength * (FULL / full), 0, FULL) if full > 0 else np.zeros(len(strength))
-        return np.where(valid, np.nan_to_num(shown), DEAD).astype(np.uint8)
+        return np.where(valid, self._as_bytes(number, strength), DEAD).astype(np.uint8)
+
+    def _repaired(self, number: int, estimate: Estimate) -> Array:
+        """Readings of a patch as bytes, of taxels that are left out what they would be."""
+        return self._as_bytes(number, np.abs(estimate.readings)).astype(np.uint8)
+
+    def _as_bytes(self, number: int, strength: Floats) -> Floats:
+        """Strengths as parts of what a full byte of a patch stands for, times `FULL`."""
+        full = self._strongest[number]
+        if full <= 0:
+            return np.zeros(len(strength))
+        return np.nan_to_num(np.clip(strength * (FULL / full), 0, FULL))
 
     def _contacts(self, number: int, each: PlacedPatch, its: EngineView) -> list[dict[str, Any]]:
         snapshot, rows = its.snapshot, []

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from skinfield.signal.drift import Drift
 from skinfield.skin import Grid
 from skinfield.solve import LinearOperator, Operator, Solution
 from skinfield.solve.atoms.fit_kernel import NOW
+from skinfield.solve.repair import readings_of
 
 NO_SHIFT: Floats = np.zeros(2)
 MOST_SETS = 16  # of valid taxels whose operators stay prepared, beside that of all
@@ -102,6 +103,8 @@ def details(
     deformation: Deformation,
     find: FieldContacts | None = None,
     nodes: Ints | None = None,
+    predict: Callable[[], Floats] | None = None,
+    given: tuple[Floats, Floats | float] | None = None,
 ) -> dict[str, Callable[[], Any]]:
     """What an estimate of a solution holds beside its pressure, to be worked out when asked for.
 
@@ -119,8 +122,14 @@ def details(
         Where the operator finds none by itself. Default: there are none.
     nodes : int array, optional
         Those of the solution's nodes that are the grid's. Default all.
+    predict : function, optional
+        What the taxels would read of it, (L,) as its readings. Default as its operator says.
+    given : tuple of (L,) arrays, in the quantity's unit, optional
+        Readings, and the rest that was taken from them. Default the solution's, and 0.
     """
     operator = solution.operator
+    predicted = cache(predict or (lambda: operator.predicted(solution)))
+    read = cache(lambda: readings_of(solution, valid, predicted, given))
     here: Any = slice(None) if nodes is None else nodes
 
     def contacts() -> tuple[Contact, ...]:
@@ -140,7 +149,9 @@ def details(
         "displacement": moved,
         "pressure_std": lambda: np.array(operator.pressure_std(solution)[here]),
         "contacts": contacts,
-        "residual": lambda: np.where(valid, solution.residual, np.nan),
+        "residual": lambda: np.where(valid, solution.readings - predicted(), np.nan),
+        "readings": lambda: read()[0],
+        "readings_std": lambda: read()[1],
     }
 
 
@@ -316,11 +327,12 @@ class Plan:
         solution, data = memory.solve(operator, reading, valid, int(stamp_ns), end), memory.data
         solved, solution = time.perf_counter_ns(), solution.keep()
         margin = data.margin if data.searched else None  # else it could not have been any earlier
+        rest = 0.0 if memory.drift is None else memory.drift.rest.copy()  # of lost ones it stays
         self._spare.append(memory)
         pressure = solution.pressure if self._nodes is None else solution.pressure[self._nodes]
-        parts = valid, self.grid, self.deformation, self.find, self._nodes
+        parts = valid, self.grid, self.deformation, self.find, self._nodes, None
         estimate = Estimate.later(
-            details(solution, pressure, *parts),
+            details(solution, pressure, *parts, (reading.copy(), rest)),
             grid=self.grid,
             pressure=pressure.copy(),  # what is computed later is of what was found
             valid=valid,

@@ -78,6 +78,11 @@ class Fit(Protocol):
         """What the taxels would read of them, (L,), in the quantity's unit."""
         ...
 
+    @property
+    def parameters(self) -> int:
+        """Numbers that were fitted."""
+        ...
+
     def keep(self) -> "Fit":
         """Itself."""
         ...

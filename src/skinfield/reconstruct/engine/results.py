@@ -163,9 +163,8 @@ def estimate_of(
             solution.fit = solution.fit.keep().on(grid, shift)
     solution.gap, solution.steps = float(state.gap[patch]), int(state.iterations[patch])
     find, deformation = field_contacts(finder, grid), step.deformation.on(grid)
-    rest = details(solution, solution.pressure, valid, grid, deformation, find)
-    if answer < FEASIBLE:
-        rest["residual"] = lambda: np.where(valid, solution.readings - explained(), np.nan)
+    parts = valid, grid, deformation, find, None, explained if answer < FEASIBLE else None
+    rest = details(solution, solution.pressure, *parts)
     return Estimate.later(
         rest,
         grid=grid,

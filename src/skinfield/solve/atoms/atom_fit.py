@@ -27,6 +27,8 @@ class AtomFit:
     family : (M,) int array
     predicted : (L,) array, in the quantity's unit
         What the taxels would read of them, with an offset that all share.
+    parameters : int
+        Numbers that were fitted.
     """
 
     renderer: AtomRenderer
@@ -35,6 +37,7 @@ class AtomFit:
     atoms: Floats
     family: Ints
     predicted: Floats
+    parameters: int
 
     def keep(self) -> "AtomFit":
         """Itself: nothing overwrites it."""

@@ -1,5 +1,7 @@
 """Memory of a contact fit under one mechanics of the layer, and what it last found."""
 
+import numpy as np
+
 from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
 from skinfield.solve.atoms.dictionary import Templates
@@ -72,6 +74,12 @@ class FitData:
     def count(self) -> int:
         """Atoms of the answer."""
         return int(self.memory.counts[NOW])
+
+    @property
+    def parameters(self) -> int:
+        """Numbers that were fitted."""
+        long = np.count_nonzero(self.memory.atoms[NOW, : self.count, 4:].any(axis=1))
+        return 4 * self.count + 2 * int(long)
 
     @property
     def misfit(self) -> float:

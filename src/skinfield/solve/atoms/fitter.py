@@ -158,6 +158,7 @@ class ContactFitter:
             atoms=drawing.atoms[:drawn].copy(),
             family=drawing.family[:drawn].copy(),
             predicted=data.memory.predicted[NOW] + data.offset,
+            parameters=data.parameters,
         )
 
     def notes(self, choice: MechanicsChoice) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Sheet of thousands to millions of taxels: arguments, and conjugate gradients that solve it."""
 
 import time
-from functools import cached_property
+from functools import cache, cached_property
 from time import perf_counter_ns
 from typing import Any
 
@@ -31,7 +31,8 @@ from skinfield.errors import (
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.skin import Patch
-from skinfield.solve.linear import GaussianField, Tikhonov
+from skinfield.solve.linear import GaussianField, Tikhonov, taxel_distance
+from skinfield.solve.repair import repaired
 from skinfield.solve.sheet.contacts import WindowNoise, contacts_on, highest_std
 from skinfield.solve.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
 
@@ -413,6 +414,7 @@ class Sheet:
         latency = time.perf_counter() - begin
         valid = ~np.isnan(linear)
         noise = WindowNoise.whole(self.plan, valid[self.plan.placing.order])
+        read = cache(lambda: self._repaired(np.nan_to_num(reading), valid, pressure))
         rest = {
             "traction": lambda: -pressure[:, None] * self.grid.normals,
             "displacement": lambda: self.displacement(pressure),
@@ -421,6 +423,8 @@ class Sheet:
                 self.grid, pressure, self.finder, noise, self.highest_std
             ),
             "residual": lambda: linear - self.predict(pressure),
+            "readings": lambda: read()[0],
+            "readings_std": lambda: read()[1],
         }
         return Estimate.later(
             rest,
@@ -432,6 +436,14 @@ class Sheet:
             deadline_met=self.deadline_met,
             solver=type(self).__name__,
         )
+
+    def _repaired(
+        self, reading: Floats, valid: NDArray[np.bool_], pressure: NDArray[Any]
+    ) -> tuple[Floats, Floats]:
+        """Readings and their deviations, (L,); see `repaired`."""
+        predicted = self.quantity.from_linear(self.predict(pressure))
+        places = self.patch.plane / taxel_distance(self.patch.plane, self.pitch)
+        return repaired(reading, valid, self.noise_std, places, predicted)
 
     def predict(self, pressure: NDArray[Any]) -> Floats:
         """What the taxels read (L,) of a pressure (K,) Pa: the linear map A."""
