@@ -13,15 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.calibrate.press_tables import PressTables
 from skinfield.calibrate.touch_fit import ALONE, OWN, Data, JointFit, Priors, State, refined, start
+from skinfield.calibrate.touch_presses import STRONG, Presses, presses
 from skinfield.calibrate.touch_sampling import marginal
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
-from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape, check_type
 from skinfield.signal import Calibration
-from skinfield.signal.noise import quiet_level, shared_noise
 from skinfield.skin import Patch
 
-LEAST, MOST = 20, 250  # presses
-STRONG = 12.0  # deviations, that the highest reading of a press is above rest at least
+LEAST = 20  # presses
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
 ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
@@ -163,50 +162,54 @@ def touch(
     InputError
         If there are too few touches, or arrays do not go together.
     """
+    quantity, nominal = quantity or Capacitance(), layer or Layer()
+    check_type("quantity", quantity, Quantity, "such as skinfield.elastic.Capacitance()")
     table = as_floats("readings", readings)
     check_shape("readings", table, (None, len(patch)), "readings and taxels of the patch")
-    quantity, nominal = quantity or Capacitance(), layer or Layer()
-    if noise_std is None:
-        level = quiet_level(table, patch.neighbours)
-        noise = shared_noise(table - level, patch.neighbours)
-        noise = np.where(noise > 0.0, noise, quantity.typical_noise)
-    else:
+    check_finite("readings", np.nan_to_num(table, posinf=np.inf, neginf=-np.inf), "or NaN")
+    noise = None
+    if noise_std is not None:
         noise = np.broadcast_to(as_floats("noise_std", noise_std), (len(patch),)).copy()
-        if not (noise > 0.0).all():
+        if not (np.isfinite(noise) & (noise > 0.0)).all():
             raise InputError(f"noise_std is {noise.min()}, expected above 0: no reading is exact")
-    rows = pressed_readings(table, noise)
-    if len(rows) < LEAST:
+    found = presses(table, noise)
+    if len(found.readings) < LEAST:
         raise InputError(
-            f"readings hold {len(rows)} touches above {STRONG:g} times the noise, expected "
-            f"{LEAST} or more, better a hundred, all over the patch"
+            f"readings hold {len(found.readings)} touches above {STRONG:g} times the noise "
+            f"({np.median(found.noise_std):.2g}), expected {LEAST} or more, better a hundred, all "
+            "over the patch; if their noise is another, state it (noise_std=, --noise)"
         )
-    heard = ~np.isnan(table[rows])
-    data = Data(np.nan_to_num(table[rows]), heard, noise, patch.plane, quantity)
+    heard = np.isfinite(found.readings) & _answers(found)
+    data = Data(np.nan_to_num(found.readings), heard, found.noise, patch.plane, quantity)
     first = [
         _fitted(data, patch, nominal, quantity, covered, ERRORS[: FIRST + 1])
         for covered in (False, True)
     ]
     covered = max(first, key=lambda each: each.evidence).covered
-    made, forces = _fitted(data, patch, nominal, quantity, covered, ERRORS).finished(nominal)
+    fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
+    made, forces = fit.finished(nominal, found.noise_std)
     if known_force is None:
         return made
     known = as_floats("known_force", known_force)
     check_shape("known_force", known, (len(table),), "one per reading, NaN where not known")
-    ratios = known[rows] / forces
+    return _scaled(made, known, forces, found)
+
+
+def _answers(found: Presses) -> NDArray[np.bool_]:
+    """Taxels (L,) that a press moves: others are dead, or nothing was near them."""
+    return np.asarray((np.nan_to_num(found.readings) > STRONG * found.noise).any(axis=0))
+
+
+def _scaled(
+    made: TouchCalibration, known: Floats, forces: Floats, found: Presses
+) -> TouchCalibration:
+    """The same with the modulus that known forces (T,) of readings give."""
+    ratios = (known / forces[found.row])[found.row >= 0]
     ratios = ratios[np.isfinite(ratios) & (ratios > 0.0)]
     if not len(ratios):
         raise InputError("known_force knows no force of a touch, expected one above 0 N or more")
     ratio = float(np.exp(np.median(np.log(ratios))))
     return replace(made, young_modulus=made.young_modulus * ratio, force_ratio=ratio)
-
-
-def pressed_readings(table: Floats, noise: Floats) -> NDArray[np.int64]:
-    """Numbers of readings (T, L) in which something presses, at most `MOST`, evenly chosen."""
-    over = np.nan_to_num(table) / noise
-    pressed = np.flatnonzero((over.max(axis=1) > STRONG) & (over.max(axis=1) > -over.min(axis=1)))
-    if len(pressed) > MOST:
-        pressed = pressed[np.linspace(0, len(pressed) - 1, MOST).round().astype(int)]
-    return pressed
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +222,7 @@ class _SkinFit:
     evidence: float
     covered: bool
 
-    def finished(self, nominal: Layer) -> tuple[TouchCalibration, Floats]:
+    def finished(self, nominal: Layer, noise: Floats) -> tuple[TouchCalibration, Floats]:
         """Calibration, and forces (T,), N; NaN of presses that are left out."""
         state, covariance = marginal(self.fit, self.state)
         deviation = np.sqrt(np.diag(covariance))
@@ -236,7 +239,7 @@ class _SkinFit:
             covered=self.covered,
             gain=gain,
             gain_std=gain * deviation[2:],
-            noise_std=self.fit.data.noise / gain,
+            noise_std=noise / gain,
             model_error=self.fit.error,
             presses=int(self.used.sum()),
             left_out=int((~self.used).sum()),
@@ -257,7 +260,7 @@ def _fitted(
     tables = PressTables(nominal, quantity, patch.pad_diameter, covered)
     skin = np.array([np.log(nominal.thickness), RATIO])
     tables.centre_on(*skin)
-    state = State(np.zeros((len(data.readings), OWN)), skin, np.zeros(len(data.noise)))
+    state = State(np.zeros((len(data.readings), OWN)), skin, np.zeros(len(data.taxels)))
     state = replace(state, touches=start(data, tables, state, errors[0]))
     priors = Priors.wide(skin, state.touches, data)
     whole, used = state, np.ones(len(data.readings), np.bool_)

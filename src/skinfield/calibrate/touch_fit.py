@@ -48,7 +48,7 @@ class Data:
     ----------
     readings : (T, L) array
     heard : (T, L) bool array
-    noise : (L,) array
+    noise : (T, L) array
     taxels : (L, 2) array, m
     quantity : Quantity
     """
@@ -75,7 +75,9 @@ class Data:
 
     def only(self, kept: NDArray[np.bool_]) -> "Data":
         """Data of some presses."""
-        return replace(self, readings=self.readings[kept], heard=self.heard[kept])
+        return replace(
+            self, readings=self.readings[kept], heard=self.heard[kept], noise=self.noise[kept]
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,163 @@
+"""Presses in readings: means of readings that stand still, and the noise by which they do not.
+
+Noise of a reading is told by what repeats itself: by differences between one reading and the next,
+most of which are of taxels that nothing touches, and then by what readings of one press are off
+their mean. So it is that of pressed taxels, too, which boards that clip at rest do not show there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError
+from skinfield.signal.noise import PRIOR
+
+STRONG = 12.0  # deviations, that the highest reading of a press is above rest at least
+MOST = 250  # presses
+TOGETHER = 0.05  # part of a reading, by which another may differ and both be one press
+STANDS = 4.0  # deviations of chi-squared, to which readings are one press
+REST = 0.25  # of the noise of one reading: how well rest is known, and so a mean at best
+USUAL_SPREAD, MOST_SPREAD = 2.117, 3.0  # of differences: their half over their quarter, if normal
+PASSES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Presses:
+    """Readings of presses.
+
+    Attributes
+    ----------
+    readings : (P, L) array
+        NaN where a taxel did not answer.
+    noise : (P, L) array
+        Standard deviation of each.
+    row : (T,) int array
+        Press that each reading is part of; -1 of none.
+    noise_std : (L,) array
+        Of one reading.
+    """
+
+    readings: Floats
+    noise: Floats
+    row: NDArray[np.int64]
+    noise_std: Floats
+
+
+def presses(table: Floats, noise: Floats | None) -> Presses:
+    """Presses in readings (T, L), at most `MOST`: those that stand longest, of equals any.
+
+    Parameters
+    ----------
+    table : (T, L) array
+        In order of time; NaN where a taxel did not answer.
+    noise : (L,) array, optional
+        Standard deviation of one reading. Default as differences between readings have it.
+
+    Raises
+    ------
+    InputError
+        If readings do not tell their noise, or fall where they should rise.
+    """
+    own = noise if noise is not None else _noise_of_differences(table)
+    for _ in range(PASSES):
+        first = _starts(table, own)
+        numbers, count, mean = _means(table, first)
+        if noise is not None:
+            break
+        own = _noise_within(table, mean[numbers], count[numbers], own)
+    spread = own * np.sqrt(1.0 / np.maximum(count, 1.0) + REST**2)
+    spread = np.where(count == 1, own, spread)
+    over = np.nan_to_num(mean) / spread
+    highest, lowest = over.max(axis=1), over.min(axis=1)
+    _check_rises(mean, highest, lowest)
+    pressed = np.flatnonzero((highest > STRONG) & (highest > -lowest))
+    length = np.bincount(numbers, minlength=len(mean))
+    chosen = pressed[_longest(np.nan_to_num(mean[pressed]).argmax(axis=1), length[pressed])]
+    chosen = np.random.default_rng(0).permutation(chosen)
+    chosen = np.sort(chosen[np.argsort(-length[chosen], kind="stable")][:MOST])
+    rows = np.full(len(mean), -1)
+    rows[chosen] = np.arange(len(chosen))
+    return Presses(mean[chosen], spread[chosen], rows[numbers], own)
+
+
+def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of runs one after the other that press one taxel most, the longest: they are one press."""
+    if not len(peak):
+        return np.zeros(0, np.int64)
+    touch = np.cumsum(np.r_[True, peak[1:] != peak[:-1]])
+    order = np.lexsort((-length, touch))
+    return order[np.r_[True, np.diff(touch[order]) > 0]]
+
+
+def _check_rises(mean: Floats, highest: Floats, lowest: Floats) -> None:
+    """Refuse readings that a touch lowers."""
+    strong = np.maximum(highest, -lowest) > STRONG
+    if strong.any() and np.median(highest[strong] + lowest[strong]) < 0.0:
+        raise InputError(
+            f"readings fall under touch, by up to {-np.nanmin(mean):.3g}, expected ones that rise: "
+            "change their sign, or that of the counts per ΔC/C₀ (gain=, --gain)"
+        )
+
+
+def _noise_of_differences(table: Floats) -> Floats:
+    """Noise (L,) of one reading, by the median difference to the next."""
+    apart = np.abs(np.diff(table, axis=0))
+    apart[apart == 0.0] = np.nan  # clipped, rounded or lost
+    heard = np.isfinite(apart).any(axis=0)
+    refuse = InputError(
+        "readings do not tell their noise: no quiet ones are among them, and none that repeat "
+        "themselves; expected noise_std= (--noise), the standard deviation of one reading at rest"
+    )
+    if not heard.any():
+        raise refuse
+    quarter, half = np.nanpercentile(apart[:, heard], [25.0, 50.0], axis=0)
+    if np.median(half / quarter) > MOST_SPREAD:
+        raise refuse
+    patch = float(np.median(half))
+    noise = np.full(table.shape[1], patch)
+    noise[heard] = np.clip(half, patch / 20.0, 20.0 * patch)
+    return np.asarray(1.4826 / np.sqrt(2.0) * noise)
+
+
+def _noise_within(table: Floats, mean: Floats, count: Floats, noise: Floats) -> Floats:
+    """Noise (L,) of one reading, by what those of a press are off their mean where it is felt."""
+    away = np.square(np.nan_to_num(table - mean)) * count / np.maximum(count - 1.0, 1.0)
+    strong = np.nan_to_num(np.max(np.nan_to_num(mean) / noise, axis=1)) > STRONG
+    felt = (count > 1.0) & np.isfinite(table) & strong[:, None]
+    squares, numbers = np.sum(away, axis=0, where=felt), felt.sum(axis=0)
+    if not numbers.any():
+        return noise
+    larger = float(np.sqrt(squares.sum() / (numbers * noise**2).sum()))
+    return np.asarray(
+        np.sqrt((squares + PRIOR * np.square(larger * noise)) / (numbers + PRIOR))
+    )
+
+
+def _starts(table: Floats, noise: Floats) -> NDArray[np.bool_]:
+    """Where (T,) a reading is off the mean of those before, so that another press begins."""
+    first = np.ones(len(table), np.bool_)
+    total, count = np.zeros(table.shape[1]), np.zeros(table.shape[1])
+    for row, values in enumerate(table):
+        both = (count > 0.0) & np.isfinite(values)
+        mean = total[both] / count[both]
+        spread = noise[both] ** 2 * (1.0 + 1.0 / count[both]) + (TOGETHER * mean) ** 2
+        chi = float((np.square(values[both] - mean) / spread).sum())
+        first[row] = chi > len(mean) + STANDS * np.sqrt(2.0 * len(mean))
+        if first[row] or not row:
+            first[row], total, count = True, np.zeros_like(total), np.zeros_like(count)
+        heard = np.isfinite(values)
+        total[heard] += values[heard]
+        count[heard] += 1.0
+    return first
+
+
+def _means(
+    table: Floats, first: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Number (T,) of the run that each reading is of; counts and means (R, L) of runs."""
+    heard, starts = np.isfinite(table), np.flatnonzero(first)
+    count = np.add.reduceat(heard.astype(float), starts)
+    total = np.add.reduceat(np.where(heard, table, 0.0), starts)
+    mean = np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0.0)
+    return np.cumsum(first) - 1, count, mean
