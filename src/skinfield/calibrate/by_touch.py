@@ -180,12 +180,14 @@ def touch(
             "over the patch; if their noise is another, state it (noise_std=, --noise)"
         )
     heard = np.isfinite(found.readings) & _answers(found)
-    data = Data(np.nan_to_num(found.readings), heard, found.noise, patch.plane, quantity)
+    data = Data(np.nan_to_num(found.readings), heard, found.noise, found.clipped, patch.plane, quantity)
     first = [
         _fitted(data, patch, nominal, quantity, covered, ERRORS[: FIRST + 1])
         for covered in (False, True)
     ]
     covered = max(first, key=lambda each: each.evidence).covered
+    import os
+    if "DBG" in os.environ: print("evidence", [(e.evidence, int(e.used.sum()), np.exp(e.state.skin[0]), e.state.skin[1]) for e in first])
     fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
     made, forces = fit.finished(nominal, found.noise_std)
     if known_force is None:

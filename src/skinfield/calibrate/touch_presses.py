@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from skinfield.errors import Floats, InputError
 from skinfield.signal.noise import PRIOR
@@ -20,6 +21,10 @@ STANDS = 4.0  # deviations of chi-squared, to which readings are one press
 REST = 0.25  # of the noise of one reading: how well rest is known, and so a mean at best
 USUAL_SPREAD, MOST_SPREAD = 2.117, 3.0  # of differences: their half over their quarter, if normal
 PASSES = 2
+SMALL = 0.5  # of the noise: what a press may change by and tell it
+FEWEST = 16  # quiet readings that tell a rest
+SHORT = 0.25  # of what most presses last: less is on the way, or a jump
+OFTEN = 0.1  # share of readings, that are at a board's end if so many are the very same
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +37,8 @@ class Presses:
         NaN where a taxel did not answer.
     noise : (P, L) array
         Standard deviation of each.
+    clipped : (P, L) bool array
+        Where a board that clips at rest tells that nothing is above that, and no more.
     row : (T,) int array
         Press that each reading is part of; -1 of none.
     noise_std : (L,) array
@@ -40,6 +47,7 @@ class Presses:
 
     readings: Floats
     noise: Floats
+    clipped: NDArray[np.bool_]
     row: NDArray[np.int64]
     noise_std: Floats
 
@@ -60,25 +68,46 @@ def presses(table: Floats, noise: Floats | None) -> Presses:
         If readings do not tell their noise, or fall where they should rise.
     """
     own = noise if noise is not None else _noise_of_differences(table)
+    end = _end(table)
     for _ in range(PASSES):
         first = _starts(table, own)
         numbers, count, mean = _means(table, first)
-        if noise is not None:
-            break
-        own = _noise_within(table, mean[numbers], count[numbers], own)
-    spread = own * np.sqrt(1.0 / np.maximum(count, 1.0) + REST**2)
-    spread = np.where(count == 1, own, spread)
-    over = np.nan_to_num(mean) / spread
-    highest, lowest = over.max(axis=1), over.min(axis=1)
-    _check_rises(mean, highest, lowest)
-    pressed = np.flatnonzero((highest > STRONG) & (highest > -lowest))
+        spread = own * np.sqrt(1.0 / np.maximum(count, 1.0) + REST**2)
+        over = np.nan_to_num(mean) / spread
+        strong = np.maximum(over.max(axis=1), -over.min(axis=1)) > STRONG
+        if noise is None:
+            own = _noise_within(table, mean[numbers], count[numbers], own, end, strong[numbers])
+    _check_rises(mean[strong], over[strong])
+    pressed = np.flatnonzero(strong & (over.max(axis=1) > -over.min(axis=1)))
     length = np.bincount(numbers, minlength=len(mean))
     chosen = pressed[_longest(np.nan_to_num(mean[pressed]).argmax(axis=1), length[pressed])]
+    chosen = chosen[length[chosen] > SHORT * np.median(length[chosen])] if len(chosen) else chosen
     chosen = np.random.default_rng(0).permutation(chosen)
     chosen = np.sort(chosen[np.argsort(-length[chosen], kind="stable")][:MOST])
     rows = np.full(len(mean), -1)
     rows[chosen] = np.arange(len(chosen))
-    return Presses(mean[chosen], spread[chosen], rows[numbers], own)
+    clipped = (mean < end + own)[chosen]
+    values = np.where(clipped, end + own, mean[chosen]) - _rest(table, end, own, strong[numbers])
+    return Presses(values, spread[chosen], clipped, rows[numbers], own)
+
+
+def _end(table: Floats) -> Floats:
+    """What each taxel (L,) reads at the end of a board that clips at rest; -infinity of others.
+
+    So many readings are the very same only there.
+    """
+    least = np.min(table, axis=0, where=np.isfinite(table), initial=np.inf)
+    same = (table == least).sum(axis=0)
+    return np.where(same > max(OFTEN * len(table), 1.0), least, -np.inf)
+
+
+def _rest(table: Floats, end: Floats, noise: Floats, touched: NDArray[np.bool_]) -> Floats:
+    """Rest (L,) below the end of a board, as the share of quiet readings there tells; else 0."""
+    quiet = table[~touched]
+    if len(quiet) < FEWEST:
+        return np.zeros(len(end))
+    share = np.clip((quiet == end).mean(axis=0), 0.5 / len(quiet), 1.0 - 0.5 / len(quiet))
+    return np.where(end > -np.inf, np.nan_to_num(end, neginf=0.0) - noise * norm.ppf(share), 0.0)
 
 
 def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -90,10 +119,9 @@ def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.i
     return order[np.r_[True, np.diff(touch[order]) > 0]]
 
 
-def _check_rises(mean: Floats, highest: Floats, lowest: Floats) -> None:
-    """Refuse readings that a touch lowers."""
-    strong = np.maximum(highest, -lowest) > STRONG
-    if strong.any() and np.median(highest[strong] + lowest[strong]) < 0.0:
+def _check_rises(mean: Floats, over: Floats) -> None:
+    """Refuse presses that most readings fall by."""
+    if len(mean) and np.median(over.max(axis=1) + over.min(axis=1)) < 0.0:
         raise InputError(
             f"readings fall under touch, by up to {-np.nanmin(mean):.3g}, expected ones that rise: "
             "change their sign, or that of the counts per ΔC/C₀ (gain=, --gain)"
@@ -120,18 +148,19 @@ def _noise_of_differences(table: Floats) -> Floats:
     return np.asarray(1.4826 / np.sqrt(2.0) * noise)
 
 
-def _noise_within(table: Floats, mean: Floats, count: Floats, noise: Floats) -> Floats:
-    """Noise (L,) of one reading, by what those of a press are off their mean where it is felt."""
+def _noise_within(
+    table: Floats, mean: Floats, count: Floats, noise: Floats, end: Floats, strong: NDArray[np.bool_]
+) -> Floats:
+    """Noise (L,) of one reading, by what readings of presses are off their mean, all (T, L)."""
     away = np.square(np.nan_to_num(table - mean)) * count / np.maximum(count - 1.0, 1.0)
-    strong = np.nan_to_num(np.max(np.nan_to_num(mean) / noise, axis=1)) > STRONG
     felt = (count > 1.0) & np.isfinite(table) & strong[:, None]
+    felt &= (mean > end + noise) & (TOGETHER * mean < SMALL * noise)
     squares, numbers = np.sum(away, axis=0, where=felt), felt.sum(axis=0)
     if not numbers.any():
         return noise
     larger = float(np.sqrt(squares.sum() / (numbers * noise**2).sum()))
-    return np.asarray(
-        np.sqrt((squares + PRIOR * np.square(larger * noise)) / (numbers + PRIOR))
-    )
+    prior = PRIOR * np.square(larger * noise)
+    return np.asarray(np.sqrt((squares + prior) / (numbers + PRIOR)))
 
 
 def _starts(table: Floats, noise: Floats) -> NDArray[np.bool_]:
