@@ -28,7 +28,7 @@ FIRST = 2  # of these, by which the fit begins
 AGAIN = 2  # times with the nodes of the tables, weights and priors that were found
 BETWEEN_NODES = np.array([0.003, 0.0005])  # of ln thickness and ratio: what tables are off by
 WIDER = 1.7  # times the deviations of the likelihood: chosen on ten virtual skins
-RATIO = 0.46  # Poisson's, at which it begins
+RATIO = 0.46  # Poisson's, at which it begins at most: what is stated for rubber is its limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,9 +185,10 @@ def touch(
         _fitted(data, patch, nominal, quantity, covered, ERRORS[: FIRST + 1])
         for covered in (False, True)
     ]
-    covered = max(first, key=lambda each: each.evidence).covered
+    common = first[0].used & first[1].used
+    covered = len(common) > 0 and bool(first[1].on(common) > first[0].on(common))
     import os
-    if "DBG" in os.environ: print("evidence", [(e.evidence, int(e.used.sum()), np.exp(e.state.skin[0]), e.state.skin[1]) for e in first])
+    if "DBG" in os.environ: print("evidence", [(e.on(common), e.evidence, int(e.used.sum()), int(common.sum()), np.exp(e.state.skin[0]), e.state.skin[1]) for e in first])
     fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
     made, forces = fit.finished(nominal, found.noise_std)
     if known_force is None:
@@ -223,6 +224,13 @@ class _SkinFit:
     used: NDArray[np.bool_]
     evidence: float
     covered: bool
+
+    def on(self, presses: NDArray[np.bool_]) -> float:
+        """Evidence on some of the presses that are used."""
+        rows = presses[self.used]
+        state = replace(self.state, touches=self.state.touches[rows])
+        fit = JointFit(self.fit.data.only(rows), self.fit.tables, self.fit.priors, self.fit.error)
+        return fit.normal(fit.run(state)).evidence
 
     def finished(self, nominal: Layer, noise: Floats) -> tuple[TouchCalibration, Floats]:
         """Calibration, and forces (T,), N; NaN of presses that are left out."""
@@ -260,7 +268,7 @@ def _fitted(
 ) -> _SkinFit:
     """Fit of presses and skin, under a cover or without."""
     tables = PressTables(nominal, quantity, patch.pad_diameter, covered)
-    skin = np.array([np.log(nominal.thickness), RATIO])
+    skin = np.array([np.log(nominal.thickness), min(nominal.poisson_ratio, RATIO)])
     tables.centre_on(*skin)
     state = State(np.zeros((len(data.readings), OWN)), skin, np.zeros(len(data.taxels)))
     state = replace(state, touches=start(data, tables, state, errors[0]))

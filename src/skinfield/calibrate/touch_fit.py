@@ -21,9 +21,8 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.atom_readings import PARAMETERS
 
 OWN, SHARED = 4, 2
-GAIN_STD = 0.15  # of ln gain, before any press
+GAIN_STD = 0.15  # of ln gain, before any press, and at most: more is a model that is wrong
 USUAL_GAIN_STD, USUAL = 0.1, 8.0  # what is usual, worth so many taxels
-MOST_GAIN_STD = 0.3  # more is no gain, but a model that is wrong
 PLACE_STD = 0.5  # pitches between a press and the taxel that feels it most
 THICKNESS_STD = 0.5  # of ln thickness
 RATIO_STD = 0.15
@@ -236,7 +235,7 @@ class Priors:
         square /= float(known.sum()) + USUAL
         precision = self.precision.copy()
         precision[2:, 2:] = np.linalg.inv(spread)
-        gain_std = min(float(np.sqrt(self.gain_std * square**0.5)), MOST_GAIN_STD)
+        gain_std = min(float(np.sqrt(self.gain_std * square**0.5)), GAIN_STD)
         return Priors(self.skin, gain_std, centre, precision)
 
 
