@@ -70,7 +70,7 @@ class Touched:
     """Readings (T, L) of touches and what is known of them; what is to be found."""
 
     readings: Floats
-    noise: Floats
+    noise: Floats | None
     stated: sf.Layer
     quantity: Capacitance | BaseStress
     true: sf.Layer
@@ -129,8 +129,8 @@ def real(number: int, seed: int, flat: bool = False) -> Touched:
     change = np.take_along_axis(felt, which, axis=0) * np.interp(sampling.instants, when, load)
     warm = ROOM + habits.warming * sampling.time
     sent = recording(skin, sampling, change, warm, sending)
-    values, found = condition(sent, PATCH, stated, Capacitance(), Conditioning())
-    return Touched(values, found.noise_std, stated, Capacitance(), layer, covered, np.abs(skin.gain))
+    values = condition(sent, PATCH, stated, Capacitance(), Conditioning())[0]
+    return Touched(values, None, stated, Capacitance(), layer, covered, np.abs(skin.gain))
 
 
 def _felt(
@@ -170,8 +170,9 @@ def main() -> None:
         its = (real if given.habits == REAL else plain)(number, given.seed)
         begun = time.perf_counter()
         made = sf.calibrate.touch(
-            PATCH, its.readings, quantity=its.quantity, noise_std=its.noise, layer=its.stated
-        )
+            PATCH, its.readings, quantity=its.quantity, noise_std=its.noise, layer=its.stated,
+            place_std=0.0 if given.habits == NONE else HABITS[REAL].tolerances.place_error,
+        )  # fmt: skip
         took = time.perf_counter() - begun
         heard = np.isfinite(its.readings).any(axis=0)
         truth = np.log(its.gain[heard] / np.exp(np.log(its.gain[heard]).mean()))
@@ -181,7 +182,7 @@ def main() -> None:
         skin_off.append((made.thickness - its.true.thickness) / made.thickness_std)
         skin_off.append((made.poisson_ratio - its.true.poisson_ratio) / made.poisson_std)
         print(
-            f"| {its.quantity.symbol}, {np.median(its.noise):.2g} | {its.true.thickness * 1e3:.2f}, "
+            f"| {its.quantity.symbol}, {np.median(made.noise_std):.2g} | {its.true.thickness * 1e3:.2f}, "
             f"{its.true.poisson_ratio:.3f}{', covered' * its.covered} | "
             f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f}, "
             f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}{', covered' * made.covered} | "

@@ -54,6 +54,8 @@ class Data:
         Where a board does not tell less: what is read is the most that it may be (Tobin 1958).
     taxels : (L, 2) array, m
     quantity : Quantity
+    place_std : float, m
+        Along each axis: how well places of taxels are known.
     """
 
     readings: Floats
@@ -62,6 +64,7 @@ class Data:
     clipped: NDArray[np.bool_]
     taxels: Floats
     quantity: Quantity
+    place_std: float = 0.0
 
     @cached_property
     def pitch(self) -> float:
@@ -409,8 +412,10 @@ class JointFit:
     def aim(self, state: State) -> None:
         """Weigh readings by what is predicted of them."""
         data = self.data
-        predicted = readings(self.tables, state.touches, state.skin, data.taxels)
+        predicted, slopes = read(self.tables, state.touches, state.skin, data.taxels)
         spread = variance(predicted * np.exp(state.log_gain), data.noise, self.error)
+        steep = np.square(slopes[:, :2]).sum(axis=1) * np.exp(2.0 * state.log_gain)
+        spread += data.place_std**2 * steep
         self.weight = np.where(data.heard, 1.0 / spread, 0.0)
         self.constant = 0.5 * float(np.where(data.heard, np.log(spread), 0.0).sum())
 

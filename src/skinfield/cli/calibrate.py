@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     Tried = tuple[str, dict[str, Any], dict[str, Figure]]  # verdict, numbers, figures
 
+PLACE_STD = 0.3e-3  # m, of taxels as they are made
+
 calibrate = new_app(
     "calibrate",
     """Calibrate a skin against loads that are known, and try the calibration on another recording.
@@ -324,14 +326,16 @@ def touch(
     found = [readings_for(open_recording(each), plan.patch) for each in recordings]
     every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
     readings = np.concatenate([values for values, _ in every])
-    noise = np.sqrt(np.mean([np.square(survey.noise_std) for _, survey in every], axis=0))
     notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
     forces = None
     if known is not None:
         forces = np.full(len(readings), np.nan)
         forces[: len(found[0])][_part_of(found[0].stamp_ns, at)] = known
     with report.progress("fitting presses and skin"):
-        made = fit(plan.patch, readings, noise_std=noise, layer=layer, known_force=forces)
+        made = fit(
+            plan.patch, readings, noise_std=how.noise_std, layer=layer, known_force=forces,
+            place_std=PLACE_STD,
+        )  # fmt: skip
     counted = every[0][1].conditioner.calibration
     made = made if counted is None else made.with_counts(counted)
     facts = {
