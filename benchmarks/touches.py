@@ -1,10 +1,10 @@
 """Calibration by unknown touches on virtual skins: truth against what is found, as one table.
 
-Plain skins: balls of any size press anywhere on the patch, one reading each. Real ones
-(`--habits real`) are made within tolerances, pressed by soft fingers for a second each, and read as
-counts of a board that is noisy, clips, rounds, drifts and jumps; the counts go the way of `skinfield
-calibrate touch`. What taxels read is solved by `skinfield.simulate.press`, never by the tables that
-are fitted.
+Plain skins: balls of any size press anywhere on the patch, one reading each. Real ones (`--habits
+real`) are made within tolerances, pressed by balls and soft fingertips for a second each, and read
+as counts of a board that is noisy, clips, rounds, drifts and jumps; the counts go the way of
+`skinfield calibrate touch`. What taxels read is solved by `skinfield.simulate.press`, never by the
+tables that are fitted.
 
     python benchmarks/touches.py                  # ten skins, some ten minutes
     python benchmarks/touches.py --habits real
@@ -24,7 +24,12 @@ from skinfield.errors import Floats, InputError
 from skinfield.lab.habit_cases import FOAM
 from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Finger, Sphere, press
-from skinfield.simulate.electronics import CySkinBoard, cyskin_electronics, icub_electronics, recording
+from skinfield.simulate.electronics import (
+    CySkinBoard,
+    cyskin_electronics,
+    icub_electronics,
+    recording,
+)
 from skinfield.simulate.electronics.thermal import ROOM
 from skinfield.simulate.habits import HABITS, NONE, REAL
 from skinfield.simulate.pressing.press import readings_anywhere
@@ -99,22 +104,25 @@ def plain(number: int, seed: int) -> Touched:
     return Touched(readings, noise, sf.Layer(), its, layer, skin.covered, gain)
 
 
-def real(number: int, seed: int, flat: bool = False) -> Touched:
-    """Touches of a skin with the habits of real ones: rubber or foam, of two boards, some covered."""
+def real(number: int, seed: int) -> Touched:
+    """Touches of a skin with the habits of real ones: rubber or foam, two boards, covers."""
     making, pressing, clock, sending = np.random.default_rng([seed, number]).spawn(4)
     habits, covered = HABITS[REAL], number >= 6
     stated = FOAM if number % 2 else sf.Layer()
     layer, plane = habits.tolerances.layer(stated, making), habits.tolerances.plane(PATCH, making)
     if number % 4 < 2:
         board = CySkinBoard()
-        usual = replace(cyskin_electronics(), board=replace(board, gain=board.convention.usual_gain))
+        usual = replace(
+            cyskin_electronics(), board=replace(board, gain=board.convention.usual_gain)
+        )
     else:
         usual = icub_electronics()
     skin = habits.electronics(usual).manufacture(PATCH, making)
-    fingers = habits.fingers if flat else habits.fingers[:1]
-    kinds = [_felt(layer, covered, fingers, pressing) for _ in range(KINDS)]
+    kinds = [_felt(layer, covered, habits.fingers[0], pressing) for _ in range(KINDS)]
     period = RISE + HOLD + RISE + GAP
-    knots = REST + np.cumsum([0.0, RISE, HOLD, RISE])[None] + period * np.arange(REAL_PRESSES)[:, None]
+    knots = (
+        REST + np.cumsum([0.0, RISE, HOLD, RISE])[None] + period * np.arange(REAL_PRESSES)[:, None]
+    )
     when = np.arange(0.0, REST + period * REAL_PRESSES, 5e-3)
     load = np.interp(when, knots.ravel(), np.tile([0.0, 1.0, 1.0, 0.0], REAL_PRESSES))
     load = habits.elastomer.effective_force(when, load)
@@ -122,7 +130,9 @@ def real(number: int, seed: int, flat: bool = False) -> Touched:
     which = np.clip(((sampling.instants - REST) // period).astype(int), 0, REAL_PRESSES - 1)
     felt = np.empty((REAL_PRESSES, len(PATCH)))
     for row in range(REAL_PRESSES):
-        at = PATCH.plane[pressing.integers(len(PATCH))] + PATCH.pitch * pressing.uniform(-0.5, 0.5, 2)
+        at = PATCH.plane[pressing.integers(len(PATCH))] + PATCH.pitch * pressing.uniform(
+            -0.5, 0.5, 2
+        )
         turn = pressing.uniform(0.0, 2.0 * np.pi)
         turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         felt[row] = kinds[pressing.integers(KINDS)]((plane - at) @ turned)
@@ -134,12 +144,11 @@ def real(number: int, seed: int, flat: bool = False) -> Touched:
 
 
 def _felt(
-    layer: sf.Layer, covered: bool, kinds: tuple[Finger, ...], rng: np.random.Generator
+    layer: sf.Layer, covered: bool, kind: Finger, rng: np.random.Generator
 ) -> Callable[[Floats], Floats]:
-    """What a ball, or a finger of some kind and size, makes taxels read around it."""
+    """What a ball, or a fingertip of some size, makes taxels read around it."""
     size, force = np.exp(0.15 * rng.standard_normal()), np.exp(rng.uniform(*np.log(REAL_FORCES)))
     ball = Sphere(radius=np.exp(rng.uniform(*np.log(RADII))), force=1.0)
-    kind = kinds[rng.integers(len(kinds))]
     finger = replace(kind, width=kind.width * size, length=(kind.length or kind.width) * size)
     body: Sphere | Finger = ball if rng.random() < 0.5 else finger
     while True:
@@ -182,8 +191,9 @@ def main() -> None:
         skin_off.append((made.thickness - its.true.thickness) / made.thickness_std)
         skin_off.append((made.poisson_ratio - its.true.poisson_ratio) / made.poisson_std)
         print(
-            f"| {its.quantity.symbol}, {np.median(made.noise_std):.2g} | {its.true.thickness * 1e3:.2f}, "
-            f"{its.true.poisson_ratio:.3f}{', covered' * its.covered} | "
+            f"| {its.quantity.symbol}, {np.median(made.noise_std):.2g} | "
+            f"{its.true.thickness * 1e3:.2f}, {its.true.poisson_ratio:.3f}"
+            f"{', covered' * its.covered} | "
             f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f}, "
             f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}{', covered' * made.covered} | "
             f"{truth.std():.1%} | {off.std():.1%} | {np.sqrt((std**2).mean()):.1%} | "

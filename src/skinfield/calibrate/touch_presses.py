@@ -149,7 +149,12 @@ def _noise_of_differences(table: Floats) -> Floats:
 
 
 def _noise_within(
-    table: Floats, mean: Floats, count: Floats, noise: Floats, end: Floats, strong: NDArray[np.bool_]
+    table: Floats,
+    mean: Floats,
+    count: Floats,
+    noise: Floats,
+    end: Floats,
+    strong: NDArray[np.bool_],
 ) -> Floats:
     """Noise (L,) of one reading, by what readings of presses are off their mean, all (T, L)."""
     away = np.square(np.nan_to_num(table - mean)) * count / np.maximum(count - 1.0, 1.0)
@@ -181,9 +186,7 @@ def _starts(table: Floats, noise: Floats) -> NDArray[np.bool_]:
     return first
 
 
-def _means(
-    table: Floats, first: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], Floats, Floats]:
+def _means(table: Floats, first: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Floats, Floats]:
     """Number (T,) of the run that each reading is of; counts and means (R, L) of runs."""
     heard, starts = np.isfinite(table), np.flatnonzero(first)
     count = np.add.reduceat(heard.astype(float), starts)
