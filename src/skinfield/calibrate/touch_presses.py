@@ -20,6 +20,7 @@ TOGETHER = 0.05  # part of a reading, by which another may differ and both be on
 STANDS = 4.0  # deviations of chi-squared, to which readings are one press
 REST = 0.25  # of the noise of one reading: how well rest is known, and so a mean at best
 USUAL_SPREAD, MOST_SPREAD = 2.117, 3.0  # of differences: their half over their quarter, if normal
+MOST_LARGER = 4.0  # times the noise that differences show, and least
 PASSES = 2
 SMALL = 0.5  # of the noise: what a press may change by and tell it
 FEWEST = 16  # quiet readings that tell a rest
@@ -164,7 +165,8 @@ def _noise_within(
     if not numbers.any():
         return noise
     larger = float(np.sqrt(squares.sum() / (numbers * noise**2).sum()))
-    prior = PRIOR * np.square(larger * noise)
+    prior = PRIOR * np.square(np.clip(larger, 1.0 / MOST_LARGER, MOST_LARGER) * noise)
+    squares = np.maximum(squares, numbers * np.square(noise / MOST_LARGER))  # if sent twice
     return np.asarray(np.sqrt((squares + prior) / (numbers + PRIOR)))
 
 
