@@ -338,6 +338,18 @@ def touch(
         )  # fmt: skip
     counted = every[0][1].conditioner.calibration
     made = made if counted is None else made.with_counts(counted)
+    beside = 100.0 * (made.gain - 1.0)
+    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
+    report.say_notes(notes)
+    facts, result = _said_of_touches(made, recordings)
+    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+def _said_of_touches(
+    made: "TouchCalibration", recordings: tuple[str, ...]
+) -> tuple[dict[str, str], dict[str, Any]]:
+    """What a page and a program are told of a calibration by touches."""
     facts = {
         "recording": ", ".join(recordings), "presses": f"{made.presses}, {made.left_out} left out",
         "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
@@ -345,16 +357,11 @@ def touch(
         "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
         "forces": "relative" if made.relative else "newtons",
     }  # fmt: skip
-    result = {
+    return facts, {
         "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
         "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
         "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
     }  # fmt: skip
-    beside = 100.0 * (made.gain - 1.0)
-    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
-    report.say_notes(notes)
-    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
-    _finish(made, result, shown, output, report_folder, as_json)
 
 
 @calibrate.command
