@@ -28,7 +28,7 @@ ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
 FIRST = 2  # of these, by which the fit begins
 AGAIN = 2  # times with the nodes of the tables, weights and priors that were found
 BETWEEN_NODES = np.array([0.003, 0.0005])  # of ln thickness and ratio: what tables are off by
-WIDER = 1.7  # times the deviations of the likelihood: chosen on ten virtual skins
+WIDER = 2.3  # times the deviations of the likelihood: chosen on virtual skins
 # Where places are not exact: bodies are no balls, and boards creep and drift. By ten real skins.
 AS_MADE, GAINS_AS_MADE = np.array([0.15, 0.05]), 1.3  # of ln thickness and ratio; times the gains'
 DOUBT = 1.0 / 3.0  # part of the presses left out, from which on the rest tells little
