@@ -1,6 +1,7 @@
 """Calibration by unknown touches, which another program pressed: layer, cover, gains."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,19 +11,20 @@ from command_line import refused, run
 from scipy.interpolate import CubicSpline
 
 import skinfield as sf
-from skinfield.calibrate import save_calibration
+from skinfield.calibrate import by_touch, save_calibration, touch_sampling
+from skinfield.calibrate.touch_presses import presses
 from skinfield.errors import InputError
 from skinfield.files import save_recording
 from skinfield.simulate import Sphere, press
 from skinfield.skin.reading import Recording
 
-PATCH = sf.layouts.hexagon72()
+PATCH = replace(sf.layouts.hexagon72().subset(range(36)), n_channels=36)  # three modules
 NOISE = 5e-4
 
 
 @cache
 def touches(
-    count: int = 90, seed: int = 0, thickness: float = 2.3e-3, ratio: float = 0.47
+    count: int = 80, seed: int = 0, thickness: float = 2.3e-3, ratio: float = 0.47
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Readings (T, L) of balls anywhere by the axisymmetric press, gains, and forces (T,), N."""
     rng, layer = np.random.default_rng(seed), sf.Layer(thickness, 150e3, ratio)
@@ -47,14 +49,14 @@ def touches(
 def found() -> sf.calibrate.TouchCalibration:
     """With ten known forces, as of a skin half as stiff."""
     readings, _, forces = touches()
-    some, known = np.argsort(readings.max(axis=1))[-40:-30], np.full(len(readings), np.nan)
+    some, known = np.argsort(readings.max(axis=1))[-20:-10], np.full(len(readings), np.nan)
     known[some] = 0.5 * forces[some]
     return sf.calibrate.touch(PATCH, readings, noise_std=NOISE, known_force=known)
 
 
 def test_layer_and_gains_are_found_by_touches_alone() -> None:
     made, gain = found(), touches()[1]
-    assert made.layer.thickness == pytest.approx(2.3e-3, rel=0.03)
+    assert made.layer.thickness == pytest.approx(2.3e-3, rel=0.06)
     assert made.layer.poisson_ratio == pytest.approx(0.47, abs=0.004)
     assert not made.covered
     off = np.std(np.log(made.gain / gain))
@@ -68,29 +70,66 @@ def test_layer_and_gains_are_found_by_touches_alone() -> None:
 def test_a_reconstructor_knows_the_skin_by_it() -> None:
     made, (readings, _, forces) = found(), touches()
     strong = np.flatnonzero((readings.max(axis=1) > 0.05) & (readings.max(axis=1) < 0.5))[:15]
-    errors = []
-    fit = sf.ContactFit(check_mechanics=False)
-    told = sf.Reconstructor(PATCH, calibration=made, solver=fit)
-    for rec in (told, sf.Reconstructor(PATCH, solver=fit)):
-        answers = []
-        for row in strong:
-            rec.reset()
-            answers.append(float(rec(readings[row]).normal_force))
-        stiffer = 150e3 / rec.layer.young_modulus
-        errors.append(np.median(np.abs(stiffer * np.array(answers) / forces[strong] - 1.0)))
-    assert rec.layer != made.layer
-    assert errors[0] < 0.5 * errors[1]
-    assert errors[0] < 0.08
+    told = sf.Reconstructor(PATCH, calibration=made, solver=sf.ContactFit(check_mechanics=False))
+    answers = []
+    for row in strong:
+        told.reset()
+        answers.append(float(told(readings[row]).normal_force))
+    error = np.median(np.abs(2.0 * np.array(answers) / forces[strong] - 1.0))
+    assert told.layer == made.layer
+    assert 0.002 < error < 0.1
 
 
 def test_too_few_touches_are_refused() -> None:
     with pytest.raises(InputError, match=r"hold 0 touches .* expected 20 or more"):
-        sf.calibrate.touch(PATCH, np.zeros((100, 72)), noise_std=NOISE)
+        sf.calibrate.touch(PATCH, np.zeros((100, 36)), noise_std=NOISE)
 
 
-def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: Path) -> None:
+def test_what_cannot_be_calibrated_by_is_refused_with_the_reason() -> None:
     readings = touches()[0]
-    idle = NOISE * np.random.default_rng(3).standard_normal((100, 72))
+    with pytest.raises(InputError, match=r"fall under touch.*--gain"):
+        sf.calibrate.touch(PATCH, -readings, noise_std=NOISE)
+    with pytest.raises(InputError, match=r"quantity is 'capacitance', expected a Quantity"):
+        sf.calibrate.touch(PATCH, readings, quantity="capacitance")  # type: ignore[arg-type]
+    endless = readings.copy()
+    endless[3, 5] = np.inf
+    with pytest.raises(InputError, match=r"readings\[\(3, 5\)\] is inf"):
+        sf.calibrate.touch(PATCH, endless)
+    near = readings[:, :3]  # so small a patch is pressed all the time
+    with pytest.raises(InputError, match=r"noise_std= \(--noise\)|noise_std=, --noise"):
+        sf.calibrate.touch(PATCH.subset(range(3)), near[near.max(axis=1) > 0.05])
+    assert "doubtful" in replace(found(), left_out=found().presses).verdict
+    assert "doubtful" not in found().verdict
+
+
+def test_readings_of_one_press_become_one_and_show_its_noise() -> None:
+    rng, each = np.random.default_rng(1), touches()[0]
+    strong = each[each.max(axis=1) > 0.03]
+    noise = 1e-3 * np.exp(rng.uniform(-1.0, 1.0, 36))
+    between = np.insert(strong, range(len(strong)), 0.0, axis=0)  # rest, press, rest, press
+    still = np.repeat(between, 20, axis=0)
+    told = still + noise * rng.standard_normal(still.shape)
+    made = presses(told, None)
+    assert len(made.readings) == len(strong) > 15
+    assert np.std(np.log(made.noise_std / noise)) < 0.15
+    assert np.median(made.noise_std / noise) == pytest.approx(1.0, abs=0.1)
+    off = (made.readings - strong) / made.noise
+    assert 0.4 < np.sqrt(np.mean(off**2)) < 1.1
+    clipped = presses(np.maximum(told, 0.0), None)
+    assert 0.3 < clipped.clipped.mean() < 0.9
+    assert np.abs((clipped.readings - strong) / noise)[~clipped.clipped].mean() < 0.5
+
+
+def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in (("BURN", 20), ("ROUNDS", 4), ("SAMPLES", 3)):  # near enough, and quick
+        monkeypatch.setattr(touch_sampling, name, value)
+    monkeypatch.setattr(by_touch, "ERRORS", by_touch.ERRORS[:3])
+    layout = tmp_path / "three.toml"
+    sf.save_layout(PATCH, layout)
+    readings = touches()[0]
+    idle = NOISE * np.random.default_rng(3).standard_normal((100, 36))
     held = np.repeat(readings[:40], 4, axis=0)  # readings of each press
     counts = np.rint(20_000.0 + 20_000.0 * np.vstack([idle, held]))
     skin, cal = tmp_path / "presses.csv", tmp_path / "cal.toml"
@@ -100,17 +139,17 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: P
         tmp_path / "b.csv",
     )
     save_recording(Recording(np.arange(len(others)) * 20_000_000, others), other)
-    words = (skin, other, "--skin", "hexagon72", "--gain", 20_000)
+    words = (skin, other, "--skin", layout, "--gain", 20_000)
     said = run("calibrate", "touch", *words, "-o", cal, "--report", tmp_path / "page", "--json")
     result = json.loads(next(line for line in said.splitlines() if line.startswith("{")))
-    assert result["thickness_mm"] == pytest.approx(2.3, rel=0.05)
+    assert result["thickness_mm"] == pytest.approx(2.3, rel=0.12)
     assert result["relative"]
     assert "forces are relative" in result["verdict"]
     assert (tmp_path / "page" / "gain-of-each-taxel.png").stat().st_size > 10_000
     made = sf.load_calibration(cal, PATCH)
     np.testing.assert_allclose(made.readings(counts[100:]), held / made.gain, atol=5e-3)
     table = tmp_path / "contacts.csv"
-    said = run("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal, "-o", table)
+    said = run("reconstruct", skin, "--skin", layout, "--calibration", cal, "-o", table)
     assert f"thickness {made.thickness * 1e3:.3f}" in said
     assert len(table.read_text().splitlines()) > 60
     forces = np.r_[np.zeros(100), np.repeat(touches()[2][:40], 4)]
@@ -128,5 +167,5 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(tmp_path: P
         sf.calibrate.force(PATCH, counts, forces),
         cal,
     )
-    words = ("reconstruct", skin, "--skin", "hexagon72", "--calibration", cal)
+    words = ("reconstruct", skin, "--skin", layout, "--calibration", cal)
     assert "which holds a ForceCalibration" in refused(*words)

@@ -5,6 +5,7 @@ nodes in each are enough. A table is made when it is first needed, and kept on d
 """
 
 import hashlib
+from collections import OrderedDict
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from skinfield.solve.atoms.table import BALL, Tables, tabulate
 
 LOG_STEP = 0.25  # of ln thickness, from node to node
 RATIOS = (0.1, 0.2, 0.3, 0.37, 0.42, 0.46, 0.485, 0.5)
+LATEST = 8  # tables that are kept: slopes need those on four sides
 BOUNDS = (0.2, 3.0)  # thicknesses: radii of contact
 
 
@@ -39,6 +41,7 @@ class PressTables:
     ) -> None:
         self._physics = Physics(layer, BondedLayer(cover), quantity, pad_diameter)
         self._known: dict[tuple[int, int], Tables] = {}
+        self._at: OrderedDict[tuple[float, float, tuple[int, int]], Tables] = OrderedDict()
         self._middle = 0, 0
 
     def centre_on(self, log_thickness: float, ratio: float) -> bool:
@@ -53,6 +56,14 @@ class PressTables:
 
     def at(self, log_thickness: float, ratio: float) -> Tables:
         """Table for ln(thickness/m) and Poisson's ratio, quadratic between the nodes taken."""
+        key = float(log_thickness), float(ratio), self._middle
+        if key not in self._at:
+            self._at[key] = self._between(*key[:2])
+            if len(self._at) > LATEST:
+                self._at.popitem(last=False)
+        return self._at[key]
+
+    def _between(self, log_thickness: float, ratio: float) -> Tables:
         middle, nearest = self._middle
         steps = np.arange(middle - 1, middle + 2)
         ratios = range(nearest - 1, nearest + 2)

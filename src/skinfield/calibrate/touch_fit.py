@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from scipy.special import log_ndtr
 
 from skinfield.calibrate.press_kernel import read_each
 from skinfield.calibrate.press_tables import BOUNDS, RATIOS, PressTables
@@ -20,7 +21,7 @@ from skinfield.errors import Floats
 from skinfield.solve.atoms.atom_readings import PARAMETERS
 
 OWN, SHARED = 4, 2
-GAIN_STD = 0.15  # of ln gain, before any press
+GAIN_STD = 0.15  # of ln gain, before any press, and at most: more is a model that is wrong
 USUAL_GAIN_STD, USUAL = 0.1, 8.0  # what is usual, worth so many taxels
 PLACE_STD = 0.5  # pitches between a press and the taxel that feels it most
 THICKNESS_STD = 0.5  # of ln thickness
@@ -48,16 +49,22 @@ class Data:
     ----------
     readings : (T, L) array
     heard : (T, L) bool array
-    noise : (L,) array
+    noise : (T, L) array
+    clipped : (T, L) bool array
+        Where a board does not tell less: what is read is the most that it may be (Tobin 1958).
     taxels : (L, 2) array, m
     quantity : Quantity
+    place_std : float, m
+        Along each axis: how well places of taxels are known.
     """
 
     readings: Floats
     heard: NDArray[np.bool_]
     noise: Floats
+    clipped: NDArray[np.bool_]
     taxels: Floats
     quantity: Quantity
+    place_std: float = 0.0
 
     @cached_property
     def pitch(self) -> float:
@@ -75,7 +82,44 @@ class Data:
 
     def only(self, kept: NDArray[np.bool_]) -> "Data":
         """Data of some presses."""
-        return replace(self, readings=self.readings[kept], heard=self.heard[kept])
+        names = "readings", "heard", "noise", "clipped"
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
+
+    def squared(self, rest: Floats, weight: Floats) -> Floats:
+        """Weighted squares of residuals (T, ..., L); -2 ln of how likely less is, where clipped."""
+        squares = _wide(weight, rest) * rest**2
+        if len(self._ends[0]):
+            at = self._ends[0], ..., self._ends[1]
+            squares[at] = -2.0 * log_ndtr(_by_column(rest[at], np.sqrt(weight[self._ends])))
+        return np.asarray(squares)
+
+    def slopes(self, rest: Floats, weight: Floats) -> tuple[Floats, Floats]:
+        """Slopes of the log likelihood by predictions (T, ..., L), and what is known of these."""
+        known = np.broadcast_to(_wide(weight, rest), rest.shape).copy()
+        slope = known * rest
+        if len(self._ends[0]):
+            at, root = (self._ends[0], ..., self._ends[1]), np.sqrt(weight[self._ends])
+            z = _by_column(rest[at], root)
+            mills = np.exp(-0.5 * z**2 - log_ndtr(z)) / np.sqrt(2.0 * np.pi)
+            slope[at] = _by_column(-mills, root)
+            known[at] = _by_column(mills * (mills + z), root**2)
+        return slope, known
+
+    @cached_property
+    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Presses and taxels of what is clipped."""
+        rows, columns = np.nonzero(self.clipped & self.heard)
+        return rows, columns
+
+
+def _wide(weight: Floats, rest: Floats) -> Floats:
+    """Weights (T, L) along (T, ..., L)."""
+    return weight.reshape(len(weight), *(1,) * (rest.ndim - 2), -1)
+
+
+def _by_column(values: Floats, factor: Floats) -> Floats:
+    """Values (N, ...) times factors (N,)."""
+    return np.asarray(values * factor.reshape(-1, *(1,) * (values.ndim - 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +238,8 @@ class Priors:
         square /= float(known.sum()) + USUAL
         precision = self.precision.copy()
         precision[2:, 2:] = np.linalg.inv(spread)
-        return Priors(self.skin, float(np.sqrt(self.gain_std * square**0.5)), centre, precision)
+        gain_std = min(float(np.sqrt(self.gain_std * square**0.5)), GAIN_STD)
+        return Priors(self.skin, gain_std, centre, precision)
 
 
 def start(data: Data, tables: PressTables, state: State, error: float) -> Floats:
@@ -244,8 +289,8 @@ def _matched(
         size = np.maximum((weight * found**2).sum(axis=1), 1e-300)
         factor = np.maximum((weight * found * wanted).sum(axis=1) / size, 1e-3)
         touches[:, 2] += np.log(factor)
-    left = gain * readings(tables, touches, state.skin, data.taxels) - data.readings
-    return touches, (weight * left**2).sum(axis=1)
+    left = data.readings - gain * readings(tables, touches, state.skin, data.taxels)
+    return touches, data.squared(left, weight).sum(axis=1)
 
 
 def alone(
@@ -261,13 +306,15 @@ def alone(
     def cost_of(touches: Floats) -> tuple[Floats, Floats, Floats]:
         predicted, slopes = read(tables, touches, skin, data.taxels)
         rest = data.readings - predicted * gain
-        square = (weight * rest**2).sum(axis=1) + squares(touches - expected, priors.precision)
+        square = data.squared(rest, weight).sum(axis=1)
+        square += squares(touches - expected, priors.precision)
         return 0.5 * square, rest, slopes * gain
 
     costs, rest, slopes = cost_of(touches)
     for _ in range(steps):
-        hessian = blocks(slopes, weight) + priors.precision
-        downhill = np.einsum("til,tl->ti", slopes, weight * rest)
+        felt, known = data.slopes(rest, weight)
+        hessian = blocks(slopes, known) + priors.precision
+        downhill = np.einsum("til,tl->ti", slopes, felt)
         downhill += (expected - touches) @ priors.precision
         np.einsum("tii->ti", hessian)[:] *= 1.0 + damping[:, None]
         step = np.linalg.solve(hessian, downhill[..., None])[..., 0]
@@ -365,8 +412,10 @@ class JointFit:
     def aim(self, state: State) -> None:
         """Weigh readings by what is predicted of them."""
         data = self.data
-        predicted = readings(self.tables, state.touches, state.skin, data.taxels)
+        predicted, slopes = read(self.tables, state.touches, state.skin, data.taxels)
         spread = variance(predicted * np.exp(state.log_gain), data.noise, self.error)
+        steep = np.square(slopes[:, :2]).sum(axis=1) * np.exp(2.0 * state.log_gain)
+        spread += data.place_std**2 * steep
         self.weight = np.where(data.heard, 1.0 / spread, 0.0)
         self.constant = 0.5 * float(np.where(data.heard, np.log(spread), 0.0).sum())
 
@@ -374,7 +423,7 @@ class JointFit:
         """Residuals (T, L) over their standard deviation, squared; 0 where not heard."""
         plain = readings(self.tables, state.touches, state.skin, self.data.taxels)
         rest = self.data.readings - plain * np.exp(state.log_gain)
-        return np.asarray(self.weight * rest**2)
+        return self.data.squared(rest, self.weight)
 
     def cost(self, state: State) -> float:
         """Half the weighted squares of residuals and of what priors say."""
@@ -386,14 +435,15 @@ class JointFit:
 
     def normal(self, state: State, damping: float = 0.0) -> Normal:
         """Normal equations at a state."""
-        weight, gain = self.weight, np.exp(state.log_gain)
+        gain = np.exp(state.log_gain)
         plain, slopes = read(self.tables, state.touches, state.skin, self.data.taxels)
         predicted, slopes = plain * gain, slopes * gain
         rest = np.where(self.data.heard, self.data.readings - predicted, 0.0)
+        felt, weight = self.data.slopes(rest, self.weight)
         shared = self._skin_slopes(state) * gain  # (2, T, L)
         gain_prior = self.priors.gain_std**-2.0
         hessian = blocks(slopes, weight) + self.priors.precision
-        pull = np.einsum("til,tl->ti", slopes, weight * rest) + self.pull(state.touches)
+        pull = np.einsum("til,tl->ti", slopes, felt) + self.pull(state.touches)
         np.einsum("tii->ti", hessian)[:] *= 1.0 + damping
         own = np.asarray(np.linalg.inv(hessian), np.float64)
         size, count = SHARED + len(gain), len(plain)
@@ -414,9 +464,9 @@ class JointFit:
         schur = block - flat @ cross.transpose(1, 0, 2).reshape(size, -1).T
         schur = (schur + schur.T) / 2.0
         downhill = np.empty(size)
-        downhill[:2] = np.einsum("itl,tl->i", shared, weight * rest)
+        downhill[:2] = np.einsum("itl,tl->i", shared, felt)
         downhill[:2] -= (state.skin - self.priors.skin) / np.square([THICKNESS_STD, RATIO_STD])
-        downhill[2:] = (weight * rest * predicted).sum(axis=0) - state.log_gain * gain_prior
+        downhill[2:] = (felt * predicted).sum(axis=0) - state.log_gain * gain_prior
         downhill -= np.einsum("tij,tj->i", coupling, pull)
         gains = np.linalg.slogdet(schur[SHARED:, SHARED:])[1]
         volume = 0.5 * float(gains - np.linalg.slogdet(own)[1].sum())

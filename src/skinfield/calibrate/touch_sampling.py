@@ -156,10 +156,9 @@ class Chains:
 
     def _logs(self, places: Floats) -> Floats:
         rest = self._read(places, self.skin)
-        rest *= np.exp(self.log_gain)
-        rest -= self.fit.data.readings[:, None]
-        rest *= rest
-        squares = (rest @ self.fit.weight[:, :, None])[..., 0]
+        rest *= -np.exp(self.log_gain)
+        rest += self.fit.data.readings[:, None]
+        squares = self.fit.data.squared(rest, self.fit.weight).sum(axis=-1)
         return np.asarray(-0.5 * (squares + self.fit.squares(places)))
 
     def step(self) -> None:
@@ -195,7 +194,6 @@ class Chains:
         size, count = SHARED + len(gain), len(self.places)
         total = [np.zeros(shape) for shape in ((count, size), (size, size), (size, size))]
         cross, own = np.zeros((count, size, OWN)), np.zeros((count, OWN, OWN))
-        weight = fit.weight[:, None]
         for _ in range(SAMPLES):
             for _ in range(BETWEEN):
                 self.step()
@@ -204,7 +202,7 @@ class Chains:
             plain = plain.reshape(count, CHAINS, -1) * gain
             slopes = slopes.reshape(count, CHAINS, OWN, -1) * gain
             shared = self._skin_slopes(gain)
-            rest = (fit.data.readings[:, None] - plain) * weight
+            rest, weight = fit.data.slopes(fit.data.readings[:, None] - plain, fit.weight)
             sums = [(each * rest).sum(axis=2) for each in shared]
             score = np.concatenate([np.stack(sums, axis=2), plain * rest], axis=2)
             pull = (slopes @ rest[..., None])[..., 0] + fit.pull(self.places)
@@ -240,7 +238,7 @@ class Chains:
 
     def move(self, step: Floats, coupling: Floats) -> None:
         """Move skin and gains, and chains along with them; couple as told from now on."""
-        step[1] = min(step[1], RATIOS[-1] - self.skin[1])
+        step[1] = np.clip(step[1], RATIOS[0] - self.skin[1], RATIOS[-1] - self.skin[1])
         log_gain = self.log_gain + step[SHARED:]
         self.skin, self.log_gain = self.skin + step[:SHARED], log_gain - log_gain.mean()
         self.places -= np.einsum("tij,i->tj", self.coupling, step)[:, None]

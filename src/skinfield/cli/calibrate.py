@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.skin import Patch
 
+PLACE_STD = 0.3e-3  # m, of taxels as they are made
+
 calibrate = new_app(
     "calibrate",
     """Calibrate a skin against loads that are known, and try the calibration on another recording.
@@ -324,16 +326,30 @@ def touch(
     found = [readings_for(open_recording(each), plan.patch) for each in recordings]
     every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
     readings = np.concatenate([values for values, _ in every])
-    noise = np.sqrt(np.mean([np.square(survey.noise_std) for _, survey in every], axis=0))
     notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
     forces = None
     if known is not None:
         forces = np.full(len(readings), np.nan)
         forces[: len(found[0])][_part_of(found[0].stamp_ns, at)] = known
     with report.progress("fitting presses and skin"):
-        made = fit(plan.patch, readings, noise_std=noise, layer=layer, known_force=forces)
+        made = fit(
+            plan.patch, readings, noise_std=how.noise_std, layer=layer, known_force=forces,
+            place_std=PLACE_STD,
+        )  # fmt: skip
     counted = every[0][1].conditioner.calibration
     made = made if counted is None else made.with_counts(counted)
+    beside = 100.0 * (made.gain - 1.0)
+    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
+    report.say_notes(notes)
+    facts, result = _said_of_touches(made, recordings)
+    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+def _said_of_touches(
+    made: "TouchCalibration", recordings: tuple[str, ...]
+) -> tuple[dict[str, str], dict[str, Any]]:
+    """What a page and a program are told of a calibration by touches."""
     facts = {
         "recording": ", ".join(recordings), "presses": f"{made.presses}, {made.left_out} left out",
         "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
@@ -341,16 +357,11 @@ def touch(
         "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
         "forces": "relative" if made.relative else "newtons",
     }  # fmt: skip
-    result = {
+    return facts, {
         "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
         "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
         "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
     }  # fmt: skip
-    beside = 100.0 * (made.gain - 1.0)
-    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
-    report.say_notes(notes)
-    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
-    _finish(made, result, shown, output, report_folder, as_json)
 
 
 @calibrate.command
