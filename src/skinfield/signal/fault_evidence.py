@@ -6,6 +6,7 @@ as often as the other taxels of the recording tell.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -444,8 +445,8 @@ def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], l
     dead: list[Finding] = []
     stuck: list[Finding] = []
     warm: list[Finding] = []
-    touches, rows = seen.touches, np.arange(len(seen.value))
-    least = touches.relative(rows, rows)
+    touches = seen.touches
+    least = touches.relative
     far, slow = seen.far(seen.value), _drifts(seen)
     for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent).tolist():
         if not touches.moved(taxel):
@@ -453,7 +454,7 @@ def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], l
         why = (
             f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
         )
-        p = probability(touches.chance(taxel, taxel))
+        p = probability(touches.chance(taxel))
         if slow[taxel]:
             warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
         elif far[taxel]:
@@ -472,30 +473,51 @@ def _drifts(seen: Evidence) -> Bools:
 
 
 def swapped_taxels(seen: Evidence) -> list[Finding]:
-    """Pairs of taxels that do not answer to touches at their own place, but at each other's."""
+    """Pairs of taxels, and of boards, that answer to touches at each other's places.
+
+    How two healthy taxels differ beside their neighbours is told from all pairs of them.
+    """
     from scipy.stats import t
 
     touches = seen.touches
-    told = np.flatnonzero(seen.varies & (touches.strongest > 0.0))
-    told = told[[touches.moved(taxel) for taxel in told.tolist()]]
-    if len(told) < FEWEST_TAXELS:
-        return []
+    told = np.flatnonzero(touches.felt)
     fits = np.arctanh(np.clip(touches.crossed(told), -0.999, 0.999))
     known = fits[np.isfinite(fits)]
-    if not len(known):
+    if len(told) < FEWEST_TAXELS or not len(known):
         return []
     middle = float(np.median(known))
     spread = max(1.4826 * float(np.median(np.abs(known - middle))), LEAST_SPREAD)
-    found = []
-    for one, other in np.argwhere(np.triu(fits < -LEAST_CROSSED * middle)):
-        if fits[one, other] > min(np.nanmin(fits[one]), np.nanmin(fits[other])):
-            continue  # one of them fits another still better
-        chance = float(t.cdf((fits[one, other] - middle) / spread, FREEDOM))
-        found += _swap(int(told[one]), int(told[other]), chance)
+    pairs = [
+        ("taxel", pair, (pair[:1], pair[1:]))
+        for pair in told[np.argwhere(np.triu(fits < -LEAST_CROSSED * middle))]
+    ]
+    found, height = [], touches.height.copy()
+
+    def fit(one, other):
+        return np.arctanh(np.clip(touches.crossing(height, one, other), -0.999, 0.999))
+
+    pairs = sorted([*_doubtful_boards(seen), *pairs], key=lambda each: fit(*each[2]))
+    for what, pair, (one, other) in pairs:
+        fit_now = fit(one, other)
+        p = probability(float(t.cdf((fit_now - middle) / spread, FREEDOM)))
+        if fit_now < -LEAST_CROSSED * middle and p >= CERTAIN:
+            height[:, [*one, *other]] = height[:, [*other, *one]]
+            why = "answers to touches on {} {}, and not on its own place: the two are swapped"
+            found += [Finding(one, p, why.format(what, pair[1])), Finding(other, p, why.format(what, pair[0]))]
     return found
 
 
-def _swap(one: int, other: int, chance: float) -> list[Finding]:
-    why = "answers to touches on taxel {}, and not on its own place: the two are swapped"
-    p = probability(chance)
-    return [Finding(np.array([a]), p, why.format(b)) for a, b in ((one, other), (other, one))]
+def _doubtful_boards(seen: Evidence) -> list[tuple[str, Ints, tuple[Ints, Ints]]]:
+    """Pairs of boards of one size, neither of which reads as what lies around it."""
+    assert seen.patch is not None
+    module = seen.patch.module
+    boards = {board: np.flatnonzero(module == board) for board in np.unique(module).tolist()}
+    fits = {board: seen.touches.fit(rows) for board, rows in boards.items()}
+    usual = np.nanmedian(list(fits.values()))
+    if len(boards) < 3 or not usual > 0.0: return []
+    doubtful = [board for board, fit in fits.items() if fit < LEAST_CROSSED * usual]
+    return [
+        ("board", np.array([one, other]), (boards[one], boards[other]))
+        for one, other in combinations(doubtful, 2)
+        if len(boards[one]) == len(boards[other]) >= LEAST_BOARD
+    ]

@@ -8,6 +8,7 @@ holds on may have a gap between its fingers.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
 from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
@@ -29,8 +33,7 @@ PASSING, MOVED = (
     0.7,
 )  # part of it, down to which cosines of neighbours' loads fall as it moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
-ALIKE = 0.6  # cosine of the loads around two taxels, from which on they are touched together
-LEAST_EACH = 2  # neighbours that each of two has for itself
+ALIKE = 0.9  # cosine of the loads around two taxels, from which on they are touched together
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
 STANDS_OUT = 6.0  # deviations, of two readings in a row that are no noise
@@ -56,6 +59,8 @@ class TouchResponse:
         Neighbours, the taxel itself where there are fewer.
     hold : float
         Readings for which one value is repeated.
+    silent : (L,) bool array
+        Taxels that tell nothing of a load.
     """
 
     height: Floats
@@ -65,6 +70,7 @@ class TouchResponse:
     usual: float
     near: Ints
     hold: float
+    silent: Bools
 
     @cached_property
     def strongest(self) -> Floats:
@@ -80,54 +86,47 @@ class TouchResponse:
 
     @cached_property
     def response(self) -> Floats:
-        """Of taxel i to the load on taxel k, (L, L) by k and i: parts of the load; NaN if none."""
-        from scipy.sparse import csr_array
-
+        """Of each taxel to the load on it, (L,): parts of the load; NaN if none."""
         total = np.sum(self.load, axis=0, where=self.strong)
-        told = np.asarray(csr_array(self.strong.T.astype(np.float64)) @ self.height)
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(told / total[:, None])
+            return np.asarray(np.sum(self.height, axis=0, where=self.strong) / total)
 
     @cached_property
-    def error(self) -> Floats:
-        """Standard error of the responses to the load on a taxel, (L,) for a noise of 1."""
-        number = np.maximum(self.strong.sum(axis=0) / self.hold, 1.0)
+    def relative(self) -> Floats:
+        """Largest credible response (L,) of each taxel, 1: that of the median; NaN if none."""
+        number = np.maximum(self.strong.sum(axis=0), 1)
+        load = np.sum(self.load, axis=0, where=self.strong) / number
         with np.errstate(invalid="ignore", divide="ignore"):
-            mean = np.sum(self.load, axis=0, where=self.strong) / self.strong.sum(axis=0)
-            return np.asarray(1.0 / (np.sqrt(number) * mean))
+            error = self.noise / (np.sqrt(np.maximum(number / self.hold, 1.0)) * load)
+            most = np.maximum(self.response, 0.0) + ERRORS * error
+        return np.asarray(most / np.exp(self.usual_response[0]))
 
     @cached_property
     def usual_response(self) -> tuple[float, float]:
         """Logarithm of the median response, and its robust deviation; NaN where few tell."""
-        own = np.diag(self.response)[self.strongest > 0.0]
+        own = self.response[self.strongest > 0.0]
         told = np.log(own[own > 0.0])
         if len(told) < FEWEST:
             return float("nan"), float("nan")
         middle = float(np.median(told))
         return middle, 1.4826 * float(np.median(np.abs(told - middle)))
 
-    def chance(self, load_on: int, taxel: int) -> float:
-        """How often a healthy taxel responds as little as `taxel` to the passes over `load_on`."""
+    def chance(self, taxel: int) -> float:
+        """How often a healthy taxel responds as little as this one to the passes over it."""
         from scipy.stats import t
 
         middle, spread = self.usual_response
-        if not (np.isfinite(middle) and self.strongest[load_on]):
+        if not (np.isfinite(middle) and self.strongest[taxel]):
             return 1.0
-        load, chance = self.load[:, load_on], 1.0
-        rows = np.flatnonzero(self.strong[:, load_on])
-        away = np.cumsum(load < PASSING * self.strongest[load_on])[rows]
+        load, chance = self.load[:, taxel], 1.0
+        rows = np.flatnonzero(self.strong[:, taxel])
+        away = np.cumsum(load < PASSING * self.strongest[taxel])[rows]
         for each in np.split(rows, np.flatnonzero(np.diff(away)) + 1):
             error = self.noise[taxel] / np.sqrt(max(len(each) / self.hold, 1.0))
             most = max(float(self.height[each, taxel].mean()), 0.0) + ERRORS * error
             apart = (np.log(most / load[each].mean()) - middle) / max(spread, 0.1)
             chance *= float(t.cdf(apart, FREEDOM))
         return chance
-
-    def relative(self, load_on: Ints, taxel: Ints) -> Floats:
-        """Largest credible response of `taxel` to the load on `load_on`, 1: that of the median."""
-        told = self.response[load_on, taxel]
-        most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
-        return np.asarray(most / np.exp(self.usual_response[0]))
 
     @cached_property
     def answers(self) -> Bools:
@@ -145,39 +144,61 @@ class TouchResponse:
             row = row[:-1] & held[len(held) - len(row) + 1 :]
         return np.asarray(often | row.any(axis=0))
 
+    @cached_property
+    def felt(self) -> Bools:
+        """Taxels (L,) that some touch is read by, whether at their place or not."""
+        return np.asarray((self.height > PRESSED * self.usual).any(axis=0))
+
+    @cached_property
+    def _around_all(self) -> "csr_array[np.float64]":
+        """Ones (L, L) at the neighbours of each taxel that tell."""
+        from scipy.sparse import csr_array
+
+        rows = np.broadcast_to(np.arange(len(self.near))[:, None], self.near.shape)
+        real = (self.near != rows) & ~self.silent[self.near]
+        ones = np.ones(int(real.sum()))
+        return csr_array((ones, (rows[real], self.near[real])), shape=2 * (len(self.near),))
+
     def crossed(self, taxels: Ints) -> Floats:
         """How much each two of N taxels read as if each were the other, (N, N): 1 not, -1 fully.
 
-        The correlation of the difference of the two with that of their neighbours' means; of two
-        that are neighbours, only of those that each has for itself. NaN where both are touched
-        alike, so that nothing tells.
+        The correlation of the difference of the two with that of their neighbours' means.
         """
-        own = self.height[:, taxels]
-        around = np.stack([self.height[:, self._around(a)].mean(axis=1) for a in taxels], axis=1)
-        both, fit = own.T @ around, np.diag(own.T @ around)
-        power, load = own.T @ own, around.T @ around
-        number = fit[:, None] + fit - both - both.T
-        size = _difference(power) * _difference(load)
-        alike = load / np.sqrt(np.maximum(np.outer(np.diag(load), np.diag(load)), 1e-300))
+        own, around = self.height[:, taxels], self._mean_around(taxels, taxels[:0])
+        told = own.T @ around
+        fit = np.diag(told)[:, None] + np.diag(told) - told - told.T
+        size = _difference(own.T @ own) * _difference(around.T @ around)
         with np.errstate(invalid="ignore", divide="ignore"):
-            found = np.where((size > 0.0) & (alike < ALIKE), number / np.sqrt(size), np.nan)
-        for one, other in np.argwhere((taxels[:, None, None] == self.near[taxels]).any(axis=2)):
-            found[one, other] = self._crossed_neighbours(taxels[one], taxels[other])
-        np.fill_diagonal(found, np.nan)
-        return np.asarray(found)
+            return np.where(size > 0.0, fit / np.sqrt(size), np.nan)
 
-    def _crossed_neighbours(self, one: int, other: int) -> float:
-        mine, yours = (
-            np.setdiff1d(self.near[a], [*self.near[b], a, b])
-            for a, b in ((one, other), (other, one))
-        )
-        if min(len(mine), len(yours)) < LEAST_EACH:
-            return float("nan")
-        first, second = (self.height[:, each].mean(axis=1) for each in (mine, yours))
-        own = self.height[:, one] - self.height[:, other]
-        size = float(np.sqrt((own @ own) * ((first - second) @ (first - second))))
-        alike = first @ second >= ALIKE * np.sqrt((first @ first) * (second @ second))
-        return float("nan") if alike or size <= 0.0 else float(own @ (first - second)) / size
+    def crossing(self, height: Floats, ones: Ints, others: Ints) -> float:
+        """The same of two groups of N taxels in heights (T, L), by what lies around both groups.
+
+        1 where both are touched alike, or touches of one of them only tell.
+        """
+        both = np.concatenate([ones, others])
+        one, other = np.split(self._mean_around(both, both, height), 2, axis=1)
+        load, own = one - other, height[:, ones] - height[:, others]
+        told = own * load
+        alike = np.sum(one * other) >= ALIKE * np.sqrt(np.sum(one**2) * np.sum(other**2))
+        if alike or max(told[load > 0.0].sum(), told[load < 0.0].sum()) >= 0.0:
+            return 1.0
+        return float(told.sum() / np.sqrt(np.sum(own**2) * np.sum(load**2)))
+
+    def fit(self, rows: Ints) -> float:
+        """Correlation of what some taxels read with what lies around all of them; NaN if nothing."""
+        around = self._mean_around(rows, rows)
+        own = self.height[:, rows] * (around != 0.0).any(axis=0)
+        size = float(np.sum(own**2) * np.sum(around**2))
+        return float(np.sum(own * around)) / size**0.5 if size > 0.0 else float("nan")
+
+    def _mean_around(self, taxels: Ints, without: Ints, height: Floats | None = None) -> Floats:
+        """Mean (T, N) of what neighbours of N taxels read, others left out; 0 where there is none."""
+        tells = np.ones(len(self.near))
+        tells[without] = 0.0
+        links = self._around_all[taxels]
+        number = np.maximum(links @ tells, 1.0)
+        return np.asarray(links @ ((self.height if height is None else height) * tells).T).T / number
 
     def _around(self, taxel: int) -> Ints:
         return np.asarray(self.near[taxel][self.near[taxel] != taxel])
@@ -234,6 +255,7 @@ def touch_response(
         usual / np.sqrt(group),
         near,
         max(hold / group, 1.0),
+        silent,
     )
 
 
