@@ -6,7 +6,6 @@ as often as the other taxels of the recording tell.
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ from skinfield.signal.stationary import (
     readings_per_value,
     whole_numbers,
 )
-from skinfield.signal.touch_response import FREEDOM, TouchResponse, touch_response
+from skinfield.signal.touch_response import TouchResponse, touch_response
 from skinfield.skin import Patch
 
 BROKEN = 0.01  # taxels, before anything is seen
@@ -51,8 +50,6 @@ HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
-LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
 WEAK = 0.2  # part of a usual response, that a taxel without one does not reach
 
 
@@ -470,54 +467,3 @@ def _drifts(seen: Evidence) -> Bools:
     fast = fast_noise(seen.counts, readings_per_value(seen.counts))
     with np.errstate(invalid="ignore"):
         return np.asarray(deviation(seen.counts) > MOVING * fast)
-
-
-def swapped_taxels(seen: Evidence) -> list[Finding]:
-    """Pairs of taxels, and of boards, that answer to touches at each other's places.
-
-    How two healthy taxels differ beside their neighbours is told from all pairs of them.
-    """
-    from scipy.stats import t
-
-    touches = seen.touches
-    told = np.flatnonzero(touches.felt)
-    fits = np.arctanh(np.clip(touches.crossed(told), -0.999, 0.999))
-    known = fits[np.isfinite(fits)]
-    if len(told) < FEWEST_TAXELS or not len(known):
-        return []
-    middle = float(np.median(known))
-    spread = max(1.4826 * float(np.median(np.abs(known - middle))), LEAST_SPREAD)
-    pairs = [
-        ("taxel", pair, (pair[:1], pair[1:]))
-        for pair in told[np.argwhere(np.triu(fits < -LEAST_CROSSED * middle))]
-    ]
-    found, height = [], touches.height.copy()
-
-    def fit(one, other):
-        return np.arctanh(np.clip(touches.crossing(height, one, other), -0.999, 0.999))
-
-    pairs = sorted([*_doubtful_boards(seen), *pairs], key=lambda each: fit(*each[2]))
-    for what, pair, (one, other) in pairs:
-        fit_now = fit(one, other)
-        p = probability(float(t.cdf((fit_now - middle) / spread, FREEDOM)))
-        if fit_now < -LEAST_CROSSED * middle and p >= CERTAIN:
-            height[:, [*one, *other]] = height[:, [*other, *one]]
-            why = "answers to touches on {} {}, and not on its own place: the two are swapped"
-            found += [Finding(one, p, why.format(what, pair[1])), Finding(other, p, why.format(what, pair[0]))]
-    return found
-
-
-def _doubtful_boards(seen: Evidence) -> list[tuple[str, Ints, tuple[Ints, Ints]]]:
-    """Pairs of boards of one size, neither of which reads as what lies around it."""
-    assert seen.patch is not None
-    module = seen.patch.module
-    boards = {board: np.flatnonzero(module == board) for board in np.unique(module).tolist()}
-    fits = {board: seen.touches.fit(rows) for board, rows in boards.items()}
-    usual = np.nanmedian(list(fits.values()))
-    if len(boards) < 3 or not usual > 0.0: return []
-    doubtful = [board for board, fit in fits.items() if fit < LEAST_CROSSED * usual]
-    return [
-        ("board", np.array([one, other]), (boards[one], boards[other]))
-        for one, other in combinations(doubtful, 2)
-        if len(boards[one]) == len(boards[other]) >= LEAST_BOARD
-    ]

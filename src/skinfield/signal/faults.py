@@ -13,6 +13,7 @@ from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
 from skinfield.signal.fault_evidence import CERTAIN, Evidence, Finding
 from skinfield.signal.stationary import recorded
+from skinfield.signal.swapped import swapped_taxels
 from skinfield.skin import Patch
 
 
@@ -244,7 +245,7 @@ def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) ->
         kinds = Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE
         for kind, of_kind in zip(kinds, evidence.unresponsive_taxels(seen), strict=True):
             fresh.put(kind, of_kind)
-        fresh.put(Verdict.SWAPPED, evidence.swapped_taxels(seen))
+        fresh.put(Verdict.SWAPPED, swapped_taxels(seen))
         for taxel in np.flatnonzero((fresh.verdict > 0) & (record.verdict == 0)):
             words = Finding(np.array([taxel]), fresh.probability[taxel], fresh.evidence[taxel])
             record.put(Verdict(fresh.verdict[taxel]), [words])

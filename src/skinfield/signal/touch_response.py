@@ -8,7 +8,6 @@ holds on may have a gap between its fingers.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,6 @@ from skinfield.errors import Floats, Ints
 from skinfield.signal.boards import Bools
 from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
@@ -33,7 +29,6 @@ PASSING, MOVED = (
     0.7,
 )  # part of it, down to which cosines of neighbours' loads fall as it moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
-ALIKE = 0.9  # cosine of the loads around two taxels, from which on they are touched together
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
 STANDS_OUT = 6.0  # deviations, of two readings in a row that are no noise
@@ -149,57 +144,6 @@ class TouchResponse:
         """Taxels (L,) that some touch is read by, whether at their place or not."""
         return np.asarray((self.height > PRESSED * self.usual).any(axis=0))
 
-    @cached_property
-    def _around_all(self) -> "csr_array[np.float64]":
-        """Ones (L, L) at the neighbours of each taxel that tell."""
-        from scipy.sparse import csr_array
-
-        rows = np.broadcast_to(np.arange(len(self.near))[:, None], self.near.shape)
-        real = (self.near != rows) & ~self.silent[self.near]
-        ones = np.ones(int(real.sum()))
-        return csr_array((ones, (rows[real], self.near[real])), shape=2 * (len(self.near),))
-
-    def crossed(self, taxels: Ints) -> Floats:
-        """How much each two of N taxels read as if each were the other, (N, N): 1 not, -1 fully.
-
-        The correlation of the difference of the two with that of their neighbours' means.
-        """
-        own, around = self.height[:, taxels], self._mean_around(taxels, taxels[:0])
-        told = own.T @ around
-        fit = np.diag(told)[:, None] + np.diag(told) - told - told.T
-        size = _difference(own.T @ own) * _difference(around.T @ around)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(size > 0.0, fit / np.sqrt(size), np.nan)
-
-    def crossing(self, height: Floats, ones: Ints, others: Ints) -> float:
-        """The same of two groups of N taxels in heights (T, L), by what lies around both groups.
-
-        1 where both are touched alike, or touches of one of them only tell.
-        """
-        both = np.concatenate([ones, others])
-        one, other = np.split(self._mean_around(both, both, height), 2, axis=1)
-        load, own = one - other, height[:, ones] - height[:, others]
-        told = own * load
-        alike = np.sum(one * other) >= ALIKE * np.sqrt(np.sum(one**2) * np.sum(other**2))
-        if alike or max(told[load > 0.0].sum(), told[load < 0.0].sum()) >= 0.0:
-            return 1.0
-        return float(told.sum() / np.sqrt(np.sum(own**2) * np.sum(load**2)))
-
-    def fit(self, rows: Ints) -> float:
-        """Correlation of what some taxels read with what lies around all of them; NaN if nothing."""
-        around = self._mean_around(rows, rows)
-        own = self.height[:, rows] * (around != 0.0).any(axis=0)
-        size = float(np.sum(own**2) * np.sum(around**2))
-        return float(np.sum(own * around)) / size**0.5 if size > 0.0 else float("nan")
-
-    def _mean_around(self, taxels: Ints, without: Ints, height: Floats | None = None) -> Floats:
-        """Mean (T, N) of what neighbours of N taxels read, others left out; 0 where there is none."""
-        tells = np.ones(len(self.near))
-        tells[without] = 0.0
-        links = self._around_all[taxels]
-        number = np.maximum(links @ tells, 1.0)
-        return np.asarray(links @ ((self.height if height is None else height) * tells).T).T / number
-
     def _around(self, taxel: int) -> Ints:
         return np.asarray(self.near[taxel][self.near[taxel] != taxel])
 
@@ -257,12 +201,6 @@ def touch_response(
         max(hold / group, 1.0),
         silent,
     )
-
-
-def _difference(products: Floats) -> Floats:
-    """Squared sums of the differences of each two columns, from their products (N, N)."""
-    square = np.diag(products)
-    return np.asarray(np.maximum(square[:, None] + square - 2.0 * products, 0.0))
 
 
 def _near(patch: Patch) -> Ints:
