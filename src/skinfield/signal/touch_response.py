@@ -24,10 +24,7 @@ LOAD, PRESSED = 8.0, 10.0  # deviations, of each neighbour that feels a load, an
 FAINT = 0.05  # of the highest reading: no load below tells
 STRONG = 0.5  # of the strongest load, in readings that tell
 LEAST_ALONE = 0.33  # part of the readings, in which nothing touches around a taxel
-PASSING, MOVED = (
-    0.15,
-    0.7,
-)  # part of it, down to which cosines of neighbours' loads fall as it moves
+PASSING, MOVED = 0.15, 0.7  # part of it, down to which cosines of neighbours' loads fall as it moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
@@ -45,8 +42,8 @@ class TouchResponse:
         Change from rest, positive under pressure; 0 where a taxel did not answer.
     load : (T, L) array, counts
         That neighbours feel on all sides of a taxel, as far as there are any.
-    alone : (L,) array
-        Part of the readings in which no neighbour is touched.
+    beside : (T, L) bool array
+        Whether a neighbour is touched.
     noise : (L,) array, counts
     usual : float, counts
         Deviation of the median taxel.
@@ -60,7 +57,7 @@ class TouchResponse:
 
     height: Floats
     load: Floats
-    alone: Floats
+    beside: Bools
     noise: Floats
     usual: float
     near: Ints
@@ -133,6 +130,7 @@ class TouchResponse:
         least = np.maximum(ANSWERS * usual, SURE * self.noise)
         least = np.where(usual > 0.0, np.maximum(least, PRESSED * self.usual), np.inf)
         often = (self.height > least).sum(axis=0) >= LEAST_READINGS
+        often |= ((self.height > least) & self.beside).any(axis=0)
         held = self.height > np.maximum(STANDS_OUT * self.noise, PRESSED * self.usual)
         row, count = held, int(np.ceil(2.0 * self.hold))
         for _ in range(count - 1):
@@ -150,12 +148,12 @@ class TouchResponse:
     def moved(self, taxel: int) -> bool:
         """Whether the load around a taxel came and went, from one side and then from another."""
         around = self._around(taxel)
-        if len(around) < 2 or not self.strongest[taxel] or self.alone[taxel] < LEAST_ALONE:
+        if len(around) < 2 or not self.strongest[taxel] or self.beside[:, taxel].mean() > 1.0 - LEAST_ALONE:
             return False
         loads = np.maximum(self.height[:, around], 0.0)
         total = loads.sum(axis=1)
         at = int(np.argmax(self.load[:, taxel]))
-        least = max(PASSING * total[at], PRESSED * self.usual * np.sqrt(len(around)))  # no noise
+        least = max(PASSING * total[at], PRESSED * self.usual * np.sqrt(len(around)))
         there = total >= least
         size = np.linalg.norm(loads, axis=1)
         cosine = loads[there] @ loads[at] / np.maximum(size[there] * size[at], 1e-300)
@@ -186,21 +184,13 @@ def touch_response(
     near = _near(patch)
     signed = counts * (direction or _direction(counts[:, ~silent]))
     usual = max(float(np.median(noise[~silent])) if (~silent).any() else 0.0, rounding)
-    height, alone = _heights(signed, near, silent, usual / np.sqrt(group))
+    noise, usual, hold = noise / np.sqrt(group), usual / np.sqrt(group), max(hold / group, 1.0)
+    height, beside = _heights(signed, near, silent, usual)
     height = np.nan_to_num(height)
-    least = LOAD * np.maximum(noise, usual) / np.sqrt(group)  # no jump of noise
+    least = LOAD * np.maximum(noise, usual)  # no jump of noise
     felt = ~silent & (height > least)
     load = _load(np.where(felt, height, 0.0), patch, near, silent)
-    return TouchResponse(
-        height,
-        load,
-        alone,
-        noise / np.sqrt(group),
-        usual / np.sqrt(group),
-        near,
-        max(hold / group, 1.0),
-        silent,
-    )
+    return TouchResponse(height, load, beside, noise, usual, near, hold, silent)
 
 
 def _near(patch: Patch) -> Ints:
@@ -233,10 +223,10 @@ def _direction(counts: Floats) -> int:
     return 1 if cubes.sum() >= 0.0 else -1
 
 
-def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[Floats, Floats]:
+def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[Floats, Bools]:
     """Change from rest (T, L), rest by the readings in which no neighbour is touched, as it drifts.
 
-    And their part of all, (L,).
+    And where one is, (T, L).
 
     A taxel that is touched all the time rests at its lowest readings.
     """
@@ -255,10 +245,14 @@ def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[F
         enough = (~np.isnan(quiet[part])).sum(axis=0) > 2
         levels[row, enough] = median(quiet[part][:, enough])
     at, middles = np.arange(len(height)), np.array([part.mean() for part in parts])
+    if len(parts) > 1:  # a drift goes on to both ends
+        ends = 1.5 * levels[[0, -1]] - 0.5 * levels[[1, -2]]
+        levels = np.vstack([ends[0], levels, ends[1]])
+        middles = np.concatenate([at[:1], middles, at[-1:]])
     for taxel in np.flatnonzero(np.isfinite(levels).any(axis=0)):
         known = np.isfinite(levels[:, taxel])
         height[:, taxel] -= np.interp(at, middles[known], levels[known, taxel])
-    return height, 1.0 - touched.mean(axis=0)
+    return height, touched
 
 
 def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> Floats:
