@@ -50,7 +50,7 @@ HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-WEAK = 0.2  # part of a usual response, that a taxel without one does not reach
+WEAK = 0.1  # part of a usual response, that a taxel without one does not reach
 
 
 def probability(healthy: float) -> float:

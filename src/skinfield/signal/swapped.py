@@ -11,12 +11,10 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.signal.fault_evidence import CERTAIN, LEAST_BOARD, Evidence, Finding, probability
-from skinfield.signal.touch_response import FEWEST, FREEDOM, PRESSED, TouchResponse
+from skinfield.signal.touch_response import FEWEST, FREEDOM, PRESSED, TouchResponse, mean_around
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
-    Links = csr_array[np.float64]
+    from skinfield.signal.touch_response import Links
 
 LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
 LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
@@ -30,27 +28,9 @@ def swapped_taxels(seen: Evidence) -> list[Finding]:
     told = np.flatnonzero(touches.felt)
     if len(told) < FEWEST or seen.patch is None:
         return []
-    links, height = _links(touches), touches.height.copy()
+    links, height = touches.links, touches.height.copy()
     boards = _swapped_boards(seen.patch.module, links, height, touches)
     return boards + _swapped_pairs(links, height, told)
-
-
-def _links(touches: TouchResponse) -> "Links":
-    """Ones (L, L) at the neighbours of each taxel that tell of a load."""
-    from scipy.sparse import csr_array
-
-    taxels = len(touches.near)
-    rows = np.broadcast_to(np.arange(taxels)[:, None], touches.near.shape)
-    real = (touches.near != rows) & ~touches.silent[touches.near]
-    return csr_array(
-        (np.ones(int(real.sum())), (rows[real], touches.near[real])), shape=(taxels, taxels)
-    )
-
-
-def _around(links: "Links", height: Floats) -> Floats:
-    """Mean (T, N) of the taxels that each of N rows links to; 0 where it links to none."""
-    number = np.maximum(links.sum(axis=1), 1.0)
-    return np.asarray((links @ height.T).T / number)
 
 
 # ---- taxels
@@ -84,7 +64,7 @@ def _swapped_pairs(links: "Links", height: Floats, told: Ints) -> list[Finding]:
 
 def _all_crossings(links: "Links", height: Floats, taxels: Ints) -> Floats:
     """How much each two of N taxels differ as their neighbours' means do, (N, N): Fisher's z."""
-    own, around = height[:, taxels], _around(links[taxels], height)
+    own, around = height[:, taxels], mean_around(links[taxels], height)
     told = own.T @ around
     fit = np.diag(told)[:, None] + np.diag(told) - told - told.T
     size = _difference(own.T @ own) * _difference(around.T @ around)
@@ -137,7 +117,7 @@ def _swapped_boards(
     outside = links.copy()
     outside.data = outside.data * apart
     told = np.flatnonzero(touches.felt)
-    products = height[:, told].T @ _around(links[told], height)
+    products = height[:, told].T @ mean_around(links[told], height)
     better = float(np.mean(products > np.diag(products)))
     found: list[Finding] = []
     while len(boards) > 2:
@@ -166,7 +146,7 @@ def _swapped_boards(
 def _fit(outside: "Links", height: Floats, rows: Ints | None = None) -> float:
     """Correlation of taxels with what lies around their boards; NaN if nothing."""
     rows = np.arange(height.shape[1]) if rows is None else rows
-    around = _around(outside[rows], height)
+    around = mean_around(outside[rows], height)
     own = height[:, rows] * (around != 0.0).any(axis=0)
     size = float(np.sum(own**2) * np.sum(around**2))
     return float(np.sum(own * around)) / size**0.5 if size > 0.0 else float("nan")
