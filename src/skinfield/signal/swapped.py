@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
 LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
 ALIKE = 0.9  # cosine of the loads around two, from which on they are touched together
+ONE_SIDED = 0.3  # least correlation, the other way round, under touches of either of two
 MOST_DOUBTFUL = 8  # boards, those that read least as what lies around them
 
 
@@ -78,11 +79,16 @@ def _crossing(links: "Links", height: Floats, one: int, other: int) -> float:
     near[:, [one, other]] = 0.0
     mine, yours = (height @ near.T / np.maximum(near.sum(axis=1), 1.0)).T
     load, own = mine - yours, height[:, one] - height[:, other]
-    told = own * load
-    alike = mine @ yours >= ALIKE * np.sqrt((mine @ mine) * (yours @ yours))
-    if alike or max(told[load > 0.0].sum(), told[load < 0.0].sum()) >= 0.0:
+    if mine @ yours >= ALIKE * np.sqrt((mine @ mine) * (yours @ yours)):
         return float("inf")
-    return float(_z(told.sum() / np.sqrt((own @ own) * (load @ load))))
+    more = [_correlation(own[side], load[side]) for side in (load > 0.0, load < 0.0)]
+    return float("inf") if max(more) > -ONE_SIDED else float(_z(_correlation(own, load)))
+
+
+def _correlation(one: Floats, other: Floats) -> float:
+    """Of two changes from rest; 0 where one has none."""
+    size = float(np.sum(one**2) * np.sum(other**2))
+    return float(np.sum(one * other)) / size**0.5 if size > 0.0 else 0.0
 
 
 def _z(correlation: Floats) -> Floats:
@@ -122,7 +128,7 @@ def _swapped_boards(
     found: list[Finding] = []
     while len(boards) > 2:
         fits = {name: _fit(outside, height, rows) for name, rows in boards.items()}
-        doubtful = sorted((name for name in fits if fits[name] == fits[name]), key=fits.__getitem__)
+        doubtful = sorted((name for name in fits if fits[name] != 0.0), key=fits.__getitem__)
         best, gain = None, 0.0
         for pair in combinations(doubtful[:MOST_DOUBTFUL], 2):
             rows = tuple(boards[name] for name in pair)
@@ -144,12 +150,10 @@ def _swapped_boards(
 
 
 def _fit(outside: "Links", height: Floats, rows: Ints | None = None) -> float:
-    """Correlation of taxels with what lies around their boards; NaN if nothing."""
+    """Correlation of taxels with what lies around their boards; 0 if nothing."""
     rows = np.arange(height.shape[1]) if rows is None else rows
     around = mean_around(outside[rows], height)
-    own = height[:, rows] * (around != 0.0).any(axis=0)
-    size = float(np.sum(own**2) * np.sum(around**2))
-    return float(np.sum(own * around)) / size**0.5 if size > 0.0 else float("nan")
+    return _correlation(height[:, rows] * (around != 0.0).any(axis=0), around)
 
 
 def _with_swapped(height: Floats, rows: tuple[Ints, Ints]) -> Floats:
