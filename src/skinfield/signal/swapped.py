@@ -11,12 +11,13 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.signal.fault_evidence import CERTAIN, LEAST_BOARD, Evidence, Finding, probability
-from skinfield.signal.touch_response import FEWEST, FREEDOM, PRESSED, TouchResponse, mean_around
+from skinfield.signal.touch_response import FEWEST, PRESSED, TouchResponse, mean_around
 
 if TYPE_CHECKING:
     from skinfield.signal.touch_response import Links
 
 LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
+FREEDOM = 8.0  # of Student t, of that
 LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
 ALIKE = 0.9  # cosine of the loads around two, from which on they are touched together
 ONE_SIDED = 0.3  # least correlation, the other way round, under touches of either of two
