@@ -41,15 +41,16 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
-TAXELS_DIFFER = 0.55  # at least, standard deviation of the logarithm of their noise
-TOO_NOISY = 4.0  # times the noise of its calibration, or else of the median taxel
-APART = 3.5  # deviations of the logarithm of taxels' noise, that none is from the others
+# Standard deviation of the logarithm of taxels' noise, at least, and of its change since a calibration:
+# what is certain is 4 times as noisy.
+TAXELS_DIFFER = 0.45
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one of its upper half
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
+EXPLAINED = 0.5  # part of what a taxel reads, that a sum of its neighbours does: it is with them
 WEAK = 0.1  # part of a usual response, that a taxel without one does not reach
 
 
@@ -376,32 +377,27 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     from scipy.stats import norm
 
     noise, hold = seen.noise, readings_per_value(seen.counts)
+    told = (np.nan_to_num(noise) > 0.0) & seen.varies
+    spread, than = TAXELS_DIFFER, "its calibration says"
     if calibration is not None:
         middle = np.log(np.where(calibration.alive, calibration.noise_std, np.inf))
-        limit, spread = np.log(TOO_NOISY), np.log(TOO_NOISY) / APART
-    else:
-        varied = noise[(noise > 0.0) & seen.varies]
-        if not len(varied):
-            return []
-        level, spreads = level_and_noise(np.log(varied)[:, None])
+    elif told.any():
+        level, spreads = level_and_noise(np.log(noise[told])[:, None])
         middle = np.full(len(noise), level[0])
-        spread = max(float(spreads[0]), TAXELS_DIFFER)
-        limit = APART * spread
-    load = _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
+        spread, than = max(float(spreads[0]), spread), "that of the median taxel"
+        told &= noise >= LOADED * _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
+
+    def sure(taxel: int, size: float) -> float:
+        apart = np.log(max(size, 1e-300)) - middle[taxel]
+        return probability(float(norm.sf(apart / spread)))
+
     found = []
-    for taxel in np.flatnonzero(np.nan_to_num(noise) > 0.0):
-        apart = np.log(noise[taxel]) - middle[taxel]
-        if apart > limit and np.isfinite(middle[taxel]) and seen.varies[taxel]:
-            if calibration is None and noise[taxel] < LOADED * load[taxel]:
-                continue
-            own = min(noise[taxel], _own_noise(seen, int(taxel), hold))
-            apart = np.log(max(own, 1e-300)) - middle[taxel]
-            if apart <= limit:
-                continue
-            than = "its calibration says" if calibration is not None else "that of the median taxel"
-            why = f"noise of {noise[taxel]:.3g} counts, {np.exp(apart):.0f} times what {than}"
-            p = probability(float(norm.sf(apart / spread)))
-            found.append(Finding(np.array([taxel]), p, why.replace("what that", "that")))
+    for taxel in np.flatnonzero(told).tolist():
+        if sure(taxel, noise[taxel]) >= CERTAIN:
+            own = min(noise[taxel], _own_noise(seen, taxel, hold))
+            times = own / np.exp(middle[taxel])
+            why = f"noise of {noise[taxel]:.3g} counts, {times:.0f} times {than}"
+            found.append(Finding(np.array([taxel]), sure(taxel, own), why))
     return found
 
 
@@ -446,7 +442,7 @@ def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], l
     least = touches.relative
     far, slow = seen.far(seen.value), _drifts(seen)
     for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent).tolist():
-        if not touches.moved(taxel):
+        if not touches.moved(taxel) or touches.explained(taxel) > EXPLAINED:
             continue
         why = (
             f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"

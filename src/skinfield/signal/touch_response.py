@@ -143,6 +143,13 @@ class TouchResponse:
             row = row[:-1] & held[len(held) - len(row) + 1 :]
         return np.asarray(often | row.any(axis=0))
 
+    def explained(self, taxel: int) -> float:
+        """Part of what a taxel reads that its neighbours' readings add up to."""
+        theirs, own = self.height[:, self.links[[taxel]].indices], self.height[:, taxel]
+        fit = np.linalg.lstsq(theirs, own, rcond=None)[0]
+        left = own - theirs @ fit
+        return 1.0 - float(left @ left) / max(float(own @ own), 1e-300)
+
     def moved(self, taxel: int) -> bool:
         """Whether the load around a taxel came and went, from one side and then from another."""
         near = self.links[[taxel]].indices
