@@ -44,6 +44,7 @@ STUCK_LONGER = 3.0  # times its longest earlier run
 # Standard deviation of the logarithm of taxels' noise, at least, and of its change since a calibration:
 # what is certain is 4 times as noisy.
 TAXELS_DIFFER = 0.45
+NINE_IN_TEN = 1.2816  # deviations, above which one in ten of a normal distribution lies
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one of its upper half
@@ -243,12 +244,13 @@ class Evidence:
             found |= self.convention.saturated(self.value)
         return np.asarray(constant & found)
 
-    def pressed_around(self) -> Bools:
-        """Taxels (L,) beside one that is loaded most of the time; all without places."""
+    def pressed_around(self, counts: Floats | None = None) -> Bools:
+        """Taxels (L,) beside one that is loaded in counts (L,), or usually; all without places."""
         if self.patch is None:
             return np.ones(len(self.value), np.bool_)
-        load = np.where(self.varies, np.abs(self.value - self.rest), 0.0)
-        least = np.maximum(FAR * self.usual, OF_VALUE * np.abs(self.value - self.rest))
+        apart = np.abs((self.value if counts is None else counts) - self.rest)
+        load = np.where(self.varies & ~np.isnan(apart), apart, 0.0)
+        least = np.maximum(FAR * self.usual, OF_VALUE * apart)
         beside = np.zeros(len(load), np.bool_)
         for one, other in (self.patch.neighbours.T, self.patch.neighbours.T[::-1]):
             np.logical_or.at(beside, one, load[other] > least[one])
@@ -331,6 +333,10 @@ def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
     held = np.zeros(len(run), np.bool_)
     if seen.convention is not None:
         held |= seen.convention.saturated(now)
+    for end in (float(np.nanmin(seen.counts)), float(np.nanmax(seen.counts))):
+        if end != seen.lowest:  # the board clips there what is pressed
+            several = ((seen.counts == end).any(axis=0) & seen.varies).sum() > 1
+            held |= (now == end) & (several | (seen.pressed_around(now) & (seen.patch is not None)))
     for taxel in np.flatnonzero((now == seen.lowest) & (run >= STUCK_READINGS)):
         held[taxel] |= probability(seen.resting_chance(int(run[taxel]))) < CERTAIN
     calm = seen.quiet[1:] & seen.quiet[:-1]
@@ -384,7 +390,8 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     elif told.any():
         level, spreads = level_and_noise(np.log(noise[told])[:, None])
         middle = np.full(len(noise), level[0])
-        spread, than = max(float(spreads[0]), spread), "that of the median taxel"
+        wide = float(np.quantile(np.log(noise[told]), 0.9) - level[0]) / NINE_IN_TEN
+        spread, than = max(float(spreads[0]), wide, spread), "that of the median taxel"
         told &= noise >= LOADED * _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
 
     def sure(taxel: int, size: float) -> float:

@@ -116,7 +116,7 @@ class TouchResponse:
         """
         error = self.noise * np.sqrt(self.hold / self._power)
         most = np.maximum(self.response, 0.0) + ERRORS * error
-        return np.asarray(most / (np.exp(self.usual_response[0]) * self.balance))
+        return np.asarray(most / (np.exp(self.usual_response[0]) * np.maximum(self.balance, 1e-9)))
 
     def chance(self, taxel: int) -> float:
         """How often a healthy taxel responds as little as this one."""
