@@ -30,6 +30,7 @@ from skinfield.skin import Patch
 
 BROKEN = 0.01  # taxels, before anything is seen
 CERTAIN = 0.9  # least probability of a verdict
+RARE = BROKEN / (1.0 - BROKEN) * (1.0 - CERTAIN) / CERTAIN  # chance, at which it is reached
 FEWEST_TAXELS = 5  # that tell how often a healthy one does what was seen
 LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
 # The same of steps, which are changes by two counts or more where all numbers are whole. A taxel
@@ -41,8 +42,8 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
-# Standard deviation of the logarithm of taxels' noise, at least, and of its change since a calibration:
-# what is certain is 4 times as noisy.
+# Least standard deviation of the logarithm of taxels' noise, and that of its change since a
+# calibration: certain is what is 4 times as noisy.
 TAXELS_DIFFER = 0.45
 NINE_IN_TEN = 1.2816  # deviations, above which one in ten of a normal distribution lies
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading

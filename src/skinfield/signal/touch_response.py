@@ -1,9 +1,9 @@
 """Response of taxels to touches that pass over them, beside that of their neighbours.
 
 What neighbours read tells what a taxel should: the slope of its readings on the mean of theirs, as
-far as they were touched on all sides of it. How healthy taxels differ in it is seen in the recording
-itself, so no model of the layer is needed. Only touches that move tell: a hand that holds on may
-have a gap between its fingers.
+far as they were touched on all sides of it. How healthy taxels differ in it is seen in the
+recording itself, so no model of the layer is needed. Only touches that move tell: a hand that holds
+on may have a gap between its fingers.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.signal.boards import Bools
 from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
@@ -26,7 +26,8 @@ MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
 PRESSED = 10.0  # deviations of a touch
 LEAST_ALONE = 0.33  # part of the readings, in which nothing touches around a taxel
-PASSING, MOVED = 0.15, 0.7  # part of it, down to which cosines of neighbours' loads fall as it moves
+PASSING = 0.15  # part of the strongest load around a taxel, that tells from where it came
+MOVED = 0.7  # cosine of neighbours' loads, down to which it falls as a load moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
@@ -42,7 +43,7 @@ class TouchResponse:
     ----------
     height : (T, L) array, counts
         Change from rest, positive under pressure; 0 where a taxel did not answer.
-    beside : (T, L) bool array
+    beside_touched : (T, L) bool array
         Whether a neighbour is touched.
     noise : (L,) array, counts
     usual : float, counts
@@ -56,7 +57,7 @@ class TouchResponse:
     """
 
     height: Floats
-    beside: Bools
+    beside_touched: Bools
     noise: Floats
     usual: float
     links: "Links"
@@ -69,7 +70,7 @@ class TouchResponse:
         return mean_around(self.links, self.height)
 
     @cached_property
-    def told(self) -> Bools:
+    def loaded(self) -> Bools:
         """Taxels (L,) whose neighbours feel a touch some time."""
         return np.asarray((self.around > PRESSED * self.usual).any(axis=0))
 
@@ -79,8 +80,15 @@ class TouchResponse:
         return np.asarray((self.height > PRESSED * self.usual).any(axis=0))
 
     @cached_property
+    def better_elsewhere(self) -> float:
+        """How often one that feels a touch fits what lies around another better than that one."""
+        rows = np.flatnonzero(self.felt)
+        fits = self.height[:, rows].T @ self.around[:, rows]
+        return float(np.mean(fits > np.diag(fits)))
+
+    @cached_property
     def _power(self) -> Floats:
-        return np.where(self.told, np.sum(self.around**2, axis=0), np.nan)
+        return np.where(self.loaded, np.sum(self.around**2, axis=0), np.nan)
 
     @cached_property
     def balance(self) -> Floats:
@@ -134,9 +142,11 @@ class TouchResponse:
         """
         usual = np.exp(np.nan_to_num(self.usual_response[0])) * self.around.max(axis=0, initial=0.0)
         least = np.maximum(ANSWERS * usual, SURE * self.noise)
-        least = np.where(self.told, np.maximum(least, PRESSED * self.usual), np.inf)
+        least = np.where(self.loaded, np.maximum(least, PRESSED * self.usual), np.inf)
         reached = self.height > least
-        often = (reached.sum(axis=0) >= LEAST_READINGS) | (reached & self.beside).any(axis=0)
+        often = (reached.sum(axis=0) >= LEAST_READINGS) | (reached & self.beside_touched).any(
+            axis=0
+        )
         held = self.height > np.maximum(STANDS_OUT * self.noise, PRESSED * self.usual)
         row, count = held, int(np.ceil(2.0 * self.hold))
         for _ in range(count - 1):
@@ -153,7 +163,11 @@ class TouchResponse:
     def moved(self, taxel: int) -> bool:
         """Whether the load around a taxel came and went, from one side and then from another."""
         near = self.links[[taxel]].indices
-        if len(near) < 2 or not self.told[taxel] or self.beside[:, taxel].mean() > 1 - LEAST_ALONE:
+        if (
+            len(near) < 2
+            or not self.loaded[taxel]
+            or self.beside_touched[:, taxel].mean() > 1 - LEAST_ALONE
+        ):
             return False
         loads = np.maximum(self.height[:, near], 0.0)
         total = loads.sum(axis=1)
