@@ -45,12 +45,19 @@ def swapped_taxels(seen: Evidence) -> list[Finding]:
 
 def _swap(height: Floats, rows: Ints, what: str, names: Ints, p: float) -> list[Finding]:
     """Put right heights of (2, N) rows that are swapped, and say of both what they are."""
-    height[:, rows.ravel()] = height[:, rows[::-1].ravel()]
+    height[:] = _mended(height, rows)
     why = "answers to touches on {} {}, and not on its own place: the two are swapped"
     return [
         Finding(each, p, why.format(what, name))
         for each, name in zip(rows, names[::-1], strict=True)
     ]
+
+
+def _mended(height: Floats, rows: Ints) -> Floats:
+    """Heights with two groups of taxels (2, N) exchanged."""
+    mended = height.copy()
+    mended[:, rows.ravel()] = height[:, rows[::-1].ravel()]
+    return mended
 
 
 def _correlation(one: Floats, other: Floats) -> float:
@@ -139,9 +146,7 @@ def _swapped_boards(
             rows = np.array([boards[name] for name in pair])
             p = _exchanged(links, height, rows, touches)
             if p >= CERTAIN:
-                mended = height.copy()
-                _swap(mended, rows, "board", np.array(pair), p)
-                more = _fit(outside, mended) - _fit(outside, height)
+                more = _fit(outside, _mended(height, rows)) - _fit(outside, height)
                 best, gain = ((pair, rows, p), more) if more > gain else (best, gain)
         if best is None:
             break
@@ -160,17 +165,19 @@ def _fit(outside: "Links", height: Floats, rows: Ints | slice = slice(None)) -> 
 def _exchanged(links: "Links", height: Floats, rows: Ints, touches: TouchResponse) -> float:
     """Probability that two boards (2, N) are exchanged, as many taxels fit the other place better.
 
-    Only places beside both boards count, that are touched; how often a healthy one fits another
-    place better, all pairs of taxels tell.
+    Only places beside both boards count, that are touched. How often a healthy taxel fits another
+    place better is told by all pairs, once the two are put right.
     """
     from scipy.stats import binom
 
     load = _beside(links, height, rows.ravel())
-    own = height[:, rows.ravel()] - height[:, rows[::-1].ravel()]
+    mended = _mended(height, rows)
     touched = load.max(axis=0) > PRESSED * touches.usual
-    fit = np.where(touched, np.sum(load * own, axis=0), 0.0)
+    fit = np.where(touched, np.sum(load * (height - mended)[:, rows.ravel()], axis=0), 0.0)
     if max(side.sum() for side in np.split(fit, 2)) >= 0.0:
         return 0.0
-    crossed = int((fit < 0.0).sum())
-    chance = binom.sf(crossed - 1, int(touched.sum()), touches.better_elsewhere)
+    felt = np.flatnonzero(touches.felt)
+    fits = mended[:, felt].T @ mean_around(links[felt], mended)
+    better = float(np.mean(fits > np.diag(fits)))
+    chance = binom.sf(int((fit < 0.0).sum()) - 1, int(touched.sum()), better)
     return probability(float(chance) ** 0.5)  # not independent

@@ -80,13 +80,6 @@ class TouchResponse:
         return np.asarray((self.height > PRESSED * self.usual).any(axis=0))
 
     @cached_property
-    def better_elsewhere(self) -> float:
-        """How often one that feels a touch fits what lies around another better than that one."""
-        rows = np.flatnonzero(self.felt)
-        fits = self.height[:, rows].T @ self.around[:, rows]
-        return float(np.mean(fits > np.diag(fits)))
-
-    @cached_property
     def _power(self) -> Floats:
         return np.where(self.loaded, np.sum(self.around**2, axis=0), np.nan)
 
