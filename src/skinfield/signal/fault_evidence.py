@@ -61,29 +61,31 @@ def probability(healthy: float) -> float:
     return BROKEN / (BROKEN + (1.0 - BROKEN) * healthy)
 
 
-def chance_of_none(share: Floats, number: float) -> float:
+def chance_of_none(shown: Ints, number: Ints, readings: int) -> float:
     """How often a taxel like the others shows nothing in so many readings.
 
     Parameters
     ----------
-    share : (K,) array
-        Of the readings in which each of the others shows something.
-    number : float
-        Readings.
+    shown, number : (K,) int arrays
+        Readings in which each of the others shows something, of how many.
+    readings : int
 
     Notes
     -----
-    Shares are taken as of a beta distribution, by their mean and variance: E[(1 - share)^number].
+    Shares are taken as of a beta distribution, by their mean and variance beside that of counting:
+    E[(1 - share)^readings].
     """
     from scipy.special import betaln
 
-    if len(share) < FEWEST_TAXELS:
+    if len(shown) < FEWEST_TAXELS:
         return 1.0
+    share = shown / number
     mean = float(np.clip(share.mean(), 1e-6, 1.0 - 1e-6))
-    spread = max(float(share.var()), 1e-6 * mean * (1.0 - mean))
+    counting = mean * (1.0 - mean) * float(np.mean(1.0 / number))
+    spread = max(float(share.var()) - counting, 1e-6 * mean * (1.0 - mean))
     both = max(mean * (1.0 - mean) / spread - 1.0, 1e-3)
     a, b = mean * both, (1.0 - mean) * both
-    return float(np.exp(betaln(a, b + number) - betaln(a, b)))
+    return float(np.exp(betaln(a, b + readings) - betaln(a, b)))
 
 
 class Finding(NamedTuple):
@@ -225,16 +227,16 @@ class Evidence:
         away = calm & (self.counts[1:] != self.lowest)
         number = away.sum(axis=0)
         judged = self.varies & (number >= min(LEAST_CHANGES, len(calm)))
-        share = (self.changes & away).sum(axis=0)[judged] / number[judged]
-        return chance_of_none(share, (readings or len(self.counts)) - 1)
+        shown = (self.changes & away).sum(axis=0)
+        return chance_of_none(shown[judged], number[judged], (readings or len(self.counts)) - 1)
 
     def resting_chance(self, readings: int | None = None) -> float:
         """How often a healthy taxel is clipped in so many readings in a row; default all."""
         number = (self.quiet & ~np.isnan(self.counts)).sum(axis=0)
         judged = self.varies & (number >= min(LEAST_READINGS, len(self.counts)))
         above = self.quiet & (self.counts > self.lowest)
-        share = above.sum(axis=0)[judged] / number[judged]
-        return chance_of_none(share, len(self.counts) if readings is None else readings)
+        last = len(self.counts) if readings is None else readings
+        return chance_of_none(above.sum(axis=0)[judged], number[judged], last)
 
     def at_clamp(self, constant: Bools) -> Bools:
         """Constant taxels (L,) at a clamp: the convention's, or the highest that others reach."""
