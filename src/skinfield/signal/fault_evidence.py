@@ -5,6 +5,7 @@ as often as the other taxels of the recording tell.
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -88,12 +89,29 @@ def chance_of_none(shown: Ints, number: Ints, readings: int) -> float:
     return float(np.exp(betaln(a, b + readings) - betaln(a, b)))
 
 
-class Finding(NamedTuple):
-    """Taxels (K,) of one fault, how sure that is, and what shows it; of all, or of each."""
+class Verdict(IntEnum):
+    """What is wrong with a taxel over a recording."""
 
+    OK = 0
+    ABSENT = 1
+    DEAD = 2
+    STUCK = 3
+    SATURATED = 4
+    NOISY = 5
+    FROZEN = 6
+    TEMPERATURE = 7
+    SWAPPED = 8
+    LEFT_OUT = 9
+
+
+class Finding(NamedTuple):
+    """Fault of taxels (K,), how sure it is, what shows it, of all or of each, and since when."""
+
+    kind: Verdict
     taxels: Ints
     probability: float
     evidence: str
+    since: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,33 +281,36 @@ class Evidence:
 # ---- faults, each with what shows it
 
 
-def constant_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[Finding]]:
+def constant_taxels(seen: Evidence) -> list[Finding]:
     """Taxels that repeat one value: dead near their rest, stuck far from it, or saturated."""
-    dead, stuck, saturated = [], [], []
+    found = []
     constant = ~seen.varies & ~seen.absent
     clamped, far = seen.at_clamp(constant), seen.far(seen.value)
     resting, pressed = seen.value == seen.lowest, seen.pressed_around()
     chances = seen.constant_chance() if constant.any() else 1.0
     rests = seen.resting_chance() if (constant & resting).any() else 1.0
     for taxel in np.flatnonzero(constant):
-        row, value = np.array([taxel]), f"{seen.value[taxel]:g}"
         number = int((~np.isnan(seen.counts[:, taxel])).sum())
+        held = f"{seen.value[taxel]:g} in all {number} readings"
         if clamped[taxel] and pressed[taxel]:
-            saturated.append(Finding(row, 1.0, f"at {value} in all {number} readings"))
+            kind, p, why = Verdict.SATURATED, 1.0, f"at {held}"
         elif clamped[taxel]:
-            why = f"at the clamp {value} in all {number} readings, nothing pressing beside it"
-            stuck.append(Finding(row, probability(min(chances, BROKEN**2)), why))
+            kind, p = Verdict.STUCK, probability(min(chances, BROKEN**2))
+            why = f"at the clamp {held}, nothing pressing beside it"
         elif resting[taxel]:
-            why = f"at {value} in all {number} readings, where others like it rise now and then"
-            dead.append(Finding(row, probability(rests), why))
+            kind, p = Verdict.DEAD, probability(rests)
+            why = f"at {held}, where others like it rise now and then"
         elif seen.decided or np.isfinite(seen.lowest):
-            why = f"repeats {value} in all {number} readings, where noise should change it"
-            kind, why = (stuck, f"{why}; most rest at {seen.rest:g}") if far[taxel] else (dead, why)
-            kind.append(Finding(row, probability(chances), why))
-    return dead, stuck, saturated
+            kind, p = Verdict.STUCK if far[taxel] else Verdict.DEAD, probability(chances)
+            why = f"repeats {held}, where noise should change it"
+            why += f"; most rest at {seen.rest:g}" if far[taxel] else ""
+        else:
+            continue
+        found.append(Finding(kind, np.array([taxel]), p, why))
+    return found
 
 
-def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Finding, int]]:
+def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[Finding]:
     """Boards of which all taxels repeat their values, since a reading, while those of others vary.
 
     Parameters
@@ -300,7 +321,7 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
     since : (L,) int array
         From when on.
     """
-    found: list[tuple[Finding, int]] = []
+    found: list[Finding] = []
     if seen.patch is None:
         return found
     boards = np.unique(seen.patch.module)
@@ -322,17 +343,17 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
         values = np.unique(seen.counts[-1, rows][~np.isnan(seen.counts[-1, rows])])
         at = f" at {values[0]:g}" if len(values) == 1 else ""
         why = f"frozen{at} {when}, with all {len(rows)} taxels of board {board}"
-        found.append((Finding(rows, p, f"{why}: board not seen, check wiring"), first))
+        why = f"{why}: board not seen, check wiring"
+        found.append(Finding(Verdict.FROZEN, rows, p, why, first))
     return found
 
 
-def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
-    """Taxels (L,) whose final run of one value their own past makes incredible; the run's length.
+def stopped_taxels(seen: Evidence) -> list[Finding]:
+    """Taxels whose final run of one value their own past makes incredible.
 
     The others must go on meanwhile. Healthy ones of a board that clips at rest hold that value.
     """
-    run = _final_run(seen.counts)
-    now = seen.counts[-1]
+    run, now, number = _final_run(seen.counts), seen.counts[-1], len(seen.counts)
     held = np.zeros(len(run), np.bool_)
     if seen.convention is not None:
         held |= seen.convention.saturated(now)
@@ -340,30 +361,32 @@ def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
         if end != seen.lowest:  # the board clips there what is pressed
             several = ((seen.counts == end).any(axis=0) & seen.varies).sum() > 1
             held |= (now == end) & (several | (seen.pressed_around(now) & (seen.patch is not None)))
-    for taxel in np.flatnonzero((now == seen.lowest) & (run >= STUCK_READINGS)):
-        held[taxel] |= probability(seen.resting_chance(int(run[taxel]))) < CERTAIN
-    calm = seen.quiet[1:] & seen.quiet[:-1]
-    stuck = np.zeros(len(run), np.bool_)
-    for taxel in np.flatnonzero((run >= LEAST_READINGS) & ~held & seen.varies):
-        before = slice(len(seen.counts) - run[taxel])
-        steps, judged = seen.steps[before, taxel], calm[before, taxel]
-        if judged.sum() < LEAST_READINGS:
-            judged = np.ones_like(judged)
-        if not steps.any() or run[taxel] < STUCK_LONGER * _longest(steps):
-            continue
-        if seen.changes[len(seen.counts) - run[taxel] :].any(axis=0).mean() <= 0.5:
-            continue
-        missed = steps[judged].mean() * run[taxel]
-        stuck[taxel] = (
-            run[taxel] >= STUCK_READINGS
-            and steps[judged].sum() >= STUCK_CHANGES / 2
-            and missed >= STUCK_CHANGES
-        ) or (
-            seen.decided
-            and steps[judged].sum() >= LEAST_STEPS
-            and probability(seen.constant_chance(int(run[taxel]))) >= CERTAIN
-        )
-    return stuck, run
+    for row in np.flatnonzero((now == seen.lowest) & (run >= STUCK_READINGS)):
+        held[row] |= probability(seen.resting_chance(int(run[row]))) < CERTAIN
+    found = []
+    for taxel in np.flatnonzero((run >= LEAST_READINGS) & ~held & seen.varies).tolist():
+        first = number - int(run[taxel])
+        if seen.changes[first:].any(axis=0).mean() > 0.5 and _stopped(seen, taxel, first):
+            why = f"repeats {now[taxel]:g} to the end, while the others go on"
+            p = probability(BROKEN**2)
+            found.append(Finding(Verdict.STUCK, np.array([taxel]), p, why, first))
+    return found
+
+
+def _stopped(seen: Evidence, taxel: int, first: int) -> bool:
+    """Whether a taxel that repeats one value from a reading on should have changed."""
+    run = len(seen.counts) - first
+    steps = seen.steps[:first, taxel]
+    judged = (seen.quiet[1:] & seen.quiet[:-1])[:first, taxel]
+    if judged.sum() < LEAST_READINGS:
+        judged = np.ones_like(judged)
+    if not steps.any() or run < STUCK_LONGER * _longest(steps):
+        return False
+    number, missed = int(steps[judged].sum()), steps[judged].mean() * run
+    if run >= STUCK_READINGS and number >= STUCK_CHANGES / 2 and missed >= STUCK_CHANGES:
+        return True
+    rare = probability(seen.constant_chance(run)) >= CERTAIN
+    return bool(seen.decided and number >= LEAST_STEPS and rare)
 
 
 def _longest(steps: Bools) -> int:
@@ -407,7 +430,8 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
             own = min(noise[taxel], _own_noise(seen, taxel, hold))
             times = own / np.exp(middle[taxel])
             why = f"noise of {noise[taxel]:.3g} counts, {times:.0f} times {than}"
-            found.append(Finding(np.array([taxel]), sure(taxel, own), why))
+            p = sure(taxel, own)
+            found.append(Finding(Verdict.NOISY, np.array([taxel]), p, why))
     return found
 
 
@@ -443,29 +467,26 @@ def _standing_load(seen: Evidence, counts: Floats) -> Floats:
     return load
 
 
-def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[Finding]]:
+def unresponsive_taxels(seen: Evidence) -> list[Finding]:
     """Taxels that no touch around them moves: dead, stuck far from rest, or led by warmth."""
-    dead: list[Finding] = []
-    stuck: list[Finding] = []
-    warm: list[Finding] = []
+    found = []
     touches = seen.touches
     least = touches.relative
     far, slow = seen.far(seen.value), _drifts(seen)
     for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent).tolist():
         if not touches.moved(taxel) or touches.explained(taxel) > EXPLAINED:
             continue
+        kind = Verdict.DEAD
         why = (
             f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
         )
-        p = probability(touches.chance(taxel))
         if slow[taxel]:
-            warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
+            kind, why = Verdict.TEMPERATURE, f"drifts slowly, as with warmth; {why}"
         elif far[taxel]:
             at = f"holds {seen.value[taxel]:g}, most rest at {seen.rest:g}"
-            stuck.append(Finding(np.array([taxel]), p, f"{at}; {why}"))
-        else:
-            dead.append(Finding(np.array([taxel]), p, why))
-    return dead, stuck, warm
+            kind, why = Verdict.STUCK, f"{at}; {why}"
+        found.append(Finding(kind, np.array([taxel]), probability(touches.chance(taxel)), why))
+    return found
 
 
 def _drifts(seen: Evidence) -> Bools:

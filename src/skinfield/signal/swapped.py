@@ -16,6 +16,7 @@ from skinfield.signal.fault_evidence import (
     RARE,
     Evidence,
     Finding,
+    Verdict,
     probability,
 )
 from skinfield.signal.touch_response import FEWEST, PRESSED, TouchResponse, mean_around
@@ -48,7 +49,7 @@ def _swap(height: Floats, rows: Ints, what: str, names: Ints, p: float) -> list[
     height[:] = _mended(height, rows)
     why = "answers to touches on {} {}, and not on its own place: the two are swapped"
     return [
-        Finding(each, p, why.format(what, name))
+        Finding(Verdict.SWAPPED, each, p, why.format(what, name))
         for each, name in zip(rows, names[::-1], strict=True)
     ]
 
@@ -66,7 +67,7 @@ def _correlation(one: Floats, other: Floats) -> float:
     return float(np.sum(one * other)) / size**0.5 if size > 0.0 else 0.0
 
 
-def _beside(links: "Links", height: Floats, rows: Ints) -> Floats:
+def _mean_outside(links: "Links", height: Floats, rows: Ints) -> Floats:
     """Mean (T, N) of the neighbours of N taxels, these left out; 0 where there is no other."""
     near = links[rows].toarray()
     near[:, rows] = 0.0
@@ -117,7 +118,7 @@ def _difference(products: Floats) -> Floats:
 
 def _crossing(links: "Links", height: Floats, pair: Ints) -> float:
     """The same of two taxels, by what lies around both; LIKE where touches of one only tell."""
-    one, other = _beside(links, height, pair).T
+    one, other = _mean_outside(links, height, pair).T
     load, own = one - other, height[:, pair[0]] - height[:, pair[1]]
     either = [_correlation(own[side], load[side]) for side in (load > 0.0, load < 0.0)]
     alike = _correlation(one, other) >= ALIKE or max(either) > -ONE_SIDED
@@ -170,7 +171,7 @@ def _exchanged(links: "Links", height: Floats, rows: Ints, touches: TouchRespons
     """
     from scipy.stats import binom
 
-    load = _beside(links, height, rows.ravel())
+    load = _mean_outside(links, height, rows.ravel())
     mended = _mended(height, rows)
     touched = load.max(axis=0) > PRESSED * touches.usual
     fit = np.where(touched, np.sum(load * (height - mended)[:, rows.ravel()], axis=0), 0.0)
