@@ -43,9 +43,8 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
-# Least standard deviation of the logarithm of taxels' noise, and that of its change since a
-# calibration: certain is what is 4 times as noisy.
-TAXELS_DIFFER = 0.45
+TAXELS_DIFFER = 0.4  # at least, standard deviation of the logarithm of their noise, and as it ages
+APART = 3.5  # of these deviations, that no healthy taxel is from the others: 4 times their noise
 NINE_IN_TEN = 1.2816  # deviations, above which one in ten of a normal distribution lies
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
@@ -420,17 +419,14 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
         spread, than = max(float(spreads[0]), wide, spread), "that of the median taxel"
         told &= noise >= LOADED * _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
 
-    def sure(taxel: int, size: float) -> float:
-        apart = np.log(max(size, 1e-300)) - middle[taxel]
-        return probability(float(norm.sf(apart / spread)))
-
     found = []
     for taxel in np.flatnonzero(told).tolist():
-        if sure(taxel, noise[taxel]) >= CERTAIN:
-            own = min(noise[taxel], _own_noise(seen, taxel, hold))
+        limit = np.exp(middle[taxel] + APART * spread)
+        if noise[taxel] > limit and (own := _own_noise(seen, taxel, hold)) > limit:
+            own = min(own, noise[taxel])
+            p = probability(float(norm.sf((np.log(own) - middle[taxel]) / spread)))
             times = own / np.exp(middle[taxel])
             why = f"noise of {noise[taxel]:.3g} counts, {times:.0f} times {than}"
-            p = sure(taxel, own)
             found.append(Finding(Verdict.NOISY, np.array([taxel]), p, why))
     return found
 
