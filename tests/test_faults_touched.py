@@ -12,6 +12,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.signal import CySkinCount, ICubByte, Verdict
 from skinfield.signal.fault_evidence import chance_of_none
+from skinfield.signal.faults import merged_faults
 
 ROOT = Path(__file__).parents[1]
 PATCH = sf.layouts.hexagon72()
@@ -165,9 +166,13 @@ def test_swapped_boards_are_named_and_nothing_else_is(planted: ModuleType) -> No
     assert (faults.verdict[rows] == Verdict.SWAPPED).all()
     assert f"touches on board {other}," in faults.evidence[rows[0, 0]]
     assert f"touches on board {one}," in faults.evidence[rows[1, 0]]
+    twice = merged_faults([faults, faults], [len(counts)] * 2)
+    assert twice.verdict.tolist() == faults.verdict.tolist()
     whole = counts.copy()
     whole[:, rows.ravel()] = counts[:, rows[::-1].ravel()]
-    assert sf.find_faults(whole, PATCH).usable.all()
+    healthy = sf.find_faults(whole, PATCH)
+    assert healthy.usable.all()
+    assert merged_faults([faults, healthy, healthy], [len(counts)] * 3).usable.all()
 
 
 def test_a_board_that_is_not_seen_is_named_as_one(planted: ModuleType) -> None:

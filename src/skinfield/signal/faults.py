@@ -32,7 +32,7 @@ _HELD = (
     Verdict.FROZEN,
     Verdict.ABSENT,
 )  # of a taxel that may be still
-_BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE, Verdict.SWAPPED)
+_BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE)
 SATURATED_SHARE = 0.5  # of its readings
 
 
@@ -287,9 +287,9 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     """Verdict over consecutive stretches of one recording.
 
     A taxel is absent, frozen or dead if it is so in all of them; noisy or saturated if so in more
-    than half; stuck if it stops changing in one and never changes again, or does not change in the
-    last two; and what touches tell of one holds unless it feels a touch in another. One stretch is
-    returned as it is.
+    than half, swapped if so in more than half of those in which it feels a touch; stuck if it stops
+    changing in one and never changes again, or does not change in the last two; and what touches
+    tell of one else holds unless it feels a touch in another. One stretch is returned as it is.
 
     Parameters
     ----------
@@ -303,12 +303,15 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     verdicts = np.array([each.verdict for each in found])
     varies = np.array([each.varies for each in found])
     decided = np.array([each.decided for each in found])
-    answers = np.asarray(np.array([each.answers for each in found]).any(axis=0))
+    told = np.array([each.answers for each in found])
+    answers = np.asarray(told.any(axis=0))
     verdict = np.zeros(verdicts.shape[1], np.int8)
     for kind in (Verdict.NOISY, Verdict.SATURATED):
         verdict[(verdicts == kind).mean(axis=0) > 0.5] = kind
     for kind in _BY_TOUCH:
         verdict[((verdicts == kind) & varies).any(axis=0) & ~answers & (verdict == 0)] = kind
+    crossed = (verdicts == Verdict.SWAPPED).sum(axis=0)
+    verdict[(crossed > 0.5 * told.sum(axis=0)) & (crossed > 0) & (verdict == 0)] = Verdict.SWAPPED
     stuck, since = _stuck_for_good(verdicts, varies, decided)
     verdict[stuck] = Verdict.STUCK
     still = np.isin(verdicts, _HELD) & ~varies
