@@ -89,7 +89,7 @@ class TouchResponse:
         energy = np.sum(np.maximum(self.height, 0.0) ** 2, axis=0)
         ends = self.links.tocoo()
         way = self.plane[ends.col] - self.plane[ends.row]
-        way /= np.linalg.norm(way, axis=1)[:, None]
+        way /= np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
         drawn, total = np.zeros(self.plane.shape), np.zeros(len(energy))
         np.add.at(drawn, ends.row, energy[ends.col, None] * way)
         np.add.at(total, ends.row, energy[ends.col])
@@ -124,7 +124,7 @@ class TouchResponse:
         from scipy.stats import t
 
         spread = max(self.usual_response[1], 0.1)
-        return float(t.cdf(np.log(self.relative[taxel]) / spread, FREEDOM))
+        return float(t.cdf(np.log(max(self.relative[taxel], 1e-300)) / spread, FREEDOM))
 
     @cached_property
     def answers(self) -> Bools:
