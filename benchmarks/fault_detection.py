@@ -5,12 +5,16 @@
 Touches pass over a skin for 5 s, or a hand holds on to it all the time; noise has heavy tails and
 another size for each taxel, gains are spread by 20 %, boards clip and round. Touches are soft discs
 and lobes, nothing of which the fault finder knows.
+
+What only touches tell (no answer, swaps) counts as shown where the taxel, were it healthy, would
+have read `CLEAR` deviations of its noise above rest in `READINGS` readings. At the end shares are
+summed over settings, of what was planted and of what was shown.
 """
 
 import argparse
 import json
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +47,8 @@ KINDS = (
     "absent", "warm", "swapped", "frozen board", "swapped boards",
 )  # fmt: skip
 OF_BOARDS = ("frozen board", "swapped boards")
+BY_TOUCH = ("deaf", "warm", "swapped", "swapped boards")
+CLEAR, READINGS = 10.0, 3
 
 
 def large_skin(taxels: int = 640) -> sf.Patch:
@@ -202,8 +208,8 @@ def recording(
 
 
 def found(kind: str, name: str, patch: sf.Patch, rate: float, draws: int, seed: int) -> Numbers:
-    """Faults planted, found, and other taxels, and lost among them: summed over draws."""
-    board, total = BOARDS[name], np.zeros(4)
+    """Faults planted, found, other taxels, lost among them, faults shown, found of these: sums."""
+    board, total = BOARDS[name], np.zeros(6)
     for draw in range(draws):
         rng = np.random.default_rng([seed, draw])
         counts, untouched, touched, _ = recording(patch, board, rate, rng)
@@ -213,7 +219,10 @@ def found(kind: str, name: str, patch: sf.Patch, rate: float, draws: int, seed: 
         ).usable
         broken = np.zeros(len(patch), np.bool_)
         broken[rows.reshape(-1)] = True
-        total += broken.sum(), (broken & ~usable).sum(), (~broken).sum(), (~broken & ~usable).sum()
+        above = np.abs(counts - untouched) > CLEAR * untouched.std(axis=0)
+        shown = broken & ((above.sum(axis=0) >= READINGS) | (kind not in BY_TOUCH))
+        kept = (broken, broken & ~usable, ~broken, ~broken & ~usable, shown, shown & ~usable)
+        total += [each.sum() for each in kept]
     return total
 
 
@@ -227,6 +236,32 @@ def lost(scene: str, name: str, patch: sf.Patch, rate: float, draws: int, seed: 
         pressed = load.max(axis=0) > 1.0 / 3.0
         total += len(usable), (~usable).sum(), pressed.sum(), (pressed & ~usable).sum()
     return total
+
+
+def print_sums(rows: list[dict[str, Any]]) -> None:
+    """Shares found by kind, board and rate, then over all, and what was lost."""
+    for fast in (True, False):
+        print("50-100 Hz" if fast else "10 Hz", "found, % of planted by board; of all, of shown")
+        own = [row for row in rows if "fault" in row and (row["rate"] >= 50.0) == fast]
+        for kind in (*KINDS, "one taxel", "all"):
+            kinds = set(KINDS) - set(OF_BOARDS) if kind == "one taxel" else {kind}
+            of = [row for row in own if kind == "all" or row["fault"] in kinds]
+            parts = [[row for row in of if row["board"] == name] for name in BOARDS]
+            shares = [share(part, "found", "planted") for part in (*parts, of)]
+            shares.append(share(of, "shown found", "shown"))
+            print(f"{kind:20}", " ".join(f"{100.0 * each:6.1f}" for each in shares))
+    for part in ([row for row in rows if "scene" in row], [row for row in rows if "fault" in row]):
+        total, lost = (sum(row.get(k, 0.0) for row in part) for k in ("healthy", "lost"))
+        total += sum(row.get("others", 0.0) for row in part)
+        pressed, gone = (sum(row.get(k, 0.0) for row in part) for k in ("pressed", "pressed lost"))
+        print(f"healthy {total:.0f}, lost {lost:.0f}; pressed {pressed:.0f}, lost {gone:.0f}")
+
+
+def share(rows: list[dict[str, Any]], part: str, whole: str) -> float:
+    """Mean over kinds of fault of the share of one sum in another."""
+    kinds = {row["fault"] for row in rows}
+    each = [[row for row in rows if row["fault"] == kind] for kind in kinds]
+    return float(np.mean([sum(r[part] for r in of) / sum(r[whole] for r in of) for of in each]))
 
 
 def main() -> None:
@@ -243,9 +278,11 @@ def main() -> None:
             draws = given.draws if patch is small else max(2, given.draws // 4)
             where = {"board": name, "taxels": len(patch), "rate": rate}
             for kind in KINDS:
-                planted, hits, others, false = found(kind, name, patch, rate, draws, given.seed)
+                planted, hits, others, false, shown, seen = found(
+                    kind, name, patch, rate, draws, given.seed
+                )
                 rows.append(where | {"fault": kind, "planted": planted, "found": hits})
-                rows[-1] |= {"others": others, "lost": false}
+                rows[-1] |= {"others": others, "lost": false, "shown": shown, "shown found": seen}
                 at = f"{name:14} {len(patch):4} at {rate:3.0f} Hz "
                 out = f"{false / others * 1e3:5.2f} of 1000 others lost"
                 print(f"{at} {kind:20} {hits / planted:6.1%} of {planted:4.0f} found, {out}")
@@ -257,6 +294,7 @@ def main() -> None:
                 rows[-1] |= {"pressed": pressed, "pressed lost": gone}
                 out = f"{false / healthy * 1e3:5.2f} of 1000; of {pressed:5.0f} pressed {gone:.0f}"
                 print(f"{at} healthy, {scene:26} lost {out}")
+    print_sums(rows)
     if given.json is not None:
         given.json.write_text(json.dumps(rows, indent=1))
 

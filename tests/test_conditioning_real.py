@@ -63,7 +63,16 @@ def test_the_dead_board_is_found_and_nothing_else(healthy_foot, foot_with_a_dead
     assert np.flatnonzero(faults.verdict == Verdict.FROZEN).tolist() == dead.tolist()
     assert np.flatnonzero(~faults.usable).tolist() == dead.tolist()
     assert "frozen at 240 since the start" in faults.evidence[dead[0]]
-    assert find_faults(healthy_foot[1], healthy_foot[0], ICubByte()).usable.all()
+    for board in (ICubByte(), None):
+        assert find_faults(healthy_foot[1], healthy_foot[0], board).usable.all()
+
+
+def test_what_is_pressed_until_the_board_clips_is_not_stuck(foot_with_a_dead_board):
+    patch, counts = foot_with_a_dead_board
+    lost = ~find_faults(counts, patch).usable  # whose board it is, nobody says
+    assert (counts[-1] == 0.0).any()
+    assert not lost[counts.min(axis=0) < 200].any()
+    assert lost.sum() == 40
 
 
 def test_the_convention_gives_a_baseline_where_no_stretch_does(foot_with_a_dead_board):

@@ -11,6 +11,8 @@ import pytest
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.signal import CySkinCount, ICubByte, Verdict
+from skinfield.signal.fault_evidence import chance_of_none
+from skinfield.signal.faults import merged_faults
 
 ROOT = Path(__file__).parents[1]
 PATCH = sf.layouts.hexagon72()
@@ -91,7 +93,8 @@ def planted() -> Iterator[ModuleType]:
 # What four draws give at least; the large table is the benchmark's.
 LEAST_FOUND = {
     "dead": 1.0, "stuck at 0": 1.0, "stuck at a value": 1.0, "stuck at full scale": 1.0,
-    "stops": 1.0, "absent": 1.0, "frozen board": 1.0, "deaf": 0.6, "swapped": 0.3,
+    "stops": 1.0, "absent": 1.0, "frozen board": 1.0, "deaf": 1.0, "warm": 0.75, "swapped": 0.75,
+    "swapped boards": 0.75, "noisy x 10": 0.75,
 }  # fmt: skip
 
 
@@ -101,8 +104,9 @@ def test_planted_faults_are_found_within_seconds_of_touching(
 ) -> None:
     others = lost = 0.0
     for kind, least in LEAST_FOUND.items():
-        faulty, found, *more = planted.found(kind, board, PATCH, 50.0, 4, 1)
+        faulty, found, *more, shown, _ = planted.found(kind, board, PATCH, 50.0, 4, 1)
         assert found / faulty >= least, kind
+        assert 0.6 * faulty <= shown <= faulty, kind
         others, lost = others + more[0], lost + more[1]
     assert lost <= 0.002 * others
 
@@ -154,6 +158,23 @@ def test_swapped_taxels_are_named_with_each_other(planted: ModuleType) -> None:
     assert named >= 2
 
 
+def test_swapped_boards_are_named_and_nothing_else_is(planted: ModuleType) -> None:
+    counts, rows = planted_in(planted, "swapped boards", [1, 1], "bytes")
+    one, other = PATCH.module[rows[:, 0]]
+    faults = sf.find_faults(counts, PATCH)
+    assert np.flatnonzero(~faults.usable).tolist() == sorted(rows.ravel().tolist())
+    assert (faults.verdict[rows] == Verdict.SWAPPED).all()
+    assert f"touches on board {other}," in faults.evidence[rows[0, 0]]
+    assert f"touches on board {one}," in faults.evidence[rows[1, 0]]
+    twice = merged_faults([faults, faults], [len(counts)] * 2)
+    assert twice.verdict.tolist() == faults.verdict.tolist()
+    whole = counts.copy()
+    whole[:, rows.ravel()] = counts[:, rows[::-1].ravel()]
+    healthy = sf.find_faults(whole, PATCH)
+    assert healthy.usable.all()
+    assert merged_faults([faults, healthy, healthy], [len(counts)] * 3).usable.all()
+
+
 def test_a_board_that_is_not_seen_is_named_as_one(planted: ModuleType) -> None:
     counts, rows = planted_in(planted, "dead", 1, "bytes")
     board = np.flatnonzero(PATCH.module == 2)
@@ -200,6 +221,18 @@ def test_the_users_word_wins(planted: ModuleType) -> None:
         sf.find_faults(counts, PATCH, without=[-1])
     with pytest.raises(InputError, match="both name taxels 3, expected"):
         found.chosen([3], [3])
+
+
+def test_the_chance_of_no_change_is_that_of_taxels_of_many_shares() -> None:
+    rng = np.random.default_rng(3)
+    for a, b in ((2.0, 6.0), (30.0, 90.0)):
+        number = rng.integers(40, 80, 4000)
+        shown = rng.binomial(number, rng.beta(a, b, 4000))
+        none = np.mean((1.0 - rng.beta(a, b, 400_000)) ** 12)
+        assert chance_of_none(shown, number, 12) == pytest.approx(none, rel=0.12)
+    same = rng.binomial(number, 0.2)  # all alike: what differs is counting
+    assert chance_of_none(same, number, 30) == pytest.approx(0.8**30, rel=0.3)
+    assert chance_of_none(same[:4], number[:4], 30) == 1.0
 
 
 def test_counts_of_another_width_than_the_patch_are_refused() -> None:

@@ -19,8 +19,8 @@ from skinfield.signal.calibration import save_calibration as save_calibration
 from skinfield.signal.calibration import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
+from skinfield.signal.fault_evidence import Verdict as Verdict
 from skinfield.signal.faults import Faults as Faults
-from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults
 from skinfield.signal.filters import Exponential as Exponential
 from skinfield.signal.filters import Filter as Filter

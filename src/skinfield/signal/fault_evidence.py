@@ -5,6 +5,7 @@ as often as the other taxels of the recording tell.
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -25,11 +26,12 @@ from skinfield.signal.stationary import (
     readings_per_value,
     whole_numbers,
 )
-from skinfield.signal.touch_response import FREEDOM, TouchResponse, touch_response
+from skinfield.signal.touch_response import TouchResponse, touch_response
 from skinfield.skin import Patch
 
 BROKEN = 0.01  # taxels, before anything is seen
 CERTAIN = 0.9  # least probability of a verdict
+RARE = BROKEN / (1.0 - BROKEN) * (1.0 - CERTAIN) / CERTAIN  # chance, at which it is reached
 FEWEST_TAXELS = 5  # that tell how often a healthy one does what was seen
 LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
 # The same of steps, which are changes by two counts or more where all numbers are whole. A taxel
@@ -41,18 +43,17 @@ STUCK_READINGS = 50  # least length of a final run of one value
 STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
 # half of which it must have shown before
 STUCK_LONGER = 3.0  # times its longest earlier run
-TAXELS_DIFFER = 0.55  # at least, standard deviation of the logarithm of their noise
-TOO_NOISY = 4.0  # times the noise of its calibration, or else of the median taxel
-APART = 3.5  # deviations of the logarithm of taxels' noise, that none is from the others
+TAXELS_DIFFER = 0.4  # at least, standard deviation of the logarithm of their noise, and as it ages
+APART = 3.5  # of these deviations, that no healthy taxel is from the others: 4 times their noise
+NINE_IN_TEN = 1.2816  # deviations, above which one in ten of a normal distribution lies
 LOADED = 0.2  # part of its load by which a pressed taxel may change from reading to reading
 CLIPPED = 0.1  # of all values are the lowest, from which on a board clips there
 HALF = (0.5 - 0.5 / np.pi) ** -0.5  # deviations of a normal distribution in one of its upper half
 FAR = 10.0  # usual deviations from rest
 OF_VALUE = 0.05  # part of a value's height that is a load beside it
 LEAST_BOARD = 3  # taxels of a board that is judged as one
-LEAST_CROSSED = 0.45  # part of how two usually differ as their neighbours do, the other way round
-LEAST_SPREAD = 0.25  # of how they do, as Fisher's z of a correlation
-WEAK = 0.2  # part of a usual response, that a taxel without one does not reach
+EXPLAINED = 0.5  # part of what a taxel reads, that a sum of its neighbours does: it is with them
+WEAK = 0.1  # part of a usual response, that a taxel without one does not reach
 
 
 def probability(healthy: float) -> float:
@@ -60,37 +61,56 @@ def probability(healthy: float) -> float:
     return BROKEN / (BROKEN + (1.0 - BROKEN) * healthy)
 
 
-def chance_of_none(share: Floats, number: float) -> float:
+def chance_of_none(shown: Ints, number: Ints, readings: int) -> float:
     """How often a taxel like the others shows nothing in so many readings.
 
     Parameters
     ----------
-    share : (K,) array
-        Of the readings in which each of the others shows something.
-    number : float
-        Readings.
+    shown, number : (K,) int arrays
+        Readings in which each of the others shows something, of how many.
+    readings : int
 
     Notes
     -----
-    Shares are taken as of a beta distribution, by their mean and variance: E[(1 - share)^number].
+    Shares are taken as of a beta distribution, by their mean and variance beside that of counting:
+    E[(1 - share)^readings].
     """
     from scipy.special import betaln
 
-    if len(share) < FEWEST_TAXELS:
+    if len(shown) < FEWEST_TAXELS:
         return 1.0
+    share = shown / number
     mean = float(np.clip(share.mean(), 1e-6, 1.0 - 1e-6))
-    spread = max(float(share.var()), 1e-6 * mean * (1.0 - mean))
+    counting = mean * (1.0 - mean) * float(np.mean(1.0 / number))
+    spread = max(float(share.var()) - counting, 1e-6 * mean * (1.0 - mean))
     both = max(mean * (1.0 - mean) / spread - 1.0, 1e-3)
     a, b = mean * both, (1.0 - mean) * both
-    return float(np.exp(betaln(a, b + number) - betaln(a, b)))
+    return float(np.exp(betaln(a, b + readings) - betaln(a, b)))
+
+
+class Verdict(IntEnum):
+    """What is wrong with a taxel over a recording."""
+
+    OK = 0
+    ABSENT = 1
+    DEAD = 2
+    STUCK = 3
+    SATURATED = 4
+    NOISY = 5
+    FROZEN = 6
+    TEMPERATURE = 7
+    SWAPPED = 8
+    LEFT_OUT = 9
 
 
 class Finding(NamedTuple):
-    """Taxels (K,) of one fault, how sure that is, and what shows it; of all, or of each."""
+    """Fault of taxels (K,), how sure it is, what shows it, of all or of each, and since when."""
 
+    kind: Verdict
     taxels: Ints
     probability: float
     evidence: str
+    since: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,16 +244,16 @@ class Evidence:
         away = calm & (self.counts[1:] != self.lowest)
         number = away.sum(axis=0)
         judged = self.varies & (number >= min(LEAST_CHANGES, len(calm)))
-        share = (self.changes & away).sum(axis=0)[judged] / number[judged]
-        return chance_of_none(share, (readings or len(self.counts)) - 1)
+        shown = (self.changes & away).sum(axis=0)
+        return chance_of_none(shown[judged], number[judged], (readings or len(self.counts)) - 1)
 
     def resting_chance(self, readings: int | None = None) -> float:
         """How often a healthy taxel is clipped in so many readings in a row; default all."""
         number = (self.quiet & ~np.isnan(self.counts)).sum(axis=0)
         judged = self.varies & (number >= min(LEAST_READINGS, len(self.counts)))
         above = self.quiet & (self.counts > self.lowest)
-        share = above.sum(axis=0)[judged] / number[judged]
-        return chance_of_none(share, len(self.counts) if readings is None else readings)
+        last = len(self.counts) if readings is None else readings
+        return chance_of_none(above.sum(axis=0)[judged], number[judged], last)
 
     def at_clamp(self, constant: Bools) -> Bools:
         """Constant taxels (L,) at a clamp: the convention's, or the highest that others reach."""
@@ -244,12 +264,13 @@ class Evidence:
             found |= self.convention.saturated(self.value)
         return np.asarray(constant & found)
 
-    def pressed_around(self) -> Bools:
-        """Taxels (L,) beside one that is loaded most of the time; all without places."""
+    def pressed_around(self, counts: Floats | None = None) -> Bools:
+        """Taxels (L,) beside one that is loaded in counts (L,), or usually; all without places."""
         if self.patch is None:
             return np.ones(len(self.value), np.bool_)
-        load = np.where(self.varies, np.abs(self.value - self.rest), 0.0)
-        least = np.maximum(FAR * self.usual, OF_VALUE * np.abs(self.value - self.rest))
+        apart = np.abs((self.value if counts is None else counts) - self.rest)
+        load = np.where(self.varies & ~np.isnan(apart), apart, 0.0)
+        least = np.maximum(FAR * self.usual, OF_VALUE * apart)
         beside = np.zeros(len(load), np.bool_)
         for one, other in (self.patch.neighbours.T, self.patch.neighbours.T[::-1]):
             np.logical_or.at(beside, one, load[other] > least[one])
@@ -259,33 +280,36 @@ class Evidence:
 # ---- faults, each with what shows it
 
 
-def constant_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[Finding]]:
+def constant_taxels(seen: Evidence) -> list[Finding]:
     """Taxels that repeat one value: dead near their rest, stuck far from it, or saturated."""
-    dead, stuck, saturated = [], [], []
+    found = []
     constant = ~seen.varies & ~seen.absent
     clamped, far = seen.at_clamp(constant), seen.far(seen.value)
     resting, pressed = seen.value == seen.lowest, seen.pressed_around()
     chances = seen.constant_chance() if constant.any() else 1.0
     rests = seen.resting_chance() if (constant & resting).any() else 1.0
     for taxel in np.flatnonzero(constant):
-        row, value = np.array([taxel]), f"{seen.value[taxel]:g}"
         number = int((~np.isnan(seen.counts[:, taxel])).sum())
+        held = f"{seen.value[taxel]:g} in all {number} readings"
         if clamped[taxel] and pressed[taxel]:
-            saturated.append(Finding(row, 1.0, f"at {value} in all {number} readings"))
+            kind, p, why = Verdict.SATURATED, 1.0, f"at {held}"
         elif clamped[taxel]:
-            why = f"at the clamp {value} in all {number} readings, nothing pressing beside it"
-            stuck.append(Finding(row, probability(min(chances, BROKEN**2)), why))
+            kind, p = Verdict.STUCK, probability(min(chances, BROKEN**2))
+            why = f"at the clamp {held}, nothing pressing beside it"
         elif resting[taxel]:
-            why = f"at {value} in all {number} readings, where others like it rise now and then"
-            dead.append(Finding(row, probability(rests), why))
+            kind, p = Verdict.DEAD, probability(rests)
+            why = f"at {held}, where others like it rise now and then"
         elif seen.decided or np.isfinite(seen.lowest):
-            why = f"repeats {value} in all {number} readings, where noise should change it"
-            kind, why = (stuck, f"{why}; most rest at {seen.rest:g}") if far[taxel] else (dead, why)
-            kind.append(Finding(row, probability(chances), why))
-    return dead, stuck, saturated
+            kind, p = Verdict.STUCK if far[taxel] else Verdict.DEAD, probability(chances)
+            why = f"repeats {held}, where noise should change it"
+            why += f"; most rest at {seen.rest:g}" if far[taxel] else ""
+        else:
+            continue
+        found.append(Finding(kind, np.array([taxel]), p, why))
+    return found
 
 
-def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Finding, int]]:
+def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[Finding]:
     """Boards of which all taxels repeat their values, since a reading, while those of others vary.
 
     Parameters
@@ -296,7 +320,7 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
     since : (L,) int array
         From when on.
     """
-    found: list[tuple[Finding, int]] = []
+    found: list[Finding] = []
     if seen.patch is None:
         return found
     boards = np.unique(seen.patch.module)
@@ -318,44 +342,50 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[tuple[Find
         values = np.unique(seen.counts[-1, rows][~np.isnan(seen.counts[-1, rows])])
         at = f" at {values[0]:g}" if len(values) == 1 else ""
         why = f"frozen{at} {when}, with all {len(rows)} taxels of board {board}"
-        found.append((Finding(rows, p, f"{why}: board not seen, check wiring"), first))
+        why = f"{why}: board not seen, check wiring"
+        found.append(Finding(Verdict.FROZEN, rows, p, why, first))
     return found
 
 
-def stopped_taxels(seen: Evidence) -> tuple[Bools, Ints]:
-    """Taxels (L,) whose final run of one value their own past makes incredible; the run's length.
+def stopped_taxels(seen: Evidence) -> list[Finding]:
+    """Taxels whose final run of one value their own past makes incredible.
 
     The others must go on meanwhile. Healthy ones of a board that clips at rest hold that value.
     """
-    run = _final_run(seen.counts)
-    now = seen.counts[-1]
+    run, now, number = _final_run(seen.counts), seen.counts[-1], len(seen.counts)
     held = np.zeros(len(run), np.bool_)
     if seen.convention is not None:
         held |= seen.convention.saturated(now)
-    for taxel in np.flatnonzero((now == seen.lowest) & (run >= STUCK_READINGS)):
-        held[taxel] |= probability(seen.resting_chance(int(run[taxel]))) < CERTAIN
-    calm = seen.quiet[1:] & seen.quiet[:-1]
-    stuck = np.zeros(len(run), np.bool_)
-    for taxel in np.flatnonzero((run >= LEAST_READINGS) & ~held & seen.varies):
-        before = slice(len(seen.counts) - run[taxel])
-        steps, judged = seen.steps[before, taxel], calm[before, taxel]
-        if judged.sum() < LEAST_READINGS:
-            judged = np.ones_like(judged)
-        if not steps.any() or run[taxel] < STUCK_LONGER * _longest(steps):
-            continue
-        if seen.changes[len(seen.counts) - run[taxel] :].any(axis=0).mean() <= 0.5:
-            continue
-        missed = steps[judged].mean() * run[taxel]
-        stuck[taxel] = (
-            run[taxel] >= STUCK_READINGS
-            and steps[judged].sum() >= STUCK_CHANGES / 2
-            and missed >= STUCK_CHANGES
-        ) or (
-            seen.decided
-            and steps[judged].sum() >= LEAST_STEPS
-            and probability(seen.constant_chance(int(run[taxel]))) >= CERTAIN
-        )
-    return stuck, run
+    for end in (float(np.nanmin(seen.counts)), float(np.nanmax(seen.counts))):
+        if end != seen.lowest:  # the board clips there what is pressed
+            several = ((seen.counts == end).any(axis=0) & seen.varies).sum() > 1
+            held |= (now == end) & (several | (seen.pressed_around(now) & (seen.patch is not None)))
+    for row in np.flatnonzero((now == seen.lowest) & (run >= STUCK_READINGS)):
+        held[row] |= probability(seen.resting_chance(int(run[row]))) < CERTAIN
+    found = []
+    for taxel in np.flatnonzero((run >= LEAST_READINGS) & ~held & seen.varies).tolist():
+        first = number - int(run[taxel])
+        if seen.changes[first:].any(axis=0).mean() > 0.5 and _stopped(seen, taxel, first):
+            why = f"repeats {now[taxel]:g} to the end, while the others go on"
+            p = probability(BROKEN**2)
+            found.append(Finding(Verdict.STUCK, np.array([taxel]), p, why, first))
+    return found
+
+
+def _stopped(seen: Evidence, taxel: int, first: int) -> bool:
+    """Whether a taxel that repeats one value from a reading on should have changed."""
+    run = len(seen.counts) - first
+    steps = seen.steps[:first, taxel]
+    judged = (seen.quiet[1:] & seen.quiet[:-1])[:first, taxel]
+    if judged.sum() < LEAST_READINGS:
+        judged = np.ones_like(judged)
+    if not steps.any() or run < STUCK_LONGER * _longest(steps):
+        return False
+    number, missed = int(steps[judged].sum()), steps[judged].mean() * run
+    if run >= STUCK_READINGS and number >= STUCK_CHANGES / 2 and missed >= STUCK_CHANGES:
+        return True
+    rare = probability(seen.constant_chance(run)) >= CERTAIN
+    return bool(seen.decided and number >= LEAST_STEPS and rare)
 
 
 def _longest(steps: Bools) -> int:
@@ -378,32 +408,26 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
     from scipy.stats import norm
 
     noise, hold = seen.noise, readings_per_value(seen.counts)
+    told = (np.nan_to_num(noise) > 0.0) & seen.varies
+    spread, than = TAXELS_DIFFER, "its calibration says"
     if calibration is not None:
         middle = np.log(np.where(calibration.alive, calibration.noise_std, np.inf))
-        limit, spread = np.log(TOO_NOISY), np.log(TOO_NOISY) / APART
-    else:
-        varied = noise[(noise > 0.0) & seen.varies]
-        if not len(varied):
-            return []
-        level, spreads = level_and_noise(np.log(varied)[:, None])
+    elif told.any():
+        level, spreads = level_and_noise(np.log(noise[told])[:, None])
         middle = np.full(len(noise), level[0])
-        spread = max(float(spreads[0]), TAXELS_DIFFER)
-        limit = APART * spread
-    load = _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
+        wide = float(np.quantile(np.log(noise[told]), 0.9) - level[0]) / NINE_IN_TEN
+        spread, than = max(float(spreads[0]), wide, spread), "that of the median taxel"
+        told &= noise >= LOADED * _standing_load(seen, np.where(seen.quiet, seen.counts, np.nan))
+
     found = []
-    for taxel in np.flatnonzero(np.nan_to_num(noise) > 0.0):
-        apart = np.log(noise[taxel]) - middle[taxel]
-        if apart > limit and np.isfinite(middle[taxel]) and seen.varies[taxel]:
-            if calibration is None and noise[taxel] < LOADED * load[taxel]:
-                continue
-            own = min(noise[taxel], _own_noise(seen, int(taxel), hold))
-            apart = np.log(max(own, 1e-300)) - middle[taxel]
-            if apart <= limit:
-                continue
-            than = "its calibration says" if calibration is not None else "that of the median taxel"
-            why = f"noise of {noise[taxel]:.3g} counts, {np.exp(apart):.0f} times what {than}"
-            p = probability(float(norm.sf(apart / spread)))
-            found.append(Finding(np.array([taxel]), p, why.replace("what that", "that")))
+    for taxel in np.flatnonzero(told).tolist():
+        limit = np.exp(middle[taxel] + APART * spread)
+        if noise[taxel] > limit and (own := _own_noise(seen, taxel, hold)) > limit:
+            own = min(own, noise[taxel])
+            p = probability(float(norm.sf((np.log(own) - middle[taxel]) / spread)))
+            times = own / np.exp(middle[taxel])
+            why = f"noise of {noise[taxel]:.3g} counts, {times:.0f} times {than}"
+            found.append(Finding(Verdict.NOISY, np.array([taxel]), p, why))
     return found
 
 
@@ -439,29 +463,26 @@ def _standing_load(seen: Evidence, counts: Floats) -> Floats:
     return load
 
 
-def unresponsive_taxels(seen: Evidence) -> tuple[list[Finding], list[Finding], list[Finding]]:
+def unresponsive_taxels(seen: Evidence) -> list[Finding]:
     """Taxels that no touch around them moves: dead, stuck far from rest, or led by warmth."""
-    dead: list[Finding] = []
-    stuck: list[Finding] = []
-    warm: list[Finding] = []
-    touches, rows = seen.touches, np.arange(len(seen.value))
-    least = touches.relative(rows, rows)
+    found = []
+    touches = seen.touches
+    least = touches.relative
     far, slow = seen.far(seen.value), _drifts(seen)
     for taxel in np.flatnonzero((least < WEAK) & ~touches.answers & ~seen.absent).tolist():
-        if not touches.moved(taxel):
+        if not touches.moved(taxel) or touches.explained(taxel) > EXPLAINED:
             continue
+        kind = Verdict.DEAD
         why = (
             f"touches that pass over it move it by less than {least[taxel]:.1%} of what others feel"
         )
-        p = probability(touches.chance(taxel, taxel))
         if slow[taxel]:
-            warm.append(Finding(np.array([taxel]), p, f"drifts slowly, as with warmth; {why}"))
+            kind, why = Verdict.TEMPERATURE, f"drifts slowly, as with warmth; {why}"
         elif far[taxel]:
             at = f"holds {seen.value[taxel]:g}, most rest at {seen.rest:g}"
-            stuck.append(Finding(np.array([taxel]), p, f"{at}; {why}"))
-        else:
-            dead.append(Finding(np.array([taxel]), p, why))
-    return dead, stuck, warm
+            kind, why = Verdict.STUCK, f"{at}; {why}"
+        found.append(Finding(kind, np.array([taxel]), probability(touches.chance(taxel)), why))
+    return found
 
 
 def _drifts(seen: Evidence) -> Bools:
@@ -469,33 +490,3 @@ def _drifts(seen: Evidence) -> Bools:
     fast = fast_noise(seen.counts, readings_per_value(seen.counts))
     with np.errstate(invalid="ignore"):
         return np.asarray(deviation(seen.counts) > MOVING * fast)
-
-
-def swapped_taxels(seen: Evidence) -> list[Finding]:
-    """Pairs of taxels that do not answer to touches at their own place, but at each other's."""
-    from scipy.stats import t
-
-    touches = seen.touches
-    told = np.flatnonzero(seen.varies & (touches.strongest > 0.0))
-    told = told[[touches.moved(taxel) for taxel in told.tolist()]]
-    if len(told) < FEWEST_TAXELS:
-        return []
-    fits = np.arctanh(np.clip(touches.crossed(told), -0.999, 0.999))
-    known = fits[np.isfinite(fits)]
-    if not len(known):
-        return []
-    middle = float(np.median(known))
-    spread = max(1.4826 * float(np.median(np.abs(known - middle))), LEAST_SPREAD)
-    found = []
-    for one, other in np.argwhere(np.triu(fits < -LEAST_CROSSED * middle)):
-        if fits[one, other] > min(np.nanmin(fits[one]), np.nanmin(fits[other])):
-            continue  # one of them fits another still better
-        chance = float(t.cdf((fits[one, other] - middle) / spread, FREEDOM))
-        found += _swap(int(told[one]), int(told[other]), chance)
-    return found
-
-
-def _swap(one: int, other: int, chance: float) -> list[Finding]:
-    why = "answers to touches on taxel {}, and not on its own place: the two are swapped"
-    p = probability(chance)
-    return [Finding(np.array([a]), p, why.format(b)) for a, b in ((one, other), (other, one))]

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,25 +10,10 @@ from skinfield.errors import Floats, InputError
 from skinfield.signal import fault_evidence as evidence
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
-from skinfield.signal.fault_evidence import CERTAIN, Evidence, Finding
+from skinfield.signal.fault_evidence import CERTAIN, Evidence, Finding, Verdict
 from skinfield.signal.stationary import recorded
+from skinfield.signal.swapped import swapped_taxels
 from skinfield.skin import Patch
-
-
-class Verdict(IntEnum):
-    """What is wrong with a taxel over a recording."""
-
-    OK = 0
-    ABSENT = 1
-    DEAD = 2
-    STUCK = 3
-    SATURATED = 4
-    NOISY = 5
-    FROZEN = 6
-    TEMPERATURE = 7
-    SWAPPED = 8
-    LEFT_OUT = 9
-
 
 _MEANING = {
     Verdict.ABSENT: "never answer",
@@ -48,7 +32,7 @@ _HELD = (
     Verdict.FROZEN,
     Verdict.ABSENT,
 )  # of a taxel that may be still
-_BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE, Verdict.SWAPPED)
+_BY_TOUCH = (Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE)
 SATURATED_SHARE = 0.5  # of its readings
 
 
@@ -212,7 +196,7 @@ def find_faults(
 
 
 class _Record:
-    """Verdicts as they are found; the later of two stands."""
+    """Verdicts as they are found; the later of two stands, if it is not only for free taxels."""
 
     def __init__(self, taxels: int) -> None:
         self.verdict = np.zeros(taxels, np.int8)
@@ -220,53 +204,45 @@ class _Record:
         self.evidence = [""] * taxels
         self.since = np.full(taxels, -1, np.int64)
 
-    def put(self, kind: Verdict, found: Sequence[Finding], since: int = 0) -> None:
+    def put(self, found: Iterable[Finding], free: bool = False) -> None:
         """Take in what is certain enough."""
         for each in found:
             if each.probability < CERTAIN:
                 continue
-            self.verdict[each.taxels] = kind
-            self.probability[each.taxels] = each.probability
-            self.since[each.taxels] = since
-            for taxel in each.taxels:
+            rows = each.taxels[self.verdict[each.taxels] == Verdict.OK] if free else each.taxels
+            self.verdict[rows] = each.kind
+            self.probability[rows] = each.probability
+            self.since[rows] = each.since
+            for taxel in rows:
                 self.evidence[taxel] = each.evidence
 
 
 def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) -> Bools:
     """Put all verdicts into a record; taxels (L,) that feel a touch."""
     counts, taxels = seen.counts, seen.counts.shape[1]
-    record.put(Verdict.NOISY, evidence.too_noisy(seen, calibration))
-    stopped, run = evidence.stopped_taxels(seen)
-    for taxel in np.flatnonzero(stopped):
-        why = f"repeats {counts[-1, taxel]:g} to the end, while the others go on"
-        found = Finding(np.array([taxel]), evidence.probability(evidence.BROKEN**2), why)
-        record.put(Verdict.STUCK, [found], len(counts) - int(run[taxel]))
-    dead, stuck, saturated = evidence.constant_taxels(seen)
-    record.put(Verdict.DEAD, dead)
-    record.put(Verdict.STUCK, stuck)
+    record.put(evidence.too_noisy(seen, calibration))
+    stopped = evidence.stopped_taxels(seen)
+    record.put(stopped)
+    constant = evidence.constant_taxels(seen)
+    record.put(constant)
     answers = np.zeros(taxels, np.bool_)
     if seen.patch is not None:
         answers = seen.touches.answers
-        fresh = _Record(taxels)
-        kinds = Verdict.DEAD, Verdict.STUCK, Verdict.TEMPERATURE
-        for kind, of_kind in zip(kinds, evidence.unresponsive_taxels(seen), strict=True):
-            fresh.put(kind, of_kind)
-        fresh.put(Verdict.SWAPPED, evidence.swapped_taxels(seen))
-        for taxel in np.flatnonzero((fresh.verdict > 0) & (record.verdict == 0)):
-            words = Finding(np.array([taxel]), fresh.probability[taxel], fresh.evidence[taxel])
-            record.put(Verdict(fresh.verdict[taxel]), [words])
-    broken = np.isin(record.verdict, (Verdict.DEAD, Verdict.STUCK)) & (stopped | ~seen.varies)
-    for board, first in evidence.frozen_boards(seen, broken, np.maximum(record.since, 0)):
-        record.put(Verdict.FROZEN, [board], first)
-    record.put(Verdict.SATURATED, saturated)
+        record.put(swapped_taxels(seen), free=True)
+        record.put(evidence.unresponsive_taxels(seen), free=True)
+    still = ~seen.varies
+    still[[int(taxel) for each in stopped for taxel in each.taxels]] = True
+    broken = np.isin(record.verdict, (Verdict.DEAD, Verdict.STUCK)) & still
+    record.put(evidence.frozen_boards(seen, broken, np.maximum(record.since, 0)))
+    record.put(each for each in constant if each.kind == Verdict.SATURATED)
     if seen.convention is not None:
         often = seen.convention.saturated(counts).mean(axis=0)
         for taxel in np.flatnonzero((often > SATURATED_SHARE) & seen.varies):
             why = f"at a clamp in {often[taxel]:.0%} of {len(counts)} readings"
-            record.put(Verdict.SATURATED, [Finding(np.array([taxel]), 1.0, why)])
+            record.put([Finding(Verdict.SATURATED, np.array([taxel]), 1.0, why)])
     none = np.flatnonzero(seen.absent)
     why = f"no answer in {len(counts)} readings: not connected, or of another port"
-    record.put(Verdict.ABSENT, [Finding(none, 1.0, why)])
+    record.put([Finding(Verdict.ABSENT, none, 1.0, why)])
     return answers
 
 
@@ -318,9 +294,9 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     """Verdict over consecutive stretches of one recording.
 
     A taxel is absent, frozen or dead if it is so in all of them; noisy or saturated if so in more
-    than half; stuck if it stops changing in one and never changes again, or does not change in the
-    last two; and what touches tell of one holds unless it feels a touch in another. One stretch is
-    returned as it is.
+    than half, swapped if so in more than half of those in which it feels a touch; stuck if it stops
+    changing in one and never changes again, or does not change in the last two; and what touches
+    tell of one else holds unless it feels a touch in another. One stretch is returned as it is.
 
     Parameters
     ----------
@@ -334,12 +310,15 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
     verdicts = np.array([each.verdict for each in found])
     varies = np.array([each.varies for each in found])
     decided = np.array([each.decided for each in found])
-    answers = np.asarray(np.array([each.answers for each in found]).any(axis=0))
+    told = np.array([each.answers for each in found])
+    answers = np.asarray(told.any(axis=0))
     verdict = np.zeros(verdicts.shape[1], np.int8)
     for kind in (Verdict.NOISY, Verdict.SATURATED):
         verdict[(verdicts == kind).mean(axis=0) > 0.5] = kind
     for kind in _BY_TOUCH:
         verdict[((verdicts == kind) & varies).any(axis=0) & ~answers & (verdict == 0)] = kind
+    crossed = (verdicts == Verdict.SWAPPED).sum(axis=0)
+    verdict[(crossed > 0.5 * told.sum(axis=0)) & (crossed > 0) & (verdict == 0)] = Verdict.SWAPPED
     stuck, since = _stuck_for_good(verdicts, varies, decided)
     verdict[stuck] = Verdict.STUCK
     still = np.isin(verdicts, _HELD) & ~varies

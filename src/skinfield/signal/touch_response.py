@@ -1,40 +1,38 @@
 """Response of taxels to touches that pass over them, beside that of their neighbours.
 
-What surrounds a taxel on all sides is on the taxel, too: the load that neighbours on every side of
-it feel at once is the least to expect of it. How much more or less healthy taxels feel is seen in
-the recording itself, so no model of the layer is needed. Only touches that move tell: a hand that
-holds on may have a gap between its fingers.
+What neighbours read tells what a taxel should: the slope of its readings on the mean of theirs, as
+far as they were touched on all sides of it. How healthy taxels differ in it is seen in the
+recording itself, so no model of the layer is needed. Only touches that move tell: a hand that holds
+on may have a gap between its fingers.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.signal.boards import Bools
 from skinfield.signal.stationary import median, readings_per_value, whole_numbers
 from skinfield.skin import Patch
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    Links = csr_array[np.float64]
+
 MOST_READINGS = 4000  # that are looked at: of more, means of some in a row
 SEGMENTS = 8  # of a recording, whose untouched readings tell the rest
-DIRECTIONS, SECTOR = 12, np.deg2rad(75.0)  # sides of a taxel, and how wide each is either way
-LEAST_SIDES = 0.75  # part of them, that have a neighbour
-LOAD, PRESSED = 8.0, 10.0  # deviations, of each neighbour that feels a load, and of a touch
-FAINT = 0.05  # of the highest reading: no load below tells
-STRONG = 0.5  # of the strongest load, in readings that tell
+PRESSED = 10.0  # deviations of a touch
 LEAST_ALONE = 0.33  # part of the readings, in which nothing touches around a taxel
-PASSING, MOVED = (
-    0.15,
-    0.7,
-)  # part of it, down to which cosines of neighbours' loads fall as it moves
+PASSING = 0.15  # part of the strongest load around a taxel, that tells from where it came
+MOVED = 0.7  # cosine of neighbours' loads, down to which it falls as a load moves
 FREEDOM = 5.0  # of Student's t, of the logarithm of responses
-ALIKE = 0.6  # cosine of the loads around two taxels, from which on they are touched together
-LEAST_EACH = 2  # neighbours that each of two has for itself
 FEWEST = 8  # taxels that tell how healthy ones respond
 ANSWERS, SURE, LEAST_READINGS = 0.3, 4.0, 3  # of a response, deviations; readings of one that is
 STANDS_OUT = 6.0  # deviations, of two readings in a row that are no noise
-ERRORS = 2.0  # standard errors, that a response may be larger
+ERRORS = 1.0  # standard errors, that a response may be larger
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,156 +43,139 @@ class TouchResponse:
     ----------
     height : (T, L) array, counts
         Change from rest, positive under pressure; 0 where a taxel did not answer.
-    load : (T, L) array, counts
-        That neighbours feel on all sides of a taxel, as far as there are any.
-    alone : (L,) array
-        Part of the readings in which no neighbour is touched.
+    beside_touched : (T, L) bool array
+        Whether a neighbour is touched.
     noise : (L,) array, counts
     usual : float, counts
         Deviation of the median taxel.
-    near : (L, N) int array
-        Neighbours, the taxel itself where there are fewer.
+    links : (L, L) sparse array
+        Ones at the neighbours of each taxel that tell of a load.
+    plane : (L, 2) array, m
+        Places.
     hold : float
         Readings for which one value is repeated.
     """
 
     height: Floats
-    load: Floats
-    alone: Floats
+    beside_touched: Bools
     noise: Floats
     usual: float
-    near: Ints
+    links: "Links"
+    plane: Floats
     hold: float
 
     @cached_property
-    def strongest(self) -> Floats:
-        """Highest load (L,) on a taxel, 0 where none tells."""
-        highest = self.load.max(axis=0, initial=0.0)
-        least = FAINT * float(self.height.max(initial=0.0))
-        return np.where(highest > least, highest, 0.0)
+    def around(self) -> Floats:
+        """Mean (T, L) of what the neighbours of each taxel read."""
+        return mean_around(self.links, self.height)
 
     @cached_property
-    def strong(self) -> Bools:
-        """Where (T, L) the load on a taxel is near its highest."""
-        return np.asarray((self.load >= STRONG * self.strongest) & (self.strongest > 0.0))
+    def loaded(self) -> Bools:
+        """Taxels (L,) whose neighbours feel a touch some time."""
+        return np.asarray((self.around > PRESSED * self.usual).any(axis=0))
+
+    @cached_property
+    def felt(self) -> Bools:
+        """Taxels (L,) that some touch is read by, whether at their place or not."""
+        return np.asarray((self.height > PRESSED * self.usual).any(axis=0))
+
+    @cached_property
+    def _power(self) -> Floats:
+        return np.where(self.loaded, np.sum(self.around**2, axis=0), np.nan)
+
+    @cached_property
+    def balance(self) -> Floats:
+        """How evenly (L,) the neighbours of a taxel were touched: 1 on all sides, 0 on one."""
+        energy = np.sum(np.maximum(self.height, 0.0) ** 2, axis=0)
+        ends = self.links.tocoo()
+        way = self.plane[ends.col] - self.plane[ends.row]
+        way /= np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
+        drawn, total = np.zeros(self.plane.shape), np.zeros(len(energy))
+        np.add.at(drawn, ends.row, energy[ends.col, None] * way)
+        np.add.at(total, ends.row, energy[ends.col])
+        return np.asarray(1.0 - np.linalg.norm(drawn, axis=1) / np.maximum(total, 1e-300))
 
     @cached_property
     def response(self) -> Floats:
-        """Of taxel i to the load on taxel k, (L, L) by k and i: parts of the load; NaN if none."""
-        from scipy.sparse import csr_array
-
-        total = np.sum(self.load, axis=0, where=self.strong)
-        told = np.asarray(csr_array(self.strong.T.astype(np.float64)) @ self.height)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(told / total[:, None])
-
-    @cached_property
-    def error(self) -> Floats:
-        """Standard error of the responses to the load on a taxel, (L,) for a noise of 1."""
-        number = np.maximum(self.strong.sum(axis=0) / self.hold, 1.0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            mean = np.sum(self.load, axis=0, where=self.strong) / self.strong.sum(axis=0)
-            return np.asarray(1.0 / (np.sqrt(number) * mean))
+        """Slope (L,) of a taxel's readings on its neighbours'; NaN where none is touched."""
+        return np.asarray(np.sum(self.around * self.height, axis=0) / self._power)
 
     @cached_property
     def usual_response(self) -> tuple[float, float]:
         """Logarithm of the median response, and its robust deviation; NaN where few tell."""
-        own = np.diag(self.response)[self.strongest > 0.0]
-        told = np.log(own[own > 0.0])
+        told = np.log(self.response[np.nan_to_num(self.response) > 0.0])
         if len(told) < FEWEST:
             return float("nan"), float("nan")
         middle = float(np.median(told))
         return middle, 1.4826 * float(np.median(np.abs(told - middle)))
 
-    def chance(self, load_on: int, taxel: int) -> float:
-        """How often a healthy taxel responds as little as `taxel` to the passes over `load_on`."""
+    @cached_property
+    def relative(self) -> Floats:
+        """Largest credible response (L,) of each taxel, 1: that of the median; NaN if none.
+
+        To what touches it on all sides: a touch that stays beside a taxel is not on it.
+        """
+        error = self.noise * np.sqrt(self.hold / self._power)
+        most = np.maximum(self.response, 0.0) + ERRORS * error
+        return np.asarray(most / (np.exp(self.usual_response[0]) * np.maximum(self.balance, 1e-9)))
+
+    def chance(self, taxel: int) -> float:
+        """How often a healthy taxel responds as little as this one."""
         from scipy.stats import t
 
-        middle, spread = self.usual_response
-        if not (np.isfinite(middle) and self.strongest[load_on]):
-            return 1.0
-        load, chance = self.load[:, load_on], 1.0
-        rows = np.flatnonzero(self.strong[:, load_on])
-        away = np.cumsum(load < PASSING * self.strongest[load_on])[rows]
-        for each in np.split(rows, np.flatnonzero(np.diff(away)) + 1):
-            error = self.noise[taxel] / np.sqrt(max(len(each) / self.hold, 1.0))
-            most = max(float(self.height[each, taxel].mean()), 0.0) + ERRORS * error
-            apart = (np.log(most / load[each].mean()) - middle) / max(spread, 0.1)
-            chance *= float(t.cdf(apart, FREEDOM))
-        return chance
-
-    def relative(self, load_on: Ints, taxel: Ints) -> Floats:
-        """Largest credible response of `taxel` to the load on `load_on`, 1: that of the median."""
-        told = self.response[load_on, taxel]
-        most = np.maximum(told, 0.0) + ERRORS * self.error[load_on] * self.noise[taxel]
-        return np.asarray(most / np.exp(self.usual_response[0]))
+        spread = max(self.usual_response[1], 0.1)
+        return float(t.cdf(np.log(max(self.relative[taxel], 1e-300)) / spread, FREEDOM))
 
     @cached_property
     def answers(self) -> Bools:
         """Taxels (L,) that were touched some time, whether something surrounded them or not.
 
-        Some readings reach part of a usual response, or some in a row stand out, as no jump does.
+        Some readings reach part of a usual response, or one does while a neighbour is touched, or
+        some in a row stand out, as no jump does.
         """
-        usual = np.exp(np.nan_to_num(self.usual_response[0])) * self.strongest
+        usual = np.exp(np.nan_to_num(self.usual_response[0])) * self.around.max(axis=0, initial=0.0)
         least = np.maximum(ANSWERS * usual, SURE * self.noise)
-        least = np.where(usual > 0.0, np.maximum(least, PRESSED * self.usual), np.inf)
-        often = (self.height > least).sum(axis=0) >= LEAST_READINGS
+        least = np.where(self.loaded, np.maximum(least, PRESSED * self.usual), np.inf)
+        reached = self.height > least
+        often = (reached.sum(axis=0) >= LEAST_READINGS) | (reached & self.beside_touched).any(
+            axis=0
+        )
         held = self.height > np.maximum(STANDS_OUT * self.noise, PRESSED * self.usual)
         row, count = held, int(np.ceil(2.0 * self.hold))
         for _ in range(count - 1):
             row = row[:-1] & held[len(held) - len(row) + 1 :]
         return np.asarray(often | row.any(axis=0))
 
-    def crossed(self, taxels: Ints) -> Floats:
-        """How much each two of N taxels read as if each were the other, (N, N): 1 not, -1 fully.
-
-        The correlation of the difference of the two with that of their neighbours' means; of two
-        that are neighbours, only of those that each has for itself. NaN where both are touched
-        alike, so that nothing tells.
-        """
-        own = self.height[:, taxels]
-        around = np.stack([self.height[:, self._around(a)].mean(axis=1) for a in taxels], axis=1)
-        both, fit = own.T @ around, np.diag(own.T @ around)
-        power, load = own.T @ own, around.T @ around
-        number = fit[:, None] + fit - both - both.T
-        size = _difference(power) * _difference(load)
-        alike = load / np.sqrt(np.maximum(np.outer(np.diag(load), np.diag(load)), 1e-300))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found = np.where((size > 0.0) & (alike < ALIKE), number / np.sqrt(size), np.nan)
-        for one, other in np.argwhere((taxels[:, None, None] == self.near[taxels]).any(axis=2)):
-            found[one, other] = self._crossed_neighbours(taxels[one], taxels[other])
-        np.fill_diagonal(found, np.nan)
-        return np.asarray(found)
-
-    def _crossed_neighbours(self, one: int, other: int) -> float:
-        mine, yours = (
-            np.setdiff1d(self.near[a], [*self.near[b], a, b])
-            for a, b in ((one, other), (other, one))
-        )
-        if min(len(mine), len(yours)) < LEAST_EACH:
-            return float("nan")
-        first, second = (self.height[:, each].mean(axis=1) for each in (mine, yours))
-        own = self.height[:, one] - self.height[:, other]
-        size = float(np.sqrt((own @ own) * ((first - second) @ (first - second))))
-        alike = first @ second >= ALIKE * np.sqrt((first @ first) * (second @ second))
-        return float("nan") if alike or size <= 0.0 else float(own @ (first - second)) / size
-
-    def _around(self, taxel: int) -> Ints:
-        return np.asarray(self.near[taxel][self.near[taxel] != taxel])
+    def explained(self, taxel: int) -> float:
+        """Part of what a taxel reads that its neighbours' readings add up to."""
+        theirs, own = self.height[:, self.links[[taxel]].indices], self.height[:, taxel]
+        fit = np.linalg.lstsq(theirs, own, rcond=None)[0]
+        left = own - theirs @ fit
+        return 1.0 - float(left @ left) / max(float(own @ own), 1e-300)
 
     def moved(self, taxel: int) -> bool:
         """Whether the load around a taxel came and went, from one side and then from another."""
-        around = self._around(taxel)
-        if len(around) < 2 or not self.strongest[taxel] or self.alone[taxel] < LEAST_ALONE:
+        near = self.links[[taxel]].indices
+        if (
+            len(near) < 2
+            or not self.loaded[taxel]
+            or self.beside_touched[:, taxel].mean() > 1 - LEAST_ALONE
+        ):
             return False
-        loads = np.maximum(self.height[:, around], 0.0)
+        loads = np.maximum(self.height[:, near], 0.0)
         total = loads.sum(axis=1)
-        at = int(np.argmax(self.load[:, taxel]))
-        least = max(PASSING * total[at], PRESSED * self.usual * np.sqrt(len(around)))  # no noise
+        at = int(np.argmax(total))
+        least = max(PASSING * total[at], PRESSED * self.usual * np.sqrt(len(near)))  # no noise
         there = total >= least
         size = np.linalg.norm(loads, axis=1)
         cosine = loads[there] @ loads[at] / np.maximum(size[there] * size[at], 1e-300)
         return bool(cosine.min(initial=1.0) < MOVED)
+
+
+def mean_around(links: "Links", height: Floats) -> Floats:
+    """Mean (T, N) of the taxels that each of N rows links to; 0 where it links to none."""
+    number = np.maximum(links.sum(axis=1), 1.0)
+    return np.asarray((links @ height.T).T / number)
 
 
 def touch_response(
@@ -218,39 +199,23 @@ def touch_response(
     noise = np.maximum(noise, rounding)
     hold = readings_per_value(counts)
     counts, group = _shortened(counts)
-    near = _near(patch)
     signed = counts * (direction or _direction(counts[:, ~silent]))
     usual = max(float(np.median(noise[~silent])) if (~silent).any() else 0.0, rounding)
-    height, alone = _heights(signed, near, silent, usual / np.sqrt(group))
-    height = np.nan_to_num(height)
-    least = LOAD * np.maximum(noise, usual) / np.sqrt(group)  # no jump of noise
-    felt = ~silent & (height > least)
-    load = _load(np.where(felt, height, 0.0), patch, near, silent)
+    links = _links(patch, silent)
+    height, beside = _heights(signed, links, usual / np.sqrt(group))
     return TouchResponse(
-        height,
-        load,
-        alone,
-        noise / np.sqrt(group),
-        usual / np.sqrt(group),
-        near,
-        max(hold / group, 1.0),
-    )
+        np.nan_to_num(height), beside, noise / np.sqrt(group), usual / np.sqrt(group), links,
+        patch.plane, max(hold / group, 1.0),
+    )  # fmt: skip
 
 
-def _difference(products: Floats) -> Floats:
-    """Squared sums of the differences of each two columns, from their products (N, N)."""
-    square = np.diag(products)
-    return np.asarray(np.maximum(square[:, None] + square - 2.0 * products, 0.0))
+def _links(patch: Patch, silent: Bools) -> "Links":
+    """Ones (L, L) at the neighbours of each taxel, silent ones left out."""
+    from scipy.sparse import csr_array
 
-
-def _near(patch: Patch) -> Ints:
-    """Neighbours (L, N) of each taxel; itself where it has fewer."""
-    pairs = np.concatenate([patch.neighbours, patch.neighbours[:, ::-1]])
-    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
-    turn = np.arange(len(pairs)) - np.searchsorted(pairs[:, 0], pairs[:, 0])
-    near = np.tile(np.arange(len(patch)), (int(turn.max(initial=-1)) + 1, 1)).T
-    near[pairs[:, 0], turn] = pairs[:, 1]
-    return near
+    rows, near = np.concatenate([patch.neighbours, patch.neighbours[:, ::-1]]).T
+    real = ~silent[near]
+    return csr_array((np.ones(int(real.sum())), (rows[real], near[real])), shape=2 * (len(patch),))
 
 
 def _shortened(counts: Floats) -> tuple[Floats, int]:
@@ -273,10 +238,10 @@ def _direction(counts: Floats) -> int:
     return 1 if cubes.sum() >= 0.0 else -1
 
 
-def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[Floats, Floats]:
+def _heights(signed: Floats, links: "Links", usual: float) -> tuple[Floats, Bools]:
     """Change from rest (T, L), rest by the readings in which no neighbour is touched, as it drifts.
 
-    And their part of all, (L,).
+    And where one is, (T, L).
 
     A taxel that is touched all the time rests at its lowest readings.
     """
@@ -284,10 +249,8 @@ def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[F
     low = np.zeros(signed.shape[1])
     low[~gone] = np.nanpercentile(signed[:, ~gone], 20.0, axis=0)
     height = signed - low
-    high = np.where(silent, 0.0, np.nan_to_num(height))
-    touched, rows = np.zeros(high.shape, np.bool_), np.arange(high.shape[1])
-    for column in near.T:
-        touched |= (high[:, column] > PRESSED * usual) & (column != rows)
+    high = (np.nan_to_num(height) > PRESSED * usual).astype(np.float64)
+    touched = np.asarray(links @ high.T).T > 0.0
     quiet = np.where(touched, np.nan, height)
     parts = np.array_split(np.arange(len(height)), min(SEGMENTS, max(len(height) // 16, 1)))
     levels = np.full((len(parts), height.shape[1]), np.nan)
@@ -295,30 +258,11 @@ def _heights(signed: Floats, near: Ints, silent: Bools, usual: float) -> tuple[F
         enough = (~np.isnan(quiet[part])).sum(axis=0) > 2
         levels[row, enough] = median(quiet[part][:, enough])
     at, middles = np.arange(len(height)), np.array([part.mean() for part in parts])
+    if len(parts) > 1:  # a drift goes on to both ends
+        ends = 1.5 * levels[[0, -1]] - 0.5 * levels[[1, -2]]
+        levels = np.vstack([ends[0], levels, ends[1]])
+        middles = np.concatenate([at[:1], middles, at[-1:]])
     for taxel in np.flatnonzero(np.isfinite(levels).any(axis=0)):
         known = np.isfinite(levels[:, taxel])
         height[:, taxel] -= np.interp(at, middles[known], levels[known, taxel])
-    return height, 1.0 - touched.mean(axis=0)
-
-
-def _load(height: Floats, patch: Patch, near: Ints, silent: Bools) -> Floats:
-    """Load (T, L) that neighbours feel on all sides that have any.
-
-    0 where all neighbours lie on one side.
-    """
-    plane, rows = patch.plane, np.arange(len(patch))
-    way = plane[near] - plane[:, None]
-    angle = np.arctan2(way[..., 1], way[..., 0])
-    real = (near != rows[:, None]) & ~silent[near]
-    load, sides = np.full(height.shape, np.inf), np.zeros(len(rows), np.int64)
-    for side in 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
-        there = real & (np.cos(angle - side) >= np.cos(SECTOR))
-        highest = np.zeros_like(height)
-        for column in np.flatnonzero(there.any(axis=0)):
-            its = there[:, column]
-            highest[:, its] = np.maximum(highest[:, its], height[:, near[its, column]])
-        any_ = there.any(axis=1)
-        sides += any_
-        load[:, any_] = np.minimum(load[:, any_], highest[:, any_])
-    told = sides >= LEAST_SIDES * DIRECTIONS
-    return np.where(told, load, 0.0)
+    return height, touched
