@@ -73,7 +73,7 @@ def presses(table: Floats, noise: Floats | None) -> Presses:
     for _ in range(PASSES):
         first = _starts(table, own)
         numbers, count, mean = _means(table, first)
-        spread = own * np.sqrt(1.0 / np.maximum(count, 1.0) + REST**2)
+        spread = own * np.sqrt(np.maximum(1.0 / np.maximum(count, 1.0), REST**2))
         over = np.nan_to_num(mean) / spread
         strong = np.maximum(over.max(axis=1), -over.min(axis=1)) > STRONG
         if noise is None:
@@ -112,9 +112,12 @@ def _rest(table: Floats, end: Floats, noise: Floats, touched: NDArray[np.bool_])
 
 
 def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Of runs one after the other that press one taxel most, the longest: they are one press."""
-    if not len(peak):
-        return np.zeros(0, np.int64)
+    """Of runs one after the other that press one taxel most, the longest: they are one press.
+
+    Where most last for one reading, each is a press of its own.
+    """
+    if not len(peak) or np.median(length) <= 1.0:
+        return np.arange(len(peak))
     touch = np.cumsum(np.r_[True, peak[1:] != peak[:-1]])
     order = np.lexsort((-length, touch))
     return order[np.r_[True, np.diff(touch[order]) > 0]]
