@@ -125,6 +125,7 @@ def real(number: int, seed: int) -> Touched:
     )
     when = np.arange(0.0, REST + period * REAL_PRESSES, 5e-3)
     load = np.interp(when, knots.ravel(), np.tile([0.0, 1.0, 1.0, 0.0], REAL_PRESSES))
+    assert habits.elastomer is not None
     load = habits.elastomer.effective_force(when, load)
     sampling = skin.sample_times(when[-1], clock)
     which = np.clip(((sampling.instants - REST) // period).astype(int), 0, REAL_PRESSES - 1)

@@ -12,7 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.calibrate.press_tables import PressTables
-from skinfield.calibrate.touch_fit import ALONE, OWN, Data, JointFit, Priors, State, refined, start
+from skinfield.calibrate.touch_fit import (
+    ALONE,
+    OWN,
+    Data,
+    JointFit,
+    Priors,
+    State,
+    readings,
+    refined,
+    start,
+)
 from skinfield.calibrate.touch_presses import STRONG, Presses, presses
 from skinfield.calibrate.touch_sampling import marginal
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
@@ -21,7 +31,7 @@ from skinfield.signal import Calibration
 from skinfield.skin import Patch
 
 LEAST = 20  # presses
-SILENT = 4.0  # deviations of a reading: a taxel that never reads more is silent
+SILENT = 4.0  # deviations of a reading: a taxel that never reads more is dead, if it should
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
 ERRORS = (0.1, 0.03, 0.1, 0.05, 0.02, 0.01, 0.004)  # parts of what is read
@@ -191,9 +201,11 @@ def touch(
     check_type("quantity", quantity, Quantity, "such as skinfield.elastic.Capacitance()")
     table = as_floats("readings", readings)
     found = _presses(table, patch, noise_std)
+    values, heard = np.nan_to_num(found.readings), np.isfinite(found.readings)
+    silent = (values < SILENT * found.noise).all(axis=0)
     data = Data(
-        np.nan_to_num(found.readings),
-        np.isfinite(found.readings) & _answers(found, patch),
+        values,
+        heard & ~silent,
         found.noise,
         found.clipped,
         patch.plane,
@@ -205,7 +217,9 @@ def touch(
         for covered in (False, True)
     ]
     common = first[0].used & first[1].used
-    covered = first[1].on(common) > first[0].on(common)
+    covered = bool(first[1].on(common) > first[0].on(common))
+    dead = silent & (first[covered].reads().max(axis=0) > STRONG * found.noise_std)
+    data = replace(data, heard=heard & ~dead)
     fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
     made, forces = fit.finished(nominal, found.noise_std)
     if known_force is None:
@@ -213,17 +227,6 @@ def touch(
     known = as_floats("known_force", known_force)
     check_shape("known_force", known, (len(table),), "one per reading, NaN where not known")
     return _scaled(made, known, forces, found)
-
-
-def _answers(found: Presses, patch: Patch) -> NDArray[np.bool_]:
-    """Taxels (L,) that are not silent amid neighbours each of which felt a press most."""
-    values = np.nan_to_num(found.readings)
-    silent = (values < SILENT * found.noise).all(axis=0)
-    pressed = np.isin(np.arange(len(patch)), values.argmax(axis=1))
-    amid = np.ones(len(patch), np.bool_)
-    for one, other in ((0, 1), (1, 0)):
-        np.logical_and.at(amid, patch.neighbours[:, one], pressed[patch.neighbours[:, other]])
-    return ~(silent & amid)
 
 
 def _presses(table: Floats, patch: Patch, noise_std: ArrayLike | None) -> Presses:
@@ -268,6 +271,11 @@ class _SkinFit:
     used: NDArray[np.bool_]
     evidence: float
     covered: bool
+
+    def reads(self) -> Floats:
+        """What taxels (T, L) of gain 1 read by it, of the presses that are used."""
+        taxels = self.fit.data.taxels
+        return readings(self.fit.tables, self.state.touches, self.state.skin, taxels)
 
     def on(self, presses: NDArray[np.bool_]) -> float:
         """Evidence on some of the presses that are used."""
