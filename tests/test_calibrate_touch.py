@@ -161,7 +161,7 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(
     tried = json.loads(next(line for line in run(*words).splitlines() if line.startswith("{")))
     softer = (made.thickness / 2.3e-3) ** 3  # of a bonded layer that hardly changes its volume
     assert tried["factor"] == pytest.approx(3.0 * softer, rel=0.2)
-    assert 0.05 < tried["rmse_N"] / tried["constant_rmse_N"] < 0.5
+    assert 0.05 < tried["rmse_N"] / tried["constant_rmse_N"] < 0.7
     assert "relative: one is" in tried["verdict"]
     assert "expected the layout beside it" in refused("calibrate", "check", cal, skin)
     save_calibration(
