@@ -142,6 +142,7 @@ def estimate_baseline(
         level = np.where(present, quiet_level(counts, neighbours), np.nan)
         noise = np.fmax(shared_noise(counts - level, neighbours), _QUANTISATION if whole else 0.0)
     correlation = readings_per_independent(x)
+    noise = _no_quieter(noise, present & ~moving & ~floor, len(window) / correlation)
     loaded = _loaded(level, noise, convention)
     span = f"readings {stretch.start} to {stretch.stop}"
     return Baseline(
@@ -166,6 +167,26 @@ def _level_and_noise(x: Floats, window: Floats, floor: Bools, whole: bool) -> tu
         upper = np.nanpercentile(window[:, floor], 84.134, axis=0)
         noise[floor] = np.maximum(upper - level[floor], _QUANTISATION)
     return level, np.maximum(noise, _QUANTISATION) if whole else noise
+
+
+def _no_quieter(noise: Floats, known: Bools, readings: float) -> Floats:
+    """Noise (L,) of which none is less than its readings tell, beside those of the others.
+
+    Deviations of few readings are spread, and the stillest stretch was chosen: what is below the
+    others is drawn towards them (Efron and Morris 1975), as far as chance spreads logarithms.
+    """
+    known = known & (noise > 0.0)
+    if known.sum() < 3:
+        return noise
+    logs = np.log(noise[known])
+    middle = float(np.median(logs))
+    spread = (1.4826 * float(np.median(np.abs(logs - middle)))) ** 2
+    chance = 1.0 / (2.0 * max(readings - 1.0, 1.0))
+    own = max(spread - chance, 0.0) / spread if spread > 0.0 else 1.0
+    least = np.exp(middle + own * np.minimum(logs - middle, 0.0))
+    drawn = noise.copy()
+    drawn[known] = np.maximum(noise[known], least)
+    return drawn
 
 
 def _unpressed(pressed: Floats, noise: Floats, direction: int) -> Floats:
