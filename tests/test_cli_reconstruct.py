@@ -9,8 +9,10 @@ import pytest
 from command_line import refused, run
 
 import skinfield as sf
+from skinfield.calibrate import save_calibration
 from skinfield.cli.options import SOLVERS
 from skinfield.files import save_recording
+from skinfield.signal import Calibration, ICubByte
 from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.hexagon72()
@@ -165,7 +167,16 @@ def test_what_makes_no_sense_is_refused_with_the_flag(press_csv: Path, tmp_path:
 def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path: Path) -> None:
     words = ("--skin", "hexagon72", "--gain", 5, "--grid", 5)
     said = " ".join(run("reconstruct", press_csv, *words).split())
-    assert "board, gain and calibration are not used" in said
+    assert "board and gain are not used" in said
+    patch, cal = sf.layouts.hexagon72(), tmp_path / "counts.toml"
+    save_calibration(
+        Calibration.from_convention(patch, ICubByte(), gain=-171.0, noise_std=1.0), cal
+    )
+    why = refused("reconstruct", press_csv, "--skin", "hexagon72", "--calibration", cal)
+    assert "holds dC/C0 already and the calibration is of count" in why
+    assert "expected some that are left" in refused(
+        "reconstruct", press_csv, "--skin", "hexagon72", "--without", "0-71"
+    )
     assert "cells of 13.5 mm are wider than the taxels' distance of 5.5 mm" in said
     lines = press_csv.read_text().splitlines()
     table = tmp_path / "low.csv"

@@ -69,6 +69,8 @@ def taxels_of(flag: str, text: str | None, taxels: int | None = None) -> tuple[i
             raise InputError(f"{flag} names taxels {word.strip()}, expected rows {most}")
         if taxels is not None:
             rows += range(first, last + 1)
+    if flag == "--without" and taxels is not None and len(set(rows)) == taxels:
+        raise InputError(f"--without names all {taxels} taxels, expected some that are left")
     return tuple(rows)
 
 

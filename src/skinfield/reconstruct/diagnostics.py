@@ -214,15 +214,20 @@ def survey(
         _check_unit(first, quantity)
         out = tuple(int(row) for row in taxel_rows("without", how.without, len(patch)))
         own = how.calibration if first.unit == "dC/C0" else None
-        own = own if own is not None and own.unit != "count" else None
+        if how.calibration is not None and (own is None or own.unit == "count"):
+            raise InputError(
+                f"{first.source} holds {first.unit} already and the calibration is of "
+                f"{how.calibration.unit}, expected counts, or a calibration of ΔC/C₀ such as "
+                "skinfield calibrate touch makes of such a recording"
+            )
         noise, _, notes = _noise(blocks, None, rate, patch)
         if out:
             notes += (f"left out as asked: {rows_text(np.array(out))}",)
         if own is not None:
             own = own.without(np.isin(np.arange(len(patch)), out))
             noise = own.quantity_std()
-        elif how.calibration is not None or how.board is not None or how.gain is not None:
-            notes += (f"in {first.unit} already: board, gain and calibration are not used",)
+        elif how.board is not None or how.gain is not None:
+            notes += (f"in {first.unit} already: board and gain are not used",)
         conditioner = Conditioner(quantity, layer, own, without=out)
     else:
         conditioner, noise, notes = _of_counts(blocks, patch, layer, quantity, how, rate)
