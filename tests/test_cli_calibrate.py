@@ -16,7 +16,7 @@ from test_calibrate_pressure import foam, plenum
 import skinfield as sf
 from skinfield.calibrate.by_pressure import check_pressure
 from skinfield.cli.calibration_inputs import Series, delay_of, label_series
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.files import save_recording
 from skinfield.files.numbers import read_numbers
 from skinfield.skin.reading import Recording
@@ -125,6 +125,22 @@ def test_pressure_is_calibrated_from_matlab_and_bar(tmp_path: Path) -> None:
     assert "expected one named so" in refused("calibrate", "pressure", tmp_path / "a.mat", label)
 
 
+@pytest.mark.parametrize("ending", [".h5", ".mat"])
+def test_matrices_are_read_from_hdf5_as_matlab_writes_it(tmp_path: Path, ending: str) -> None:
+    h5py = pytest.importorskip("h5py", reason="of the extra hdf5")
+    table, matlab = np.arange(12.0).reshape(4, 3), ending == ".mat"
+    path = tmp_path / f"a{ending}"
+    with h5py.File(path, "w", userblock_size=512 if matlab else 0) as file:
+        file["trial/C"] = table.T if matlab else table  # by columns
+        file["trial/P"] = np.arange(4.0)[None] if matlab else np.arange(4.0)
+        file["name"] = np.array([102, 111], np.uint16)
+        file["name"].attrs["MATLAB_class"] = np.bytes_("char")
+    np.testing.assert_array_equal(read_numbers(f"{path}:trial.C").values, table)
+    assert read_numbers(f"{path}:trial.P").values.shape == (4, 1)
+    with pytest.raises(FileError, match=r"holds trial\.C, trial\.P, expected one named so"):
+        read_numbers(str(path))
+
+
 def test_units_are_those_of_the_columns_names(tmp_path: Path) -> None:
     force = 2.0 + np.sin(np.arange(60.0))
     for name, by in {"force_N": 1.0, "force_kN": 1e-3, "f (mN)": 1e3, "load": 1.0}.items():
@@ -166,7 +182,7 @@ def test_a_delay_is_not_read_into_labels_that_hardly_follow() -> None:
 
 
 @settings(max_examples=100, deadline=None)
-@given(st.sampled_from([".csv", ".mat", ".npz", ".npy"]), ANYTHING)
+@given(st.sampled_from([".csv", ".mat", ".h5", ".npz", ".npy"]), ANYTHING)
 def test_any_bytes_are_numbers_or_an_error(
     tmp_path_factory: pytest.TempPathFactory, ending: str, content: bytes
 ) -> None:

@@ -183,7 +183,13 @@ def live_settings(
     model, loop = options.filled(wanted.model, profile), wanted.loop
     late, deadline = loop.late_after_ms, loop.deadline_us
     grid = model.grid or max(options.nodes_for(patch, LIVE_FINEST) for patch in skin)
-    taxels = sum(map(len, skin))
+    taxels, sent = sum(map(len, skin)), getattr(source, "unit", "count")
+    calibration = options.calibration_for(wanted.skin.calibration, skin)
+    if sent == "count" and any(its.unit != "count" for its in calibration.values()):
+        raise InputError(
+            f"--calibration is {wanted.skin.calibration!r}, made of readings in ΔC/C₀, and the "
+            "source sends counts: expected one made of counts"
+        )
     return LiveSettings(
         skin=skin,
         sources=(source,),
@@ -195,10 +201,10 @@ def live_settings(
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
         board=board_of(wanted.source, wanted.skin.no_load, profile),
         gain=options.filled(wanted.skin, profile).gain,
-        calibration=options.calibration_for(wanted.skin.calibration, skin),
+        calibration=calibration,
         keep=taxels_of("--keep", wanted.skin.keep, taxels),
         without=taxels_of("--without", wanted.skin.without, taxels),
-        relative=options.is_relative(assumed, getattr(source, "unit", "count")),
+        relative=options.is_relative(assumed, sent),
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
         deadline=None if late is None else late * 1e-3,

@@ -1,7 +1,8 @@
-"""Tables of numbers by any column names: CSV, MATLAB and NumPy files of labels and readings.
+"""Tables of numbers by any column names: CSV, MATLAB, HDF5 and NumPy files of labels and readings.
 
 force.csv                              columns by the line of names above them
-trial.mat, trial.mat:experiment.C      the one matrix in it, or that of a name
+trial.mat, trial.mat:experiment.C      the one matrix in it, or that of a name; any version
+trial.h5:experiment.C                  a dataset C of the group experiment
 pokes.npz:normal_force_n               an array of a name; force.npy
 """
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, Floats, InputError
 
 TIMES = {"time_s": 1.0, "t": 1.0, "time": 1.0, "stamp_ns": 1e-9, "time_ms": 1e-3}  # s
-ENDINGS = (".csv", ".txt", ".mat", ".npz", ".npy")
+ENDINGS = (".csv", ".txt", ".mat", ".h5", ".hdf5", ".npz", ".npy")
 SHOWN = 6  # names in a message
 
 
@@ -174,16 +175,37 @@ def _arrays(path: Path, kind: str) -> Mapping[str, Any]:
     if kind == ".npz":
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
+    if kind != ".mat":
+        return _of_hdf5(path)
     with path.open("rb") as file:
-        if file.read(8)[1:4] == b"HDF":
-            raise FileError(
-                f"{path} is a MATLAB file of version 7.3, expected an older one: in MATLAB, "
-                "save(name, '-v7')"
-            )
+        head = file.read(516)
+    if b"\x89HDF" in (head[:4], head[512:]):  # version 7.3 has a header of 512 bytes before it
+        return {name: value.T.squeeze() for name, value in _of_hdf5(path).items()}
     from scipy.io import loadmat
 
     content = loadmat(path, squeeze_me=True, struct_as_record=False)
     return {name: value for name, value in content.items() if not name.startswith("__")}
+
+
+def _of_hdf5(path: Path) -> dict[str, NDArray[Any]]:
+    """Datasets of numbers by their names, those in groups as group.dataset."""
+    try:
+        import h5py
+    except ImportError as error:
+        raise FileError(
+            f"{path} is HDF5, which needs h5py: pip install 'skinfield[hdf5]'; or in MATLAB, "
+            "save(name, '-v7')"
+        ) from error
+    found: dict[str, NDArray[Any]] = {}
+
+    def take(name: str, item: Any) -> None:
+        text = item.attrs.get("MATLAB_class") == b"char"
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iufb" and item.ndim and not text:
+            found[name.replace("/", ".")] = item[()]
+
+    with h5py.File(path, "r") as file:
+        file.visititems(take)
+    return found
 
 
 def _of_arrays(content: Mapping[str, Any], inside: str, name: str) -> Floats:
