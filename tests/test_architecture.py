@@ -59,6 +59,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "distributed": {"cli"},
     "skfem": {"lab"},
     "trimesh": {"simulate"},
+    "h5py": {"files"},
     "PIL": {"simulate"},
     "can": {"wire"},
     "serial": {"wire"},
