@@ -46,6 +46,7 @@ RIDGES = 10.0 ** np.arange(-3.0, 3.0)  # of the ridge regression that it is comp
 ALIKE_RMSE = 0.02  # share by which errors differ that are as good
 WORTH = 0.93  # of their deviation, above which labels foretold from mixed others do not follow
 TOLD = 1.645 * NOISE**0.5  # correlation whose sign is right at 95 %, of as many as count in effect
+STANDS = 3.0  # deviations of labels, below their mean
 LEAST_PRESSED = 10.0  # % of readings, at rest if they lie within as much of the span of sums
 REST = 0.2  # of labels' deviation: that of labels at rest at most, and the least said of them
 
@@ -134,13 +135,18 @@ class ForceCalibration:
         return dict(zip(TRIVIAL, (self.constant_rmse, self.sum_rmse, self.ridge_rmse), strict=True))
 
     @property
+    def sign_is_sure(self) -> bool:
+        """Whether the sign of labels is sure."""
+        return bool(abs(self.correlation) >= TOLD)
+
+    @property
     def verdict(self) -> str:
         """How good it is, in a sentence."""
         words = [f"parts foretold from the others: {compared(self.residual_std, self.rmse)}"]
-        if abs(self.correlation) < TOLD:
+        if not self.sign_is_sure:
             words.append(
                 f"labels hardly follow the sum of counts (correlation {self.correlation:.2f}): that"
-                f" {'positive' if self.sign > 0 else 'negative'} ones press is told by their mean"
+                f" {'positive' if self.sign > 0 else 'negative'} ones press is not sure"
             )
         elif self.sign < 0:
             words.append("labels are turned: they fall as the skin is pressed")
@@ -233,7 +239,7 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
 
 def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
     """The calibration of `force`, and how its labels are foretold."""
-    check_type("patch", patch, Patch, "sf.layouts.hexagon72() or load_layout(...)[0]")
+    check_type("patch", patch, Patch, "such as layouts.hexagon72()")
     table = _table(counts, len(patch))
     labels = as_floats("force", force)
     axes = (3,) if labels.ndim == 2 else ()
@@ -269,7 +275,12 @@ def _refuse(labels: Floats) -> NoReturn:
 
 def _table(counts: ArrayLike, taxels: int) -> Floats:
     table = as_floats("counts", counts)
-    check_shape("counts", table, (None, taxels), "readings and taxels of the patch; one reading is counts[None]")
+    check_shape(
+        "counts",
+        table,
+        (None, taxels),
+        "readings and taxels of the patch; one reading is counts[None]",
+    )
     if np.isinf(table).any():
         row, taxel = np.argwhere(np.isinf(table))[0]
         raise InputError(
@@ -307,14 +318,15 @@ def _direction(table: Floats) -> float:
     return 1.0 if low < high else -1.0
 
 
-def _seen(pressed: Floats, labels: Floats) -> dict[str, Any]:
+def _sign_and_rest(pressed: Floats, labels: Floats) -> dict[str, Any]:
     """Sign, correlation and level at rest of labels (T,), by how far the skin is pressed (T,).
 
-    A correlation that may be one by chance tells no sign, as of a load that stands: the mean does.
+    A correlation that may be one by chance tells no sign of a load that stands: the mean does.
     """
     varies = np.ptp(pressed) > 0.0 and np.ptp(labels) > 0.0
     follows = float(np.corrcoef(pressed, labels)[0, 1]) if varies else 0.0
-    told = follows if abs(follows) >= TOLD else float(labels.mean())
+    stands = abs(labels.mean()) > STANDS * labels.std()
+    told = float(labels.mean()) if stands and abs(follows) < TOLD else follows
     least, low, high = np.percentile(pressed, [1.0, LEAST_PRESSED, 99.0])
     below, rest, above = np.percentile(labels[pressed <= low], [16.0, 50.0, 84.0])
     still = low - least < LEAST_PRESSED / 100.0 * (high - least)
@@ -441,7 +453,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
     design = _design(patch, table)
     first = 1 + design.modes.shape[1]  # of the gains
     sense = _direction(table)
-    seen = _seen(sense * design.total, labels)
+    seen = _sign_and_rest(sense * design.total, labels)
     labels = seen["sign"] * labels
     its = _Regression(design.columns(table), labels)
     penalties = []

@@ -144,7 +144,8 @@ def by_force(
     RECORDING is the skin's. LABELS is a log of fx fy fz, or a table of numbers: by time, if both
     have times (a delay is found), else row by row. Of three axes the one that varies most is taken.
     Forces are positive in compression: labels that fall as the skin is pressed are turned, which is
-    said, and so is what they read at rest. A dead sensor is refused. Further recordings, each with its labels, may follow.
+    said, and so is what they read at rest. A dead sensor is refused. Further recordings, each with
+    its labels, may follow.
 
       skinfield calibrate force skin/r_foot r_foot/analog:o --skin r_foot.txt -o cal.toml
       skinfield calibrate force a.csv a_scale.csv b.csv b_scale.csv --skin palm.toml -o cal.toml

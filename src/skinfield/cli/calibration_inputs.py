@@ -155,7 +155,7 @@ def forces_together(
 
     if len(files) % 2:
         raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
-    tables, forces, notes = [], [], []
+    tables, forces, notes, signs = [], [], [], set()
     for recording, its in zip(files[::2], files[1::2], strict=True):
         label = label_series(its, labels, unit, "N", offset)
         forces_of(its, label.values)  # refuses what it must before the skin is read
@@ -164,9 +164,15 @@ def forces_together(
         forces.append(forces_of(its, values))
         if len(files) > 2:
             try:
-                force(patch, counts, forces[-1])
+                made = force(patch, counts, forces[-1])
             except InputError as error:  # a dead sensor hides among others
                 raise InputError(f"{its}: {error}") from error
+            signs |= {made.sign} if made.sign_is_sure else set()
+            if len(signs) > 1:
+                raise InputError(
+                    f"{its} goes the other way than the labels before it as the skin is pressed, "
+                    "expected labels of one sign: turn those of the file"
+                )
         notes += [f"{its}: {note}" if len(files) > 2 else note for note in said]
     if len({force.ndim for force in forces}) > 1:
         raise InputError(f"labels {', '.join(files[1::2])} have one axis and three, expected alike")

@@ -172,7 +172,7 @@ def find_faults(
     counts = recorded(counts)
     taxels = counts.shape[1]
     if patch is not None:
-        check_type("patch", patch, Patch, "sf.layouts.hexagon72() or load_layout(...)[0]")
+        check_type("patch", patch, Patch, "such as layouts.hexagon72()")
     if patch is not None and len(patch) != taxels:
         raise InputError(
             f"counts has {taxels} columns, expected {len(patch)} as patch {patch.name!r} has: pick "
