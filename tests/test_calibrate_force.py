@@ -62,7 +62,8 @@ def test_forces_are_positive_in_compression_whatever_the_sign_and_offset(
 ) -> None:
     counts, force = pressed(400, 5)
     force[:80], counts[:80] = 0.0, 240.0 + np.random.default_rng(1).normal(size=(80, 72))
-    truth = force + turn * offset  # less it, what the sensor says, in newtons
+    counts += np.linspace(0.0, 2.0, 400)[:, None]  # drift of rest
+    truth = force + turn * offset
     counts = 480.0 - counts if rises else counts
     plain = sf.calibrate.force(PATCH, counts, force)
     label = turn * force + offset

@@ -47,8 +47,9 @@ ALIKE_RMSE = 0.02  # share by which errors differ that are as good
 WORTH = 0.93  # of their deviation, above which labels foretold from mixed others do not follow
 TOLD = 1.645 * NOISE**0.5  # correlation whose sign is right at 95 %, of as many as count in effect
 STANDS = 3.0  # deviations of labels, below their mean
-LEAST_PRESSED = 10.0  # % of readings, at rest if they lie within as much of the span of sums
-REST = 0.2  # of labels' deviation: that of labels at rest at most, and the least said of them
+LEAST_PRESSED = 10.0  # % of readings, at rest if they lie within as much of their span
+REST = 0.2  # of labels' deviation: that of labels at rest at most, and the least said of them;
+# and of the span of sums, below which they are at rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,17 +320,22 @@ def _direction(table: Floats) -> float:
 
 
 def _sign_and_rest(pressed: Floats, labels: Floats) -> dict[str, Any]:
-    """Sign, correlation and level at rest of labels (T,), by how far the skin is pressed (T,).
+    """Sign, correlation and level at rest of labels (T,), by counts (T, L) that rise when pressed.
 
-    A correlation that may be one by chance tells no sign of a load that stands: the mean does.
+    A correlation that may be one by chance tells no sign of a load that stands: the mean does. Rest
+    is where the taxel that is pressed most is hardly so: drift of all hides that from their sum.
     """
-    varies = np.ptp(pressed) > 0.0 and np.ptp(labels) > 0.0
-    follows = float(np.corrcoef(pressed, labels)[0, 1]) if varies else 0.0
+    total = pressed.sum(axis=1)
+    varies = np.ptp(total) > 0.0 and np.ptp(labels) > 0.0
+    follows = float(np.corrcoef(total, labels)[0, 1]) if varies else 0.0
     stands = abs(labels.mean()) > STANDS * labels.std()
     told = float(labels.mean()) if stands and abs(follows) < TOLD else follows
-    least, low, high = np.percentile(pressed, [1.0, LEAST_PRESSED, 99.0])
-    below, rest, above = np.percentile(labels[pressed <= low], [16.0, 50.0, 84.0])
+    most = (pressed - np.percentile(pressed, LEAST_PRESSED / 2.0, axis=0)).max(axis=1)
+    least, low, high = np.percentile(most, [1.0, LEAST_PRESSED, 99.0])
+    below, rest, above = np.percentile(labels[most <= low], [16.0, 50.0, 84.0])
     still = low - least < LEAST_PRESSED / 100.0 * (high - least)
+    least, high = np.percentile(total, [1.0, 99.0])
+    still = still and np.median(total[most <= low]) - least < REST * (high - least)
     agree = above - below < 2.0 * REST * labels.std()
     return {
         "sign": 1 if told >= 0.0 else -1, "correlation": follows,
@@ -453,7 +459,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
     design = _design(patch, table)
     first = 1 + design.modes.shape[1]  # of the gains
     sense = _direction(table)
-    seen = _sign_and_rest(sense * design.total, labels)
+    seen = _sign_and_rest(sense * table, labels)
     labels = seen["sign"] * labels
     its = _Regression(design.columns(table), labels)
     penalties = []
