@@ -55,6 +55,49 @@ def test_the_strongest_axis_is_taken_into_the_skin() -> None:
     )
 
 
+@pytest.mark.parametrize("rises", [False, True])
+@pytest.mark.parametrize(("turn", "offset"), [(1, -12), (-1, 20), (-1, -12), (-1, 0), (1, 500)])
+def test_forces_are_positive_in_compression_whatever_the_sign_and_offset(
+    turn: int, offset: float, rises: bool
+) -> None:
+    counts, force = pressed(400, 5)
+    force[:80], counts[:80] = 0.0, 240.0 + np.random.default_rng(1).normal(size=(80, 72))
+    counts += np.linspace(0.0, 2.0, 400)[:, None]  # drift of rest
+    truth = force + turn * offset
+    counts = 480.0 - counts if rises else counts
+    plain = sf.calibrate.force(PATCH, counts, force)
+    label = turn * force + offset
+    axes = np.column_stack([0.1 * label, np.zeros(400), label])
+    for given in (label, axes):
+        made = sf.calibrate.force(PATCH, counts, given)
+        np.testing.assert_allclose(
+            made.force(counts), plain.force(counts) + turn * offset, atol=1e-6 * max(1, abs(offset))
+        )
+        np.testing.assert_allclose(made.label(given), truth)
+        assert made.sign == turn
+        assert made.correlation == pytest.approx(turn * plain.correlation)
+        assert made.rest_force == pytest.approx(offset, abs=1e-9)
+        assert ("labels are turned" in made.verdict) == (turn < 0)
+        assert (f"read about {offset} N" in made.verdict) == (offset != 0)
+    assert rms(plain.force(counts) - force) < 0.5 * force.std()
+
+
+def test_a_load_that_stands_tells_no_sign_and_no_rest() -> None:
+    rng = np.random.default_rng(0)
+    counts, force = pressed(400, 5, first=5.0)
+    made = sf.calibrate.force(PATCH, counts, force)
+    assert np.isnan(made.rest_force)
+    assert "where the skin is pressed least" not in made.verdict
+    assert "hardly follow" not in made.verdict
+    pattern, load = rng.uniform(size=72) - 0.5, np.repeat(rng.normal(size=100), 4)
+    counts = 240.0 - np.outer(load, 20.0 * (pattern - pattern.mean()))
+    counts += rng.normal(size=counts.shape)
+    for sign in (1, -1):
+        made = sf.calibrate.force(PATCH, counts, sign * (150.0 + load))
+        assert made.sign == sign
+        assert "hardly follow the sum of counts" in made.verdict
+
+
 def test_what_does_not_answer_is_taken_at_its_mean_and_silence_is_nan() -> None:
     counts, force = pressed(400, 6)
     counts[:, 3] = np.nan
@@ -78,6 +121,10 @@ def test_what_is_no_label_is_refused() -> None:
         sf.calibrate.force(PATCH, counts[:20], force[:20])
     with pytest.raises(InputError, match="one per reading"):
         sf.calibrate.force(PATCH, counts, force[:50])
+    with pytest.raises(InputError, match="patch is 'palm', expected a Patch"):
+        sf.calibrate.force("palm", counts, force)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"one reading is counts\[None\]"):
+        sf.calibrate.force(PATCH, counts, force).force(counts[9])
     force[4] = np.nan
     with pytest.raises(InputError, match=r"force\[4\] is nan, expected a number, in N"):
         sf.calibrate.force(PATCH, counts, force)

@@ -91,6 +91,12 @@ def test_force_of_several_recordings_less_what_their_sensor_reads_without_load(
     assert json.loads(run(*tried, "--json"))["mean_off_N"] == pytest.approx(-40.0, abs=0.5)
     found = json.loads(run(*tried, "--offset", "40", "--json"))
     assert found["mean_off_N"] == pytest.approx(0.0, abs=0.5)
+    labels_in(files[1], "force_N", -forces[0])
+    found = json.loads(run(*tried, "--json"))
+    assert found["mean_off_N"] == pytest.approx(2.0 * forces[0].mean(), abs=0.5)
+    assert "is their sign that of the calibration's?" in found["verdict"]
+    assert "2_f.csv goes the other way than the labels before it" in refused(*words)
+    labels_in(files[1], "force_N", forces[0] + 40.0)
     assert "expected 1 number in the unit" in refused(*words, "--offset", "1,2,3")
     assert "--offset is 'much'" in refused(*words, "--offset", "much")
     assert "has no labels, expected RECORDING LABELS in pairs" in refused(*words, files[0])
@@ -99,6 +105,31 @@ def test_force_of_several_recordings_less_what_their_sensor_reads_without_load(
     assert "2_f.csv: force, -5.99 N with a deviation" in refused(*words)
     labels_in(files[3], "fx,fy", dead, dead)
     assert "has 2 columns of labels, expected one force or three axes" in refused(*words)
+
+
+def test_an_offset_is_in_the_unit_of_the_labels(tmp_path: Path) -> None:
+    counts, force = pressed(300, 1)
+    force[:60], counts[:60] = 0.0, 240.0 + np.random.default_rng(1).normal(size=(60, 72))
+    plain = sf.calibrate.force(PATCH, counts, force).force(counts)
+    skin, cal = recorded(tmp_path / "a.csv", counts), tmp_path / "cal.npz"
+    label, nothing = 5e3 - 1e3 * force, np.zeros(300)
+    for names, columns, words in (
+        ("force_mN", (label,), ("--offset", "5000")),
+        ("load", (label,), ("--offset", "5000", "--unit", "mN")),
+        ("x_mN,y_mN,z_mN", (nothing, 7.0 + nothing, label), ("--offset", "0,7,5000")),
+    ):
+        file = labels_in(tmp_path / "f.csv", names, *columns)
+        said = run("calibrate", "force", skin, file, *SKIN, *words, "-o", cal, "--force")
+        assert "labels are turned" in said
+        assert "pressed least" not in said
+        np.testing.assert_allclose(sf.load_calibration(cal).force(counts), plain, atol=1e-6)
+        tried = run("calibrate", "check", cal, skin, file, *SKIN, *words, "--json")
+        assert abs(json.loads(tried)["mean_off_N"]) < 0.1
+    assert "labels read about 5 N where the skin is pressed least" in run(
+        "calibrate", "force", skin, file, *SKIN
+    )
+    labels_in(file, "time_s,force_mN", np.empty(0), np.empty(0))
+    assert "f.csv holds a line of names only" in refused("calibrate", "force", skin, file, *SKIN)
 
 
 def test_pressure_is_calibrated_from_matlab_and_bar(tmp_path: Path) -> None:

@@ -1,8 +1,11 @@
 """Faults planted in a recording are found, each by its name, and nothing else is."""
 
+import warnings
+
 import numpy as np
 import pytest
 
+from skinfield import layouts
 from skinfield.errors import InputError
 from skinfield.signal import (
     Calibration,
@@ -131,3 +134,13 @@ def test_nothing_and_wrong_lengths_are_refused():
         find_faults(np.full((9, 4), np.nan))
     with pytest.raises(InputError, match="expected numbers"):
         valid_from_counts(["a", "b"])
+
+
+def test_no_patch_is_refused_and_one_reading_decides_nothing():
+    counts = healthy()[:1]
+    with pytest.raises(InputError, match="patch is 'hexagon72', expected a Patch"):
+        find_faults(counts, "hexagon72")
+    with warnings.catch_warnings(action="error"):
+        assert not find_faults(counts).decided
+        counts = np.full((1, 72), 240.0)
+        assert not find_faults(counts, layouts.hexagon72()).decided

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.distance import cdist
 
-from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_shape, check_type
 from skinfield.skin import Patch
 
 TRIVIAL = ("a constant", "a line over the sum of counts", "ridge regression")
@@ -45,6 +45,11 @@ LIKE, STRANGE = 0.05, 0.3  # of the distance of two readings: of the same touch,
 RIDGES = 10.0 ** np.arange(-3.0, 3.0)  # of the ridge regression that it is compared with
 ALIKE_RMSE = 0.02  # share by which errors differ that are as good
 WORTH = 0.93  # of their deviation, above which labels foretold from mixed others do not follow
+TOLD = 1.645 * NOISE**0.5  # correlation whose sign is right at 95 %, of as many as count in effect
+STANDS = 3.0  # deviations of labels, below their mean
+LEAST_PRESSED = 10.0  # % of readings, at rest if they lie within as much of their span
+REST = 0.2  # of labels' deviation: that of labels at rest at most, and the least said of them;
+# and of the span of sums, below which they are at rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +62,13 @@ class ForceCalibration:
         Of the labels, and of labels foretold from other parts of the recording: any answer's ±.
     axis : int
         Which of the labels' axes it was.
+    sign : int
+        1 or -1, by which labels as given are positive in compression.
+    correlation : float
+        Of labels as given with how far the skin is pressed, by the sum of counts.
+    rest_force : float, N
+        What labels as given read where the skin is pressed least; NaN if it never rests, or they
+        do not agree.
     slope : float, N per count
         Of the sum of counts.
     sums : (3,) array, counts
@@ -82,6 +94,9 @@ class ForceCalibration:
     mean_force: float
     residual_std: float
     axis: int
+    sign: int
+    correlation: float
+    rest_force: float
     slope: float
     sums: Floats
     patterns: Floats
@@ -109,6 +124,8 @@ class ForceCalibration:
             raise InputError(
                 f"axis is {self.axis} and length {self.length}, expected 0 to 2, and above 0"
             )
+        if self.sign not in (-1, 1):
+            raise InputError(f"sign is {self.sign}, expected 1 or -1")
 
     def __len__(self) -> int:
         return len(self.gain)
@@ -119,9 +136,27 @@ class ForceCalibration:
         return dict(zip(TRIVIAL, (self.constant_rmse, self.sum_rmse, self.ridge_rmse), strict=True))
 
     @property
+    def sign_is_sure(self) -> bool:
+        """Whether the sign of labels is sure."""
+        return bool(abs(self.correlation) >= TOLD)
+
+    @property
     def verdict(self) -> str:
         """How good it is, in a sentence."""
-        return f"parts foretold from the others: {compared(self.residual_std, self.rmse)}"
+        words = [f"parts foretold from the others: {compared(self.residual_std, self.rmse)}"]
+        if not self.sign_is_sure:
+            words.append(
+                f"labels hardly follow the sum of counts (correlation {self.correlation:.2f}): that"
+                f" {'positive' if self.sign > 0 else 'negative'} ones press is not sure"
+            )
+        elif self.sign < 0:
+            words.append("labels are turned: they fall as the skin is pressed")
+        if abs(self.rest_force) > REST * self.constant_rmse:
+            words.append(
+                f"labels read about {self.rest_force:.3g} N where the skin is pressed least: if "
+                "nothing presses it there, take that off (--offset)"
+            )
+        return "; ".join(words)
 
     def __repr__(self) -> str:
         return f"ForceCalibration({self.verdict})"
@@ -149,9 +184,8 @@ class ForceCalibration:
         return {name: self.mean_force + each for name, each in zip(TRIVIAL, answers, strict=True)}
 
     def label(self, labels: Floats) -> Floats:
-        """The one (T,) of labels (T,) or (T, 3) that it answers, of the same sign."""
-        column = labels if labels.ndim == 1 else labels[:, self.axis]
-        return -column if column.mean() * self.mean_force < 0.0 else column
+        """The one (T,) of labels (T,) or (T, 3) that it answers, positive in compression."""
+        return self.sign * (labels if labels.ndim == 1 else labels[:, self.axis])
 
 
 def compared(rmse: float, trivial: Mapping[str, float]) -> str:
@@ -187,7 +221,9 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
         Readings in any order; where neighbours in time stand together, errors are stated more
         honestly. NaN where a taxel did not answer.
     force : (T,) or (T, 3) array, N
-        Into the skin; of three axes the one that varies most is taken, whatever its sign.
+        Of three axes the one that varies most is taken. Labels that fall as the skin is pressed
+        are turned: forces are positive in compression. An offset stays in them: `verdict` says
+        what they read at rest.
 
     Returns
     -------
@@ -204,6 +240,7 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
 
 def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
     """The calibration of `force`, and how its labels are foretold."""
+    check_type("patch", patch, Patch, "such as layouts.hexagon72()")
     table = _table(counts, len(patch))
     labels = as_floats("force", force)
     axes = (3,) if labels.ndim == 2 else ()
@@ -220,8 +257,7 @@ def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
             "most likely"
         )
     axis = int(np.argmax(labels.std(axis=0))) if axes else 0  # offsets say nothing of the load
-    if axes:
-        labels = labels[:, axis] * (1.0 if labels[:, axis].mean() >= 0.0 else -1.0)
+    labels = labels[:, axis] if axes else labels
     heard = ~np.isnan(table).all(axis=0)
     mean_reading = np.zeros(len(patch))
     mean_reading[heard] = np.nanmean(table[:, heard], axis=0)
@@ -240,7 +276,12 @@ def _refuse(labels: Floats) -> NoReturn:
 
 def _table(counts: ArrayLike, taxels: int) -> Floats:
     table = as_floats("counts", counts)
-    check_shape("counts", table, (None, taxels), "readings and taxels of the patch")
+    check_shape(
+        "counts",
+        table,
+        (None, taxels),
+        "readings and taxels of the patch; one reading is counts[None]",
+    )
     if np.isinf(table).any():
         row, taxel = np.argwhere(np.isinf(table))[0]
         raise InputError(
@@ -276,6 +317,30 @@ def _direction(table: Floats) -> float:
     if low == high:  # presses are the longer tail
         return 1.0 if np.sum((table - np.median(table, axis=0)) ** 3) >= 0.0 else -1.0
     return 1.0 if low < high else -1.0
+
+
+def _sign_and_rest(pressed: Floats, labels: Floats) -> dict[str, Any]:
+    """Sign, correlation and level at rest of labels (T,), by counts (T, L) that rise when pressed.
+
+    A correlation that may be one by chance tells no sign of a load that stands: the mean does. Rest
+    is where the taxel that is pressed most is hardly so: drift of all hides that from their sum.
+    """
+    total = pressed.sum(axis=1)
+    varies = np.ptp(total) > 0.0 and np.ptp(labels) > 0.0
+    follows = float(np.corrcoef(total, labels)[0, 1]) if varies else 0.0
+    stands = abs(labels.mean()) > STANDS * labels.std()
+    told = float(labels.mean()) if stands and abs(follows) < TOLD else follows
+    most = (pressed - np.percentile(pressed, LEAST_PRESSED / 2.0, axis=0)).max(axis=1)
+    least, low, high = np.percentile(most, [1.0, LEAST_PRESSED, 99.0])
+    below, rest, above = np.percentile(labels[most <= low], [16.0, 50.0, 84.0])
+    still = low - least < LEAST_PRESSED / 100.0 * (high - least)
+    least, high = np.percentile(total, [1.0, 99.0])
+    still = still and np.median(total[most <= low]) - least < REST * (high - least)
+    agree = above - below < 2.0 * REST * labels.std()
+    return {
+        "sign": 1 if told >= 0.0 else -1, "correlation": follows,
+        "rest_force": float(rest) if still and agree else float("nan"),
+    }  # fmt: skip
 
 
 class _Regression:
@@ -392,9 +457,11 @@ def _parts(distance: Floats, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]
 def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
     """Calibration by labels (T,); an InputError where they have nothing to do with the skin."""
     design = _design(patch, table)
-    its = _Regression(design.columns(table), labels)
     first = 1 + design.modes.shape[1]  # of the gains
-    sense = _direction(table) * (1.0 if labels.mean() >= 0.0 else -1.0)
+    sense = _direction(table)
+    seen = _sign_and_rest(sense * table, labels)
+    labels = seen["sign"] * labels
+    its = _Regression(design.columns(table), labels)
     penalties = []
     for noise, patterns, gains, _ in PRIORS:
         penalties.append(np.full(its.design.shape[1], noise))
@@ -402,7 +469,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
         penalties[-1][first:] = noise / gains if gains else np.inf
     mixed = [np.arange(start, len(labels), PARTS) for start in range(PARTS)]
     if not _rms(its.foretold(penalties[:1], mixed, sense) - labels)[0] < WORTH * labels.std():
-        _refuse(labels)
+        _refuse(seen["sign"] * labels)
     foretold = its.foretold(penalties, design.parts, sense)
     errors = _rms(foretold - labels)
     allowed = [
@@ -415,6 +482,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
         mean_force=float(labels.mean()),
         residual_std=errors[best],
         axis=axis,
+        **seen,
         slope=float(weights[0]) / (float(total.std()) or 1.0),
         sums=np.array([total.mean(), total.min(), total.max()]),
         patterns=design.patterns,

@@ -223,7 +223,7 @@ def _choose(
 
 def _table(counts: ArrayLike, taxels: int | None) -> Floats:
     table = as_floats("counts", counts)
-    check_shape("counts", table, (None, taxels), "readings and taxels")
+    check_shape("counts", table, (None, taxels), "readings and taxels; one reading is counts[None]")
     endless = np.argwhere(np.isinf(table))
     if len(endless):
         row, taxel = endless[0]

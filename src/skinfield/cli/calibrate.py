@@ -142,8 +142,10 @@ def by_force(
     """Calibrate the total force on a patch by a force sensor, or a robot's probe.
 
     RECORDING is the skin's. LABELS is a log of fx fy fz, or a table of numbers: by time, if both
-    have times (a delay is found), else row by row. Of three axes the one that varies most is taken,
-    into the skin. A dead sensor is refused. Further recordings, each with its labels, may follow.
+    have times (a delay is found), else row by row. Of three axes the one that varies most is taken.
+    Forces are positive in compression: labels that fall as the skin is pressed are turned, which is
+    said, and so is what they read at rest. A dead sensor is refused. Further recordings, each with
+    its labels, may follow.
 
       skinfield calibrate force skin/r_foot r_foot/analog:o --skin r_foot.txt -o cal.toml
       skinfield calibrate force a.csv a_scale.csv b.csv b_scale.csv --skin palm.toml -o cal.toml
@@ -164,7 +166,8 @@ def by_force(
     unit : str, optional
         Of the labels: N, kN or mN. Default as columns are named, such as force_kN, else N.
     offset : str, optional
-        What the sensor reads without load, to be taken off: as many numbers as labels have columns.
+        What the sensor reads without load, to be taken off: as many numbers as labels have columns,
+        in their unit.
     output : str, optional
         Calibration file (.toml, .npz).
     report_folder : str, optional
@@ -409,7 +412,7 @@ def check(
     unit : str, optional
         Of the labels. Default as columns are named, else N or Pa.
     offset : str, optional
-        What their sensor reads without load, to be taken off.
+        What their sensor reads without load, in their unit, to be taken off.
     report_folder : str, optional
         DIR for a page with a figure and a verdict.
     """
@@ -431,11 +434,12 @@ def check(
         of = getattr(made, "force", getattr(made, "pressure", None))
         verdict, result = sum_up(values if of is None else of(values), name, relative)
     else:
-        counts, wanted, notes = together(skin, label_series(labels_file, labels, unit, name))
+        label = label_series(labels_file, labels, unit, name, offset)
+        counts, wanted, notes = together(skin, label)
         if isinstance(made, PressureCalibration):
             verdict, result, figures = try_pressure(made, counts, wanted[:, 0], recording)
         else:
-            forces = forces_of(labels_file, wanted, offset)
+            forces = forces_of(labels_file, wanted)
             if isinstance(made, ForceCalibration):
                 verdict, result, figures = try_force(made, counts, forces, recording)
             else:

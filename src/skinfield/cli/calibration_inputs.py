@@ -76,8 +76,13 @@ def factor_of(unit: str | None, si: str, names: Sequence[str]) -> float:
     return known[unit or si]
 
 
-def label_series(name: str, labels: str | None, unit: str | None, si: str) -> Series:
-    """Labels (T, N) in `si`, N or Pa: of a force log its fx, fy and fz, else of columns by name."""
+def label_series(
+    name: str, labels: str | None, unit: str | None, si: str, offset: str | None = None
+) -> Series:
+    """Labels (T, N) in `si`, N or Pa: of a force log its fx, fy and fz, else of columns by name.
+
+    `offset` is what their sensor reads without load, in their unit, to be taken off.
+    """
     from skinfield.files import open_recording
     from skinfield.files.numbers import is_numbers, read_numbers
 
@@ -90,7 +95,8 @@ def label_series(name: str, labels: str | None, unit: str | None, si: str) -> Se
         if sensor is not None and sensor.unit == "N, N m":
             if si != "N":
                 raise InputError(f"{name} is of a force sensor, expected pressures, in Pa")
-            return Series(sensor.counts[:, :3] * factor, sensor.stamp_ns / 1e9, sensor.notes)
+            values = _without(name, sensor.counts[:, :3], offset)
+            return Series(values * factor, sensor.stamp_ns / 1e9, sensor.notes)
         if not is_numbers(name):
             open_recording(name)  # says what is wrong with it
             raise InputError(f"{name} is of a skin, expected labels: the skin's recording is first")
@@ -100,28 +106,34 @@ def label_series(name: str, labels: str | None, unit: str | None, si: str) -> Se
         chosen = [column for column in table.names if not _is_time(column)]
         labels = ",".join(chosen)
     factor = factor_of(unit, si, table.names_of(labels))
-    return Series(table.columns(labels) * factor, seconds)
+    return Series(_without(name, table.columns(labels), offset) * factor, seconds)
 
 
-def forces_of(name: str, values: Floats, offset: str | None = None) -> Floats:
-    """Labels (T, N) less what their sensor reads without load, as forces (T,) or (T, 3)."""
+def _without(name: str, values: Floats, offset: str | None) -> Floats:
+    """Labels (T, N) in their unit, less what their sensor reads without load."""
+    if offset is None:
+        return values
+    width = values.shape[1]
+    try:
+        taken = [float(each) for each in offset.split(",")]
+    except ValueError:
+        taken = []
+    if len(taken) != width or not np.isfinite(taken).all():
+        raise InputError(
+            f"--offset is {offset!r}, expected {width} number{'s' * (width > 1)} in the unit "
+            f"of the labels, one per column of {name}, such as {','.join(['1.5'] * width)}"
+        )
+    return values - taken
+
+
+def forces_of(name: str, values: Floats) -> Floats:
+    """Labels (T, N) as forces (T,) or (T, 3)."""
     width = values.shape[1]
     if width not in (1, 3):
         raise InputError(
             f"{name} has {width} columns of labels, expected one force or three axes: choose them "
             "with --labels"
         )
-    if offset is not None:
-        try:
-            taken = [float(each) for each in offset.split(",")]
-        except ValueError:
-            taken = []
-        if len(taken) != width or not np.isfinite(taken).all():
-            raise InputError(
-                f"--offset is {offset!r}, expected {width} number{'s' * (width > 1)} in the unit "
-                f"of the labels, one per column of {name}, such as {','.join(['1.5'] * width)}"
-            )
-        values = values - taken
     return values if width == 3 else values[:, 0]
 
 
@@ -143,19 +155,24 @@ def forces_together(
 
     if len(files) % 2:
         raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
-    tables, forces, notes = [], [], []
+    tables, forces, notes, signs = [], [], [], set()
     for recording, its in zip(files[::2], files[1::2], strict=True):
-        label = label_series(its, labels, unit, "N")
-        taken = forces_of(its, label.values, offset)
-        label = label._replace(values=taken.reshape(len(taken), -1))
+        label = label_series(its, labels, unit, "N", offset)
+        forces_of(its, label.values)  # refuses what it must before the skin is read
         counts, values, said = together(skin_series(recording, patch, time, columns), label)
         tables.append(counts)
-        forces.append(values if values.shape[1] == 3 else values[:, 0])
+        forces.append(forces_of(its, values))
         if len(files) > 2:
             try:
-                force(patch, counts, forces[-1])
+                made = force(patch, counts, forces[-1])
             except InputError as error:  # a dead sensor hides among others
                 raise InputError(f"{its}: {error}") from error
+            signs |= {made.sign} if made.sign_is_sure else set()
+            if len(signs) > 1:
+                raise InputError(
+                    f"{its} goes the other way than the labels before it as the skin is pressed, "
+                    "expected labels of one sign: turn those of the file"
+                )
         notes += [f"{its}: {note}" if len(files) > 2 else note for note in said]
     if len({force.ndim for force in forces}) > 1:
         raise InputError(f"labels {', '.join(files[1::2])} have one axis and three, expected alike")

@@ -37,6 +37,8 @@ def try_force(made: "ForceCalibration", counts: Floats, labels: Floats, recordin
     )
     share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
     verdict = f"{compared(rmse, trivial)}; {share}"
+    if made.sign_is_sure and float((wanted - wanted.mean())[heard] @ answer[heard]) < 0.0:
+        verdict += "; labels fall as the answers rise: is their sign that of the calibration's?"
     figures = {
         "Over the readings": draw_answers(answer, wanted, Path(recording).name),
         "Error beside trivial answers": draw_trivial(rmse, trivial),

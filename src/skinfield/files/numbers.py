@@ -147,6 +147,8 @@ def _of_text(path: Path) -> Numbers:
     head = [each.strip() for each in rows[0]]
     named = not all(map(_is_number, head))
     names = tuple(head) if named else tuple(str(k + 1) for k in range(len(head)))
+    if len(rows) == named:
+        raise FileError(f"{path} holds a line of names only, expected lines of numbers below it")
     values = np.full((len(rows) - named, len(names)), np.nan)
     for place, row in enumerate(rows[named:]):
         if len(row) != len(names):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, check_type
 from skinfield.signal import fault_evidence as evidence
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
@@ -171,6 +171,8 @@ def find_faults(
     """
     counts = recorded(counts)
     taxels = counts.shape[1]
+    if patch is not None:
+        check_type("patch", patch, Patch, "such as layouts.hexagon72()")
     if patch is not None and len(patch) != taxels:
         raise InputError(
             f"counts has {taxels} columns, expected {len(patch)} as patch {patch.name!r} has: pick "

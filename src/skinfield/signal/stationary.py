@@ -36,6 +36,8 @@ def recorded(counts: Floats) -> Floats:
 
 def median(x: Floats) -> Floats:
     """Median over readings of (T, L), (L,); NaN for a column without a number."""
+    if not len(x):
+        return np.full(x.shape[1], np.nan)
     gone = np.isnan(x)
     if not gone.any():
         return np.asarray(np.median(x, axis=0))
