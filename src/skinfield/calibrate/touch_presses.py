@@ -96,18 +96,17 @@ def presses(table: Floats, noise: Floats | None) -> Presses:
 def between(table: Floats, noise: Floats) -> Floats:
     """What taxels (L,) read between the presses in readings (T, L); 0 where none are between.
 
-    Those are the readings in which every taxel reads as it mostly does. A board's end is left.
+    Those are readings in which every taxel reads as it mostly does, as in the ones before and
+    after. Of boards that clip at rest `_rest` tells.
     """
-    heard = np.isfinite(table).any(axis=0) & np.isneginf(_end(table))
-    if not heard.any():
-        return np.zeros(table.shape[1])
+    heard, rest = np.isfinite(table).any(axis=0), np.zeros(table.shape[1])
     off = table[:, heard] - np.nanmedian(table[:, heard], axis=0)
-    quiet = ~(np.abs(off) > STANDS * noise[heard]).any(axis=1)
-    rest = np.zeros(table.shape[1])
-    if quiet.sum() > max(FEWEST, LEAST_QUIET * len(table)):
-        count = np.isfinite(table[quiet]).sum(axis=0)
-        told = heard & (count > FEWEST)
-        rest[told] = np.nansum(table[quiet], axis=0)[told] / count[told]
+    still = np.all(~(np.abs(off) > STANDS * noise[heard]), axis=1)
+    quiet = table[1:-1][still[:-2] & still[1:-1] & still[2:]]
+    if len(quiet) > max(FEWEST, LEAST_QUIET * len(table)):
+        count = np.isfinite(quiet).sum(axis=0)
+        told = np.isneginf(_end(table)) & (count > FEWEST)
+        rest[told] = np.nansum(quiet, axis=0)[told] / count[told]
     return rest
 
 
