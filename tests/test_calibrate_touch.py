@@ -16,6 +16,7 @@ from skinfield.calibrate import by_touch, save_calibration, touch_sampling
 from skinfield.calibrate.touch_presses import between, noise_of_differences, presses
 from skinfield.errors import InputError
 from skinfield.files import save_recording
+from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Sphere, press
 from skinfield.skin.reading import Recording
 
@@ -124,11 +125,16 @@ def test_arguments_are_checked_before_the_fit(
         sf.calibrate.touch(PATCH, touches()[0], **{"noise_std": NOISE} | arguments)
 
 
-def test_rest_is_what_is_read_between_presses() -> None:
-    rng, each = np.random.default_rng(2), touches()[0]
+def with_ramps() -> tuple[np.ndarray, np.ndarray]:
+    """Readings (P, L) of strong presses; these (T, L) one after the other, with ramps, and idle."""
+    each = touches()[0]
     strong = each[each.max(axis=1) > 0.03]
     idle, held = np.zeros((20, 36)), np.array([1.0, 2.0, 3.0] + [4.0] * 20 + [3.0, 2.0, 1.0]) / 4.0
-    still = np.concatenate([np.vstack([idle, held[:, None] * one]) for one in strong])
+    return strong, np.concatenate([np.vstack([idle, held[:, None] * one]) for one in strong])
+
+
+def test_rest_is_what_is_read_between_presses() -> None:
+    rng, (strong, still) = np.random.default_rng(2), with_ramps()
     rest = np.zeros(36)
     rest[7], rest[20] = 0.1, -0.08  # as where a press was taken for rest
     told = np.rint((still + rest + 0.002 * rng.standard_normal(still.shape)) * 171.0) / 171.0
@@ -140,6 +146,33 @@ def test_rest_is_what_is_read_between_presses() -> None:
     pressed = np.vstack([force * strong for force in np.linspace(0.7, 1.3, 8)])
     alone = between(pressed, np.full(36, NOISE))  # each reading a press: none is between
     np.testing.assert_array_equal(alone, 0.0)
+
+
+def test_rest_between_presses_is_kept_with_the_calibration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, taken = found(), list[np.ndarray]()
+
+    def fit(patch: sf.Patch, readings: np.ndarray, **_: object) -> sf.calibrate.TouchCalibration:
+        taken.append(readings)
+        return made
+
+    monkeypatch.setattr(sf.calibrate, "touch", fit)
+    layout, skin, cal = tmp_path / "three.toml", tmp_path / "presses.csv", tmp_path / "cal.toml"
+    sf.save_layout(PATCH, layout)
+    told = with_ramps()[1]
+    counts = np.rint(240.0 - 171.0 * told + np.random.default_rng(5).standard_normal(told.shape))
+    recording = Recording(np.arange(len(counts)) * 20_000_000, counts)
+    save_recording(recording, skin)
+    first = condition(recording, PATCH, sf.Layer(), sf.Capacitance(), Conditioning())[1]
+    before = first.conditioner.calibration
+    assert before is not None
+    run("calibrate", "touch", skin, "--skin", layout, "-o", cal)
+    after = sf.load_calibration(cal, PATCH).counts
+    assert np.abs(before.baseline - 240.0).max() > 0.3  # no 2 s are idle
+    assert 1e-3 < np.abs(after.baseline - 240.0).max() < 0.2
+    idle = taken[0][(told == 0.0).all(axis=1)]
+    assert 1e-6 < np.abs(idle.mean(axis=0)).max() < 0.2 / 171.0
 
 
 def test_readings_of_one_press_become_one_and_show_its_noise() -> None:
