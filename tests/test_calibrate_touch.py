@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from scipy.interpolate import CubicSpline
 
 import skinfield as sf
 from skinfield.calibrate import by_touch, save_calibration, touch_sampling
-from skinfield.calibrate.touch_presses import presses
+from skinfield.calibrate.touch_presses import between, noise_of_differences, presses
 from skinfield.errors import InputError
 from skinfield.files import save_recording
+from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Sphere, press
 from skinfield.skin.reading import Recording
 
@@ -95,11 +97,82 @@ def test_what_cannot_be_calibrated_by_is_refused_with_the_reason() -> None:
     endless[3, 5] = np.inf
     with pytest.raises(InputError, match=r"readings\[\(3, 5\)\] is inf"):
         sf.calibrate.touch(PATCH, endless)
+    with pytest.raises(InputError, match=r"where strong presses.*percent by 100"):
+        sf.calibrate.touch(PATCH, 100.0 * readings, noise_std=100.0 * NOISE)
     near = readings[:, :3]  # so small a patch is pressed all the time
     with pytest.raises(InputError, match=r"noise_std= \(--noise\)|noise_std=, --noise"):
         sf.calibrate.touch(PATCH.subset(range(3)), near[near.max(axis=1) > 0.05])
     assert "doubtful" in replace(found(), left_out=found().presses).verdict
     assert "doubtful" not in found().verdict
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"place_std": 0.3}, r"place_std is 0\.3, expected a number from 0 to 0\.0\d+: in metres"),
+        ({"place_std": -1e-4}, r"place_std is -0\.0001, expected"),
+        ({"noise_std": [1.0, 2.0, 3.0]}, r"noise_std has shape \(3,\), expected \(36\)"),
+        ({"known_force": np.full(80, np.nan)}, r"known_force holds nothing but NaN"),
+        ({"known_force": np.full(80, -2.0)}, r"known_force holds -2 to -2 N"),
+        ({"known_force": np.ones(7)}, r"known_force has shape \(7,\), expected \(80\)"),
+    ],
+)
+def test_arguments_are_checked_before_the_fit(
+    arguments: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(by_touch, "_fitted")
+    with pytest.raises(InputError, match=message):
+        sf.calibrate.touch(PATCH, touches()[0], **{"noise_std": NOISE} | arguments)
+
+
+def with_ramps() -> tuple[np.ndarray, np.ndarray]:
+    """Readings (P, L) of strong presses; these (T, L) one after the other, with ramps, and idle."""
+    each = touches()[0]
+    strong = each[each.max(axis=1) > 0.03]
+    idle, held = np.zeros((20, 36)), np.array([1.0, 2.0, 3.0] + [4.0] * 20 + [3.0, 2.0, 1.0]) / 4.0
+    return strong, np.concatenate([np.vstack([idle, held[:, None] * one]) for one in strong])
+
+
+def test_rest_is_what_is_read_between_presses() -> None:
+    rng, (strong, still) = np.random.default_rng(2), with_ramps()
+    rest = np.zeros(36)
+    rest[7], rest[20] = 0.1, -0.08  # as where a press was taken for rest
+    told = np.rint((still + rest + 0.002 * rng.standard_normal(still.shape)) * 171.0) / 171.0
+    off = between(told, noise_of_differences(told)) - rest
+    assert 1e-5 < np.abs(off).max() < 1.2e-3  # a fifth of a count
+    made = presses(told, None)
+    assert len(made.readings) == len(strong)
+    assert np.median(np.abs(made.readings - strong)[:, [7, 20]]) < 2e-3
+    pressed = np.vstack([force * strong for force in np.linspace(0.7, 1.3, 8)])
+    alone = between(pressed, np.full(36, NOISE))  # each reading a press: none is between
+    np.testing.assert_array_equal(alone, 0.0)
+
+
+def test_rest_between_presses_is_kept_with_the_calibration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, taken = found(), list[np.ndarray]()
+
+    def fit(patch: sf.Patch, readings: np.ndarray, **_: object) -> sf.calibrate.TouchCalibration:
+        taken.append(readings)
+        return made
+
+    monkeypatch.setattr(sf.calibrate, "touch", fit)
+    layout, skin, cal = tmp_path / "three.toml", tmp_path / "presses.csv", tmp_path / "cal.toml"
+    sf.save_layout(PATCH, layout)
+    told = with_ramps()[1]
+    counts = np.rint(240.0 - 171.0 * told + np.random.default_rng(5).standard_normal(told.shape))
+    recording = Recording(np.arange(len(counts)) * 20_000_000, counts)
+    save_recording(recording, skin)
+    first = condition(recording, PATCH, sf.Layer(), sf.Capacitance(), Conditioning())[1]
+    before = first.conditioner.calibration
+    assert before is not None
+    run("calibrate", "touch", skin, "--skin", layout, "-o", cal)
+    after = sf.load_calibration(cal, PATCH).counts
+    assert np.abs(before.baseline - 240.0).max() > 0.3  # no 2 s are idle
+    assert 1e-3 < np.abs(after.baseline - 240.0).max() < 0.2
+    idle = taken[0][(told == 0.0).all(axis=1)]
+    assert 1e-6 < np.abs(idle.mean(axis=0)).max() < 0.2 / 171.0
 
 
 def test_readings_of_one_press_become_one_and_show_its_noise() -> None:

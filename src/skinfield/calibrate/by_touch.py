@@ -26,7 +26,15 @@ from skinfield.calibrate.touch_fit import (
 from skinfield.calibrate.touch_presses import STRONG, Presses, presses
 from skinfield.calibrate.touch_sampling import marginal
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape, check_type
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_finite,
+    check_range,
+    check_shape,
+    check_type,
+)
 from skinfield.signal import Calibration
 from skinfield.skin import Patch
 
@@ -42,7 +50,12 @@ WIDER = 2.3  # times the deviations of the likelihood: chosen on virtual skins
 # Where places are not exact: bodies are no balls, and boards creep and drift. By ten real skins.
 AS_MADE, GAINS_AS_MADE = np.array([0.15, 0.05]), 1.3  # of ln thickness and ratio; times the gains'
 DOUBT = 1.0 / 3.0  # part of the presses left out, from which on the rest tells little
+MOST_READ = 3.0  # of ΔC/C₀ where a press is read most: a quarter of the gap is left
 RATIO = 0.46  # Poisson's, at which it begins at most: what is stated for rubber is its limit
+NO_FORCE = (
+    "known_force knows no force of a touch that is explained by a ball, expected one above 0 N or "
+    "more: see that it is known when the touch is read"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,8 +189,8 @@ def touch(
     patch : Patch
         Of L taxels.
     readings : (T, L) array, in the quantity's unit
-        Of balls, fingertips or the like, one at a time, all over the patch; idle ones are passed
-        over. NaN where a taxel did not answer.
+        Of balls, fingertips or the like, one at a time, all over the patch; what is read between
+        them is taken off. NaN where a taxel did not answer.
     quantity : Quantity, optional
         What a reading is. Default `Capacitance()`.
     noise_std : float or (L,) array, optional
@@ -195,12 +208,15 @@ def touch(
     ------
     InputError
         If there are too few touches, readings fall under them or do not tell their noise, or
-        arrays do not go together.
+        arguments do not go together or are of another unit.
     """
     quantity, nominal = quantity or Capacitance(), layer or Layer()
     check_type("quantity", quantity, Quantity, "such as skinfield.elastic.Capacitance()")
+    why = "in metres, how far taxels are from their places: 0.3e-3 is usual"
+    check_range("place_std", place_std, 0.0, patch.pitch, why)
     table = as_floats("readings", readings)
-    found = _presses(table, patch, noise_std)
+    found = _presses(table, patch, quantity, noise_std)
+    known = _known_forces(known_force, found.row)
     values, heard = np.nan_to_num(found.readings), np.isfinite(found.readings)
     silent = (values < SILENT * found.noise).all(axis=0)
     data = Data(
@@ -222,14 +238,27 @@ def touch(
     data = replace(data, heard=heard & ~dead)
     fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
     made, forces = fit.finished(nominal, found.noise_std)
+    return made if known is None else _scaled(made, known, forces, found)
+
+
+def _known_forces(known_force: ArrayLike | None, row: NDArray[np.int64]) -> Floats | None:
+    """Known forces (T,) of readings, the rows (T,) of whose presses are -1 of none; checked."""
     if known_force is None:
-        return made
+        return None
     known = as_floats("known_force", known_force)
-    check_shape("known_force", known, (len(table),), "one per reading, NaN where not known")
-    return _scaled(made, known, forces, found)
+    check_shape("known_force", known, row.shape, "one per reading, NaN where not known")
+    if not (known > 0.0).any() or np.isinf(known).any():
+        held = known[~np.isnan(known)]
+        holds = f"{held.min():g} to {held.max():g} N" if len(held) else "nothing but NaN"
+        raise InputError(f"known_force holds {holds}, expected a force above 0 N or more of them")
+    if not (known[row >= 0] > 0.0).any():
+        raise InputError(NO_FORCE)
+    return known
 
 
-def _presses(table: Floats, patch: Patch, noise_std: ArrayLike | None) -> Presses:
+def _presses(
+    table: Floats, patch: Patch, quantity: Quantity, noise_std: ArrayLike | None
+) -> Presses:
     """Presses in readings (T, L) that were checked."""
     check_shape("readings", table, (None, len(patch)), "readings and taxels of the patch")
     check_finite("readings", np.nan_to_num(table, posinf=np.inf, neginf=-np.inf), "or NaN")
@@ -237,7 +266,10 @@ def _presses(table: Floats, patch: Patch, noise_std: ArrayLike | None) -> Presse
     if not len(table):
         raise InputError("readings are none, expected some of touches")
     if noise_std is not None:
-        noise = np.broadcast_to(as_floats("noise_std", noise_std), (len(patch),)).copy()
+        noise = as_floats("noise_std", noise_std)
+        if noise.ndim:
+            check_shape("noise_std", noise, (len(patch),), "one of all, or one per taxel")
+        noise = np.broadcast_to(noise, (len(patch),)).copy()
         if not (np.isfinite(noise) & (noise > 0.0)).all():
             raise InputError(f"noise_std is {noise.min()}, expected above 0: no reading is exact")
     found = presses(table, noise)
@@ -246,6 +278,12 @@ def _presses(table: Floats, patch: Patch, noise_std: ArrayLike | None) -> Presse
             f"readings hold {len(found.readings)} touches above {STRONG:g} times the noise "
             f"({np.median(found.noise_std):.2g}), expected {LEAST} or more, better a hundred, all "
             "over the patch; if their noise is another, state it (noise_std=, --noise)"
+        )
+    highest = float(np.percentile(np.nanmax(found.readings, axis=1), 90.0))
+    if isinstance(quantity, Capacitance) and highest > MOST_READ:
+        raise InputError(
+            f"readings are {highest:.3g} where strong presses are read most, expected some 0.05 to "
+            "1 of ΔC/C₀: divide percent by 100, and counts by their gain (gain=, --gain)"
         )
     return found
 
@@ -257,7 +295,7 @@ def _scaled(
     ratios = (known / forces[found.row])[found.row >= 0]
     ratios = ratios[np.isfinite(ratios) & (ratios > 0.0)]
     if not len(ratios):
-        raise InputError("known_force knows no force of a touch, expected one above 0 N or more")
+        raise InputError(NO_FORCE)
     ratio = float(np.exp(np.median(np.log(ratios))))
     return replace(made, young_modulus=made.young_modulus * ratio, force_ratio=ratio)
 

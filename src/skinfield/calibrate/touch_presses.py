@@ -19,11 +19,11 @@ MOST = 250  # presses
 TOGETHER = 0.05  # part of a reading, by which another may differ and both be one press
 STANDS = 4.0  # deviations of chi-squared, to which readings are one press
 REST = 0.25  # of the noise of one reading: how well rest is known, and so a mean at best
-USUAL_SPREAD, MOST_SPREAD = 2.117, 3.0  # of differences: their half over their quarter, if normal
+MOST_SPREAD = 3.0  # of differences: their half over their quarter, 2.117 if normal
 MOST_LARGER = 4.0  # times the noise that differences show, and least
 PASSES = 2
 SMALL = 0.5  # of the noise: what a press may change by and tell it
-FEWEST = 16  # quiet readings that tell a rest
+FEWEST, LEAST_QUIET = 16, 0.1  # quiet readings, and part of all, that tell a rest
 SHORT = 0.25  # of what most presses last: less is on the way, or a jump
 OFTEN = 0.1  # share of readings, that are at a board's end if so many are the very same
 
@@ -68,7 +68,8 @@ def presses(table: Floats, noise: Floats | None) -> Presses:
     InputError
         If readings do not tell their noise, or fall where they should rise.
     """
-    own = noise if noise is not None else _noise_of_differences(table)
+    own = noise if noise is not None else noise_of_differences(table)
+    table = table - between(table, own)
     end = _end(table)
     for _ in range(PASSES):
         first = _starts(table, own)
@@ -90,6 +91,23 @@ def presses(table: Floats, noise: Floats | None) -> Presses:
     clipped = (mean < end + own)[chosen]
     values = np.where(clipped, end + own, mean[chosen]) - _rest(table, end, own, strong[numbers])
     return Presses(values, spread[chosen], clipped, rows[numbers], own)
+
+
+def between(table: Floats, noise: Floats) -> Floats:
+    """What taxels (L,) read between the presses in readings (T, L); 0 where none are between.
+
+    Those are readings in which every taxel reads as it mostly does, as in the ones before and
+    after. Of boards that clip at rest `_rest` tells.
+    """
+    heard, rest = np.isfinite(table).any(axis=0), np.zeros(table.shape[1])
+    off = table[:, heard] - np.nanmedian(table[:, heard], axis=0)
+    still = np.all(~(np.abs(off) > STANDS * noise[heard]), axis=1)
+    quiet = table[1:-1][still[:-2] & still[1:-1] & still[2:]]
+    if len(quiet) > max(FEWEST, LEAST_QUIET * len(table)):
+        count = np.isfinite(quiet).sum(axis=0)
+        told = np.isneginf(_end(table)) & (count > FEWEST)
+        rest[told] = np.nansum(quiet, axis=0)[told] / count[told]
+    return rest
 
 
 def _end(table: Floats) -> Floats:
@@ -114,9 +132,9 @@ def _rest(table: Floats, end: Floats, noise: Floats, touched: NDArray[np.bool_])
 def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
     """Of runs one after the other that press one taxel most, the longest: they are one press.
 
-    Where most last for one reading, each is a press of its own.
+    Where most readings are of runs of one, each is a press of its own.
     """
-    if not len(peak) or np.median(length) <= 1.0:
+    if 2 * np.sum(length == 1) >= length.sum():
         return np.arange(len(peak))
     touch = np.cumsum(np.r_[True, peak[1:] != peak[:-1]])
     order = np.lexsort((-length, touch))
@@ -132,7 +150,7 @@ def _check_rises(mean: Floats, over: Floats) -> None:
         )
 
 
-def _noise_of_differences(table: Floats) -> Floats:
+def noise_of_differences(table: Floats) -> Floats:
     """Noise (L,) of one reading, by the median difference to the next."""
     apart = np.abs(np.diff(table, axis=0))
     apart[apart == 0.0] = np.nan  # clipped, rounded or lost

@@ -1,5 +1,6 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from skinfield.cli import options, report
 from skinfield.cli.main import new_app
 from skinfield.cli.settings import Elastomer, ModelSettings
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, check_positive
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -301,7 +302,8 @@ def touch(
     Parameters
     ----------
     *recordings : str
-        Of the presses, one or more. Each has a rest of its own; that of the first is kept.
+        Of the presses, one or more. Each has a rest of its own, as read between
+        presses; that of the first is kept.
     known : float, optional
         Force, N, of what presses during --at.
     at : str, optional
@@ -313,6 +315,7 @@ def touch(
     """
     from skinfield.calibrate import touch as fit
     from skinfield.calibrate.plot import draw_gains
+    from skinfield.calibrate.touch_presses import between, noise_of_differences
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.elastic import Capacitance
     from skinfield.files import open_recording
@@ -322,13 +325,18 @@ def touch(
     _check_files(output, report_folder, force)
     if (known is None) != (at is None):
         raise InputError("--known and --at belong together: a force, and when it pressed")
+    if known is not None:
+        check_positive("--known", known, "the force in N of what presses during --at")
     plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
     layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
     if not recordings:
         raise InputError("RECORDING is missing, expected one or more of presses")
     found = [readings_for(open_recording(each), plan.patch) for each in recordings]
     every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
-    readings = np.concatenate([values for values, _ in every])
+    readings, each = np.concatenate([values for values, _ in every]), how.noise_std
+    noise = noise_of_differences(readings) if each is None else np.full(len(plan.patch), each)
+    rests = [between(values, noise) for values, _ in every]
+    readings -= np.repeat(rests, [len(values) for values, _ in every], axis=0)
     notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
     forces = None
     if known is not None:
@@ -340,7 +348,9 @@ def touch(
             place_std=PLACE_STD,
         )  # fmt: skip
     counted = every[0][1].conditioner.calibration
-    made = made if counted is None else made.with_counts(counted)
+    if counted is not None:
+        rest = np.where(counted.alive, rests[0] * counted.gain, 0.0)
+        made = made.with_counts(replace(counted, baseline=counted.baseline + rest))
     beside = 100.0 * (made.gain - 1.0)
     gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
     report.say_notes(notes)
