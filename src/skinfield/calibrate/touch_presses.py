@@ -143,7 +143,7 @@ def _longest(peak: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.i
 
 def _check_rises(mean: Floats, over: Floats) -> None:
     """Refuse presses that most readings fall by."""
-    if len(mean) and np.median(over.max(axis=1) + over.min(axis=1)) < 0.0:
+    if len(mean) >= FEWEST and np.median(over.max(axis=1) + over.min(axis=1)) < 0.0:
         raise InputError(
             f"readings fall under touch, by up to {-np.nanmin(mean):.3g}, expected ones that rise: "
             "change their sign, or that of the counts per ΔC/C₀ (gain=, --gain)"
