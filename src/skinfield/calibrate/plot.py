@@ -62,9 +62,9 @@ def draw_gains(patch: Patch, gain: Floats, label: str) -> "Figure":
         x, y = patch.plane.T * MM
         dots = axes.scatter(
             x, y, c=gain, s=60, cmap="RdBu_r" if low else "viridis", vmin=low, vmax=most,
-            edgecolors=INK, linewidths=0.4,
+            edgecolors=INK, linewidths=0.4, clip_on=False,
         )  # fmt: skip
-        axes.margins(0.06)  # taxels at the rim are drawn whole
+        axes.margins(0.06)
         axes.set_aspect("equal")
         axes.set_xlabel("x (mm)")
         axes.set_ylabel("y (mm)")
