@@ -203,7 +203,7 @@ def compared(rmse: float, trivial: Mapping[str, float]) -> str:
     return f"{rmse:.3g} N off (rms), {words}"
 
 
-class Fit(NamedTuple):
+class ForceFit(NamedTuple):
     """A calibration, and its labels foretold from other parts (T,), N."""
 
     calibration: ForceCalibration
@@ -238,7 +238,7 @@ def force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceCalibration
     return fit_force(patch, counts, force).calibration
 
 
-def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> Fit:
+def fit_force(patch: Patch, counts: ArrayLike, force: ArrayLike) -> ForceFit:
     """The calibration of `force`, and how its labels are foretold."""
     check_type("patch", patch, Patch, "such as layouts.hexagon72()")
     table = _table(counts, len(patch))
@@ -454,7 +454,7 @@ def _parts(distance: Floats, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]
     return np.array_split(np.arange(len(distance)), PARTS)
 
 
-def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
+def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> ForceFit:
     """Calibration by labels (T,); an InputError where they have nothing to do with the skin."""
     design = _design(patch, table)
     first = 1 + design.modes.shape[1]  # of the gains
@@ -494,7 +494,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> Fit:
         places=design.places,
         **_trivial(table, labels, design.parts),
     )
-    return Fit(made, foretold[best])
+    return ForceFit(made, foretold[best])
 
 
 def _trivial(table: Floats, labels: Floats, parts: list[NDArray[np.int64]]) -> dict[str, Any]:
