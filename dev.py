@@ -30,10 +30,10 @@ BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = str(BIN / ("python.exe" if os.name == "nt" else "python"))
 STAMP = VENV / "skinfield-setup.txt"  # root, hash of pyproject.toml, what was installed
 COMMANDS = {  # what to install, which programs to run
-    "demo": (".", ["skinfield demo"]),
+    "demo": (".[plot]", ["skinfield demo"]),
     "test": (".[test]", ["pytest -n auto --dist worksteal --durations=5"]),
     "run": (".[all]", ["skinfield"]),  # any command
-    "python": (".", ["python"]),
+    "python": (".[plot]", ["python"]),
     "lint": (".[lint]", ["ruff check", "ruff format --check"]),
     "types": (".[dev]", ["mypy"]),
 }
@@ -54,7 +54,7 @@ def main(name: str = "--help", *rest: str) -> int:
     set_up(what)
     if name == "test":  # pytest fills the cores: threads inside each process would fight for them
         os.environ.setdefault("OMP_NUM_THREADS", "1")
-    folder = None if what == "." else ROOT  # where it was called, or checks of the whole project
+    folder = None if name in ("demo", "run", "python") else ROOT  # where it was called, or all
     for program, *fixed in map(str.split, programs):
         if status := subprocess.call([str(BIN / program), *fixed, *rest], cwd=folder):
             return status

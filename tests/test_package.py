@@ -39,7 +39,7 @@ def test_public_names_are_explained(name: str) -> None:
 def test_core_needs_no_extra() -> None:
     needed = importlib.metadata.requires("skinfield") or []
     core = {re.split("[<>=]", line)[0] for line in needed if "extra ==" not in line}
-    rest = {"threadpoolctl", "rich", "matplotlib", "contourpy", "mcap", "websockets", "zarr"}
+    rest = {"threadpoolctl", "rich", "contourpy", "mcap", "websockets", "zarr"}
     rest |= {"cyclopts", "msgspec", "tomli-w"}
     assert core <= {"numpy", "scipy", "numba"} | rest
 
