@@ -1,7 +1,7 @@
 """Lattice, exact solution and finite elements agree about the same presses."""
 
 import pytest
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 from skinfield.elastic import Layer
 from skinfield.lab.paper import TIPS
@@ -50,4 +50,4 @@ def test_half_space_error_is_that_of_narrow_and_wide_contacts() -> None:
 
 
 def test_the_page_on_finite_elements_runs() -> None:
-    assert follow(ROOT / "docs" / "finite-elements.md") == (1, 0)
+    assert follow(doc("finite-elements")) == (1, 0)

@@ -13,7 +13,7 @@ import pytest
 from command_line import refused
 from hypothesis import given
 from hypothesis import strategies as st
-from test_readme import blocks
+from test_readme import blocks, doc
 
 from skinfield.cli.bench_tables import jitter_table
 from skinfield.cli.main import app_for
@@ -22,8 +22,6 @@ from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, quantiles_from_json
 from skinfield.lab.bench.jitter import JitterSettings, result
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, Timing, TimingTable
-
-ROOT = Path(__file__).resolve().parents[1]
 
 
 def printed(histogram: dict, cycles: int, longest: int = 4) -> str:
@@ -177,7 +175,7 @@ def test_a_loop_that_ended_is_no_measurement(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_page_s_snippet_and_command_are_right() -> None:
-    page = list(blocks(ROOT / "docs" / "real-time.md"))
+    page = list(blocks(doc("real-time")))
     code = next(text for language, _, text in page if language == "python")
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "garbage collector frozen" in ended.stdout

@@ -5,7 +5,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from test_readme import follow
+from test_readme import doc, follow
 
 import skinfield as sf
 
@@ -38,7 +38,7 @@ def test_the_page_of_whole_robots_runs(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    text, page = (ROOT / "docs" / "whole-robot.md").read_text(), tmp_path / "whole-robot.md"
+    text, page = doc("whole-robot").read_text(), tmp_path / "whole-robot.md"
     page.write_text(text.replace("budget=500e-6", "budget=60.0"))  # on a machine that is busy
     assert follow(page) == (1, 0)
     assert capsys.readouterr().out == "5 contacts\n"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from live_skins import settings, skin_ring
 from ring_scenes import LOG_BYTES, SLOT, SLOTS, bytes_of, compiled, own_name, worker, write
+from test_readme import doc
 
 from skinfield import loop
 from skinfield.estimate.live_contacts import CONTACT
@@ -154,7 +155,7 @@ def test_example_prints_each_new_slot(tmp_path: Path) -> None:
 
 
 def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    page = (HERE.parent / "docs" / "ring.md").read_text(encoding="utf-8")
+    page = doc("ring").read_text(encoding="utf-8")
     programs = dict(re.findall(r"^```(python|c)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
     assert programs["c"] == WATCH.read_text()  # which is compiled and runs above
     with own_name() as name:

@@ -4,18 +4,16 @@ from pathlib import Path
 
 import pytest
 from command_line import refused, result_of
-from test_readme import blocks
+from test_readme import blocks, doc
 
 from skinfield.lab.bench.scene import SMOKE
-
-ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_the_page_runs_prints_its_numbers_and_leaves_a_picture(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    page = {language: text for language, _, text in blocks(ROOT / "docs" / "bench.md")}
+    page = {language: text for language, _, text in blocks(doc("bench"))}
     exec(compile(page["python"], "bench.md", "exec"), {})
     (command,) = page["sh"].splitlines()
     found = result_of("bench", *command.split()[2:])

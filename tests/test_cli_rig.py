@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import refused, run
-from test_readme import ROOT, blocks, follow
+from test_readme import ROOT, blocks, doc, follow
 
 from skinfield.files import open_recording
 from skinfield.files.layouts.load import load_layout
@@ -129,7 +129,7 @@ def test_mistakes_are_a_paragraph(tmp_path: Path) -> None:
 def test_the_page_runs_and_prints_what_it_says(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page = ROOT / "docs" / "rig.md"
+    page = doc("rig")
     shown = [text for _, _, text in blocks(page)]
     assert shown[0] == SCENARIO
     shutil.copytree(made, tmp_path / "rig" / "foam-ball")  # so that it need not be made again

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import invoke, refused, result_of, run
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 from skinfield.lab.case_files import load_case
 
 MADE = ("--seed", 4, "--quantity", "stress", "--noise", 200)
-PAGE = ROOT / "docs" / "cases.md"
+PAGE = doc("cases")
 OWN = """
 import numpy as np
 from skinfield.solve import LinearOperator

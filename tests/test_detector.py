@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 from scipy.special import gammainc, log_ndtr, ndtr, ndtri, pdtr
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 import skinfield as sf
 from skinfield.errors import InputError
@@ -425,7 +425,7 @@ def test_impossible_capacitance_and_missing_values_in_bulk_are_refused() -> None
 
 
 def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    assert follow(ROOT / "docs" / "light-touch.md")[0] > 0
+    assert follow(doc("light-touch"))[0] > 0
     first, second = capsys.readouterr().out.strip().splitlines()
     assert first.startswith("True 0.9") or first.startswith("True 1.0")
     assert second == "True 15"

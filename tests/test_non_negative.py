@@ -15,7 +15,7 @@ from non_negative_reference import (
     small_model,
     solve,
 )
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 import skinfield as sf
 from skinfield.elastic import BaseStress, Capacitance, Layer
@@ -173,7 +173,7 @@ def test_the_page_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(ROOT / "docs" / "non-negative.md") == (2, 0)
+    assert follow(doc("non-negative")) == (2, 0)
     pressure, proof = capsys.readouterr().out.splitlines()
     assert pressure.endswith("N of 2 N, least pressure 0 Pa")
     assert 1.0 < float(pressure.split()[0]) < 2.4

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 
 @pytest.fixture(autouse=True)
@@ -15,7 +15,7 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 def run(page: str) -> tuple[tuple[int, int], dict[str, Any]]:
     """Numbers of snippets and commands, and the names that they left."""
     names: dict[str, Any] = {}
-    return follow(ROOT / "docs" / f"{page}.md", names), names
+    return follow(doc(page), names), names
 
 
 def test_closed_forms() -> None:

@@ -12,6 +12,7 @@ from command_line import refused, result_of, run
 from mcap.reader import make_reader
 from pyarrow import parquet
 from recorder_ring import FakeEngine, recorder_of
+from test_readme import doc
 
 from skinfield.files import open_recording, readings_for
 from skinfield.signal import Blocks, Kind, Status
@@ -121,7 +122,7 @@ def test_reconstruct_takes_it(recorded, tmp_path):
     assert "gain not given" not in " ".join(made["notes"])  # as it is without a calibration
 
 
-PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
+PAGE = doc("recording-file")
 PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 

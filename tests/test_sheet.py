@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_readme import ROOT, follow
+from test_readme import doc, follow
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
@@ -510,4 +510,4 @@ def test_windows_hold_what_is_marked_once() -> None:
 
 def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(ROOT / "docs" / "sheet.md") == (1, 0)
+    assert follow(doc("sheet")) == (1, 0)

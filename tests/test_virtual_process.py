@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from command_line import invoke, refused
 from live_skins import wait_for
-from test_readme import follow
+from test_readme import doc, follow
 from virtual_host import LONG, START, Host, bytes_by_channel
 
 from skinfield.emulator import VirtualSettings, VirtualSkin
@@ -248,6 +248,6 @@ def test_what_the_command_cannot_use_is_said(words, said):
 
 def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    page = Path(__file__).resolve().parents[1] / "docs" / "virtual-skin.md"
+    page = doc("virtual-skin")
     assert follow(page) == (1, 1)
     assert Path("truth.jsonl").read_text()

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from live_skins import fill, skin_ring, unique_name, wait_for
+from test_readme import doc
 
 from skinfield.bridges.launch import bridge_settings, bridges
 from skinfield.bridges.settings import BridgeSettings
@@ -31,7 +32,7 @@ from skinfield.bridges.zenoh.discovery import ZenohSources
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 
 TESTS = Path(__file__).resolve().parent
-DOCS = TESTS.parent / "docs" / "zenoh.md"
+DOCS = doc("zenoh")
 KEY = "skinfield/robot/part/estimate"
 ASKED = "skinfield/robot/part/description"
 TOKEN = "skinfield/robot/part/alive"

@@ -16,14 +16,14 @@ class ZenohAddresses(Section):
     Parameters
     ----------
     zenoh : bool
-        Publish estimates and contacts over zenoh, or look for them, see docs/zenoh.md.
+        Publish estimates and contacts over zenoh, or look for them, see docs/how-to/zenoh.md.
     zenoh_listen : tuple of str
         Where others may connect, such as tcp/0.0.0.0:7447; again for more. Without any address,
         only programs on this machine take part.
     zenoh_connect : tuple of str
         Others to connect to, such as tcp/robot:7447; again for more.
     zenoh_config : str, optional
-        Settings of zenoh (JSON5): certificates, access control, see docs/zenoh.md.
+        Settings of zenoh (JSON5): certificates, access control, see docs/how-to/zenoh.md.
     """
 
     zenoh: bool = False
@@ -46,7 +46,7 @@ class BridgeSettings(ZenohAddresses):
     robot : str
         Name of the whole robot, in keys and topics.
     ros2 : bool
-        Publish as rmw_zenoh does, see docs/ros2.md.
+        Publish as rmw_zenoh does, see docs/how-to/ros2.md.
     ros_rate : tuple of str
         With ros2, such as wrench=500: most messages a second of contacts, frames, wrench,
         contact_wrench, taxels or diagnostics; 0: none. Again for more.

@@ -59,7 +59,7 @@ def emulate(
     bus), dead, stuck, noisy, saturated, no-ack (a taxel); number 3 from 10 s after the first
     reading on, number 0 at 20 s for 2 s. NUMBER can be a run, 3-7, or all, *. Everything can also
     be asked for while it runs, by datagrams of JSON to the control address:
-    {"do": "press", "x": 0.01, "y": 0, "force": 1}; see docs/virtual-skin.md.
+    {"do": "press", "x": 0.01, "y": 0, "force": 1}; see docs/how-to/virtual-skin.md.
 
     Readings that cannot be sent in time are skipped and counted, never sent late in a heap. Ctrl-C
     ends it with a summary.

@@ -33,7 +33,7 @@ def export(
     It is read and written piece by piece: a recording may be longer than memory.
 
     --format rosbag2 makes a folder that `ros2 bag` reads, without ROS: counts as PointCloud2,
-    contacts, forces and frames as messages, see docs/ros2.md.
+    contacts, forces and frames as messages, see docs/how-to/ros2.md.
 
       skinfield export touch.mcap -o touch.parquet
       skinfield export touch.mcap --format rosbag2 -o touch_bag

@@ -89,8 +89,8 @@ def run(
       skinfield run --hardware cyskin --skin my_skin.json --save my_robot.toml
       skinfield run my_robot.toml --duration 10 --headless --json
 
-    Other programs get the estimates with `skinfield.connect()`, see docs/live.md; other machines
-    with --zenoh, --ros2 and --yarp. Ctrl-C ends all.
+    Other programs get the estimates with `skinfield.connect()`, see docs/tutorials/live-skin.md;
+    other machines with --zenoh, --ros2 and --yarp. Ctrl-C ends all.
 
     Parameters
     ----------

@@ -259,7 +259,7 @@ class PathPoint(Section):
 
 @dataclass(frozen=True, kw_only=True)
 class PressEntry(PathPoint):
-    """Press in a scene's file; see docs/virtual-skin.md."""
+    """Press in a scene's file; see docs/how-to/virtual-skin.md."""
 
     patch: str | int | None = None
     shape: str = "ball"
@@ -290,7 +290,7 @@ class PressEntry(PathPoint):
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFile(Section):
-    """A scene's file; see docs/virtual-skin.md."""
+    """A scene's file; see docs/how-to/virtual-skin.md."""
 
     repeat_s: Annotated[float | None, Range(1e-3, LATEST, "seconds")] = None
     press: tuple[PressEntry, ...] = ()

@@ -268,7 +268,7 @@ PER_POLL = 64  # commands, so that a flood of them delays no reading for long
 class Request(Place):
     """Fields that a command has beside `do` and `tag`, whichever are its own.
 
-    See docs/virtual-skin.md. What is None is as it was, or as usual.
+    See docs/how-to/virtual-skin.md. What is None is as it was, or as usual.
     """
 
     id: str | None = None

@@ -450,7 +450,7 @@ class World:
         return [touch.id for touch in self._by_hand.values() if self._table(touch) is None]
 
     def press(self, request: Request) -> dict[str, Any]:
-        """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
+        """Begin a press by hand, see `docs/how-to/virtual-skin.md`; what came of it."""
         patch = patch_index(self.skin, request.patch)
         x, y = request.on(self.skin.patches[patch])
         tool = SceneTool(request.radius, request.shape)

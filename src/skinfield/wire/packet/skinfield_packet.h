@@ -1,7 +1,7 @@
 /* skinfield packets, version 1: counts of a capacitive skin over UDP, TCP or serial.
  *
  * One file, no allocation, no dependencies, C99 and C++. Little-endian machines only, which is what
- * Arduino, ESP32, STM32, RP2040 and PCs are. The layout is in docs/packet.md of skinfield.
+ * Arduino, ESP32, STM32, RP2040 and PCs are. The layout is in docs/reference/packet.md of skinfield.
  *
  *     static uint8_t packet[SKINFIELD_ROOM(2 * 72)];
  *     static skinfield_sender sender = {1};             // device 1

@@ -8,7 +8,7 @@ import click
 from PIL import Image
 
 CODE = "from skinfield.cli import main; main()"
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 CAPACITANCE = ("--noise", "0.002", "--radius-mm", "1")
 STRESS = ("--quantity", "stress", "--noise", "400", "--radius-mm", "1")
 PICTURES = {

@@ -1,6 +1,6 @@
 """Make the picture of docs/electronics.md: a press, step by step from force to bytes.
 
-python docs/electronics_figures.py
+python docs/figures/electronics.py
 """
 
 from dataclasses import replace
@@ -36,7 +36,7 @@ from skinfield.simulate.electronics import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-IMAGE = Path(__file__).parent / "images" / "electronics.png"
+IMAGE = Path(__file__).parents[1] / "images" / "electronics.png"
 PATCH = sf.layouts.icub_hexagon()
 UNDER, BESIDE = 3, 4  # taxels: under the ball, and the one that a ball's edge pulls up
 ON, OFF, END = 3.0, 9.0, 15.0  # s: pressed, released, end

@@ -1,7 +1,7 @@
 """Make the pictures of README and docs, and print the numbers that they quote.
 
-  python docs/figures.py                                   all that need no outside data
-  python docs/figures.py --foot REC --force FT --foot-layout FILE    the real foot as well
+  python docs/figures/limits.py                                   all that need no outside data
+  python docs/figures/limits.py --foot REC --force FT --foot-layout FILE    the real foot as well
 
 The presses are those of `presses.py` beside this file.
 """
@@ -59,7 +59,7 @@ from skinfield.skin.maps import draw_cells, extent_of, frame_axes, outline_pads
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 SHOWN = {"stress": (1e-3, "kPa"), "capacitance": (100.0, "%")}  # factor and unit of a figure
 COLOUR = {"stress": ORANGE, "capacitance": BLUE}
 SIGMAS = 5.0  # noise that a reading must exceed to count as seen

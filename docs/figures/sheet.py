@@ -1,6 +1,6 @@
 """Make the picture of the page on sheets of many taxels, and print how far off the forces are.
 
-  python docs/sheet_figures.py
+  python docs/figures/sheet.py
 
 Ten thousand taxels are pressed in several places; each press is simulated on cells of 0.5 mm, far
 enough from the others that their readings add up.
@@ -26,7 +26,7 @@ from skinfield.plot import (
 )
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 LAYER = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 SIDE = 100  # taxels
 DISTANCE = 5.8e-3

@@ -1,6 +1,6 @@
 """Draw the pictures of experiments.md on accuracy: `skinfield validate --unseen` as curves.
 
-python docs/accuracy_figures.py [PRESSES] [PROCESSES]
+python docs/figures/accuracy.py [PRESSES] [PROCESSES]
 """
 
 import sys
@@ -17,7 +17,7 @@ from skinfield.lab.score import column, where
 from skinfield.lab.validation import AUTO, GAUSSIAN, PAPER, NoiseLevel, known_entrants
 from skinfield.plot import save
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 NAMES = {PAPER: "paper's method", GAUSSIAN: "GaussianField", AUTO: "Auto"}
 ERRORS = (  # column, label, factor, ends of the axis
     ("force_error", "error of the force (%)", 100.0, (0.3, 200.0)),

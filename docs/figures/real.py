@@ -2,7 +2,7 @@ r"""Write the table of cases.md on fingers on skins with real habits.
 
   skinfield cases DIR --habits real --count 48 --seed 1 \
     --skin rectangular:rows=24,columns=24,pitch_mm=6
-  python docs/real_figures.py DIR [SOLVER ...]
+  python docs/figures/real.py DIR [SOLVER ...]
 
 Solvers are those of `skinfield validate`, by default auto; the trivial answer comes first: blobs of
 neighbouring taxels above a threshold, their force in proportion to the sum of their readings.

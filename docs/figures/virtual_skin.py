@@ -1,6 +1,6 @@
 """Make the picture of virtual-skin.md: half a minute.
 
-python docs/virtual_skin_figures.py
+python docs/figures/virtual_skin.py
 """
 
 import time
@@ -81,7 +81,7 @@ def main() -> None:
     note = "bytes as they arrive over UDP, a hundred readings a second, and the force that is true"
     add_title(bytes_, "", "A finger slides over the virtual skin", note)
     figure.subplots_adjust(left=0.08, right=0.97, bottom=0.12, top=0.88, hspace=0.1)
-    save(figure, str(Path(__file__).parent / "images" / "virtual-skin.png"))
+    save(figure, str(Path(__file__).parents[1] / "images" / "virtual-skin.png"))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Measure, draw the picture of bench.md, and write the tables of bench.md and real-time.md.
 
-  python docs/timing_figures.py bench [short|full] [FILE]    docs/images/bench.png
-  python docs/timing_figures.py jitter [SECONDS]
+  python docs/figures/timing.py bench [short|full] [FILE]    docs/images/bench.png
+  python docs/figures/timing.py jitter [SECONDS]
 
 FILE keeps the numbers as JSON. The second takes four times as long as SECONDS, by default four
 minutes; SCHED_FIFO must be permitted and cyclictest installed. Nothing else should run meanwhile.
@@ -34,7 +34,7 @@ from skinfield.loop.realtime import RealTime
 from skinfield.plot import save
 from skinfield.solve import GaussianField
 
-DOCS = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 
 
 def markdown(table: Table) -> str:
@@ -95,7 +95,7 @@ def measure_jitter(seconds: float = 60.0) -> None:
         say_notes([found["no_cyclictest"]] if found["no_cyclictest"] else [])
     machine = this_machine()
     parts.append(f"{machine['processor']}, {machine['cores']} CPUs, {date.today()}.")
-    put(DOCS / "real-time.md", "jitter", "\n\n".join(parts))
+    put(DOCS / "explanation" / "real-time.md", "jitter", "\n\n".join(parts))
 
 
 if __name__ == "__main__":

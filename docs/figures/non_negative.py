@@ -1,7 +1,7 @@
 """Make the picture of the page on the non-negative field, and print the numbers that it quotes.
 
-  python docs/non_negative_figures.py            docs/images/non-negative.png and the tables
-  python docs/non_negative_figures.py --picture  the picture alone
+  python docs/figures/non_negative.py            docs/images/non-negative.png and the tables
+  python docs/figures/non_negative.py --picture  the picture alone
 
 How long it takes is in benchmarks/bench_nonnegative.py.
 
@@ -27,7 +27,7 @@ from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_c
 from skinfield.simulate import Press, press
 from skinfield.skin.maps import outline_pads
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 PATCH = sf.layouts.hexagon72()
 SOLVERS: dict[str, Any] = {"GaussianField": sf.GaussianField(), "NonNegative": sf.NonNegative()}
 SHAPES = {

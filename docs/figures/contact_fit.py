@@ -1,9 +1,9 @@
 """Make the picture of the page on the contact fit, and print the numbers that it quotes.
 
-  python docs/contact_fit_figures.py             docs/images/contact-fit.png
-  python docs/contact_fit_figures.py --table     errors and names of shapes, by what presses
-  python docs/contact_fit_figures.py --pairs     how often two balls are found as two
-  python docs/contact_fit_figures.py --time      how long a reading takes, by processor time
+  python docs/figures/contact_fit.py             docs/images/contact-fit.png
+  python docs/figures/contact_fit.py --table     errors and names of shapes, by what presses
+  python docs/figures/contact_fit.py --pairs     how often two balls are found as two
+  python docs/figures/contact_fit.py --time      how long a reading takes, by processor time
 
 Presses are solved on cells of 0.25 mm and carried to places that no setting was chosen by.
 """
@@ -23,7 +23,7 @@ from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_c
 from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.maps import outline_pads
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer()
 QUANTITIES: dict[str, Any] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
 SOLVERS: dict[str, Any] = {"GaussianField": sf.GaussianField(), "ContactFit": sf.ContactFit()}

@@ -1,6 +1,6 @@
 """Make the picture of light-touch.md, and print the numbers that it quotes.
 
-python docs/light_touch_figures.py [smoke|short|full]
+python docs/figures/light_touch.py [smoke|short|full]
 """
 
 import sys
@@ -37,7 +37,7 @@ from skinfield.lab.sections.detection import (
 from skinfield.plot import plural
 from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 NOISE, COUNT = 3.8e3, 40_000  # Pa; idle decisions
 
 

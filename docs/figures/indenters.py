@@ -1,6 +1,6 @@
 """Make the picture of docs/indenters.md: every shape pressed with 1 N on the same skin.
 
-python docs/indenter_figures.py
+python docs/figures/indenters.py
 """
 
 import tempfile
@@ -28,7 +28,7 @@ from skinfield.simulate import (
 )
 from skinfield.simulate.indenters.shape_files import load_height_map, load_mesh
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[1] / "images"
 LAYER = sf.Layer(2e-3, 150e3)
 SIDE = 8.0  # mm from the middle to the border of a map
 MM = 1e-3
