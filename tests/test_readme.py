@@ -123,14 +123,6 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in anchors(target), f"{page.name} links to {link}: no such heading"
 
 
-def test_every_page_is_in_the_index() -> None:
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    for page in PAGES:
-        if ROOT / "docs" in page.parents and page.name != "index.md":
-            name = page.relative_to(ROOT / "docs").as_posix()
-            assert f"({name})" in index, f"{name} is not in the index"
-
-
 def test_pictures_are_small_and_used() -> None:
     text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
     pictures = list((ROOT / "docs" / "images").glob("*"))
