@@ -33,7 +33,7 @@ def follow(page: Path, names: dict[str, Any] | None = None) -> tuple[int, int]:
             exec(compile(text, str(page), "exec"), names)
             snippets += 1
         elif language == "sh":
-            for line in text.splitlines():
+            for line in text.replace("\\\n", " ").splitlines():
                 if line.startswith("skinfield") and OUTSIDE not in line:
                     line = line.replace("--duration 5 ", "--duration 1 ")
                     run(*shlex.split(line, comments=True)[1:])
