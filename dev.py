@@ -6,6 +6,7 @@
   python3 dev.py python ARGS    run Python with skinfield: python examples/quickstart.py
   python3 dev.py lint           look for mistakes and at the formatting (ruff)
   python3 dev.py types          check the types (mypy)
+  python3 dev.py docs           build the documentation, with its gallery, into out/site
 
 The first call makes .venv beside this file and installs there what the command needs: a minute or
 two. Later calls start at once, until pyproject.toml changes. Nothing else is touched; to start
@@ -36,6 +37,7 @@ COMMANDS = {  # what to install, which programs to run
     "python": (".[plot]", ["python"]),
     "lint": (".[lint]", ["ruff check", "ruff format --check"]),
     "types": (".[dev]", ["mypy"]),
+    "docs": (".[docs]", ["sphinx-build -W --keep-going -q -d build/docs docs out/site"]),
 }
 
 

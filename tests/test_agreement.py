@@ -1,7 +1,6 @@
 """Lattice, exact solution and finite elements agree about the same presses."""
 
 import pytest
-from test_readme import doc, follow
 
 from skinfield.elastic import Layer
 from skinfield.lab.paper import TIPS
@@ -47,7 +46,3 @@ def test_half_space_error_is_that_of_narrow_and_wide_contacts() -> None:
     assert 0.30 < flat["displacement"] < 0.40
     thick = Layer(20e-3, 100e3, 0.5)  # nearly a half-space
     assert half_space_error(TIPS[2].pressed(thick, 0.2, 0.3e-3))["displacement"] < 0.08
-
-
-def test_the_page_on_finite_elements_runs() -> None:
-    assert follow(doc("finite-elements")) == (1, 0)

@@ -425,7 +425,7 @@ def test_impossible_capacitance_and_missing_values_in_bulk_are_refused() -> None
 
 
 def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    assert follow(doc("light-touch"))[0] > 0
+    assert follow(doc("detect-light-touch"))[0] > 0
     first, second = capsys.readouterr().out.strip().splitlines()
     assert first.startswith("True 0.9") or first.startswith("True 1.0")
     assert second == "True 15"

@@ -154,7 +154,7 @@ def test_what_fingers_cannot_is_said():
 
 
 def test_single_fingers_read_as_on_a_real_patch():
-    """reality.md, 1d: taxels above a tenth of the peak, and what its neighbours read."""
+    """Taxels above a tenth of the peak, and what its neighbours read."""
     rng = np.random.default_rng(0)
     offsets = 6e-3 * (np.mgrid[-4:5, -4:5].reshape(2, -1).T)
     counts, near, next_ = [], [], []

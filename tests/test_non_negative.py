@@ -173,8 +173,8 @@ def test_the_page_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(doc("non-negative")) == (2, 0)
-    pressure, proof = capsys.readouterr().out.splitlines()
+    assert follow(doc("fields")) == (2, 0)
+    pressure, proof, sheet, _ = capsys.readouterr().out.splitlines()
     assert pressure.endswith("N of 2 N, least pressure 0 Pa")
     assert 1.0 < float(pressure.split()[0]) < 2.4
     gap, steps, met, took = proof.split(", ")
@@ -182,6 +182,7 @@ def test_the_page_runs(
     assert steps.endswith(" steps")
     assert met in ("in time", "late")
     assert took.endswith(" µs")
+    assert float(sheet.split()[-5]) == pytest.approx(11.6, abs=0.3)  # "... N of 15.0 N"
 
 
 def test_settings_are_checked() -> None:

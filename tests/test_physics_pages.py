@@ -1,4 +1,4 @@
-"""Pages on closed forms, electronics and indenters run as they stand."""
+"""Pages on mechanics and electronics run as they stand."""
 
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,11 @@ def run(page: str) -> tuple[tuple[int, int], dict[str, Any]]:
     return follow(doc(page), names), names
 
 
-def test_closed_forms() -> None:
-    _, names = run("closed-forms")
+def test_mechanics_three_ways() -> None:
+    pytest.importorskip("skfem")
+    count, names = run("mechanics")
+    assert count == (3, 0)
+    assert names["small"].depth == pytest.approx(names["state"].depth, rel=3e-4)
     assert names["state"].depth == pytest.approx(0.626e-3, abs=1e-6)
     assert names["state"].contact_radius == pytest.approx(2.626e-3, abs=1e-6)
 
@@ -31,11 +34,3 @@ def test_electronics_give_back_the_press() -> None:
     held = (names["rec"].time > 3.0) & (names["rec"].time < 3.9)
     assert change.max() > 0.1
     assert back[held, 3].mean() == pytest.approx(change[kept][held, 3].mean(), abs=0.02)
-
-
-def test_indenters(capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("trimesh")
-    assert run("indenters")[0] == (6, 3)
-    assert "rod 1.0" in capsys.readouterr().out
-    for name in ("lean.png", "pyramid.npz", "press.png"):
-        assert Path(name).stat().st_size > 10_000

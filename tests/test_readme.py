@@ -39,7 +39,7 @@ def follow(page: Path, names: dict[str, Any] | None = None) -> tuple[int, int]:
             exec(compile(text, str(page), "exec"), names)
             snippets += 1
         elif language == "sh":
-            for line in text.splitlines():
+            for line in text.replace("\\\n", " ").splitlines():
                 if line.startswith("skinfield") and OUTSIDE not in line:
                     line = line.replace("--duration 5 ", "--duration 1 ")
                     run(*shlex.split(line, comments=True)[1:])
@@ -83,9 +83,8 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contact-fit", 1), ("tracks", 1), ("design-a-skin", 1), ("engine", 3), ("batch", 2),
-        ("icub", 3), ("packet", 2), ("cyskin", 3), ("hardware", 2), ("settings", 1),
-        ("uncertainty", 1),
+        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1), ("engine", 3),
+        ("batch", 2), ("icub", 3), ("packet", 2), ("cyskin", 3), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
@@ -121,14 +120,6 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert target.exists(), f"{page.name} links to {link}, which is not there"
         if anchor:
             assert anchor in anchors(target), f"{page.name} links to {link}: no such heading"
-
-
-def test_every_page_is_in_the_index() -> None:
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    for page in PAGES:
-        if ROOT / "docs" in page.parents and page.name != "index.md":
-            name = page.relative_to(ROOT / "docs").as_posix()
-            assert f"({name})" in index, f"{name} is not in the index"
 
 
 def test_pictures_are_small_and_used() -> None:

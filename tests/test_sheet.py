@@ -5,12 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from test_readme import doc, follow
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
@@ -506,8 +504,3 @@ def test_windows_hold_what_is_marked_once() -> None:
     for row, column in np.argwhere(high):  # with at least a tile around, once or more
         low, left = max(row - TILE, 0), max(column - TILE, 0)
         assert (count[low : row + TILE + 1, left : column + TILE + 1] >= 1).all()
-
-
-def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert follow(doc("sheet")) == (1, 0)

@@ -1,4 +1,4 @@
-"""Draw the pictures of experiments.md on accuracy: `skinfield validate --unseen` as curves.
+"""Draw the errors that `skinfield validate --unseen` finds, for docs/explanation/paper.md.
 
 python docs/figures/accuracy.py [PRESSES] [PROCESSES]
 """
@@ -78,11 +78,8 @@ def picture_of_errors(quantity: str, findings: Findings) -> Figure:
 
 if __name__ == "__main__":
     presses, workers = (*map(int, sys.argv[1:]), *(200, 1)[len(sys.argv) - 1 :])
-    levels = tuple(
-        NoiseLevel(quantity, noise) for quantity, each in NOISES.items() for noise in each
-    )
+    levels = tuple(NoiseLevel("capacitance", noise) for noise in NOISES["capacitance"])
     found = computed(
         AccuracyPlan(entrants=known_entrants(), levels=levels, presses=presses), workers
     )
-    for quantity in NOISES:
-        save(picture_of_errors(quantity, found), IMAGES / f"experiments-unseen-{quantity}.png")
+    save(picture_of_errors("capacitance", found), IMAGES / "experiments-unseen-capacitance.png")

@@ -1,4 +1,4 @@
-"""Make the pictures of design-a-skin.md, and print the numbers that the page quotes."""
+"""Make the pictures of docs/how-to/design.md, and print the numbers that the page quotes."""
 
 import subprocess
 import sys
@@ -10,12 +10,9 @@ from PIL import Image
 CODE = "from skinfield.cli import main; main()"
 IMAGES = Path(__file__).parents[1] / "images"
 CAPACITANCE = ("--noise", "0.002", "--radius-mm", "1")
-STRESS = ("--quantity", "stress", "--noise", "400", "--radius-mm", "1")
 PICTURES = {
     "design-capacitance-2mm": ("hexagon72", "--thickness-mm", "2", *CAPACITANCE),
     "design-capacitance-4mm": ("hexagon72", "--thickness-mm", "4", *CAPACITANCE),
-    "design-stress-2mm": ("hexagon72", "--thickness-mm", "2", *STRESS),
-    "design-stress-4mm": ("hexagon72", "--thickness-mm", "4", *STRESS),
 }
 
 

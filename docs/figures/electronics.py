@@ -1,4 +1,4 @@
-"""Make the picture of docs/electronics.md: a press, step by step from force to bytes.
+"""Make the picture of docs/explanation/electronics.md: a press, step by step from force to bytes.
 
 python docs/figures/electronics.py
 """

@@ -1,4 +1,4 @@
-"""Make the picture of docs/indenters.md: every shape pressed with 1 N on the same skin.
+"""Make the picture of docs/how-to/simulate.md: every shape pressed with 1 N on the same skin.
 
 python docs/figures/indenters.py
 """

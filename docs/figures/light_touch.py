@@ -1,4 +1,4 @@
-"""Make the picture of light-touch.md, and print the numbers that it quotes.
+"""Make the picture of detect-light-touch.md, and print the numbers that it quotes.
 
 python docs/figures/light_touch.py [smoke|short|full]
 """

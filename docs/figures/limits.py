@@ -61,10 +61,8 @@ if TYPE_CHECKING:
 
 IMAGES = Path(__file__).parents[1] / "images"
 SHOWN = {"stress": (1e-3, "kPa"), "capacitance": (100.0, "%")}  # factor and unit of a figure
-COLOUR = {"stress": ORANGE, "capacitance": BLUE}
 SIGMAS = 5.0  # noise that a reading must exceed to count as seen
 STANDING = 6.8  # s; then the robot tips over backwards
-TAXEL, HOLE = np.array([0.0, 7.48e-3]), np.zeros(2)  # a taxel, and where six modules meet
 
 
 def holes() -> None:
@@ -84,13 +82,14 @@ def holes() -> None:
 
 
 def blindness(quantity: str) -> None:
-    """Draw the reading of the best taxel for a ball with 1 N at each place."""
+    """Print the reading of the best taxel for a ball with 1 N at each place; draw capacitance's."""
     grid = sf.Grid.window(PATCH, [-30e-3, -30e-3], [30e-3, 30e-3], 0.4e-3)
     factor, unit = SHOWN[quantity]
     best = readings(BALL, grid.plane, quantity).max(axis=1) * factor
     floor = SIGMAS * QUANTITIES[quantity].typical_noise * factor
-    figure = draw_blindness(grid, best, floor, quantity, f"best taxel's reading of 1 N ({unit})")
-    save(figure, IMAGES / f"blind-{quantity}.png")
+    if quantity == "capacitance":
+        label = f"best taxel's reading of 1 N ({unit})"
+        save(draw_blindness(grid, best, floor, label), IMAGES / "blind-capacitance.png")
     inside = inside_hull(PATCH.plane, grid.plane)
     centre = float(best[np.linalg.norm(grid.plane, axis=1).argmin()])
     low, median, high = np.quantile(best[inside], [0.05, 0.5, 1.0])
@@ -101,9 +100,7 @@ def blindness(quantity: str) -> None:
     )
 
 
-def draw_blindness(
-    grid: sf.Grid, best: Floats, floor: float, quantity: str, label: str
-) -> "Figure":
+def draw_blindness(grid: sf.Grid, best: Floats, floor: float, label: str) -> "Figure":
     """Draw a map of the best reading, and its profile along the middle of the patch."""
     along = np.linspace(29e-3, -29e-3, 601)
     profile = best.reshape(grid.shape)[
@@ -113,7 +110,7 @@ def draw_blindness(
     over = np.hypot(PATCH.plane[:, 0], PATCH.plane[:, 1] - along[:, None]).min(axis=1)
     with style():
         figure = new_figure(10.0, 4.6)
-        title = f"A ball of 12 mm with 1 N, read as {quantity}"
+        title = "A ball of 12 mm with 1 N, read as capacitance"
         figure.text(0.02, 0.95, title, va="center", **TITLE)
         axes = figure.add_axes((0.065, 0.12, 0.37, 0.66))
         add_colour_bar(axes, draw_cells(axes, grid, best), label)
@@ -172,48 +169,6 @@ def ring() -> None:
             f"  {label}: {stress[0] / 1e3:.1f} kPa, {change[0]:.2%}; {change.min():.2%} at "
             f"{FAR[change.argmin()] * 1e3:.1f} mm"
         )
-
-
-def across_a_hole() -> None:
-    """Draw force and place of a press that moves from a taxel into the hole."""
-    share = np.linspace(0.0, 1.0, 26)
-    places = TAXEL + share[:, None] * (HOLE - TAXEL)
-    away = np.linalg.norm(places - TAXEL, axis=1) * 1e3
-    draws = 20
-    with style():
-        figure = new_figure(10.0, 3.7)
-        force = figure.add_axes((0.065, 0.15, 0.4, 0.63))
-        place = figure.add_axes((0.565, 0.15, 0.4, 0.63))
-        click.echo("\nball of 12 mm, 1 N, from a taxel into the hole: force, place error, seen")
-        for name, quantity in QUANTITIES.items():
-            clean = np.repeat(readings(BALL, places, name), draws, axis=0)
-            noise = np.random.default_rng(0).normal(scale=quantity.typical_noise, size=clean.shape)
-            estimate = reconstructor(name)(clean + noise)
-            found = summed(estimate).reshape(-1, draws)
-            off = misplaced(estimate, np.repeat(places, draws, axis=0)).reshape(-1, draws) * 1e3
-            seen = np.isfinite(off).mean(axis=1)
-            off = np.where(seen[:, None] >= 0.5, off, np.nan)
-            for axes, values in ((force, found), (place, off)):
-                middle = np.ma.median(np.ma.masked_invalid(values), axis=1).filled(np.nan)
-                axes.plot(away, middle, color=COLOUR[name], label=name)
-                axes.plot(away, values, ".", color=COLOUR[name], ms=2, alpha=0.35)
-            for index in (0, 8, 14, 17, 20, 25):
-                click.echo(
-                    f"  {name} {away[index]:.1f} mm: {np.median(found[index]):.2f} N, "
-                    f"{np.nanmedian(off[index]) if seen[index] >= 0.5 else np.nan:.2f} mm, "
-                    f"{seen[index]:.0%}"
-                )
-        force.axhline(1.0, color=QUIET, lw=0.7)
-        for axes in (force, place):
-            axes.axvspan(0, 2.0, color=FAINT, alpha=0.5, lw=0)
-            axes.set(xlabel="distance from the taxel's centre (mm)", xlim=(0, away[-1]))
-            axes.spines[["top", "right"]].set_visible(False)
-        force.set(ylabel="force found of 1 N (N)", ylim=(0, None))
-        place.set(ylabel="error of place (mm)", ylim=(0, None))
-        force.legend(frameon=False, fontsize=8)
-        add_title(force, "a", "Force", "contacts summed; line: median of 20, grey: over the pad")
-        add_title(place, "b", "Place", "strongest contact; where half of the readings have one")
-        save(figure, IMAGES / "hole.png")
 
 
 def random_presses() -> None:
@@ -382,7 +337,6 @@ def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
     for quantity in QUANTITIES:
         blindness(quantity)
     ring()
-    across_a_hole()
     random_presses()
     wrong_quantity()
     compressible()

@@ -1,4 +1,4 @@
-r"""Write the table of cases.md on fingers on skins with real habits.
+r"""Write the table of judge-a-solver.md on fingers on skins with real habits.
 
   skinfield cases DIR --habits real --count 48 --seed 1 \
     --skin rectangular:rows=24,columns=24,pitch_mm=6

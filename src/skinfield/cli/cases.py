@@ -33,8 +33,8 @@ def cases(
 
     Balls, flat cylinders, a ring, a bar and a cone, one to three at once, on elastomers of several
     thicknesses and Poisson's ratios, each at a place and an angle of its own: 22 kinds in turn. The
-    truth comes from the contact solver; the same seed gives the same files. docs/cases.md says what
-    is in them, so that you can write your own.
+    truth comes from the contact solver; the same seed gives the same files. What is in them, so
+    that you can write your own, is in docs/how-to/judge-a-solver.md.
 
     With --unseen they are random presses instead, one to three bodies on one elastomer: balls of 2
     to 15 mm radius above all, cones, flats, bars and rings.

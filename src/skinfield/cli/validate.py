@@ -75,9 +75,9 @@ def validate(
 ) -> int:
     """Score a solver on the cases of a folder, or on one file.
 
-    CASES holds NPZ files as docs/cases.md describes them: layout, elastomer, readings and truth,
-    from a simulation, a rig or elsewhere; 'skinfield cases' writes some. The solver is told the
-    layout, the elastomer and the noise that a case states.
+    CASES holds NPZ files as docs/how-to/judge-a-solver.md describes them: layout, elastomer,
+    readings and truth, from a simulation, a rig or elsewhere; 'skinfield cases' writes some. The
+    solver is told the layout, the elastomer and the noise that a case states.
 
     Printed are medians and 90th percentiles of the errors, the share of forces within their 90 %
     intervals, and the time per reading cold and warm, of each solver. With --noise, which is added

@@ -222,7 +222,7 @@ class HalfSpace:
         uniform traction on the square.
     psi : float, function of h / z0, or None
         The function Psi of (25) and (26) where a point force meets its own displacement: None for
-        its exact value, 0.25 for the paper's, `point_force.fitted_psi` for the authors' group's.
+        its exact value, 0.25 for the paper's, `half_space.fitted_psi` for the authors' group's.
         Uniform cells need none.
     capped : bool
         Whether a row of the displacement of a point force gives way to the coincident one where

@@ -238,7 +238,7 @@ class EmulatedBoards(Section):
     truth : str
         File for what pressed, JSON lines.
     habits : str
-        Of the skin: none, or real, of which docs/electronics.md has a table.
+        Of the skin: none, or real, of which docs/explanation/electronics.md has a table.
     noise_scale : float, optional
         Times the noise of a real skin; 0: none. Default 0.3, with habits 1.
     common_noise : float, counts

@@ -1,4 +1,4 @@
-"""NPZ files of cases: docs/cases.md has every key, with its shape and its unit."""
+"""NPZ files of cases: docs/how-to/judge-a-solver.md has every key, with its shape and its unit."""
 
 from operator import attrgetter
 from pathlib import Path
@@ -15,6 +15,7 @@ from skinfield.skin import Patch
 VERSION = 1
 ENDING = ".npz"
 NEEDED = object()
+PAGE = "see docs/how-to/judge-a-solver.md"
 PARTS = ("", "layer", "mechanics", "patch", "truth")
 KINDS = {"numbers": "fiu", "whole numbers": "iu", "true or false": "b", "texts": "U"}  # dtypes
 # Keys with the kind, the shape of taxels L, nodes K and contacts C (None: any), the default, and
@@ -143,25 +144,23 @@ def _checked(path: Path, arrays: dict[str, Any]) -> dict[str, Any]:
     if left:
         raise FileError(
             f"{path}: the key {left[0]!r} is not known ({len(left)} are not), expected "
-            "only those of the format: see docs/cases.md"
+            f"only those of the format: {PAGE}"
         )
     sizes: dict[str, int] = {}
     values = {}
     for key, (kind, shape, default, _) in FORMAT.items():
         if key not in arrays:
             if default is NEEDED or (key == "truth/pressure_Pa" and "K" in sizes):
-                raise FileError(f"{path}: no array {key!r}, expected it: see docs/cases.md")
+                raise FileError(f"{path}: no array {key!r}, expected it: {PAGE}")
             values[key] = default
             continue
         found = arrays[key]
         if found.dtype.kind not in KINDS[kind]:
-            raise FileError(
-                f"{path}: {key} is of type {found.dtype}, expected {kind}: see docs/cases.md"
-            )
+            raise FileError(f"{path}: {key} is of type {found.dtype}, expected {kind}: {PAGE}")
         if shape is not None:
             wanted = tuple(sizes.get(n) if isinstance(n, str) else n for n in shape)
             try:
-                check_shape(key, found, wanted, "see docs/cases.md")
+                check_shape(key, found, wanted, PAGE)
             except ValueError as error:
                 raise FileError(f"{path}: {error}") from error
             named = zip(shape, found.shape, strict=True)

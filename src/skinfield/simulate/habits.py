@@ -147,7 +147,7 @@ HABITS: Mapping[str, Habits] = MappingProxyType(
         ),
     }
 )
-"""By name: nothing, and those of skins that others have recorded, see `docs/electronics.md`."""
+"""By name: none, and those of recorded skins, see `docs/explanation/electronics.md`."""
 
 
 def habits_by_name(name: str) -> Habits:

@@ -6,8 +6,8 @@ taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical
 standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
 simulated presses (balls, flats, a cone, a bar; 0.1 to 3 N), counted once and written down here.
 
-At other noises one number cannot do: docs/uncertainty.md has what then holds. On other layouts and
-layers nothing was measured.
+At other noises one number cannot do: docs/explanation/uncertainty.md has what then holds. On other
+layouts and layers nothing was measured.
 
 They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
 taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For

@@ -366,7 +366,7 @@ class Electronics(Section):
 def icub_electronics() -> Electronics:
     """Electronics of a board like the iCub's: bytes, 20 readings a second.
 
-    Sources of the figures are in `docs/electronics.md`.
+    Sources of the figures are in `docs/explanation/electronics.md`.
     """
     return Electronics(
         board=ICubBoard(),
@@ -392,7 +392,7 @@ def icub_electronics() -> Electronics:
 def cyskin_electronics() -> Electronics:
     """Electronics of a board like CySkin's: 16-bit words clipped at 0, 20 readings a second.
 
-    Sources of the figures are in `docs/electronics.md`.
+    Sources of the figures are in `docs/explanation/electronics.md`.
     """
     return Electronics(
         board=CySkinBoard(),

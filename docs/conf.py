@@ -1,0 +1,90 @@
+"""Sphinx's settings of the documentation: `python3 dev.py docs` builds it into out/site.
+
+Nothing is fetched, neither when it is built nor when it is read: it works from a folder, offline.
+"""
+
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from numpydoc.xref import DEFAULT_LINKS
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+
+import skinfield
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS / "_ext"))
+sys.modules["skinfield.layouts"] = skinfield.layouts  # so that it is called as users call it
+
+project = "skinfield"
+release = metadata.version("skinfield")
+copyright = "the authors of skinfield"
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+    "cli_reference",
+    "mathml",
+]
+templates_path = ["_templates"]
+exclude_patterns = ["figures", "_ext", "**/GALLERY_HEADER.rst"]
+
+# pages
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 4
+suppress_warnings = ["toc.empty_glob"]
+
+# the interface, from docstrings, which state types, shapes and units
+autosummary_generate = True
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = True  # types that skinfield offers are links
+numpydoc_xref_aliases = {word: word for word in DEFAULT_LINKS}  # which lead elsewhere: plain text
+numpydoc_xref_aliases |= {name: f"skinfield.{name}" for name in dir(skinfield) if name[0].isupper()}
+numpydoc_xref_ignore = "all"
+default_role = "py:obj"
+smartquotes_action = "qe"
+maximum_signature_line_length = 80
+add_module_names = False
+toc_object_entries = False
+
+# examples, run when the site is built
+sphinx_gallery_conf = {
+    "examples_dirs": ["../examples/gallery"],
+    "gallery_dirs": ["gallery"],
+    "filename_pattern": r"/",
+    "ignore_pattern": r"__init__",
+    "abort_on_example_error": True,
+    "min_reported_time": 5,
+    "show_memory": False,
+    "download_all_examples": False,
+    "show_signature": False,
+    "remove_config_comments": True,
+    "reset_modules": (),
+}
+
+# looks
+html_theme = "pydata_sphinx_theme"
+html_title = "skinfield"
+html_static_path = ["_static"]
+html_css_files = ["skinfield.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_theme_options = {
+    "show_prev_next": False,
+    "navigation_with_keys": False,
+}
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+
+def setup(app: Sphinx) -> None:
+    """Show files without a lexer as text."""
+    app.add_lexer("stl", TextLexer)
