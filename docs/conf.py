@@ -66,6 +66,7 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "download_all_examples": False,
     "show_signature": False,
+    "thumbnail_size": (480, 320),
     "remove_config_comments": True,
     "reset_modules": (),
 }
@@ -77,9 +78,21 @@ html_static_path = ["_static"]
 html_css_files = ["skinfield.css"]
 html_show_sourcelink = False
 html_copy_source = False
+html_logo = html_favicon = "_static/logo.svg"
+html_show_sphinx = False
+html_context = {"default_mode": "auto"}
 html_theme_options = {
-    "show_prev_next": False,
+    "logo": {
+        "text": "skinfield",
+        "image_light": "_static/logo.svg",
+        "image_dark": "_static/logo.svg",
+    },
+    "header_links_before_dropdown": 6,
     "navigation_with_keys": False,
+    "show_nav_level": 1,
+    "show_prev_next": False,
+    "footer_start": ["copyright"],
+    "footer_end": [],
 }
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
