@@ -32,7 +32,7 @@ extensions = [
     "mathml",
 ]
 templates_path = ["_templates"]
-exclude_patterns = ["figures", "_ext", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["figures", "_ext", "press", "**/GALLERY_HEADER.rst"]
 
 # pages
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -65,6 +65,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 5,
     "show_memory": False,
     "download_all_examples": False,
+    "write_computation_times": False,
     "show_signature": False,
     "thumbnail_size": (480, 320),
     "remove_config_comments": True,
@@ -74,8 +75,8 @@ sphinx_gallery_conf = {
 # looks
 html_theme = "pydata_sphinx_theme"
 html_title = "skinfield"
-html_static_path = ["_static"]
-html_css_files = ["skinfield.css"]
+html_static_path = [name for name in ("_static", "press") if (DOCS / name).exists()]
+html_css_files = ["skinfield.css", *(["press.css"] if "press" in html_static_path else [])]
 html_show_sourcelink = False
 html_copy_source = False
 html_logo = html_favicon = "_static/logo.svg"

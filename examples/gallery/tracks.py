@@ -23,10 +23,8 @@ patch, layer = sf.layouts.hexagon72(), sf.Layer(thickness=2e-3, young_modulus=10
 # that move the other way. 1.5 N slides to the right above, 1 N to the left below.
 
 firm, light = (
-    sf.simulate.press(
-        layer, [sf.simulate.Sphere(radius=6e-3, force=force)], extent=12e-3, cell=4e-4
-    )
-    for force in (1.5, 1.0)  # N
+    sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=f)], extent=12e-3, cell=4e-4)
+    for f in (1.5, 1.0)  # N
 )
 x = np.linspace(-18e-3, 18e-3, 40)
 paths = np.stack([np.column_stack([x, 12e-3 - 0 * x]), np.column_stack([-x, -12e-3 - 0 * x])])
