@@ -37,7 +37,6 @@ exclude_patterns = ["figures", "_ext", "press", "**/GALLERY_HEADER.rst"]
 # pages
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
-suppress_warnings = ["toc.empty_glob"]
 
 # the interface, from docstrings, which state types, shapes and units
 autosummary_generate = True
