@@ -3,7 +3,7 @@
   python3 dev.py demo [ARGS]    simulate a press, reconstruct it, print a table, write demo.png
   python3 dev.py test [ARGS]    run the tests; ARGS go to pytest: test tests/test_architecture.py -x
   python3 dev.py run ARGS       run any skinfield command: run --help
-  python3 dev.py python ARGS    run Python with skinfield: python examples/quickstart.py
+  python3 dev.py python ARGS    run Python with skinfield: python examples/gallery/tracks.py
   python3 dev.py lint           look for mistakes and at the formatting (ruff)
   python3 dev.py types          check the types (mypy)
   python3 dev.py docs           build the documentation, with its gallery, into out/site

@@ -32,12 +32,11 @@ extensions = [
     "mathml",
 ]
 templates_path = ["_templates"]
-exclude_patterns = ["figures", "_ext", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["figures", "_ext", "press", "**/GALLERY_HEADER.rst"]
 
 # pages
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
-suppress_warnings = ["toc.empty_glob"]
 
 # the interface, from docstrings, which state types, shapes and units
 autosummary_generate = True
@@ -65,7 +64,9 @@ sphinx_gallery_conf = {
     "min_reported_time": 5,
     "show_memory": False,
     "download_all_examples": False,
+    "write_computation_times": False,
     "show_signature": False,
+    "thumbnail_size": (480, 320),
     "remove_config_comments": True,
     "reset_modules": (),
 }
@@ -73,13 +74,25 @@ sphinx_gallery_conf = {
 # looks
 html_theme = "pydata_sphinx_theme"
 html_title = "skinfield"
-html_static_path = ["_static"]
-html_css_files = ["skinfield.css"]
+html_static_path = [name for name in ("_static", "press") if (DOCS / name).exists()]
+html_css_files = ["skinfield.css", *(["press.css"] if "press" in html_static_path else [])]
 html_show_sourcelink = False
 html_copy_source = False
+html_logo = html_favicon = "_static/logo.svg"
+html_show_sphinx = False
+html_context = {"default_mode": "auto"}
 html_theme_options = {
-    "show_prev_next": False,
+    "logo": {
+        "text": "skinfield",
+        "image_light": "_static/logo.svg",
+        "image_dark": "_static/logo.svg",
+    },
+    "header_links_before_dropdown": 6,
     "navigation_with_keys": False,
+    "show_nav_level": 1,
+    "show_prev_next": False,
+    "footer_start": ["copyright"],
+    "footer_end": [],
 }
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True

@@ -58,5 +58,6 @@ outline_pads(right, patch)
 right.plot(8, -6, "+", color="#0072b2", ms=14, mew=2)
 right.set_title("Pressure, kPa; + is the truth")
 figure.colorbar(cells, ax=right, shrink=0.8)
+plt.show()
 
 assert abs(contact.normal_force - 3.0) < 0.15  # N

@@ -2,8 +2,8 @@
 Light touch
 ===========
 
-A touch of 0.1 N raises no single reading above the noise. :class:`~skinfield.Detector` finds it, at
-a stated rate of false alarms, from several readings and all that the layer says about touches.
+A touch of 0.15 N is lost in the noise of a single reading. :class:`~skinfield.Detector` finds it,
+at a stated rate of false alarms, from several readings and all that the layer says about touches.
 """
 
 import matplotlib.pyplot as plt
@@ -23,7 +23,7 @@ detector = sf.Detector(
 # A small ball over taxel 30, from the second second on.
 
 TAXEL, BEGINS, COUNT = 30, 50, 100
-ball = sf.simulate.Sphere(radius=6e-3, position=tuple(patch.plane[TAXEL]), force=0.1)  # m, N
+ball = sf.simulate.Sphere(radius=6e-3, position=tuple(patch.plane[TAXEL]), force=0.15)  # m, N
 touch = sf.simulate.press(layer, [ball]).base_stress(patch.positions, patch.pad_diameter)
 readings = np.random.default_rng(2).normal(scale=NOISE, size=(COUNT, len(patch)))
 readings[BEGINS:] += touch
@@ -51,8 +51,9 @@ below.set(xlabel="Time (s)", ylabel="Probability of touch", ylim=(0, 1.03), xlim
 for axes in (above, below):
     axes.axvline(time[BEGINS], color="#d55e00", ls="--", lw=1)
     axes.spines[["top", "right"]].set_visible(False)
-above.annotate("0.1 N from here", (time[BEGINS], above.get_ylim()[1]), (4, -8),
+above.annotate("0.15 N from here", (time[BEGINS], above.get_ylim()[1]), (4, -8),
                textcoords="offset points", color="#d55e00")  # fmt: skip
+plt.show()
 
 assert not detected[:BEGINS].any()
 assert delay < 0.3  # s

@@ -6,6 +6,8 @@ Two fingers slide over the skin and pass each other. :class:`~skinfield.Tracker`
 reading to reading: each keeps its number, with a filtered place, force and speed.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -20,16 +22,17 @@ patch, layer = sf.layouts.hexagon72(), sf.Layer(thickness=2e-3, young_modulus=10
 # Each press is solved once: the layer has no border, so a press that moves is read as by taxels
 # that move the other way. 1.5 N slides to the right above, 1 N to the left below.
 
-size = {"extent": 12e-3, "cell": 0.4e-3}  # m
-finger = sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=1.5)], **size)
-light = sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=1.0)], **size)
+firm, light = (
+    sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=f)], extent=12e-3, cell=4e-4)
+    for f in (1.5, 1.0)  # N
+)
 x = np.linspace(-18e-3, 18e-3, 40)
 paths = np.stack([np.column_stack([x, 12e-3 - 0 * x]), np.column_stack([-x, -12e-3 - 0 * x])])
 
 
-def readings(step):
+def readings(step: int) -> Any:
     """What the taxels read, ΔC/C₀."""
-    both = (finger, paths[0, step]), (light, paths[1, step])
+    both = (firm, paths[0, step]), (light, paths[1, step])
     return sum(
         press.readings(patch.plane - place, patch.pad_diameter, "capacitance")
         for press, place in both
@@ -42,7 +45,7 @@ def readings(step):
 rng = np.random.default_rng(0)
 reconstruct = sf.Reconstructor(patch, layer, solver=sf.ContactFit(), noise_std=NOISE)
 tracker = sf.Tracker(period=PERIOD)
-tracks: dict[int, list] = {}
+tracks: dict[int, list[tuple[float, ...]]] = {}
 for step in range(len(x)):
     noise = rng.normal(scale=NOISE, size=len(patch))
     for contact in tracker(reconstruct(readings(step) + noise)):
@@ -50,13 +53,15 @@ for step in range(len(x)):
         tracks.setdefault(contact.track_id, []).append(row)
 
 # %%
-# Where they went and how hard they pressed; dashed is the truth.
+# Where they went and how hard they pressed; dashed is the truth. A third contact, of noise, was
+# seen in a few readings only.
 
+lasting = {number: rows for number, rows in tracks.items() if len(rows) > 10}
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
 frame_axes(left, patch, extent_of_pads(patch))
 draw_modules(left, patch)
 outline_pads(left, patch)
-for colour, (number, rows) in zip(["#0072b2", "#d55e00"] * 3, tracks.items()):
+for colour, (number, rows) in zip(("#0072b2", "#d55e00"), lasting.items()):
     east, north, force = np.array(rows).T
     left.plot(east * 1e3, north * 1e3, color=colour, lw=2)
     right.plot(np.arange(len(force)) * PERIOD, force, color=colour, label=f"Number {number}")
@@ -66,8 +71,8 @@ for path, force in zip(paths, (1.5, 1.0)):
 right.set(xlabel="Time (s)", ylabel="Normal force (N)", ylim=(0, 2.5))
 right.spines[["top", "right"]].set_visible(False)
 right.legend(frameon=False)
+plt.show()
 
-lasting = [np.array(rows)[:, 2] for rows in tracks.values() if len(rows) > 30]
-print("mean force:", ", ".join(f"{force.mean():.2f} N" for force in lasting))
-assert len(lasting) == 2
-assert abs(lasting[0].mean() - 1.5) < 0.2  # N
+forces = [np.array(rows)[:, 2].mean() for rows in lasting.values()]
+print("mean force:", ", ".join(f"{force:.2f} N" for force in forces))
+assert np.allclose(forces, (1.5, 1.0), atol=0.15)  # N
