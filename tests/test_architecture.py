@@ -60,7 +60,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "skfem": {"lab"},
     "trimesh": {"simulate"},
     "h5py": {"files"},
-    "PIL": {"simulate"},
+    "PIL": {"plot", "simulate"},  # comes with matplotlib
     "can": {"wire"},
     "serial": {"wire"},
     "mcap": {"files"},

@@ -136,7 +136,7 @@ def test_bad_readings_are_named(readings: Any, how: dict[str, Any], message: str
         ({"mechanics": "half-space"}, r"mechanics is 'half-space', which has no .* HalfSpace\(\)"),
         ({"quantity": "capacitance"}, r"quantity is 'capacitance', .* one of Capacitance\(\)"),
         ({"quantity": sf.BaseStress}, r"the class BaseStress, .*: give BaseStress\(\)"),
-        ({"solver": "contact"}, r"solver is 'contact', which has no prepare, .* Auto\(\)"),
+        ({"solver": "contact"}, r"solver is 'contact', a string; .*: sf.ContactFit\(\)$"),
         ({"solver": sf.ContactFit}, r"the class ContactFit, .*: give ContactFit\(\)"),
         ({"finder": 1e-3}, r"finder is 0.001, .* one such as ContactFinder\(\)"),
     ],

@@ -14,7 +14,6 @@ from skinfield.errors import (
     InputError,
     as_floats,
     check_count,
-    check_offers,
     check_positive,
 )
 from skinfield.estimate import ContactFinder
@@ -26,7 +25,7 @@ from skinfield.reconstruct.engine.stages import answer_linearly, spend
 from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
-from skinfield.reconstruct.patch_model import PatchModel, calibrations_of
+from skinfield.reconstruct.patch_model import PatchModel, calibrations_of, check_parts
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 from skinfield.solve.atoms.fitter import STOPPED
@@ -115,8 +114,7 @@ class Engine:
                 noise_std = {**usual, **(noise_std or {})}
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
-        check_offers("solver", self.solver, ("prepare",), "one such as Auto()")
-        check_offers("finder", self.finder, ("__call__",), "one such as ContactFinder()")
+        check_parts(self.solver, self.finder, None)
         self.names = tuple(patch.name for patch in self.skin)
         for name, given in (("layer", layer), ("noise_std", noise_std)):
             if isinstance(given, Mapping):
