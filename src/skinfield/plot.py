@@ -148,8 +148,7 @@ class Pictured:
 
     def _repr_html_(self) -> str:
         """Picture, where Matplotlib is installed, and table of facts."""
-        facts = self._facts().items()
-        words = html_table([[name, f"{text:.{LONG}}"] for name, text in facts])
+        words = facts_table(self)
         if find_spec("matplotlib") is None:
             return words
         return (
@@ -181,6 +180,13 @@ def _inline(thing: Pictured) -> str:
     width = round(figure.get_figwidth() * SHOWN)
     alt = escape(repr(thing), quote=True)
     return f'<img style="flex:none" width="{width}" alt="{alt}" src="data:image/png;base64,{data}">'
+
+
+def facts_table(thing: Pictured) -> str:
+    """Table of what is known of an object, as HTML."""
+    facts = {name: " ".join(text.split()) for name, text in thing._facts().items()}
+    cut = {name: f"{text[:LONG]} …" for name, text in facts.items() if len(text) > LONG}
+    return html_table([[name, text] for name, text in (facts | cut).items()])
 
 
 def html_table(rows: list[list[str]], head: list[str] | None = None) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from skinfield.errors import needs
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.contact_table import COLUMNS, KINDS, rows_from_estimate
-from skinfield.plot import html_table, number, plus_minus
+from skinfield.plot import html_table, number
 
 if TYPE_CHECKING:
     import pandas
@@ -127,10 +127,4 @@ def _sum(contacts: Iterable[Contact]) -> float:
 
 
 def _cells(contact: Contact) -> list[str]:
-    return [
-        ", ".join(f"{x * 1e3:.1f}" for x in contact.position),
-        plus_minus(contact.normal_force, contact.force_std),
-        number(contact.area * 1e6),
-        number(contact.peak_pressure * 1e-3),
-        contact.shape,
-    ]
+    return [*contact._words(), number(contact.peak_pressure * 1e-3), contact.shape]
