@@ -288,6 +288,11 @@ class Reconstructor:
         """
         self.plans.reset()
 
+    def __repr__(self) -> str:
+        rows, columns = self.grid.shape
+        what = f"{type(self.solver).__name__}, {columns} x {rows} nodes"
+        return f"Reconstructor({self.patch.name!r}, {what}, {self.layer!r})"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies, and what another process gets, are prepared anew and have seen no reading."""
         names = (
