@@ -143,10 +143,12 @@ class Estimate(Pictured):
         unknown = (rest.keys() | known.keys()) - cls.__dataclass_fields__.keys()
         if missing or unknown:
             raise TypeError(f"missing {sorted(missing)}, unknown {sorted(unknown)}")
+        later = dict(rest)
+        if "contacts" in known:  # which become `Contacts` when they are looked at
+            contacts = known.pop("contacts")
+            later["contacts"] = lambda: contacts
         estimate = object.__new__(cls)
-        vars(estimate).update(known, _rest=dict(rest), _lock=RLock())
-        if "contacts" in known:
-            vars(estimate)["contacts"] = Contacts.of(estimate, known["contacts"])
+        vars(estimate).update(known, _rest=later, _lock=RLock())
         return estimate
 
     if not TYPE_CHECKING:  # a type checker should still tell names that do not exist
