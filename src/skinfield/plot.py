@@ -198,10 +198,9 @@ def html_table(rows: list[list[str]], head: list[str] | None = None) -> str:
         lines.append(f"<tr>{cells}</tr>")
     for row in rows:
         kinds = ["th" if head is None and not place else "td" for place in range(len(row))]
-        cells = (
-            f"<{kind}{left}>{escape(cell)}</{kind}>" for kind, cell in zip(kinds, row, strict=True)
-        )
-        lines.append(f"<tr>{''.join(cells)}</tr>")
+        pairs = zip(kinds, row, strict=True)
+        cells = "".join(f"<{kind}{left}>{escape(cell)}</{kind}>" for kind, cell in pairs)
+        lines.append(f"<tr>{cells}</tr>")
     return f"<table>{''.join(lines)}</table>"
 
 

@@ -57,7 +57,8 @@ class Contacts(tuple[Any, ...]):
         """Contacts of an estimate: `Contact`s, or of T readings so many tuples of them."""
         if estimate.is_batch:
             each = [one if isinstance(one, cls) else cls(one) for one in contacts]
-            made, sums = cls(each), np.array([_sum(one) for one in each])
+            made = cls(each)
+            sums: Any = np.array([_sum(one) for one in each])
         else:
             made = cls(contacts)
             sums = np.float64(_sum(made))

@@ -404,11 +404,14 @@ def _draw_pressure(
     frame_axes(axes, grid.patch, extent_of(grid, measured=True))
     for press in presses:
         centre = Chart(grid).plane_from_position(press.position[None])[0] * MM
+        if press.radius == 0.0:
+            axes.plot(*centre, "x", color=BLUE, ms=8, mew=1.4, zorder=5)
+            continue
         look: dict[str, Any] = {"ec": BLUE, "lw": 1.4, "ls": (0, (3, 2)), "zorder": 5}
         axes.add_patch(Circle(centre, press.radius * MM, fill=False, **look))
     draw_contacts(axes, grid, estimate.contacts, words)
     notes = ["line: contact"] if estimate.contacts else []
-    notes += ["dashed: truth"] if presses else []
+    notes += ["blue: truth"] if presses else []
     notes += [] if grid.covered.all() else ["hatched: outside the taxels"]
     head = ("b", "Pressure") if words is None else ("", headline(estimate))
     add_title(axes, *head, "; ".join(notes))
