@@ -97,8 +97,8 @@ __all__ = [  # what one begins with; the other names above are there as well
 def __getattr__(name: str) -> _typing.Any:
     """Load what is named when it is first named: to start costs nothing then."""
     if name == "__version__":
-        found = globals()[name] = _version()
-        return found
+        version = globals()[name] = _version()
+        return version
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'skinfield' has no attribute {name!r}")
     module, _, member = _ON_DEMAND[name].partition(":")

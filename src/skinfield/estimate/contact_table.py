@@ -40,11 +40,16 @@ class Answer(Protocol):
     @property
     def normal_force(self) -> Any: ...  # noqa: D102
 
-    valid: Any
-    stamp_ns: Any
-    solver: Any
-    relative: bool
-    contacts: Any
+    @property
+    def valid(self) -> Any: ...  # noqa: D102
+    @property
+    def stamp_ns(self) -> Any: ...  # noqa: D102
+    @property
+    def solver(self) -> Any: ...  # noqa: D102
+    @property
+    def relative(self) -> bool: ...  # noqa: D102
+    @property
+    def contacts(self) -> Any: ...  # noqa: D102
 
 
 Value = int | float | str | None

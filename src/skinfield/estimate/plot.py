@@ -112,7 +112,7 @@ def _label_contacts(
 
     axes.apply_aspect()
     inside, bodies = axes.get_window_extent(), []
-    halo = [withStroke(linewidth=2.2, foreground="white")]
+    halo: list[Any] = [withStroke(linewidth=2.2, foreground="white")]
     for contact in contacts:
         points = np.vstack([contact.outline, contact.position[None]])
         pixels = axes.transData.transform(Chart(grid).plane_from_position(points) * MM)
