@@ -52,6 +52,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
         "lab",
     },
     "contourpy": {"simulate"},
+    "pandas": {"estimate"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},
     "xarray": {"files"},  # the type that open_results returns
@@ -60,7 +61,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "skfem": {"lab"},
     "trimesh": {"simulate"},
     "h5py": {"files"},
-    "PIL": {"simulate"},
+    "PIL": {"plot", "simulate"},  # comes with matplotlib
     "can": {"wire"},
     "serial": {"wire"},
     "mcap": {"files"},

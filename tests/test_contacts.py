@@ -339,18 +339,18 @@ def test_an_error_of_ones_own_is_asked() -> None:
 def test_threads_that_ask_for_one_lazy_part_get_the_same() -> None:
     computing, asked, go, calls = threading.Event(), threading.Event(), threading.Event(), []
 
-    def contacts() -> list[Contact]:
+    def traction() -> list[float]:
         calls.append(1)
         computing.set()
         assert go.wait(60.0)
         return []
 
-    known = dict.fromkeys(REQUIRED - {"contacts"})
-    estimate = Estimate.later({"contacts": contacts}, **known)
+    known = dict.fromkeys(REQUIRED - {"traction"})
+    estimate = Estimate.later({"traction": traction}, **known)
 
-    def ask() -> list[Contact]:
+    def ask() -> list[float]:
         asked.set()
-        return estimate.contacts
+        return estimate.traction
 
     with ThreadPoolExecutor(2) as pool:
         first = pool.submit(ask)

@@ -76,7 +76,7 @@ def test_what_must_be_offered_is_named():
     check_offers("box", Loud(), ("volume",), "a box")
     with pytest.raises(InputError, match=r"box is the class Loud, .* an object: give Loud\(\)"):
         check_offers("box", Loud, ("volume",), "a box")
-    with pytest.raises(InputError, match="box is 'loud', which has no volume, expected a Loud"):
+    with pytest.raises(InputError, match="box is 'loud', a string; hand in an object: a Loud"):
         check_offers("box", "loud", ("count", "volume"), "a Loud")
     with pytest.raises(InputError) as caught:
         check_offers("box", np.zeros((50, 50)), ("volume",), "a Loud")

@@ -19,6 +19,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.estimate import Tracker as Tracker
     from skinfield.files import load_contacts as load_contacts
     from skinfield.files import open_results as open_results
+    from skinfield.files import read as read
     from skinfield.files import save_results as save_results
     from skinfield.files.layouts.load import load_layout as load_layout
     from skinfield.files.layouts.load import save_layout as save_layout
@@ -26,6 +27,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.engine import Engine as Engine
     from skinfield.signal import find_faults as find_faults
+    from skinfield.simulate import datasets as datasets
     from skinfield.skin import Grid as Grid
     from skinfield.skin import Patch as Patch
     from skinfield.skin import Skin as Skin
@@ -41,6 +43,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.solve.detection import Detector as Detector
 
     layouts = generators
+    __version__: str
 
 _ON_DEMAND = {  # a module, or a module and what it holds
     "BaseStress": "skinfield.elastic:BaseStress",
@@ -49,6 +52,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "calibrate": "skinfield.calibrate",
     "connect": "skinfield.loop:connect",
     "Contact": "skinfield.estimate:Contact",
+    "datasets": "skinfield.simulate.datasets",
     "ContactFinder": "skinfield.estimate:ContactFinder",
     "Auto": "skinfield.solve:Auto",
     "ContactFit": "skinfield.solve:ContactFit",
@@ -70,6 +74,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "open_results": "skinfield.files:open_results",
     "Patch": "skinfield.skin:Patch",
     "PseudoInverse": "skinfield.solve:PseudoInverse",
+    "read": "skinfield.files.read:read",
     "Reconstructor": "skinfield.reconstruct:Reconstructor",
     "save_layout": "skinfield.files.layouts.load:save_layout",
     "save_results": "skinfield.files:save_results",
@@ -81,8 +86,19 @@ _ON_DEMAND = {  # a module, or a module and what it holds
 }
 
 
+__all__ = [  # what one begins with; the other names above are there as well
+    "Auto", "BondedLayer", "Contact", "ContactFit", "Detector", "Engine", "Estimate",
+    "GaussianField", "Grid", "Layer", "NonNegative", "Patch", "Reconstructor", "Sheet", "Skin",
+    "Tracker", "calibrate", "connect", "datasets", "find_faults", "layouts", "read", "save_layout",
+    "save_results", "simulate",
+]  # fmt: skip
+
+
 def __getattr__(name: str) -> _typing.Any:
     """Load what is named when it is first named: to start costs nothing then."""
+    if name == "__version__":
+        version = globals()[name] = _version()
+        return version
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'skinfield' has no attribute {name!r}")
     module, _, member = _ON_DEMAND[name].partition(":")
@@ -91,5 +107,20 @@ def __getattr__(name: str) -> _typing.Any:
     return found
 
 
+def _version() -> str:
+    """Version as it is installed; of sources that are not, what their pyproject.toml says."""
+    import re
+    from importlib import metadata
+    from pathlib import Path
+
+    try:
+        return metadata.version("skinfield")
+    except metadata.PackageNotFoundError:
+        project = Path(__file__).parents[2] / "pyproject.toml"
+        text = project.read_text(encoding="utf-8") if project.is_file() else ""
+        stated = re.search(r'^version = "(.+)"$', text, re.MULTILINE)
+        return stated[1] if stated else "0+unknown"
+
+
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_ON_DEMAND})
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__")), "__version__"})

@@ -1,6 +1,9 @@
 """Arguments are checked here and nowhere else: name, what came, what was expected, why."""
 
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
 from operator import index
 from typing import Any
 
@@ -61,11 +64,43 @@ def check_type(name: str, value: object, kind: type, why: str) -> None:
         raise InputError(f"{name} is {_short(value)}, expected {_a(kind)}: {why}")
 
 
+@contextmanager
+def needs(package: str, install: str, what: str) -> Iterator[None]:
+    """Context of an import of a package that may be missing; InputError then says how to get it.
+
+    Parameters
+    ----------
+    package : str
+        That is imported inside.
+    install : str
+        What pip is to install for it, such as "skinfield[plot]".
+    what : str
+        That needs it, in the plural: "figures".
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != package:
+            raise
+        raise InputError(
+            f'{what} need {package}, which is not installed: pip install "{install}"'
+        ) from error
+
+
 def check_offers(name: str, value: object, members: Iterable[str], why: str) -> None:
     """Raise InputError unless `value` is an object with all `members`; `why` says which to take.
 
-    For what any class may be: solvers, quantities, models of the elastomer.
+    For what any class may be: solvers, quantities, models of the elastomer. Of a string the
+    message names the class in `why` that is nearest.
     """
+    if isinstance(value, str):
+        known = re.findall(r"\w+(?=\(\))", why)
+        close = {each.lower(): each for each in known}
+        word = re.sub(r"\W|_", "", value).lower()
+        found = next((each for each in close if word and each.startswith(word)), None)
+        found = found or next(iter(get_close_matches(word, list(close), n=1)), None)
+        one = f"sf.{close[found]}()" if found else why
+        raise InputError(f"{name} is {value!r}, a string; hand in an object: {one}")
     if isinstance(value, type):
         raise InputError(
             f"{name} is the class {value.__name__}, expected an object: give {value.__name__}()"

@@ -1,15 +1,21 @@
-"""Style of figures: paper, type, colours, words for numbers, and saving as a file."""
+"""Style of figures: paper, type, colours, words for numbers, saving, and pictures of objects."""
 
+import base64
+import io
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
+from html import escape
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError, check_positive
+from skinfield.errors import FileError, Floats, InputError, check_positive, needs
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Axes
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Colormap, Normalize
     from matplotlib.figure import Figure
@@ -52,19 +58,150 @@ RC: dict[str, Any] = {
 
 def style() -> AbstractContextManager[None]:
     """Context in which a figure is drawn; the settings outside stay the caller's."""
-    import matplotlib
+    with _matplotlib():
+        import matplotlib
 
     return matplotlib.rc_context(RC)  # type: ignore[arg-type]
 
 
+def _matplotlib() -> AbstractContextManager[None]:
+    """Context of an import of Matplotlib, which is an extra."""
+    return needs("matplotlib", "skinfield[plot]", "figures")
+
+
 def new_figure(width: float = 9.6, height: float = 6.4) -> "Figure":
     """Empty white figure of the given inches at 160 dpi (1536 x 1024), free of any display."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with _matplotlib():
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
+
+
+Place = Any  # Axes, a figure that is empty, or None for a figure of its own
+EDGES = (0.75, 0.55, 0.25, 0.6)  # inches left, below, right and above of axes
+
+
+def axes_for(
+    place: Place,
+    size: tuple[float, float],
+    edges: tuple[float, float, float, float] = EDGES,
+    **look: Any,
+) -> Any:
+    """Axes to draw in: those handed in, else new ones.
+
+    Parameters
+    ----------
+    place : Axes, Figure or None
+        A figure is made as large as the axes need; None makes one with pyplot, for notebooks.
+    size : (width, height), inches
+        Of new axes, without what stands around them.
+    edges : (left, below, right, above), inches
+    look
+        Of new axes, such as ``projection="3d"``.
+
+    Raises
+    ------
+    InputError
+        For anything else, or if Matplotlib is not installed.
+    """
+    with _matplotlib():
+        from matplotlib.axes import Axes
+        from matplotlib.figure import Figure
+
+    if isinstance(place, Axes):
+        return place
+    if place is None:
+        from matplotlib import pyplot
+
+        place = pyplot.figure(facecolor="white")
+    if not isinstance(place, Figure):
+        raise InputError(f"ax is {place!r:.60}, expected Matplotlib axes, such as plt.gca()")
+    left, below, right, above = edges
+    width, height = left + size[0] + right, below + size[1] + above
+    place.set_size_inches(width, height)
+    box = (left / width, below / height, size[0] / width, size[1] / height)
+    return place.add_axes(box, **look)
+
+
+def drawing(name: str) -> Callable[..., Any]:
+    """Function that draws, by "module:function".
+
+    Drawings import what they draw. An object's `plot` names its drawing, and so imports nothing.
+    """
+    module, _, function = name.partition(":")
+    return getattr(import_module(module), function)  # type: ignore[no-any-return]
+
+
+class Pictured:
+    """What has a picture: `plot` draws it; notebooks show that, small, beside a table of facts."""
+
+    def plot(self, ax: Place = None) -> Any:
+        """Draw it; see the classes."""
+        raise NotImplementedError
+
+    def _facts(self) -> Mapping[str, str]:
+        """Rows of the table, by their heads, units included."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        """Picture, where Matplotlib is installed, and table of facts."""
+        words = facts_table(self)
+        if find_spec("matplotlib") is None:
+            return words
+        return (
+            f'<div style="display:flex;gap:1em;align-items:flex-start">{_inline(self)}{words}</div>'
+        )
+
+
+SHARPNESS = (110.0, 80.0, 60.0)  # dpi of a picture in a notebook, until it is small enough
+LARGEST, TONES = 55_000, 160  # bytes of it, and colours
+SHOWN = 76.0  # its pixels on a page, per inch
+LONG = 300  # characters of a cell
+
+
+def _inline(thing: Pictured) -> str:
+    """Image of what is drawn."""
+    from PIL import Image  # comes with Matplotlib
+
+    figure, data = new_figure(), ""
+    thing.plot(figure)
+    canvas: Any = figure.canvas
+    for dpi in SHARPNESS:
+        figure.set_dpi(dpi)
+        canvas.draw()
+        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+        picture.quantize(TONES).save(file := io.BytesIO(), "png", optimize=True)
+        data = base64.b64encode(file.getvalue()).decode()
+        if len(data) <= LARGEST:
+            break
+    width = round(figure.get_figwidth() * SHOWN)
+    alt = escape(repr(thing), quote=True)
+    return f'<img style="flex:none" width="{width}" alt="{alt}" src="data:image/png;base64,{data}">'
+
+
+def facts_table(thing: Pictured) -> str:
+    """Table of what is known of an object, as HTML."""
+    facts = {name: " ".join(text.split()) for name, text in thing._facts().items()}
+    cut = {name: f"{text[:LONG]} …" for name, text in facts.items() if len(text) > LONG}
+    return html_table([[name, text] for name, text in (facts | cut).items()])
+
+
+def html_table(rows: list[list[str]], head: list[str] | None = None) -> str:
+    """Table as HTML, whatever its cells hold; without `head` the first cell of a row is its own."""
+    left = ' style="text-align:left"'
+    lines = []
+    if head is not None:
+        cells = "".join(f"<th{left}>{escape(cell)}</th>" for cell in head)
+        lines.append(f"<tr>{cells}</tr>")
+    for row in rows:
+        kinds = ["th" if head is None and not place else "td" for place in range(len(row))]
+        pairs = zip(kinds, row, strict=True)
+        cells = "".join(f"<{kind}{left}>{escape(cell)}</{kind}>" for kind, cell in pairs)
+        lines.append(f"<tr>{cells}</tr>")
+    return f"<table>{''.join(lines)}</table>"
 
 
 def signed_colours(values: Floats) -> tuple["Colormap", "Normalize"]:
@@ -148,9 +285,9 @@ def _decimals(value: float, digits: int) -> int:
     return int(np.clip(digits - 1 - size, 0, 6))
 
 
-def plural(count: int, noun: str) -> str:
-    """Write `1 contact`, `2 contacts`."""
-    return f"{count} {noun}" + ("" if count == 1 else "s")
+def plural(count: int, noun: str, several: str = "") -> str:
+    """Write `1 contact`, `2 contacts`; or what stands for `several`."""
+    return f"{count} {noun if count == 1 else several or noun + 's'}"
 
 
 # What would make two runs differ is left out: dates, versions of the program that wrote it.
@@ -197,7 +334,8 @@ def save(figure: "Figure", path: str | Path, *, dpi: float = 160.0) -> Path:
     FileError
         If the file cannot be written.
     """
-    import matplotlib
+    with _matplotlib():
+        import matplotlib
 
     path = check_name(path)
     check_positive("dpi", dpi, "dots per inch of the picture")

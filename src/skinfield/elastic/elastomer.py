@@ -1,8 +1,9 @@
 """The elastomer layer, and the protocol of its mechanics."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from skinfield.errors import (
     Floats,
@@ -12,13 +13,14 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
+from skinfield.plot import Pictured, Place, drawing, number
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
 
 
-@dataclass(frozen=True)
-class Layer:
+@dataclass(frozen=True, repr=False)
+class Layer(Pictured):
     """A homogeneous, isotropic elastic layer bonded to the rigid robot.
 
     Parameters
@@ -45,6 +47,47 @@ class Layer:
         check_range("relative_permittivity", self.relative_permittivity, 1.0, 1e4, "vacuum has 1")
         if self.thickness >= 1.0:
             check_range("thickness", self.thickness, 0.0, 1.0, "give it in metres: 2 mm is 2e-3")
+
+    def __repr__(self) -> str:
+        return f"Layer({', '.join(f'{name} {text}' for name, text in self._lengths().items())})"
+
+    def _lengths(self) -> dict[str, str]:
+        return {
+            "thickness": f"{number(self.thickness * 1e3)} mm",
+            "E": f"{number(self.young_modulus * 1e-3)} kPa",
+            "ν": f"{self.poisson_ratio:g}",
+            "εᵣ": f"{self.relative_permittivity:g}",
+        }
+
+    def plot(self, ax: Place = None, *, pad_diameter: float = 4e-3) -> Any:
+        """Draw a cross-section to scale, with pads below the elastomer; lengths in mm.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+        pad_diameter : float, m
+            Of the pads, which lie two diameters apart.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        InputError
+            If the diameter is not positive, `ax` is something else, or Matplotlib is not installed.
+        """
+        return drawing("skinfield.elastic.plot:plot_layer")(self, ax, pad_diameter)
+
+    def _facts(self) -> Mapping[str, str]:
+        lengths = self._lengths()
+        return {
+            "Layer, thickness": lengths["thickness"],
+            "Young's modulus E": lengths["E"],
+            "Poisson's ratio ν": lengths["ν"],
+            "relative permittivity εᵣ": lengths["εᵣ"],
+        }
 
     def rest_capacitance(self, pad_diameter: float) -> float:
         """Capacitance at rest, F, of a round pad of `pad_diameter`, m: eq. (1) of the paper.

@@ -10,7 +10,7 @@ import sys
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -137,7 +137,7 @@ SCRIPT = """
 from skinfield.elastic import Layer
 from skinfield.emulator.scenes import SceneTool
 from skinfield.emulator.world import table_for
-table_for({tool!r}, {layer!r}, {pad_diameter!r})
+table_for({tool!r}, Layer(*{layer!r}), {pad_diameter!r})
 """
 
 
@@ -265,7 +265,7 @@ def table_for(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
 def cache_path(tool: SceneTool, layer: Layer, pad_diameter: float) -> Path:
     """Where a table is kept: its name depends on what is pressed and on the code that solves it."""
     root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    asked = f"{tool!r} {layer!r} {pad_diameter!r} {_code()}"
+    asked = f"{tool!r} {astuple(layer)!r} {pad_diameter!r} {_code()}"
     name = hashlib.sha256(asked.encode()).hexdigest()[:24]
     return Path(root) / "skinfield" / f"press-{name}.npz"
 
@@ -316,7 +316,7 @@ class PressTables:
         return bool(ended)
 
     def _solve(self, key: Key) -> None:
-        script = SCRIPT.format(tool=key[0], layer=self._layer, pad_diameter=key[1])
+        script = SCRIPT.format(tool=key[0], layer=astuple(self._layer), pad_diameter=key[1])
         quiet = subprocess.DEVNULL
         self._running[key] = subprocess.Popen(
             [sys.executable, "-c", script], stdin=quiet, stdout=quiet, stderr=quiet

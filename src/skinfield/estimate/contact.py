@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.estimate.uncertainty import normal_interval, normal_radius
+from skinfield.plot import number, plus_minus
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Contact:
     """One pressed region of a patch, in the patch's own frame.
 
@@ -102,6 +103,19 @@ class Contact:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             value = self.__dict__[name] = getattr(self.__dict__["_rest"], name)
             return value
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.__dataclass_fields__})
+
+    def __repr__(self) -> str:
+        place, force, area = self._words()
+        track = "" if self.track_id is None else f", track {self.track_id}"
+        return f"{type(self).__name__}({force} N at ({place}) mm, {area} mm², {self.shape}{track})"
+
+    def _words(self) -> tuple[str, str, str]:
+        """Place in mm, force in N ± one standard deviation, area in mm²."""
+        place = ", ".join(f"{x * 1e3:.1f}" for x in self.position).replace("-", "−")
+        return place, plus_minus(self.normal_force, self.force_std), number(self.area * 1e6)
 
     def __getstate__(self) -> dict[str, Any]:
         """All attributes, for pickles and copies: what they are worked out from stays behind."""

@@ -12,7 +12,7 @@ SPACING = 6.5e-3  # m, between taxels of iCub's triangles
 REACH, NEAR = 3.0, 6.0  # spacings: of one step of a contact; of two that merge or split
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ListedContact(Contact):
     """A contact as its sender has it, in the frame of a link.
 

@@ -1,13 +1,12 @@
 """The table of contacts: one row per contact, in SI units; a reading without one has none."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from skinfield.errors import SkinfieldError
 from skinfield.estimate.contact import Contact
-from skinfield.estimate.estimate import Estimate
 from skinfield.estimate.tracked import TrackedContact
 
 WORDS = ("solver", "shape", "scale", "body_part", "skin_part")
@@ -33,11 +32,31 @@ def scale_of(relative: bool) -> str:
     return RELATIVE if relative else NEWTONS
 
 
+class Answer(Protocol):
+    """What rows are made of: an estimate, or what its contacts keep of it."""
+
+    @property
+    def is_batch(self) -> bool: ...  # noqa: D102
+    @property
+    def normal_force(self) -> Any: ...  # noqa: D102
+
+    @property
+    def valid(self) -> Any: ...  # noqa: D102
+    @property
+    def stamp_ns(self) -> Any: ...  # noqa: D102
+    @property
+    def solver(self) -> Any: ...  # noqa: D102
+    @property
+    def relative(self) -> bool: ...  # noqa: D102
+    @property
+    def contacts(self) -> Any: ...  # noqa: D102
+
+
 Value = int | float | str | None
 Row = tuple[Value, ...]
 
 
-def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterator[Row]:
+def rows_from_estimate(estimate: Answer, first: int, start_ns: int) -> Iterator[Row]:
     """Rows in the order of `COLUMNS`; `first` is the number of the estimate's first reading.
 
     `start_ns` is where `time_s` is 0. None stands for a value that is not there.

@@ -1,6 +1,6 @@
 """Estimate of a patch: fields and contacts of one reading, or of a run of them."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -11,11 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
+from skinfield.estimate.contact import Contact
+from skinfield.estimate.contacts import Contacts
+from skinfield.plot import Pictured, Place, drawing, number, plural
 from skinfield.skin import Grid
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate(Pictured):
     """Fields and contacts from one reading, or from T readings at once (a leading axis T).
 
     Vectors are in the patch's frame. Indexing and iterating over an estimate of T readings gives
@@ -33,8 +36,9 @@ class Estimate:
         Of the skin's surface, normal and tangential.
     pressure_std : ([T,] K) array, Pa
         One standard deviation of `pressure` as the solver states it.
-    contacts : tuple of Contact, or of T such tuples
-        In order of falling force.
+    contacts : Contacts
+        A tuple of `Contact` in order of falling force, or of T such tuples; ``to_pandas()`` makes
+        a data frame of it.
     residual : ([T,] L) array
         Linearised reading minus what the pressure predicts, in the quantity's unit; NaN for taxels
         that were left out.
@@ -92,6 +96,9 @@ class Estimate:
     is_field: Any = True
     relative: bool = False
 
+    def __post_init__(self) -> None:
+        vars(self)["contacts"] = Contacts.of(self, self.contacts)
+
     @classmethod
     def joined(cls, each: Sequence["Estimate"], **known: Any) -> "Estimate":
         """Estimate of T readings from that of each, stacked when it is looked at.
@@ -136,8 +143,12 @@ class Estimate:
         unknown = (rest.keys() | known.keys()) - cls.__dataclass_fields__.keys()
         if missing or unknown:
             raise TypeError(f"missing {sorted(missing)}, unknown {sorted(unknown)}")
+        later = dict(rest)
+        if "contacts" in known:  # which become `Contacts` when they are looked at
+            contacts = known.pop("contacts")
+            later["contacts"] = lambda: contacts
         estimate = object.__new__(cls)
-        vars(estimate).update(known, _rest=dict(rest), _lock=RLock())
+        vars(estimate).update(known, _rest=later, _lock=RLock())
         return estimate
 
     if not TYPE_CHECKING:  # a type checker should still tell names that do not exist
@@ -147,11 +158,16 @@ class Estimate:
             rest = own.get("_rest", {})
             with own.get("_lock", nullcontext()):
                 if name in rest:
-                    own[name] = rest[name]()
+                    value = rest[name]()
+                    own[name] = Contacts.of(self, value) if name == "contacts" else value
                     del rest[name]  # with what it held on to
                 elif name not in own:  # where it is, another thread was faster
                     raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
                 return own[name]
+
+    def __dir__(self) -> list[str]:
+        """Names of all results, computed or not yet."""
+        return sorted({*super().__dir__(), *self.__dataclass_fields__})
 
     def __getstate__(self) -> dict[str, Any]:
         """All attributes, computed: another process cannot compute them."""
@@ -159,6 +175,68 @@ class Estimate:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
+
+    def __repr__(self) -> str:
+        if self.is_batch:
+            highest = number(float(np.max(self.normal_force, initial=0.0)))
+            what = f"{plural(len(self), 'reading')}, up to {highest}"
+        else:
+            count = plural(len(self.contacts), "contact")
+            what = f"{count}, {number(float(self.normal_force))}"
+        unit, (rows, columns) = " (relative)" if self.relative else " N", self.grid.shape
+        return f"Estimate({self.grid.patch.name!r}, {what}{unit}, {columns} x {rows} nodes)"
+
+    def plot(
+        self, ax: Place = None, *, truth: Iterable[tuple[Any, Any, float]] | None = None
+    ) -> Any:
+        """Draw the pressure over the patch, its taxels and contacts; of a run, force over time.
+
+        Each contact has its outline and its normal force ± one standard deviation.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+        truth : sequence of (position, force, radius), optional
+            What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N;
+            radius in m.
+
+        Returns
+        -------
+        matplotlib Axes
+            Lengths in mm and pressure in kPa, or time in s and force in N.
+
+        Raises
+        ------
+        InputError
+            For a truth that is none, if `ax` is something else, or Matplotlib is not installed.
+
+        See Also
+        --------
+        skinfield.estimate.plot.draw_estimate : readings, deformation and a table beside it
+        """
+        return drawing("skinfield.estimate.plot:plot_estimate")(self, ax, truth)
+
+    def _facts(self) -> Mapping[str, str]:
+        unit = "(relative)" if self.relative else "N"
+        solvers = dict.fromkeys((self.solver,) if isinstance(self.solver, str) else self.solver)
+        rows, columns = self.grid.shape
+        facts = {"Estimate": self.grid.patch.name}
+        if self.is_batch:
+            span = (np.ravel(self.stamp_ns)[-1] - np.ravel(self.stamp_ns)[0]) * 1e-9
+            highest = number(float(np.max(self.normal_force, initial=0.0)))
+            facts |= {"readings": str(len(self)), "length": f"{number(float(span))} s"}
+            facts |= {"highest force": f"{highest} {unit}"}
+        else:
+            facts |= {f"contact {n + 1}": _line(c, unit) for n, c in enumerate(self.contacts)}
+            facts |= {"force": f"{number(float(self.normal_force))} {unit}"}
+            facts |= {"taxels used": f"{int(self.valid.sum())} of {len(self.valid)}"}
+        return {
+            **facts,
+            "grid": f"{columns} × {rows} nodes of {number(self.grid.pitch * 1e3)} mm",
+            "solver": ", ".join(solvers),
+            **({"notes": "; ".join(self.notes)} if self.notes else {}),
+        }
 
     @property
     def is_batch(self) -> bool:
@@ -173,12 +251,11 @@ class Estimate:
     @property
     def normal_force(self) -> Any:
         """Sum of the contacts', N, or of the field's where that is the answer; (T,) for a batch."""
-        force = self.pressure.sum(axis=-1) * self.grid.cell_area
-        if np.all(self.is_field):
-            return force
-        each = self.contacts if self.is_batch else (self.contacts,)
-        sums = np.array([sum((c.normal_force for c in found), 0.0) for found in each])
-        return np.where(self.is_field, force, sums) if self.is_batch else sums[0]
+        return self._field_force if np.all(self.is_field) else self.contacts.normal_force
+
+    @property
+    def _field_force(self) -> Any:
+        return self.pressure.sum(axis=-1) * self.grid.cell_area
 
     @property
     def indentation(self) -> Floats:
@@ -208,6 +285,12 @@ class Estimate:
 
     def __iter__(self) -> Iterator["Estimate"]:
         return (self[index] for index in range(len(self)))
+
+
+def _line(contact: Contact, unit: str) -> str:
+    """A contact in a line."""
+    place, force, area = contact._words()
+    return f"{force} {unit} at ({place}) mm, {area} mm²"
 
 
 REQUIRED = {"grid", "pressure", "traction", "displacement", "pressure_std", "contacts"}

@@ -17,17 +17,28 @@ from skinfield.plot import (
     INK,
     QUIET,
     TITLE,
+    Place,
     add_colour_bar,
     add_title,
+    axes_for,
     duration,
     new_figure,
     number,
+    open_axes,
     plural,
     plus_minus,
     style,
 )
 from skinfield.skin import Grid
-from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of, frame_axes, hatch_uncovered
+from skinfield.skin.maps import (
+    MM,
+    draw_cells,
+    draw_pads,
+    extent_of,
+    frame_axes,
+    hatch_uncovered,
+    outline_pads,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,8 +87,10 @@ def presses_from_truth(
 DIRECTIONS = [(0, 1), (0, -1), (1, 0), (-1, 0), (0.7, 0.8), (-0.7, 0.8), (0.7, -0.8), (-0.7, -0.8)]
 
 
-def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
-    """Draw outline, centre and number of each contact; call once the limits are set."""
+def draw_contacts(
+    axes: "Axes", grid: Grid, contacts: Sequence[Contact], words: Sequence[str] | None = None
+) -> None:
+    """Draw outline, centre and words, else the number, of each contact; once limits are set."""
     from matplotlib.patheffects import withStroke
 
     halo = [withStroke(linewidth=2.6, foreground="white")]
@@ -86,30 +99,35 @@ def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None
         axes.plot(*outline.T, color=INK, lw=1.2, path_effects=halo, zorder=3)
         centre = Chart(grid).plane_from_position(contact.position[None])[0] * MM
         axes.plot(*centre, "+", color=INK, ms=7, mew=1.3, path_effects=halo, zorder=4)
-    _number_contacts(axes, grid, contacts)
+    numbers = [f"{index + 1}" for index in range(len(contacts))]
+    _label_contacts(axes, grid, contacts, numbers if words is None else words)
 
 
-def _number_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
-    """Write each contact's number in the table where there is room beside it."""
+def _label_contacts(
+    axes: "Axes", grid: Grid, contacts: Sequence[Contact], words: Sequence[str]
+) -> None:
+    """Write words of each contact where there is room beside it."""
+    from matplotlib.patheffects import withStroke
     from matplotlib.transforms import Bbox
 
-    figure: Any = axes.figure
-    renderer = figure.canvas.get_renderer()
     axes.apply_aspect()
-    inside, bodies = axes.get_window_extent(renderer), []
+    inside, bodies = axes.get_window_extent(), []
+    halo: list[Any] = [withStroke(linewidth=2.2, foreground="white")]
     for contact in contacts:
         points = np.vstack([contact.outline, contact.position[None]])
         pixels = axes.transData.transform(Chart(grid).plane_from_position(points) * MM)
         bodies.append(Bbox(np.array([pixels.min(axis=0), pixels.max(axis=0)])).padded(4.0))
     taken = list(bodies)
     for index, body in enumerate(bodies):
-        text = axes.text(0.0, 0.0, f"{index + 1}", fontsize=8, ha="center", va="center", zorder=6)
+        text = axes.text(0.0, 0.0, words[index], fontsize=8, ha="center", va="center", zorder=6)
+        text.set_path_effects(halo if len(words[index]) > 2 else [])
+        half = np.ptp(text.get_window_extent().get_points(), axis=0) / 2
         low, high = body.get_points()
-        middle, reach = (low + high) / 2, (high - low) / 2 + (9.0, 15.0)
+        middle, reach = (low + high) / 2, (high - low) / 2 + np.maximum(half + 4.0, (9.0, 15.0))
         for far, way in product((1.0, 1.25, 1.6), np.array(DIRECTIONS)):
             x, y = axes.transData.inverted().transform(middle + far * reach * way)
             text.set_position((float(x), float(y)))
-            box = text.get_window_extent(renderer).padded(3.0)
+            box = text.get_window_extent().padded(3.0)
             first, last = box.get_points() - inside.get_points()
             free = not any(box.overlaps(other) for other in taken)
             if free and (first > 0).all() and (last < 0).all():
@@ -337,7 +355,46 @@ def headline(estimate: Estimate) -> str:
     return f"{name}: {plural(len(contacts), 'contact')}, {force} {unit}"
 
 
-def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[TruePress]) -> None:
+def plot_estimate(
+    estimate: Estimate, ax: Place = None, truth: Iterable[tuple[Any, Any, float]] | None = None
+) -> Any:
+    """Draw the pressure, the taxels and the contacts, or forces over time; see `Estimate.plot`."""
+    if estimate.is_batch:
+        return _plot_run(estimate, ax)
+    presses = presses_from_truth(truth, estimate.grid)
+    width, height = np.ptp(extent_of(estimate.grid, measured=True), axis=0)
+    unit = "" if estimate.relative else " N"
+    words = [f"{plus_minus(c.normal_force, c.force_std)}{unit}" for c in estimate.contacts]
+    with style():
+        size = (4.4, float(np.clip(4.4 * height / width, 1.0, 5.0)))
+        axes = axes_for(ax, size, (0.75, 0.55, 1.15, 0.6))
+        _draw_pressure(axes, estimate, presses, words)
+        outline_pads(axes, estimate.grid.patch)
+    return axes
+
+
+def _plot_run(estimate: Estimate, ax: Place) -> Any:
+    """Force over time, or over the readings where they have no stamps."""
+    stamps = np.broadcast_to(estimate.stamp_ns, len(estimate))
+    timed = len(np.unique(stamps)) > 1
+    across = (stamps - stamps[0]) * 1e-9 if timed else np.arange(len(stamps))
+    with style():
+        axes = axes_for(ax, (6.2, 2.6), (0.8, 0.55, 0.2, 0.65))
+        axes.plot(across, estimate.normal_force, color=INK, lw=1.0)
+        axes.set_xlabel("time (s)" if timed else "reading")
+        axes.set_ylabel("force (relative)" if estimate.relative else "force (N)")
+        open_axes(axes)
+        note = "sum of the contacts, or of the field that answers"
+        add_title(axes, "", f"{estimate.grid.patch.name}: force into the skin", note)
+    return axes
+
+
+def _draw_pressure(
+    axes: "Axes",
+    estimate: Estimate,
+    presses: list[TruePress],
+    words: Sequence[str] | None = None,
+) -> None:
     from matplotlib.patches import Circle
 
     grid = estimate.grid
@@ -347,10 +404,14 @@ def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[TruePress]) -
     frame_axes(axes, grid.patch, extent_of(grid, measured=True))
     for press in presses:
         centre = Chart(grid).plane_from_position(press.position[None])[0] * MM
+        if press.radius == 0.0:
+            axes.plot(*centre, "x", color=BLUE, ms=8, mew=1.4, zorder=5)
+            continue
         look: dict[str, Any] = {"ec": BLUE, "lw": 1.4, "ls": (0, (3, 2)), "zorder": 5}
         axes.add_patch(Circle(centre, press.radius * MM, fill=False, **look))
-    draw_contacts(axes, grid, estimate.contacts)
+    draw_contacts(axes, grid, estimate.contacts, words)
     notes = ["line: contact"] if estimate.contacts else []
-    notes += ["dashed: truth"] if presses else []
+    notes += ["blue: truth"] if presses else []
     notes += [] if grid.covered.all() else ["hatched: outside the taxels"]
-    add_title(axes, "b", "Pressure", "; ".join(notes))
+    head = ("b", "Pressure") if words is None else ("", headline(estimate))
+    add_title(axes, *head, "; ".join(notes))

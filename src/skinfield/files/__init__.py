@@ -5,6 +5,7 @@ from skinfield.files.fields import open_fields as open_fields
 from skinfield.files.fields import write_fields as write_fields
 from skinfield.files.mcap.live import LiveRecording as LiveRecording
 from skinfield.files.pending import write_summary as write_summary
+from skinfield.files.read import read as read
 from skinfield.files.recordings.archive import save_recording as save_recording
 from skinfield.files.recordings.matching import readings_for as readings_for
 from skinfield.files.recordings.open import open_recording as open_recording

@@ -11,14 +11,17 @@ from skinfield.estimate import Estimate
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import ModelConfig, Models
 from skinfield.loop.slots import CycleHead, CycleSlot
+from skinfield.plot import Pictured, Place, facts_table, number, plural, plus_minus
 from skinfield.reconstruct.engine.state import Answer
+
+LISTED = 12  # contacts in a table of facts
 
 
 class Stale(InputError):
     """No estimate that is young enough: nothing is ever returned in its place."""
 
 
-class Snapshot(Mapping[str, Estimate]):
+class Snapshot(Pictured, Mapping[str, Estimate]):
     """One cycle of a live skin: estimates by the names of the patches.
 
     Attributes
@@ -80,6 +83,59 @@ class Snapshot(Mapping[str, Estimate]):
 
     def __len__(self) -> int:
         return int((self.patches["answer"] != int(Answer.MISSING)).sum())
+
+    def __repr__(self) -> str:
+        contacts = plural(len(self.contacts), "contact")
+        patches = plural(len(self._names), "patch", "patches")
+        age = f"{number(self.age)} s old" if np.isfinite(self.age) else "no reading yet"
+        return f"Snapshot({patches}, {contacts}, {number(self.force)} N, {age})"
+
+    def plot(self, ax: Place = None, *, patch: str | None = None) -> Any:
+        """Draw the answer of one patch, as `Estimate.plot` does.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+        patch : str, optional
+            Its name. Default the one that is pressed most.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        Stale
+            If the patch has no answer, or none has.
+        InputError
+            For a name that is none of a patch, if `ax` is something else, or Matplotlib is not
+            installed.
+        """
+        if patch is None:
+            there = self.patches["answer"] != int(Answer.MISSING)
+            loads = np.where(there, self.patches["force"], -np.inf)
+            patch = self._names[int(np.argmax(loads))]
+        return self[patch].plot(ax)
+
+    def _facts(self) -> Mapping[str, str]:
+        facts = {
+            "Snapshot": f"cycle {self.number}",
+            "force": f"{number(self.force)} N",
+            "age": f"{number(self.age)} s" if np.isfinite(self.age) else "no reading yet",
+        }
+        for contact in self.contacts[:LISTED]:
+            force = plus_minus(float(contact["normal_force"]), float(contact["force_std"]))
+            place = ", ".join(f"{x * 1e3:.1f}" for x in contact["position"].tolist())
+            name = self._names[int(contact["patch"])]
+            facts[f"contact {int(contact['track'])}"] = f"{force} N at ({place}) mm of {name}"
+        if len(self.contacts) > LISTED:
+            facts["…"] = f"{len(self.contacts) - LISTED} more contacts"
+        return facts
+
+    def _repr_html_(self) -> str:
+        """Picture of the patch that is pressed most, if any has an answer, and table."""
+        return super()._repr_html_() if len(self) else facts_table(self)
 
     @property
     def solvers(self) -> list[str]:

@@ -8,10 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Layer, Mechanics, Quantity, check_skin
-from skinfield.errors import Floats, InputError, check_type
+from skinfield.errors import Floats, InputError, check_offers, check_type
 from skinfield.reconstruct.diagnostics import Conditioner
 from skinfield.signal import Calibration
-from skinfield.skin import Patch, Skin
+from skinfield.skin import Grid, Patch, Skin
+
+SOLVERS = (
+    "a solver such as Auto() or GaussianField(); others are ContactFit(), NonNegative(), Sheet(), "
+    "Tikhonov(), PseudoInverse() and Inverse()"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +59,14 @@ class PatchModel:
         check_skin(patch, layer, mechanics, quantity)
         free = getattr(known, "relative", False) if relative is None else relative
         return cls(known, layer, mechanics, *_readings_from(known, quantity, layer), free)
+
+
+def check_parts(solver: object, finder: object, grid: object) -> None:
+    """Raise InputError, with what to hand in, for a part that is something else."""
+    check_offers("solver", solver, ("prepare",), SOLVERS)
+    check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
+    if grid is not None:
+        check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
 
 
 def check_calibration(calibration: Any, patch: Patch) -> Any:

@@ -22,14 +22,12 @@ from skinfield.errors import (
     Ints,
     as_floats,
     as_stamps,
-    check_offers,
     check_positive,
     check_shape,
-    check_type,
 )
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
-from skinfield.reconstruct.patch_model import PatchModel
+from skinfield.reconstruct.patch_model import PatchModel, check_parts
 from skinfield.reconstruct.plan import LinearFields, Plan
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
@@ -290,6 +288,11 @@ class Reconstructor:
         """
         self.plans.reset()
 
+    def __repr__(self) -> str:
+        rows, columns = self.grid.shape
+        what = f"{type(self.solver).__name__}, {columns} x {rows} nodes"
+        return f"Reconstructor({self.patch.name!r}, {what}, {self.layer!r})"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies, and what another process gets, are prepared anew and have seen no reading."""
         names = (
@@ -316,15 +319,6 @@ class Reconstructor:
 def _are_rungs(grid: object) -> bool:
     """Whether these are numbers of nodes, of grids from coarse to fine."""
     return isinstance(grid, Sequence) and not isinstance(grid, str)
-
-
-def check_parts(solver: object, finder: object, grid: object) -> None:
-    """Raise InputError, with what to hand in, for a part that is something else."""
-    why = "a solver such as Auto() or GaussianField()"
-    check_offers("solver", solver, ("prepare",), why)
-    check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
-    if grid is not None:
-        check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
 
 
 def checked_readings(

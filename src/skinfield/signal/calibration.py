@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import FileError, Floats, InputError, as_floats, check_shape
+from skinfield.plot import Pictured, Place, drawing, number
 from skinfield.signal.baseline import Baseline
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration_file import read_file, write_file
 from skinfield.skin import Patch
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Pictured):
     """What turns counts of each taxel of one patch into ΔC/C₀.
 
     counts = baseline + gain · ΔC/C₀, per taxel. Rows are the rows of the patch.
@@ -88,11 +89,46 @@ class Calibration:
         return len(self.uid)
 
     def __repr__(self) -> str:
-        noise = np.median(self.quantity_std()[self.alive]) if self.alive.any() else np.nan
         return (
             f"Calibration({self.patch_name!r}, {int(self.alive.sum())} of {len(self)} taxels "
-            f"alive, median noise {noise:.3g} in ΔC/C₀, basis: {self.basis})"
+            f"alive, median noise {self._noise():.3g} in ΔC/C₀, basis: {self.basis})"
         )
+
+    def _noise(self) -> float:
+        return float(np.median(self.quantity_std()[self.alive])) if self.alive.any() else np.nan
+
+    def plot(self, ax: Place = None, *, patch: Patch | None = None) -> Any:
+        """Draw the gain of each taxel, by its row or, with its patch, at its place.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+        patch : Patch, optional
+            Whose taxels these are, by uid. Taxels that are not alive are crossed.
+
+        Returns
+        -------
+        matplotlib Axes
+            Gains in counts, or whatever `unit` says, per ΔC/C₀; lengths in mm.
+
+        Raises
+        ------
+        InputError
+            If it is another patch's, `ax` is something else, or Matplotlib is not installed.
+        """
+        return drawing("skinfield.signal.plot:plot_calibration")(self, ax, patch)
+
+    def _facts(self) -> Mapping[str, str]:
+        gain = self.gain[self.alive]
+        low, high = (gain.min(), gain.max()) if len(gain) else (np.nan, np.nan)
+        return {
+            "Calibration": self.patch_name,
+            "taxels alive": f"{int(self.alive.sum())} of {len(self)}",
+            "gain": f"{number(low)} to {number(high)} {self.unit} per ΔC/C₀",
+            "median noise": f"{self._noise():.3g} in ΔC/C₀",
+            "basis": self.basis,
+        }
 
     @classmethod
     def identity(cls, patch: Patch, *, noise_std: ArrayLike) -> "Calibration":

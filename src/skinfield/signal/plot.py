@@ -1,15 +1,58 @@
-"""Force over time against a reference."""
+"""Figures of signals: force over time against a reference; gains of taxels."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import as_floats, check_finite, check_shape
-from skinfield.plot import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
+from skinfield.plot import (
+    BLUE,
+    INK,
+    ORANGE,
+    QUIET,
+    Place,
+    add_colour_bar,
+    add_title,
+    axes_for,
+    new_figure,
+    number,
+    open_axes,
+    style,
+)
+from skinfield.signal.calibration import Calibration
+from skinfield.skin import Patch
+from skinfield.skin.maps import draw_pads, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def plot_calibration(made: Calibration, ax: Place = None, patch: Patch | None = None) -> Any:
+    """Draw the gain of each taxel; see `Calibration.plot`."""
+    gain = np.where(made.alive, made.gain, np.nan)
+    label = f"gain ({made.unit} per ΔC/C₀)"
+    note = f"{int(made.alive.sum())} of {len(made)} taxels alive"
+    if patch is not None:
+        made.check_patch(patch)
+    with style():
+        if patch is None:
+            axes = axes_for(ax, (5.6, 2.6), (0.85, 0.55, 0.2, 0.6))
+            axes.plot(np.arange(len(made)), gain, ".", color=ORANGE, ms=4.0)
+            axes.axhline(0.0, color=QUIET, lw=0.7)
+            axes.set(xlabel="taxel (row of the patch)", ylabel=label)
+            open_axes(axes)
+            axes.margins(x=0.02)
+        else:
+            extent = extent_of_pads(patch)
+            width, height = np.ptp(extent, axis=0)
+            size = (4.4, float(np.clip(4.4 * height / width, 1.0, 5.0)))
+            axes = axes_for(ax, size, (0.75, 0.55, 1.15, 0.6))
+            pads = draw_pads(axes, patch, gain)
+            frame_axes(axes, patch, extent)
+            add_colour_bar(axes, pads, label)
+        add_title(axes, "", f"Calibration of {made.patch_name}", note)
+    return axes
 
 
 def draw_timeline(

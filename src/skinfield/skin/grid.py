@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import index
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,13 +16,14 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
+from skinfield.plot import number
 from skinfield.skin.patch import Patch
 
 SAME = 1e-6  # of the pitch: nodes on two patches of one surface
 COVER = 2.5  # pitches from the nearest taxel up to which a node counts as measured
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Grid:
     """Square cells on a patch: K = rows x columns nodes, each the centre of one cell.
 
@@ -98,6 +100,19 @@ class Grid:
                 "make the grid from the patch that is reconstructed"
             )
         return moved
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        pitch = number(self.pitch * 1e3)
+        return f"Grid({self.patch.name!r}, {columns} x {rows} nodes, pitch {pitch} mm)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Fields, for copies and pickles: what is worked out from them stays behind."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        state["origin"].setflags(write=False)
+        vars(self).update(state)
 
     def __len__(self) -> int:
         return self.shape[0] * self.shape[1]

@@ -1,16 +1,19 @@
 """Patches and skins: the taxels under one sheet of elastomer, and all patches of one robot."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, as_floats, check_finite, check_shape
+from skinfield.plot import Pictured, Place, drawing, number, plural
 from skinfield.skin.flattening import Surface, surface_through
 from skinfield.skin.geometry import spans_plane
 
+LISTED = 12  # names of patches in a table of facts
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
 COARSEST = 0.1  # m between taxels under one sheet: no skin has that, so these are millimetres
 WIDEST = 10.0  # m from end to end of one sheet
@@ -19,7 +22,7 @@ LARGEST_PAD = 0.1  # m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Patch:
+class Patch(Pictured):
     """The taxels under one elastomer sheet, reconstructed independently. A taxel is a row.
 
     Parameters
@@ -96,6 +99,54 @@ class Patch:
         size = " x ".join(f"{side * 1e3:.1f}" for side in np.ptp(self.positions, axis=0))
         modules = len(np.unique(self.module))
         return f"Patch({self.name!r}, {len(self)} taxels, {modules} modules, {size} mm)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Fields, for copies and pickles: what is worked out from them stays behind."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for value in state.values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+        vars(self).update(state)
+
+    def plot(self, ax: Place = None) -> Any:
+        """Draw the pads to scale, in the colours of their modules; lengths in mm.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure. A curved patch is drawn in space where they
+            are 3D, as new ones are for it; else it is flattened.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        InputError
+            If `ax` is something else, or Matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import skinfield as sf
+        >>> sf.layouts.hexagon72().plot().get_xlabel()
+        'x (mm)'
+        """
+        return drawing("skinfield.skin.plot:plot_patch")(self, ax)
+
+    def _facts(self) -> Mapping[str, str]:
+        sides = " × ".join(number(side * 1e3) for side in np.ptp(self.positions, axis=0))
+        return {
+            "Patch": self.name,
+            "taxels": str(len(self)),
+            "modules": str(len(np.unique(self.module))),
+            "size": f"{sides} mm",
+            "pitch": f"{number(self.pitch * 1e3)} mm",
+            "pad diameter": f"{number(self.pad_diameter * 1e3)} mm",
+            **({"link": self.link} if self.link else {}),
+        }
 
     @cached_property
     def surface(self) -> Surface:
@@ -271,8 +322,8 @@ def _pose(values: ArrayLike | None) -> Floats:
     return pose
 
 
-@dataclass(frozen=True, eq=False)
-class Skin:
+@dataclass(frozen=True, eq=False, repr=False)
+class Skin(Pictured):
     """All patches of one robot; each patch knows its link and its pose there.
 
     Parameters
@@ -299,6 +350,46 @@ class Skin:
 
     def __iter__(self) -> Iterator[Patch]:
         return iter(self.patches)
+
+    def __repr__(self) -> str:
+        taxels, patches = self._size()
+        return f"Skin({self.name!r}, {taxels} on {patches})"
+
+    def _size(self) -> tuple[str, str]:
+        return plural(sum(map(len, self)), "taxel"), plural(len(self), "patch", "patches")
+
+    def plot(self, ax: Place = None) -> Any:
+        """Draw all patches to one scale, each in its own plane, side by side; lengths in mm.
+
+        Of a skin of one patch it is `Patch.plot`.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        InputError
+            If `ax` is something else, or Matplotlib is not installed.
+        """
+        return drawing("skinfield.skin.plot:plot_skin")(self, ax)
+
+    def _facts(self) -> Mapping[str, str]:
+        listed = ", ".join(patch.name for patch in self.patches[:LISTED])
+        taxels, patches = self._size()
+        links = sorted({patch.link for patch in self} - {""})
+        return {
+            "Skin": self.name,
+            "patches": f"{patches}: {listed}{', …' if len(self) > LISTED else ''}",
+            "taxels": taxels,
+            **({"links": ", ".join(links[:LISTED])} if links else {}),
+            **({"notes": "; ".join(self.notes)} if self.notes else {}),
+        }
 
     def __len__(self) -> int:
         return len(self.patches)

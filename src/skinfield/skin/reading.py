@@ -1,11 +1,14 @@
 """Readings as they came from the skin, before any meaning."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_shape
+from skinfield.plot import Pictured, Place, drawing, number, plural
 
 UNITS = {  # of a skin's readings, as files and recordings name them
     "count": "raw output of the converter",
@@ -33,8 +36,8 @@ class Reading:
     valid: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Pictured):
     """Readings of one port over time.
 
     Attributes
@@ -71,6 +74,56 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.counts)
+
+    def __repr__(self) -> str:
+        return f"Recording({self._size()}, {self._length()}, unit {self.unit!r})"
+
+    def _size(self) -> str:
+        channels = plural(self.counts.shape[1], "channel")
+        return f"{plural(len(self), 'reading')} of {channels}"
+
+    def _length(self) -> str:
+        seconds = float(self.time[-1]) if len(self) else 0.0
+        return f"{number(seconds)} s at {number(self.rate)} Hz"
+
+    def plot(self, ax: Place = None, *, channels: Sequence[int] | None = None) -> Any:
+        """Draw readings over time: those that move most, or chosen ones.
+
+        Of more than 4000 readings the lowest and the highest of each run are drawn.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            To draw in. Default those of a new figure.
+        channels : sequence of int, optional
+            Columns of `counts`. Default the six that move most.
+
+        Returns
+        -------
+        matplotlib Axes
+            Time in s, readings in `unit`.
+
+        Raises
+        ------
+        InputError
+            For a column that is not there, if `ax` is something else, or Matplotlib is not
+            installed.
+        """
+        return drawing("skinfield.skin.plot:plot_recording")(self, ax, channels)
+
+    def _facts(self) -> Mapping[str, str]:
+        known = np.isfinite(self.counts).mean() if self.counts.size else 1.0
+        missing = f"{number(100.0 * float(1.0 - known), 2)} %"
+        return {
+            "Recording": self.source or "–",
+            "readings": self._size(),
+            "length": self._length(),
+            "unit": f"{self.unit}: {UNITS.get(self.unit, 'of another sensor')}",
+            "missing": missing,
+            "columns": "uids" if self.uid is not None else "channels",
+            **({"left out": f"{self.skipped} lines or records"} if self.skipped else {}),
+            **({"notes": "; ".join(self.notes)} if self.notes else {}),
+        }
 
     @property
     def time(self) -> Floats:

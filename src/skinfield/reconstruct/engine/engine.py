@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,10 @@ from skinfield.errors import (
     InputError,
     as_floats,
     check_count,
-    check_offers,
     check_positive,
 )
 from skinfield.estimate import ContactFinder
+from skinfield.plot import duration, plural
 from skinfield.reconstruct.engine.intake import EngineReadings, Readings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport
@@ -26,7 +26,7 @@ from skinfield.reconstruct.engine.stages import answer_linearly, spend
 from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
-from skinfield.reconstruct.patch_model import PatchModel, calibrations_of
+from skinfield.reconstruct.patch_model import PatchModel, calibrations_of, check_parts
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 from skinfield.solve.atoms.fitter import STOPPED
@@ -103,6 +103,11 @@ class Engine:
         progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
         check_positive("budget", budget, FOR_ALL)
+        self._settings = {
+            "layer": layer, "budget": budget, "rungs": rungs, "mechanics": mechanics,
+            "quantity": quantity, "solver": solver, "noise_std": noise_std, "finder": finder,
+            "calibration": calibration, "relative": relative, "clock": clock,
+        }  # fmt: skip
         self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
         self.quantity = Capacitance() if quantity is None else quantity
         own = self._by_calibration(calibration, layer, mechanics, relative)
@@ -115,8 +120,7 @@ class Engine:
                 noise_std = {**usual, **(noise_std or {})}
         self.solver: Solver = Auto() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
-        check_offers("solver", self.solver, ("prepare",), "one such as Auto()")
-        check_offers("finder", self.finder, ("__call__",), "one such as ContactFinder()")
+        check_parts(self.solver, self.finder, None)
         self.names = tuple(patch.name for patch in self.skin)
         for name, given in (("layer", layer), ("noise_std", noise_std)):
             if isinstance(given, Mapping):
@@ -133,6 +137,15 @@ class Engine:
         self._counted: dict[str, Callable[[Floats], Floats]] = {}
         self._run_in()
         self._counted = {name: each.readings for name, each in own.items() if each.readings}
+
+    def __repr__(self) -> str:
+        patches, name = plural(len(self.skin), "patch", "patches"), self.skin.name
+        budget, solver = duration(self.budget), type(self.solver).__name__
+        return f"Engine({name!r}, {patches}, {solver}, within {budget})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies, and what another process gets, are prepared anew and have seen no reading."""
+        return partial(Engine, **self._settings), (self.skin,)
 
     def _by_calibration(
         self,

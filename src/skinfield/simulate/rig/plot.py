@@ -8,18 +8,17 @@ from skinfield.errors import Floats, Ints
 from skinfield.plot import BLUE, INK, ORANGE, QUIET, add_title, new_figure, number, open_axes, style
 from skinfield.simulate.rig import RigRun
 from skinfield.skin.maps import MM, draw_circles, extent_of_pads, frame_axes
+from skinfield.skin.plot import COLOURS, draw_channels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TAXELS = 4
-COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7")
 LEGEND: dict[str, Any] = {
     "frameon": False, "fontsize": 7.5, "loc": "lower right", "bbox_to_anchor": (1.0, 0.985),
     "borderaxespad": 0.1, "columnspacing": 1.0, "handlelength": 1.4,
 }  # fmt: skip
-UNITS = {"count": "counts", "dC/C0": "ΔC/C₀"}
 
 
 def draw_rig_run(run: RigRun) -> "Figure":
@@ -114,13 +113,7 @@ def _draw_height(axes: "Axes", run: RigRun) -> None:
 
 
 def _draw_counts(axes: "Axes", run: RigRun, near: Ints) -> None:
-    time = run.recording.stamp_ns * 1e-9
-    for row, colour in zip(near[::-1], COLOURS[: len(near)][::-1], strict=True):
-        axes.step(
-            time, run.recording.counts[:, row], where="post", color=colour, lw=0.7,
-            label=f"taxel {row}",
-        )  # fmt: skip
-    axes.set_ylabel(UNITS.get(run.recording.unit, run.recording.unit))
+    draw_channels(axes, run.recording, near.tolist(), "taxel")
     axes.legend(ncols=4, reverse=True, **LEGEND)
     add_title(axes, "C", "What the skin sends", "the liveliest taxels")
 

@@ -1,0 +1,158 @@
+"""Reader of any file or folder of skinfield's, told by what is in it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from skinfield.errors import FileError
+from skinfield.estimate.contact_table import COLUMNS, load_pyarrow
+from skinfield.files.layouts.load import FORMATS, fitting_formats, load_layout
+from skinfield.files.recordings.open import open_recording
+from skinfield.files.results import open_results
+from skinfield.reconstruct.serialisation import ARRAYS
+from skinfield.signal.calibration_file import FORMAT
+
+PARQUET, ZIP = b"PAR1", b"PK\x03\x04"
+LONG = 1 << 25  # bytes: no layout is longer
+HEAD = 1 << 16  # bytes of a file, among which a table's names are
+EXPECTED = "a layout, a calibration, a recording, results or a table of contacts"
+
+
+def read(path: str | Path) -> Any:
+    """Read any recording, layout, calibration or result; its content says which it is.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of a file, or of a folder: of results, of a yarpdatadumper log, or of layouts.
+
+    Returns
+    -------
+    Skin, Recording, Calibration, TouchCalibration, PressureCalibration, ForceCalibration, \
+xarray.Dataset or pyarrow.Table
+        A layout is a `Skin`; a recording, of a live skin (MCAP) too, a `Recording`; a folder of
+        results a dataset as `open_results` gives it; a table of contacts, CSV or Parquet, one of
+        pyarrow's, of which ``to_pandas()`` makes a data frame.
+
+    Raises
+    ------
+    FileError
+        If there is nothing, if it is none of these, or if it is broken; the message says what was
+        tried.
+    SkinfieldError
+        If a package that reads it is not installed.
+
+    Examples
+    --------
+    >>> import skinfield as sf
+    >>> sf.save_layout(sf.layouts.hexagon72(), "hand.toml")
+    >>> sf.read("hand.toml")
+    Skin('hexagon72', 72 taxels on 1 patch)
+    """
+    path = Path(path)
+    try:
+        known = path.exists()
+    except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
+        raise FileError(f"{path!s} cannot be opened: {error}; expected {EXPECTED}") from error
+    if not known:
+        raise FileError(f"{path}: no such file or folder, expected {EXPECTED}")
+    return _read_folder(path) if path.is_dir() else _read_file(path)
+
+
+def _read_folder(path: Path) -> Any:
+    if (path / ARRAYS).is_dir():
+        return open_results(path)
+    if (path / "data.log").is_file():
+        return open_recording(path)
+    refused = []
+    for what, reader in (("layouts", load_layout), ("a recording", open_recording)):
+        try:
+            return reader(path)
+        except FileError as error:
+            refused.append(f"as {what}: {error}")
+    raise FileError(
+        f"{path} is none of the folders that are known, expected results ({ARRAYS} in it), layouts "
+        f"or a yarpdatadumper log; {'; '.join(refused)}"
+    )
+
+
+def _read_file(path: Path) -> Any:
+    data = _beginning(path)
+    if FORMAT.encode() in data[:HEAD] or (data.startswith(ZIP) and _is_calibration(path)):
+        from skinfield.calibrate import load_calibration
+
+        return load_calibration(path)
+    if data.startswith(PARQUET) or _is_contact_table(data):
+        return _read_contacts(path, data)
+    if fitting_formats(data):
+        return load_layout(path)
+    try:
+        return open_recording(path)
+    except FileError as error:
+        layouts = ", ".join(form.NAME for form in FORMATS)
+        raise FileError(
+            f"{error}; tried as a layout ({layouts}), as a calibration ({FORMAT}), as a table of "
+            "contacts (CSV, Parquet), and as a recording"
+        ) from error
+
+
+def _beginning(path: Path) -> bytes:
+    """All of a file, or of a long one, which only a recording is, its first part."""
+    try:
+        with path.open("rb") as file:
+            return file.read(LONG)
+    except OSError as error:
+        raise FileError(
+            f"{path} cannot be read: {error.strerror or error}; expected {EXPECTED}"
+        ) from error
+
+
+def _is_calibration(path: Path) -> bool:
+    """Whether an NPZ file says so; what it says beside that is for who reads it."""
+    import numpy as np
+
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return "format" in file.files and str(file["format"]) == FORMAT
+    except Exception:  # zipfile, zlib and NumPy raise all kinds on garbage: a reader says which
+        return False
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    yield from data[:HEAD].decode("utf-8", "replace").splitlines()
+
+
+def _is_contact_table(data: bytes) -> bool:
+    head = next((line for line in _lines(data) if not line.startswith("#")), "")
+    return head.split(",")[: len(COLUMNS)] == list(COLUMNS)
+
+
+def _read_contacts(path: Path, data: bytes) -> Any:
+    arrow = load_pyarrow()
+    import pyarrow.csv
+
+    try:
+        if data.startswith(PARQUET):
+            table = arrow.parquet.read_table(path)
+        else:
+            comments = sum(1 for _ in _comments(data))
+            options = pyarrow.csv.ReadOptions(skip_rows=comments)
+            table = pyarrow.csv.read_csv(path, read_options=options)
+    except (OSError, ValueError, arrow.ArrowException) as error:
+        raise FileError(
+            f"{path} cannot be read: {error}; expected a whole table of contacts"
+        ) from error
+    missing = [name for name in COLUMNS if name not in table.column_names]
+    if missing:
+        raise FileError(
+            f"{path} is a table without {', '.join(missing[:3])}, expected the columns of a table "
+            f"of contacts: {', '.join(COLUMNS)}"
+        )
+    return table
+
+
+def _comments(data: bytes) -> Iterator[str]:
+    for line in _lines(data):
+        if not line.startswith("#"):
+            return
+        yield line
