@@ -74,8 +74,8 @@ sphinx_gallery_conf = {
 # looks
 html_theme = "pydata_sphinx_theme"
 html_title = "skinfield"
-html_static_path = [name for name in ("_static", "press") if (DOCS / name).exists()]
-html_css_files = ["skinfield.css", *(["press.css"] if "press" in html_static_path else [])]
+html_static_path = ["_static", "press"]
+html_css_files = ["skinfield.css", "press.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_logo = html_favicon = "_static/logo.svg"
