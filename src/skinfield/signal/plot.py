@@ -1,15 +1,23 @@
-"""Force over time against a reference."""
+"""Figures of readings: force over time against a reference, and a log of a new skin."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import as_floats, check_finite, check_shape
+from skinfield.errors import Floats, as_floats, check_finite, check_shape
 from skinfield.plot import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
+from skinfield.signal.boards import Bools
+from skinfield.skin import Patch
+from skinfield.skin.maps import MM, axis_names
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+MOST_NAMED = 150  # taxels; names of more cannot be read
+MOST_TRACES = 6
 
 
 def draw_timeline(
@@ -78,3 +86,101 @@ def draw_timeline(
         for axes in (forces, difference):
             open_axes(axes)
     return figure
+
+
+def draw_log(
+    patch: Patch,
+    names: Sequence[str],
+    time_s: Floats,
+    readings: Floats,
+    rest: Floats,
+    noise: Floats,
+    usable: Bools,
+    presses: Sequence[int],
+    *,
+    quantity: str = "reading",
+) -> "Figure":
+    """Figure of a log of a skin: its taxels by name, their rest and noise, readings over time.
+
+    Parameters
+    ----------
+    patch : Patch
+    names : sequence of L str
+    time_s : (T,) array, s
+    readings : (T, L) array
+        Conditioned; NaN where invalid.
+    rest, noise : (L,) arrays
+        In the unit of the log.
+    usable : (L,) bool array
+        False of taxels that are left out: they are crossed.
+    presses : sequence of int
+        Readings that are marked over time.
+    quantity : str
+        What readings are of.
+    """
+    with style():
+        figure = new_figure(11.0, 6.6)
+        boxes = [(0.055 + 0.325 * k, 0.46, 0.24, 0.46) for k in range(3)]
+        order = figure.add_axes(boxes[0])
+        _draw_map(figure, order, patch, np.arange(len(patch)), usable, "taxels, in their order", "")
+        if len(patch) <= MOST_NAMED:
+            for (x, y), name in zip(patch.plane * MM, names, strict=True):
+                order.text(x, y, name[-5:], fontsize=5.5, ha="center", va="center", color=INK)
+        for box, values, title in zip(boxes[1:], (rest, noise), ("rest", "noise"), strict=True):
+            _draw_map(figure, figure.add_axes(box), patch, values, usable, title, title)
+        axes = figure.add_axes((0.055, 0.09, 0.925, 0.25))
+        _draw_readings(axes, names, time_s, readings, presses, quantity)
+    return figure
+
+
+def _draw_map(
+    figure: "Figure",
+    axes: "Axes",
+    patch: Patch,
+    values: Floats,
+    usable: Bools,
+    title: str,
+    label: str,
+) -> None:
+    """Taxels at their places, coloured by a value; those that are left out are crossed."""
+    x, y = patch.plane.T * MM
+    look: dict[str, Any] = {} if label else {"alpha": 0.45}
+    size = float(np.clip(9000.0 / len(patch), 12.0, 160.0))
+    dots = axes.scatter(x, y, c=values, s=size, cmap="viridis", clip_on=False, **look)
+    axes.scatter(x[~usable], y[~usable], s=size, marker="x", color=ORANGE, lw=1.6, clip_on=False)
+    axes.margins(0.08)
+    axes.set_aspect("equal", adjustable="datalim")
+    first, second = axis_names(patch)
+    axes.set(xlabel=f"{first} (mm)", ylabel=f"{second} (mm)")
+    lost = int((~usable).sum())
+    more = f", {lost} left out (crosses)" if lost and label == "" else ""
+    axes.set_title(title + more, loc="left", fontsize=10, fontweight="bold")
+    if label:
+        box = axes.get_position()
+        bar = figure.add_axes((box.x1 + 0.008, box.y0, 0.01, box.height))
+        figure.colorbar(dots, cax=bar)
+    open_axes(axes)
+
+
+def _draw_readings(
+    axes: "Axes",
+    names: Sequence[str],
+    time_s: Floats,
+    readings: Floats,
+    presses: Sequence[int],
+    quantity: str,
+) -> None:
+    """Readings over time of the taxels that are pressed most."""
+    known = np.nan_to_num(readings)
+    peak = known.max(axis=0)
+    chosen = [int(known[at].argmax()) for at in presses] or [int(peak.argmax())]
+    chosen = list(dict.fromkeys(chosen))[:MOST_TRACES]
+    for taxel in chosen:
+        axes.plot(time_s, readings[:, taxel], lw=0.9, label=names[taxel])
+    for at in presses:
+        axes.axvline(time_s[at], color=QUIET, lw=0.6, ls=":")
+    axes.set(xlabel="time (s)", ylabel=quantity, xlim=(time_s[0], time_s[-1]))
+    axes.set_title("the taxels that are pressed most", loc="left", fontsize=10, fontweight="bold")
+    axes.legend(frameon=False, fontsize=8, ncols=MOST_TRACES, loc="lower right",
+                bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)  # fmt: skip
+    open_axes(axes)

@@ -1,0 +1,256 @@
+"""Check of a new skin: rest, noise, faults and first contacts of its log, a picture, what is next."""
+
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.cli import options, report
+from skinfield.cli.report import Column
+from skinfield.cli.settings import Elastomer, ModelSettings
+from skinfield.errors import Floats, Ints
+from skinfield.files.layouts.repair import Finding
+from skinfield.files.recordings.columns import LogSettings
+from skinfield.plot import plural
+from skinfield.signal.polarity import Polarity, presses_in
+from skinfield.skin import Patch, Skin
+
+if TYPE_CHECKING:
+    from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.reconstruct.diagnostics import Survey
+
+MOST_SHOWN = 8  # presses
+STANDS_OUT = 8.0  # deviations, of readings in which something presses
+APART = 0.2  # s between presses
+ENOUGH = 20  # presses that a calibration by touch needs
+FIRST = (
+    Column("time s", "time_s", decimals=2), Column("taxel", "taxel"),
+    Column("reads", "reading", decimals=3), Column("contacts", "contacts", decimals=0),
+    Column("force N", "force_N", decimals=2), Column("± N", "force_std_N", decimals=2),
+    Column("x mm", "x_m", 1e3, 1), Column("y mm", "y_m", 1e3, 1), Column("z mm", "z_m", 1e3, 1),
+    Column("± mm", "place_std_m", 1e3, 2), Column("load cell", "load_cell", decimals=2),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A new skin, before it has its name.
+
+    Attributes
+    ----------
+    skin : Skin
+    tables : str
+        Its settings, as TOML.
+    findings : tuple of Finding
+        Of its positions.
+    names : tuple of str
+        Of its taxels.
+    log : str, optional
+    settings : LogSettings
+    polarity : Polarity, optional
+    """
+
+    skin: Skin
+    tables: str
+    findings: tuple[Finding, ...]
+    names: tuple[str, ...]
+    log: str | None
+    settings: LogSettings
+    polarity: Polarity | None
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What a log shows of a skin."""
+
+    plan: "JobPlan"
+    seconds: Floats  # (T,)
+    readings: Floats  # (T, L)
+    survey: "Survey"
+    rest: Floats  # (L,)
+    noise: Floats  # (L,)
+    usable: Any  # (L,) bool
+    presses: list[int]  # the strongest reading of each
+    cell: Floats | None  # (T,)
+
+    @property
+    def strongest(self) -> list[int]:
+        """Readings of the strongest presses, in order of time."""
+        load = np.nanmax(self.readings, axis=1, initial=0.0)
+        return sorted(sorted(self.presses, key=lambda at: -load[at])[:MOST_SHOWN])
+
+
+def finish_new(made: Made, output: str, picture: str, as_json: bool) -> None:
+    """Check a skin by its log, write its file and its picture, and say what is next."""
+    from skinfield.files.layouts import own_toml
+    from skinfield.files.layouts.load import lint
+    from skinfield.files.pending import write_bytes
+    from skinfield.plot import save
+    from skinfield.skin.plot import draw_layout
+
+    rows: list[dict[str, Any]] = []
+    with TemporaryDirectory(prefix="skinfield-new-") as folder:
+        file = Path(folder) / Path(output).name
+        own_toml.write(made.skin, file, made.tables)
+        findings = [*made.findings, *lint(file)]
+        look = None if made.log is None else look_at(made, str(file))
+        if look is not None:
+            report.say_notes(look.survey.notes)
+            with report.compilation(quiet=as_json):
+                rows = first_contacts(look, made.names)
+        data = file.read_bytes()
+    figure = draw_layout(made.skin) if look is None else _figure(look, made)
+    save(figure, picture)
+    write_bytes(output, data)
+    result = {
+        "skin": output, "taxels": len(made.skin[0]), "log": made.log,
+        "findings": [f"{each.severity}: {each.message}" for each in findings],
+        "notes": [] if look is None else list(look.survey.notes), "first": rows,
+        "next": next_commands(made, output, look),
+    }  # fmt: skip
+    report.finish(as_json, result, (output, picture), _lines(made, look, rows, findings))
+    if not as_json:
+        for line in _said_next(made, output, look):
+            report.say(line)
+
+
+def look_at(made: Made, file: str) -> Look:
+    """Rest, noise, faults and presses of the log of a skin whose file is written."""
+    from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.files import open_recording
+    from skinfield.files.recordings.matching import readings_for
+    from skinfield.reconstruct.diagnostics import condition
+
+    assert made.log is not None
+    plan = JobPlan.of(file, None, options.CountSettings(), Elastomer(), ModelSettings())
+    recording = readings_for(open_recording(made.log, log=plan.log), plan.patch)
+    quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[recording.unit])
+    how = options.conditioning_of(plan.patch, plan.counts)
+    layer = options.layer_of(plan.elastomer)
+    readings, survey = condition(recording, plan.patch, layer, quantity, how)
+    counted = survey.conditioner.calibration
+    usable = ~np.isnan(readings).all(axis=0)
+    if counted is not None and counted.unit == "count":
+        rest, noise = counted.baseline, counted.noise_std
+    else:
+        rest, noise = np.nanmedian(recording.counts, axis=0), survey.noise_std
+    over = np.nan_to_num(readings / survey.noise_std)
+    strong = np.flatnonzero(over.max(axis=1) > STANDS_OUT)
+    gap = max(int(APART * survey.rate), 1)
+    presses = presses_in(strong, np.nan_to_num(readings).max(axis=1), gap)
+    seconds, cell = recording.time, None
+    if plan.log.load_cell is not None:
+        from skinfield.files.recordings import columns
+
+        alone = columns.only(plan.log, plan.log.load_cell)
+        cell = open_recording(made.log, log=alone).counts[:, 0]
+    return Look(plan, seconds, readings, survey, rest, noise, usable, presses, cell)
+
+
+def first_contacts(look: Look, names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """A row for each of the strongest presses: when, what the strongest taxel reads, the contact."""
+    plan = look.plan
+    quantity = look.survey.conditioner.quantity
+    relative = options.is_relative(plan.assumed, plan.log.unit)
+    config = options.config_of(
+        plan.patch, options.layer_of(plan.elastomer), quantity, look.survey.noise_std, plan.model,
+        relative,
+    )  # type: ignore[arg-type]  # fmt: skip
+    reconstruct = config.reconstructor() if look.strongest else None
+    rows = []
+    for at in look.strongest:
+        assert reconstruct is not None
+        estimate = reconstruct(look.readings[at])
+        taxel = int(np.nanargmax(look.readings[at]))
+        row: dict[str, Any] = {
+            "time_s": float(look.seconds[at]), "taxel": names[taxel] if names else str(taxel),
+            "reading": float(look.readings[at, taxel]), "contacts": len(estimate.contacts),
+            "relative": estimate.relative,
+        }  # fmt: skip
+        if estimate.contacts:
+            row |= report.plain_contacts(estimate.contacts)[0]
+        if look.cell is not None:
+            row["load_cell"] = float(look.cell[at])
+        rows.append(row)
+    return rows
+
+
+def _figure(look: Look, made: Made) -> Any:
+    from skinfield.signal.plot import draw_log
+
+    names = made.names or tuple(map(str, range(len(look.plan.patch))))
+    return draw_log(
+        look.plan.patch, names, look.seconds, look.readings, look.rest, look.noise, look.usable,
+        look.strongest, quantity=look.survey.conditioner.quantity.symbol,
+    )  # fmt: skip
+
+
+def _lines(
+    made: Made, look: Look | None, rows: list[dict[str, Any]], findings: list[Finding]
+) -> Iterator[report.Shown]:
+    """What is known of the skin now."""
+    patch = made.skin[0]
+    pitch = f", {patch.pitch * 1e3:.3g} mm apart" if len(patch) > 1 else ""
+    wrong = sum(each.severity == "error" for each in findings)
+    yield (
+        f"{patch.name}: {plural(len(patch), 'taxel')}{pitch}; "
+        + (f"{plural(wrong, 'error')} in their positions, see above" if wrong else "lint: no error")
+    )
+    if look is None:
+        return
+    span = look.seconds[-1] - look.seconds[0]
+    lost = int((~look.usable).sum())
+    yield (
+        f"{made.log}: {plural(len(look.seconds), 'reading')} in {span:.2f} s "
+        f"({look.survey.rate:.4g} per second); rest {_range(look.rest)}, noise "
+        f"{_range(look.noise)}; {plural(lost, 'taxel')} left out"
+    )
+    if made.polarity is not None:
+        way = {1: "rise", -1: "fall", 0: "are taken to rise (too little presses to tell)"}
+        yield f"counts {way[made.polarity.direction]} when pressed"
+    if not rows:
+        yield "nothing presses in this log: record one of some presses on the skin at rest"
+        return
+    relative = any(row["relative"] for row in rows)
+    used = [c for c in FIRST if any(row.get(c.key) is not None for row in rows)]
+    flat = all(abs(row.get("z_m", 0.0)) < report.FLAT for row in rows)
+    used = [c for c in used if c.key != "z_m" or not flat]
+    title = f"the strongest {plural(len(rows), 'press')}"
+    more = f" of {len(look.presses)}" if len(look.presses) > len(rows) else ""
+    yield report.table_of(title + more, rows, report.in_scale(used, relative))
+    if relative:
+        yield "forces are relative: true up to one factor, which a known load gives"
+
+
+def _range(values: Floats) -> str:
+    low, high = np.nanmin(values), np.nanmax(values)
+    return f"{low:.4g} to {high:.4g}" if high > low else f"{low:.4g}"
+
+
+def next_commands(made: Made, output: str, look: Look | None) -> list[str]:
+    """Commands to go on with, as they can be pasted."""
+    skin = shlex.quote(output)
+    if look is None:
+        return [f"skinfield run {skin}"]
+    log, cal = shlex.quote(str(made.log)), shlex.quote(str(Path(output).with_suffix("")) + "_cal.toml")
+    contacts = shlex.quote(str(Path(output).with_suffix("")) + "_contacts.csv")
+    found = [f"skinfield reconstruct {log} --skin {skin} -o {contacts}"]
+    if look.cell is not None:
+        found.insert(0, f"skinfield calibrate force {log} {log} --skin {skin} -o {cal}")
+    elif len(made.skin[0]) > 1:
+        presses = log if len(look.presses) >= ENOUGH else "presses.csv"
+        touch = f"skinfield calibrate touch {presses} --skin {skin} -o {cal}"
+        found.insert(0 if presses == log else 1, touch)
+    return found
+
+
+def _said_next(made: Made, output: str, look: Look | None) -> Iterator[str]:
+    yield "next:"
+    for command in next_commands(made, output, look):
+        yield f"  {command}"
+        if "presses.csv" in command:
+            yield f"    (presses.csv: {ENOUGH} presses or more, better a hundred, all over the skin)"
