@@ -172,13 +172,15 @@ def _skin_of(
     table = read_positions(path, axes, lengths)  # type: ignore[arg-type]
     for said in table.notes:
         report.note(said)
+    flat = not np.ptp(table.positions[:, 2])
+    up = np.tile([0.0, 0.0, 1.0], (len(table.positions), 1)) if flat else None
     draft = Draft(
-        table.positions, np.arange(len(table.positions)), table.normals, name=path.stem,
+        table.positions, np.arange(len(table.positions)),
+        up if table.normals is None else table.normals, name=path.stem,
         pad_diameter=None if pad is None else pad * 1e-3,
     )  # fmt: skip
     skin, findings = mend(Content(path, path.stem, (draft,)))
-    flat = [f for f in findings if f.code != "no-normals" or np.ptp(table.positions[:, 2]) > 0.0]
-    return skin, text, tuple(flat), table.names
+    return skin, text, findings, table.names
 
 
 def _with_pad(skin: Skin, pad: float | None) -> Skin:

@@ -160,19 +160,21 @@ def first_contacts(look: Look, names: tuple[str, ...]) -> list[dict[str, Any]]:
         plan.patch, options.layer_of(plan.elastomer), quantity, look.survey.noise_std, plan.model,
         relative,
     )  # type: ignore[arg-type]  # fmt: skip
-    reconstruct = config.reconstructor() if look.strongest else None
+    alone = len(plan.patch) == 1  # whose place says nothing of a contact
+    reconstruct = config.reconstructor() if look.strongest and not alone else None
     rows = []
     for at in look.strongest:
-        assert reconstruct is not None
-        estimate = reconstruct(look.readings[at])
         taxel = int(np.nanargmax(look.readings[at]))
         row: dict[str, Any] = {
             "time_s": float(look.seconds[at]), "taxel": names[taxel] if names else str(taxel),
-            "reading": float(look.readings[at, taxel]), "contacts": len(estimate.contacts),
-            "relative": estimate.relative,
+            "reading": float(look.readings[at, taxel]), "relative": relative,
         }  # fmt: skip
-        if estimate.contacts:
-            row |= report.plain_contacts(estimate.contacts)[0]
+        if reconstruct is not None:
+            estimate = reconstruct(look.readings[at])
+            if estimate.contacts:
+                row |= report.plain_contacts(estimate.contacts)[0]
+            row["contacts"] = len(estimate.contacts)
+            row["force_N"] = float(estimate.normal_force)  # of all contacts
         if look.cell is not None:
             row["load_cell"] = float(look.cell[at])
         rows.append(row)
@@ -186,6 +188,7 @@ def _figure(look: Look, made: Made) -> Any:
     return draw_log(
         look.plan.patch, names, look.seconds, look.readings, look.rest, look.noise, look.usable,
         look.strongest, quantity=look.survey.conditioner.quantity.symbol,
+        unit="counts" if look.plan.log.unit == "count" else look.plan.log.unit,
     )  # fmt: skip
 
 
@@ -219,10 +222,10 @@ def _lines(
     used = [c for c in FIRST if any(row.get(c.key) is not None for row in rows)]
     flat = all(abs(row.get("z_m", 0.0)) < report.FLAT for row in rows)
     used = [c for c in used if c.key != "z_m" or not flat]
-    title = f"the strongest {plural(len(rows), 'press')}"
-    more = f" of {len(look.presses)}" if len(look.presses) > len(rows) else ""
-    yield report.table_of(title + more, rows, report.in_scale(used, relative))
-    if relative:
+    more = f", the {len(rows)} strongest" if len(look.presses) > len(rows) else ""
+    title = f"presses in this log: {len(look.presses)}{more}"
+    yield report.table_of(title, rows, report.in_scale(used, relative))
+    if relative and len(patch) > 1:
         yield "forces are relative: true up to one factor, which a known load gives"
 
 
@@ -236,21 +239,26 @@ def next_commands(made: Made, output: str, look: Look | None) -> list[str]:
     skin = shlex.quote(output)
     if look is None:
         return [f"skinfield run {skin}"]
-    log, cal = shlex.quote(str(made.log)), shlex.quote(str(Path(output).with_suffix("")) + "_cal.toml")
-    contacts = shlex.quote(str(Path(output).with_suffix("")) + "_contacts.csv")
-    found = [f"skinfield reconstruct {log} --skin {skin} -o {contacts}"]
+    stem = str(Path(output).with_suffix(""))
+    log, cal = shlex.quote(str(made.log)), shlex.quote(f"{stem}_cal.toml")
+    force = f"skinfield calibrate force {log} {log if look.cell is not None else 'scale.csv'}"
+    force += f" --skin {skin} -o {cal}"
+    if len(made.skin[0]) == 1:
+        return [force, f"skinfield calibrate check {cal} {log} --skin {skin}"]
+    contacts = shlex.quote(f"{stem}_contacts.csv")
+    answer = f"skinfield reconstruct {log} --skin {skin} -o {contacts}"
     if look.cell is not None:
-        found.insert(0, f"skinfield calibrate force {log} {log} --skin {skin} -o {cal}")
-    elif len(made.skin[0]) > 1:
-        presses = log if len(look.presses) >= ENOUGH else "presses.csv"
-        touch = f"skinfield calibrate touch {presses} --skin {skin} -o {cal}"
-        found.insert(0 if presses == log else 1, touch)
-    return found
+        return [force, answer]
+    presses = log if len(look.presses) >= ENOUGH else "presses.csv"
+    touch = f"skinfield calibrate touch {presses} --skin {skin} -o {cal}"
+    return [touch, answer] if presses == log else [answer, touch]
 
 
 def _said_next(made: Made, output: str, look: Look | None) -> Iterator[str]:
     yield "next:"
     for command in next_commands(made, output, look):
         yield f"  {command}"
-        if "presses.csv" in command:
+        if " scale.csv " in command:
+            yield "    (scale.csv: time_s and force_N of a load cell, beside the log)"
+        if " presses.csv " in command:
             yield f"    (presses.csv: {ENOUGH} presses or more, better a hundred, all over the skin)"

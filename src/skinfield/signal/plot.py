@@ -10,7 +10,7 @@ from skinfield.errors import Floats, as_floats, check_finite, check_shape
 from skinfield.plot import BLUE, INK, ORANGE, QUIET, new_figure, number, open_axes, style
 from skinfield.signal.boards import Bools
 from skinfield.skin import Patch
-from skinfield.skin.maps import MM, axis_names
+from skinfield.skin.maps import MM, axis_names, extent_of_pads
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,6 +99,7 @@ def draw_log(
     presses: Sequence[int],
     *,
     quantity: str = "reading",
+    unit: str = "counts",
 ) -> "Figure":
     """Figure of a log of a skin: its taxels by name, their rest and noise, readings over time.
 
@@ -115,20 +116,22 @@ def draw_log(
         False of taxels that are left out: they are crossed.
     presses : sequence of int
         Readings that are marked over time.
-    quantity : str
-        What readings are of.
+    quantity, unit : str
+        What readings are of, and in which unit rest and noise are.
     """
     with style():
         figure = new_figure(11.0, 6.6)
-        boxes = [(0.055 + 0.325 * k, 0.46, 0.24, 0.46) for k in range(3)]
-        order = figure.add_axes(boxes[0])
-        _draw_map(figure, order, patch, np.arange(len(patch)), usable, "taxels, in their order", "")
+        boxes = [(0.06 + 0.33 * k, 0.5, 0.252, 0.42) for k in range(3)]  # squares
+        order, lost = figure.add_axes(boxes[0]), int((~usable).sum())
+        title = f"taxels; {lost} left out" if lost else "taxels, in their order"
+        _draw_map(figure, order, patch, np.arange(len(patch)), usable, title, "")
         if len(patch) <= MOST_NAMED:
             for (x, y), name in zip(patch.plane * MM, names, strict=True):
                 order.text(x, y, name[-5:], fontsize=5.5, ha="center", va="center", color=INK)
         for box, values, title in zip(boxes[1:], (rest, noise), ("rest", "noise"), strict=True):
-            _draw_map(figure, figure.add_axes(box), patch, values, usable, title, title)
-        axes = figure.add_axes((0.055, 0.09, 0.925, 0.25))
+            words = f"{title} ({unit})"
+            _draw_map(figure, figure.add_axes(box), patch, values, usable, words, words)
+        axes = figure.add_axes((0.06, 0.08, 0.92, 0.28))
         _draw_readings(axes, names, time_s, readings, presses, quantity)
     return figure
 
@@ -145,20 +148,19 @@ def _draw_map(
     """Taxels at their places, coloured by a value; those that are left out are crossed."""
     x, y = patch.plane.T * MM
     look: dict[str, Any] = {} if label else {"alpha": 0.45}
+    low, high = extent_of_pads(patch) * MM
+    middle, half = (low + high) / 2, float((high - low).max()) / 2
+    axes.set(xlim=middle[0] + [-half, half], ylim=middle[1] + [-half, half])
     size = float(np.clip(9000.0 / len(patch), 12.0, 160.0))
-    dots = axes.scatter(x, y, c=values, s=size, cmap="viridis", clip_on=False, **look)
+    dots = axes.scatter(x, y, c=values, s=size, cmap="viridis", clip_on=False, zorder=2, **look)
     axes.scatter(x[~usable], y[~usable], s=size, marker="x", color=ORANGE, lw=1.6, clip_on=False)
-    axes.margins(0.08)
-    axes.set_aspect("equal", adjustable="datalim")
     first, second = axis_names(patch)
     axes.set(xlabel=f"{first} (mm)", ylabel=f"{second} (mm)")
-    lost = int((~usable).sum())
-    more = f", {lost} left out (crosses)" if lost and label == "" else ""
-    axes.set_title(title + more, loc="left", fontsize=10, fontweight="bold")
+    axes.set_title(title, loc="left", fontsize=10, fontweight="bold")
     if label:
         box = axes.get_position()
-        bar = figure.add_axes((box.x1 + 0.008, box.y0, 0.01, box.height))
-        figure.colorbar(dots, cax=bar)
+        bar = figure.add_axes((box.x1 + 0.004, box.y0, 0.008, box.height))
+        figure.colorbar(dots, cax=bar).ax.tick_params(labelsize=6.5)
     open_axes(axes)
 
 

@@ -1,0 +1,244 @@
+"""`skinfield new`: a skin's file from positions and a log of any names, answers asked or taken."""
+
+import io
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import invoke, refused, result_of, run
+
+import skinfield as sf
+from skinfield.errors import FileError, Floats
+from skinfield.files import open_recording
+from skinfield.files.layouts.own_toml import log_settings
+from skinfield.files.layouts.positions import read_positions
+from skinfield.files.recordings.columns import LogSettings
+
+PRESSES = ((-6e-3, 5e-3, 1.0), (7e-3, -3e-3, 2.0), (1e-3, 1e-3, 1.5))  # m, m, N
+NAMES = [f"ch{k}" for k in range(64)]
+ALL = ("--log", "log.csv", "--time", "t", "--columns", "ch*", "-o", "my_skin.toml")
+
+
+@pytest.fixture(scope="module")
+def table() -> Floats:
+    """Time (ms) and 64 counts of twelve bits (T, 65): three presses of a ball of 6 mm."""
+    patch = sf.layouts.rectangular(rows=8, columns=8, pitch=4e-3)
+    time, rng = np.arange(450) * 20, np.random.default_rng(3)
+    change = np.zeros((len(time), 64))
+    for number, (x, y, force) in enumerate(PRESSES):
+        ball = sf.simulate.Sphere(radius=6e-3, position=(x, y), force=force)
+        truth = sf.simulate.press(sf.Layer(2e-3, 150e3, 0.5), [ball], extent=60e-3)
+        begin = 2000 * (number + 1)
+        share = np.clip(np.minimum(time - begin, begin + 1200 - time) / 300, 0.0, 1.0)
+        change += share[:, None] * truth.capacitance(patch.positions, patch.pad_diameter)
+    rest = rng.integers(1800, 2200, 64)
+    counts = np.round(rest * (1.0 + change) + rng.normal(scale=2.0, size=change.shape))
+    return np.column_stack([time, np.clip(counts, 0, 4095)])
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, table: Floats) -> Path:
+    """Working folder with taxels.csv and log.csv."""
+    monkeypatch.chdir(tmp_path)
+    write("log.csv", ["t", *NAMES], table)
+    places = np.round(sf.layouts.rectangular(rows=8, columns=8, pitch=4e-3).positions * 1e3, 3)
+    rows = [f"{name},{x:g},{y:g}" for name, (x, y, _) in zip(NAMES, places, strict=True)]
+    Path("taxels.csv").write_text("\n".join(["id,px,py", *rows]) + "\n")
+    return tmp_path
+
+
+def write(name: str, names: list[str], rows: Floats) -> None:
+    lines = [",".join(f"{each:g}" for each in row) for row in rows]
+    Path(name).write_text("\n".join([",".join(names), *lines]) + "\n")
+
+
+def terminal(monkeypatch: pytest.MonkeyPatch, *answers: str) -> None:
+    """Let somebody sit at the terminal who answers so."""
+    stdin = io.StringIO("".join(f"{answer}\n" for answer in answers))
+    monkeypatch.setattr(stdin, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(sys, "stdin", stdin)
+
+
+def check_first(rows: list[dict[str, float]]) -> None:
+    """The three presses are where and as strong as they were."""
+    assert len(rows) == len(PRESSES)
+    for row, (x, y, force) in zip(rows, PRESSES, strict=True):
+        assert [row["x_m"], row["y_m"]] == pytest.approx([x, y], abs=0.5e-3)
+        assert row["force_N"] == pytest.approx(force, rel=0.12)
+        assert row["relative"]
+
+
+def test_new_makes_a_file_that_every_command_takes(table: Floats) -> None:
+    made = result_of("new", "--positions", "taxels.csv", *ALL, "--yes")
+    check_first(made["first"])
+    assert Path("my_skin.png").stat().st_size > 20_000
+    assert run("layout", "lint", "my_skin.toml").startswith("my_skin.toml: nothing found")
+    patch = sf.load_layout("my_skin.toml")[0]
+    assert patch.pitch == pytest.approx(4e-3)
+    log = log_settings(Path("my_skin.toml"))
+    assert log is not None
+    assert (log.time, log.time_unit, log.board) == ("t", "ms", "plain")
+    read = open_recording("log.csv", log=log)
+    assert np.array_equal(read.counts, table[:, 1:])
+    assert read.rate == pytest.approx(50.0)
+    assert made["next"][0].startswith("skinfield reconstruct log.csv --skin my_skin.toml")
+    result = result_of(*made["next"][0].split()[1:])
+    assert result["highest_force_N"] == pytest.approx(2.0, rel=0.15)
+    touches = refused("calibrate", "touch", "log.csv", "--skin", "my_skin.toml")
+    assert "3 touches" in touches  # so it reads them
+    run("run", "my_skin.toml", "--save", "robot.toml")
+    assert 'layout = "my_skin.toml"' in Path("robot.toml").read_text()
+    again = refused("new", "--positions", "taxels.csv", *ALL)
+    assert "my_skin.toml is there already" in again
+    assert "--yes" in again
+
+
+def test_questions_have_guesses_and_wrong_answers_are_asked_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    terminal(monkeypatch, "nowhere.csv", "taxels.csv", "log.csv", "", "", "", "vh*", "ch*", "",
+             "0", "3", "wood", "foam")  # fmt: skip
+    done = invoke(["new", "-o", "mine.toml"])
+    assert done.exit_code == 0, done.output
+    for asked in ("Where are the taxels?", "Column of the times", "[ms]", "[ch*]", "[silicone]"):
+        assert asked in done.stderr
+    for wrong in ("nowhere.csv", "'vh*' match nothing", "wood"):
+        assert wrong in done.stderr
+    text = Path("mine.toml").read_text()
+    assert "thickness_mm = 3.0" in text
+    assert "poisson = 0.3" in text
+    terminal(monkeypatch, "no")
+    assert "is there already" in refused("new", "-o", "mine.toml")
+    assert Path("mine.toml").read_text() == text
+    terminal(monkeypatch, "taxels.csv")  # and then the end of the input
+    assert "--log is missing" in refused("new", "-o", "other.toml")
+
+
+def test_without_a_terminal_what_is_missing_is_named_by_its_flag() -> None:
+    assert "--positions is missing" in refused("new", "--yes")
+    assert "--log is missing" in refused("new", "--positions", "taxels.csv")
+    some = ("new", "--positions", "taxels.csv", "--log", "log.csv", "-o", "a.toml")
+    assert "--time is missing" in refused(*some)
+    assert "--time-unit is missing" in refused(*some, "--time", "t")
+    assert not Path("a.toml").exists()
+
+
+def test_counts_that_fall_are_found(table: Floats) -> None:
+    write("log.csv", ["t", *NAMES], np.column_stack([table[:, 0], 4095 - table[:, 1:]]))
+    made = result_of("new", "--positions", "taxels.csv", *ALL, "--yes")
+    assert 'board = "plain-falling"' in Path("my_skin.toml").read_text()
+    for row, (x, y, _) in zip(made["first"], PRESSES, strict=True):
+        assert [row["x_m"], row["y_m"]] == pytest.approx([x, y], abs=0.5e-3)
+
+
+def test_taxels_and_columns_are_matched_by_name_else_by_order(table: Floats) -> None:
+    order = np.random.default_rng(0).permutation(64)
+    head, *rows = Path("taxels.csv").read_text().splitlines()
+    Path("mixed.csv").write_text("\n".join([head, *(rows[k] for k in order)]))
+    done = run("new", "--positions", "mixed.csv", *ALL, "--yes")
+    assert "matched by name" in done
+    log = log_settings(Path("my_skin.toml"))
+    assert log is not None
+    assert list(log.columns) == [NAMES[k] for k in order]
+    Path("numbers.csv").write_text(Path("mixed.csv").read_text().replace("ch", ""))
+    assert "by the numbers" in run("new", "--positions", "numbers.csv", *ALL, "--yes")
+    assert log_settings(Path("my_skin.toml")) == log
+    sorted_as_text = sorted(range(64), key=lambda k: NAMES[k])  # ch0, ch1, ch10 ...
+    write("log.csv", ["t", *(NAMES[k] for k in sorted_as_text)],
+          table[:, [0, *(k + 1 for k in sorted_as_text)]])  # fmt: skip
+    grid = "grid:rows=8,cols=8,pitch_mm=4"
+    made = result_of("new", "--positions", grid, *ALL, "--yes")
+    check_first(made["first"])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--columns", "vh*"), ("'vh*' match nothing", "t, ch0, ch1", "ch63")),
+        (("--columns", "ch0,ch0"), ("ch0 twice",)),
+        (("--columns", "2-40"), ("64 taxels and 39 columns", "25 taxels have no column", "ch39")),
+        (("--time", "clock"), ("'clock' match nothing",)),
+        (("--time", "ch*"), ("expected one",)),
+        (("--rate-hz", "0", "--time", "t"), ("--rate-hz",)),
+        (("--unit", "volts"), ("'volts' is not known", "count")),
+        (("--time-unit", "min"), ("'min' is not known",)),
+        (("--lengths", "ft"), ("'ft' is not known",)),
+        (("--axes", "u,v"), ("'u' is not in taxels.csv", "id, px, py")),
+        (("--material", "wood"), ("'wood' is not known", "foam")),
+        (("--material", "foam", "--poisson", "0.4"), ("expected one of them",)),
+        (("--log", "none.csv"), ("none.csv is not there",)),
+        (("--log", "taxels.csv", "--time", "px"), ("rise", "--rate-hz")),
+        (("--calibration", "cal.toml"), ("cal.toml",)),
+        (("-o", "my_skin.json"), (".toml",)),
+        (("-o", "nowhere/my_skin.toml"), ("nowhere",)),
+    ],
+)  # fmt: skip
+def test_errors_say_what_was_expected(words: tuple[str, ...], said: tuple[str, ...]) -> None:
+    given = {"--positions": "taxels.csv", "--log": "log.csv", "--time": "t", "--columns": "ch*"}
+    given |= dict(zip(words[::2], words[1::2], strict=True))
+    text = refused("new", "--yes", *(word for pair in given.items() for word in pair))
+    for each in said:
+        assert each in text
+    assert not Path("my_skin.toml").exists()
+
+
+def test_numbers_that_do_not_match_are_both_named() -> None:
+    text = refused("new", "--positions", "grid:rows=6,cols=10,pitch_mm=4", *ALL, "--yes")
+    assert "64 columns of taxels, expected 60" in text
+    assert "ch60, ch61, ch62, ch63 are left over" in text
+
+
+def test_one_taxel_beside_a_load_cell(table: Floats) -> None:
+    time = np.arange(400) * 0.01
+    force = np.maximum(0.0, 10.0 * np.sin(3.0 * time)) * (time > 1.0)
+    noise = np.random.default_rng(0).normal(scale=1.0, size=len(time))
+    write("cell.csv", ["force_N", "adc"], np.column_stack([force, np.round(900 - 30 * force + noise)]))
+    words = ("new", "--positions", "grid:rows=1,cols=1", "--log", "cell.csv", "-o", "cell.toml")
+    assert "--rate-hz" in refused(*words, "--yes")
+    made = result_of(*words, "--rate-hz", "100", "--yes")
+    assert made["first"][0]["load_cell"] == pytest.approx(10.0, rel=0.02)
+    for command in made["next"]:
+        done = run(*command.split()[1:])
+    assert float(done.split(" N ")[0].split()[-1]) < 2.0 or "N" in done
+
+
+UNITS = [
+    ("x_mm,y_mm\n0,0\n4,0\n", 4e-3, "by their names"),
+    ("x,y\n0,0\n4,0\n", 4e-3, "no skin is"),
+    ("pos_x [m];pos_y [m]\n0,0;0,0\n0,004;0,0\n", 4e-3, "by their names"),
+    ("0 0\n0.004 0\n", 4e-3, "in mm no skin is"),
+    ("# u, v\n0, 0\n0.4, 0\n", 0.4e-3, "in their order"),
+    ("name,X (cm),Y (cm),Z (cm)\na,0,0,0\nb,0.4,0,0\n", 4e-3, "by their names"),
+]
+
+
+@pytest.mark.parametrize(("text", "pitch", "why"), UNITS)
+def test_positions_of_any_names_and_units(text: str, pitch: float, why: str) -> None:
+    Path("p.csv").write_text(text)
+    found = read_positions(Path("p.csv"))
+    assert np.linalg.norm(np.diff(found.positions, axis=0)) == pytest.approx(pitch)
+    assert why in found.notes[0]
+
+
+def test_columns_of_a_log_are_named_in_a_comment_or_by_number(table: Floats) -> None:
+    log = log_settings_of('time = "1"\ntime_unit = "ms"\ncolumns = ["2-65"]')
+    Path("bare.csv").write_text("\n".join(Path("log.csv").read_text().splitlines()[1:]))
+    assert np.array_equal(open_recording("bare.csv", log=log).counts, table[:, 1:])
+    Path("numpy.csv").write_text("# " + Path("log.csv").read_text())
+    named = replace(log, time="t", columns=("ch*",))
+    assert np.array_equal(open_recording("numpy.csv", log=named).counts, table[:, 1:])
+
+
+def log_settings_of(table: str) -> LogSettings:
+    text = 'skinfield_layout = 1\n[[patch]]\npositions_mm = [[0, 0]]\n[log]\n' + table
+    Path("some.toml").write_text(text)
+    found = log_settings(Path("some.toml"))
+    assert found is not None
+    return found
+
+
+def test_a_wrong_key_of_a_log_is_named_with_its_line() -> None:
+    with pytest.raises(FileError, match=r"some.toml:5: \[log\] 'tim' is not known"):
+        log_settings_of('tim = "t"')
