@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
     from skinfield.cli.calibration_inputs import Series
     from skinfield.cli.reconstruct_jobs import JobPlan
-    from skinfield.files.recordings.columns import LogSettings
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.skin import Patch
+    from skinfield.skin.log import LogSettings
 
 PLACE_STD = 0.3e-3  # m, of taxels as they are made
 

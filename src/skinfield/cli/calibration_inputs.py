@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.files.recordings.columns import NS, LogSettings
 from skinfield.skin import Patch
+from skinfield.skin.log import NS, LogSettings
 
 if TYPE_CHECKING:
     from skinfield.files.numbers import Numbers

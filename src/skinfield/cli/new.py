@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-
 from cyclopts import Parameter
 
 from skinfield.cli import options, report
@@ -16,13 +15,15 @@ from skinfield.cli.settings import Elastomer
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.positions import METRES, read_positions
 from skinfield.files.layouts.repair import Content, Draft, Finding, mend
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.settings import Positive
 from skinfield.skin import Patch, Skin
+from skinfield.skin.log import LogSettings
 
 MATERIALS = {"silicone": 0.5, "rubber": 0.5, "foam": 0.3, "fabric": 0.3}  # Poisson's ratio
 EXAMPLE = "grid:rows=8,cols=8,pitch_mm=4"
-HEADER = "# A skin: where its taxels are, what covers it, how its logs are read. From skinfield new.\n"
+HEADER = (
+    "# A skin: where its taxels are, what covers it, how its logs are read. From skinfield new.\n"
+)
 
 
 def new(
@@ -54,7 +55,7 @@ def new(
     numbers, rest, noise and faults. The log is best one of some presses on a skin at rest.
 
       skinfield new
-      skinfield new --positions taxels.csv --log log.csv --time t --columns 'ch*' -o my_skin.toml --yes
+      skinfield new --positions taxels.csv --log log.csv --time t --columns 'ch*' --yes
       skinfield new --positions grid:rows=8,cols=8,pitch_mm=4 --log log.csv --thickness-mm 3 --yes
       skinfield reconstruct log.csv --skin my_skin.toml
 
@@ -68,7 +69,7 @@ def new(
     time : str, optional
         Column of the times. Default the one that is named so.
     columns : str, optional
-        Columns of the taxels, such as 'ch*', 3-66 or a,b,c. Default the most that differ by a number.
+        Columns of the taxels, such as 'ch*', 3-66 or a,b,c. Default the most alike.
     output : str
         The skin's file (.toml); a picture (.png) goes beside it.
     yes : bool
@@ -109,10 +110,10 @@ def new(
         settings, known = told_by_presses(file, settings)
     cover = _cover(ask, elastomer, material, where)
     tables = _tables(cover, calibration, settings)
-    from skinfield.cli.new_report import Made, finish_new
+    from skinfield.cli.new_report import NewSkin, finish_new
 
     its = replace(its, name=Path(output).stem if its.name in ("patch", "rectangular") else its.name)
-    made = Made(
+    made = NewSkin(
         Skin((its,), name=Path(output).stem, notes=skin.notes), tables, findings, names, file,
         settings, known,
     )  # fmt: skip
@@ -207,7 +208,9 @@ def _cover(ask: Questions, given: Elastomer, material: str | None, where: str) -
 
     if thick is None and ask.terminal:
         usual = f"{profile.thickness_mm:g}"
-        thick = ask.answer("--thickness-mm", "Thickness of what covers it, mm", None, usual, thickness)
+        thick = ask.answer(
+            "--thickness-mm", "Thickness of what covers it, mm", None, usual, thickness
+        )
     if ratio is None and (material is not None or ask.terminal):
         usual = "silicone" if profile.poisson > 0.4 else "foam"
         question = f"What covers it ({', '.join(MATERIALS)})"
@@ -223,12 +226,12 @@ def _tables(cover: Elastomer, calibration: str | None, log: LogSettings) -> str:
     """Tables of a skin's file, beside its layout, as TOML."""
     import tomli_w
 
-    def told(section: Any) -> dict[str, Any]:
+    def changed_values(section: Any) -> dict[str, Any]:
         usual = type(section)()
         names = [name for name in vars(usual) if getattr(section, name) != getattr(usual, name)]
         values = {name: getattr(section, name) for name in names}
         return {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()}
 
-    skin = told(cover) | ({} if calibration is None else {"calibration": calibration})
-    tables = {"skin": skin, "log": told(log)}
+    skin = changed_values(cover) | ({} if calibration is None else {"calibration": calibration})
+    tables = {"skin": skin, "log": changed_values(log)}
     return HEADER + tomli_w.dumps({name: its for name, its in tables.items() if its})

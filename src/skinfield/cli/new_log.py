@@ -11,12 +11,13 @@ from skinfield.cli.report import note
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.recordings import columns as cols
 from skinfield.files.recordings import open_recording
-from skinfield.files.recordings.columns import LogSettings, Table, shortlist
+from skinfield.files.recordings.columns import Table, shortlist
 from skinfield.files.recordings.head import read_head
 from skinfield.files.recordings.open import file_of, is_binary, stream_recording
 from skinfield.settings import Positive
 from skinfield.signal.polarity import Polarity, find_polarity
 from skinfield.skin import Patch
+from skinfield.skin.log import LogSettings, TimeUnit
 from skinfield.skin.reading import UNITS
 
 ICUB_REST = (225.0, 250.0)  # bytes
@@ -55,7 +56,7 @@ def log_settings_for(
     time, unit, rate = _time(found, flags, ask)
     cell = ask.answer(
         "--load-cell", "Column of a load cell (or none)", flags.load_cell,
-        cols.guess_load_cell(found) or "none", lambda text: found.columns([text])[0], optional=True,
+        cols.guess_load_cell(found) or "none", found.column, optional=True,
     )  # fmt: skip
     chosen = ask.answer(
         "--columns", f"Columns of the taxels, of {shortlist(found.names)}", flags.columns,
@@ -70,8 +71,9 @@ def log_settings_for(
         flags.unit, guess, one_of(tuple(UNITS)),
     )  # fmt: skip
     settings = LogSettings(
-        time=time, time_unit=unit, rate_hz=rate, columns=matched, unit=what, load_cell=cell
-    )  # type: ignore[arg-type]
+        time=time, time_unit=unit, rate_hz=rate, columns=matched, unit=what or "count",
+        load_cell=cell,
+    )  # fmt: skip
     return settings, patch
 
 
@@ -79,7 +81,9 @@ def _words(found: Table, text: str) -> list[str]:
     return [text] if text in found.names else [word.strip() for word in text.split(",")]
 
 
-def _time(found: Table, flags: LogFlags, ask: Questions) -> tuple[str | None, str, float | None]:
+def _time(
+    found: Table, flags: LogFlags, ask: Questions
+) -> tuple[str | None, TimeUnit, float | None]:
     """Column of the times, their unit, and the rate where there is none."""
     time = None
     if flags.rate_hz is None:
@@ -91,7 +95,7 @@ def _time(found: Table, flags: LogFlags, ask: Questions) -> tuple[str | None, st
             )
         time = ask.answer(
             "--time", f"Column of the times, of {shortlist(found.names)} (or none)", flags.time,
-            guess or "none", lambda text: found.columns([text])[0], optional=True,
+            guess or "none", found.column, optional=True,
         )  # fmt: skip
     if time is None:
         rate = ask.answer("--rate-hz", "Readings per second", flags.rate_hz, None, _rate)
@@ -100,7 +104,7 @@ def _time(found: Table, flags: LogFlags, ask: Questions) -> tuple[str | None, st
     if not np.isfinite(values).any():
         raise InputError(
             f"column {time!r} of {found.source} holds {found.rows[0][found.names.index(time)]!r}, "
-            "expected numbers (s, ms, us or ns), not dates: choose another with --time, or --rate-hz"
+            "expected numbers (s, ms, us or ns), not dates: choose another (--time), or --rate-hz"
         )
     usual, why = cols.time_unit_of(time, values)
     if flags.time_unit is None:
@@ -136,7 +140,9 @@ def match(
     """
     taxels = len(patch)
     own = {name: name for name in columns}
-    numbered = {str(int(found[-1])): name for name in columns if (found := re.findall(r"\d+", name))}
+    numbered = {
+        str(int(found[-1])): name for name in columns if (found := re.findall(r"\d+", name))
+    }
     for how, known in (("by name", own), ("by the numbers in their names", numbered)):
         wanted = [name if how == "by name" else _whole(name) for name in names]
         if not wanted or not set(wanted) & set(known):

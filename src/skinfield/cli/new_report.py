@@ -1,4 +1,4 @@
-"""Check of a new skin: rest, noise, faults and first contacts of its log, a picture, what is next."""
+"""Check of a new skin by its log: rest, noise, faults, first contacts, a picture, what is next."""
 
 import shlex
 from collections.abc import Iterator
@@ -12,12 +12,12 @@ import numpy as np
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.files.layouts.repair import Finding
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.plot import plural
 from skinfield.signal.polarity import Polarity, presses_in
-from skinfield.skin import Patch, Skin
+from skinfield.skin import Skin
+from skinfield.skin.log import LogSettings
 
 if TYPE_CHECKING:
     from skinfield.cli.reconstruct_jobs import JobPlan
@@ -37,7 +37,7 @@ FIRST = (
 
 
 @dataclass(frozen=True, eq=False)
-class Made:
+class NewSkin:
     """A new skin, before it has its name.
 
     Attributes
@@ -64,7 +64,7 @@ class Made:
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class LogReview:
     """What a log shows of a skin."""
 
     plan: "JobPlan"
@@ -84,7 +84,7 @@ class Look:
         return sorted(sorted(self.presses, key=lambda at: -load[at])[:MOST_SHOWN])
 
 
-def finish_new(made: Made, output: str, picture: str, as_json: bool) -> None:
+def finish_new(made: NewSkin, output: str, picture: str, as_json: bool) -> None:
     """Check a skin by its log, write its file and its picture, and say what is next."""
     from skinfield.files.layouts import own_toml
     from skinfield.files.layouts.load import lint
@@ -97,28 +97,28 @@ def finish_new(made: Made, output: str, picture: str, as_json: bool) -> None:
         file = Path(folder) / Path(output).name
         own_toml.write(made.skin, file, made.tables)
         findings = [*made.findings, *lint(file)]
-        look = None if made.log is None else look_at(made, str(file))
-        if look is not None:
-            report.say_notes(look.survey.notes)
+        review = None if made.log is None else review_log(made, str(file))
+        if review is not None:
+            report.say_notes(review.survey.notes)
             with report.compilation(quiet=as_json):
-                rows = first_contacts(look, made.names)
+                rows = first_contacts(review, made.names)
         data = file.read_bytes()
-    figure = draw_layout(made.skin) if look is None else _figure(look, made)
+    figure = draw_layout(made.skin) if review is None else _figure(review, made)
     save(figure, picture)
     write_bytes(output, data)
     result = {
         "skin": output, "taxels": len(made.skin[0]), "log": made.log,
         "findings": [f"{each.severity}: {each.message}" for each in findings],
-        "notes": [] if look is None else list(look.survey.notes), "first": rows,
-        "next": next_commands(made, output, look),
+        "notes": [] if review is None else list(review.survey.notes), "first": rows,
+        "next": next_commands(made, output, review),
     }  # fmt: skip
-    report.finish(as_json, result, (output, picture), _lines(made, look, rows, findings))
+    report.finish(as_json, result, (output, picture), _lines(made, review, rows, findings))
     if not as_json:
-        for line in _said_next(made, output, look):
+        for line in _said_next(made, output, review):
             report.say(line)
 
 
-def look_at(made: Made, file: str) -> Look:
+def review_log(made: NewSkin, file: str) -> LogReview:
     """Rest, noise, faults and presses of the log of a skin whose file is written."""
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.files import open_recording
@@ -148,52 +148,52 @@ def look_at(made: Made, file: str) -> Look:
 
         alone = columns.only(plan.log, plan.log.load_cell)
         cell = open_recording(made.log, log=alone).counts[:, 0]
-    return Look(plan, seconds, readings, survey, rest, noise, usable, presses, cell)
+    return LogReview(plan, seconds, readings, survey, rest, noise, usable, presses, cell)
 
 
-def first_contacts(look: Look, names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """A row for each of the strongest presses: when, what the strongest taxel reads, the contact."""
-    plan = look.plan
-    quantity = look.survey.conditioner.quantity
+def first_contacts(review: LogReview, names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """A row for each of the strongest presses: when, the strongest taxel, the contact."""
+    plan = review.plan
+    quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[plan.log.unit])
     relative = options.is_relative(plan.assumed, plan.log.unit)
     config = options.config_of(
-        plan.patch, options.layer_of(plan.elastomer), quantity, look.survey.noise_std, plan.model,
+        plan.patch, options.layer_of(plan.elastomer), quantity, review.survey.noise_std, plan.model,
         relative,
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip
     alone = len(plan.patch) == 1  # whose place says nothing of a contact
-    reconstruct = config.reconstructor() if look.strongest and not alone else None
+    reconstruct = config.reconstructor() if review.strongest and not alone else None
     rows = []
-    for at in look.strongest:
-        taxel = int(np.nanargmax(look.readings[at]))
+    for at in review.strongest:
+        taxel = int(np.nanargmax(review.readings[at]))
         row: dict[str, Any] = {
-            "time_s": float(look.seconds[at]), "taxel": names[taxel] if names else str(taxel),
-            "reading": float(look.readings[at, taxel]), "relative": relative,
+            "time_s": float(review.seconds[at]), "taxel": names[taxel] if names else str(taxel),
+            "reading": float(review.readings[at, taxel]), "relative": relative,
         }  # fmt: skip
         if reconstruct is not None:
-            estimate = reconstruct(look.readings[at])
+            estimate = reconstruct(review.readings[at])
             if estimate.contacts:
                 row |= report.plain_contacts(estimate.contacts)[0]
             row["contacts"] = len(estimate.contacts)
             row["force_N"] = float(estimate.normal_force)  # of all contacts
-        if look.cell is not None:
-            row["load_cell"] = float(look.cell[at])
+        if review.cell is not None:
+            row["load_cell"] = float(review.cell[at])
         rows.append(row)
     return rows
 
 
-def _figure(look: Look, made: Made) -> Any:
+def _figure(review: LogReview, made: NewSkin) -> Any:
     from skinfield.signal.plot import draw_log
 
-    names = made.names or tuple(map(str, range(len(look.plan.patch))))
+    names = made.names or tuple(map(str, range(len(review.plan.patch))))
     return draw_log(
-        look.plan.patch, names, look.seconds, look.readings, look.rest, look.noise, look.usable,
-        look.strongest, quantity=look.survey.conditioner.quantity.symbol,
-        unit="counts" if look.plan.log.unit == "count" else look.plan.log.unit,
+        review.plan.patch, names, review.seconds, review.readings, review.rest, review.noise, review.usable,
+        review.strongest, quantity=review.survey.conditioner.quantity.symbol,
+        unit="counts" if review.plan.log.unit == "count" else review.plan.log.unit,
     )  # fmt: skip
 
 
 def _lines(
-    made: Made, look: Look | None, rows: list[dict[str, Any]], findings: list[Finding]
+    made: NewSkin, review: LogReview | None, rows: list[dict[str, Any]], findings: list[Finding]
 ) -> Iterator[report.Shown]:
     """What is known of the skin now."""
     patch = made.skin[0]
@@ -203,14 +203,14 @@ def _lines(
         f"{patch.name}: {plural(len(patch), 'taxel')}{pitch}; "
         + (f"{plural(wrong, 'error')} in their positions, see above" if wrong else "lint: no error")
     )
-    if look is None:
+    if review is None:
         return
-    span = look.seconds[-1] - look.seconds[0]
-    lost = int((~look.usable).sum())
+    span = review.seconds[-1] - review.seconds[0]
+    lost = int((~review.usable).sum())
     yield (
-        f"{made.log}: {plural(len(look.seconds), 'reading')} in {span:.2f} s "
-        f"({look.survey.rate:.4g} per second); rest {_range(look.rest)}, noise "
-        f"{_range(look.noise)}; {plural(lost, 'taxel')} left out"
+        f"{made.log}: {plural(len(review.seconds), 'reading')} in {span:.2f} s "
+        f"({review.survey.rate:.4g} per second); rest {_range(review.rest)}, noise "
+        f"{_range(review.noise)}; {plural(lost, 'taxel')} left out"
     )
     if made.polarity is not None:
         way = {1: "rise", -1: "fall", 0: "are taken to rise (too little presses to tell)"}
@@ -222,8 +222,8 @@ def _lines(
     used = [c for c in FIRST if any(row.get(c.key) is not None for row in rows)]
     flat = all(abs(row.get("z_m", 0.0)) < report.FLAT for row in rows)
     used = [c for c in used if c.key != "z_m" or not flat]
-    more = f", the {len(rows)} strongest" if len(look.presses) > len(rows) else ""
-    title = f"presses in this log: {len(look.presses)}{more}"
+    more = f", the {len(rows)} strongest" if len(review.presses) > len(rows) else ""
+    title = f"presses in this log: {len(review.presses)}{more}"
     yield report.table_of(title, rows, report.in_scale(used, relative))
     if relative and len(patch) > 1:
         yield "forces are relative: true up to one factor, which a known load gives"
@@ -234,31 +234,31 @@ def _range(values: Floats) -> str:
     return f"{low:.4g} to {high:.4g}" if high > low else f"{low:.4g}"
 
 
-def next_commands(made: Made, output: str, look: Look | None) -> list[str]:
+def next_commands(made: NewSkin, output: str, review: LogReview | None) -> list[str]:
     """Commands to go on with, as they can be pasted."""
     skin = shlex.quote(output)
-    if look is None:
+    if review is None:
         return [f"skinfield run {skin}"]
     stem = str(Path(output).with_suffix(""))
     log, cal = shlex.quote(str(made.log)), shlex.quote(f"{stem}_cal.toml")
-    force = f"skinfield calibrate force {log} {log if look.cell is not None else 'scale.csv'}"
+    force = f"skinfield calibrate force {log} {log if review.cell is not None else 'scale.csv'}"
     force += f" --skin {skin} -o {cal}"
     if len(made.skin[0]) == 1:
         return [force, f"skinfield calibrate check {cal} {log} --skin {skin}"]
     contacts = shlex.quote(f"{stem}_contacts.csv")
     answer = f"skinfield reconstruct {log} --skin {skin} -o {contacts}"
-    if look.cell is not None:
+    if review.cell is not None:
         return [force, answer]
-    presses = log if len(look.presses) >= ENOUGH else "presses.csv"
+    presses = log if len(review.presses) >= ENOUGH else "presses.csv"
     touch = f"skinfield calibrate touch {presses} --skin {skin} -o {cal}"
     return [touch, answer] if presses == log else [answer, touch]
 
 
-def _said_next(made: Made, output: str, look: Look | None) -> Iterator[str]:
+def _said_next(made: NewSkin, output: str, review: LogReview | None) -> Iterator[str]:
     yield "next:"
-    for command in next_commands(made, output, look):
+    for command in next_commands(made, output, review):
         yield f"  {command}"
         if " scale.csv " in command:
             yield "    (scale.csv: time_s and force_N of a load cell, beside the log)"
         if " presses.csv " in command:
-            yield f"    (presses.csv: {ENOUGH} presses or more, better a hundred, all over the skin)"
+            yield f"    (presses.csv: {ENOUGH} presses, better a hundred, all over the skin)"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from math import ceil, inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
 
@@ -24,9 +24,9 @@ from skinfield.cli.settings import (
     taxels_of,
 )
 from skinfield.errors import FileError, InputError
-from skinfield.files.recordings.columns import BoardName, LogSettings
 from skinfield.page.settings import PageSettings
 from skinfield.settings import Positive, Range, Section, from_plain, text_of_file
+from skinfield.skin.log import BoardName, LogSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -49,7 +49,7 @@ class Questions:
         if given is not None:
             return self._read(str(given), read, optional)
         if self.terminal:
-            return self._asked(flag, question, usual, read, optional)
+            return self._prompt(flag, question, usual, read, optional)
         if self.yes and usual is not None:
             return self._read(usual, read, optional)
         hint = "" if usual is None else f", or --yes for {usual!r}"
@@ -70,7 +70,7 @@ class Questions:
         ):
             raise InputError(f"{question} expected --yes, or another name (-o)")
 
-    def _asked(
+    def _prompt(
         self, flag: str, question: str, usual: str | None, read: Callable[[str], T], optional: bool
     ) -> T | None:
         shown = "" if usual is None else f" [{usual}]"

@@ -11,7 +11,7 @@ import secrets
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,7 +29,6 @@ from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.pending import Pending, explained, pending
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.files.recordings.spool import Spool
 from skinfield.files.results import (
     RUN,
@@ -44,9 +43,10 @@ from skinfield.loop.model_config import ModelConfig
 from skinfield.plot import plural
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
-from skinfield.signal import NoFilter
 from skinfield.settings import json_from_value
+from skinfield.signal import NoFilter
 from skinfield.skin import Patch
+from skinfield.skin.log import LogSettings
 
 RECORDING = (
     Column("recording", "recording"), Column("readings", "readings", decimals=0),
@@ -70,7 +70,7 @@ class JobPlan:
     elastomer: Elastomer
     model: ModelSettings
     assumed: tuple[str, ...] = ()  # of "gain" and "modulus", which give the scale of forces
-    log: LogSettings = LogSettings()  # how the recording is read
+    log: LogSettings = field(default_factory=LogSettings)  # how the recording is read
 
     @classmethod
     def of(

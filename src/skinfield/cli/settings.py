@@ -18,8 +18,8 @@ from skinfield.settings import (
     Section,
     SettingError,
     pair_from_text,
-    text_of_file,
     plain_from_toml,
+    text_of_file,
     value_of_tables,
 )
 

@@ -124,7 +124,7 @@ def draw_log(
         boxes = [(0.06 + 0.33 * k, 0.5, 0.252, 0.42) for k in range(3)]  # squares
         order, lost = figure.add_axes(boxes[0]), int((~usable).sum())
         title = f"taxels; {lost} left out" if lost else "taxels, in their order"
-        _draw_map(figure, order, patch, np.arange(len(patch)), usable, title, "")
+        _draw_map(figure, order, patch, np.arange(float(len(patch))), usable, title, "")
         if len(patch) <= MOST_NAMED:
             for (x, y), name in zip(patch.plane * MM, names, strict=True):
                 order.text(x, y, name[-5:], fontsize=5.5, ha="center", va="center", color=INK)

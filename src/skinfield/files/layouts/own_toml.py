@@ -17,8 +17,8 @@ from skinfield.errors import FileError, Floats
 from skinfield.files.layouts.repair import Content, Draft
 from skinfield.files.layouts.text import read_bytes
 from skinfield.files.pending import write_bytes
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.settings import plain_from_toml, text_of_file, value_of_tables
+from skinfield.skin.log import LogSettings
 from skinfield.skin.patch import Patch, Skin
 
 NAME = "skinfield-toml"

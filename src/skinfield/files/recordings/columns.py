@@ -14,9 +14,9 @@ as NumPy writes them; columns without names are called 1, 2, 3 ...
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import Annotated, Literal
 
 import numpy as np
 
@@ -24,61 +24,15 @@ from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.recordings import table
 from skinfield.files.recordings.head import Magic, is_number, usual_decimals
 from skinfield.files.recordings.lines import RecordingStream
-from skinfield.settings import Positive, Section, nearest
+from skinfield.settings import nearest
+from skinfield.skin.log import NS, LogSettings, TimeUnit
 
-TimeUnit = Literal["s", "ms", "us", "ns"]
-Unit = Literal["count", "dC/C0", "Pa", "1"]
-BoardName = Literal["auto", "icub", "cyskin", "plain", "plain-falling"]
-NS = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
 SLOWEST = 2.0  # readings per second, in which times are taken to be told by their steps
 SHOWN = 12  # names in a message
 TIME = re.compile(r"(?i)(t|time|times?tamp|stamp|clock|seconds?|sec|millis|micros)([ _.\[(].*)?")
 FORCE = re.compile(r"(?i)(.*[ _])?(force|load|fz|f_?n|load_?cell|newtons?|weight)([ _.\[(].*)?")
 OF_TIME = {"s": "s", "sec": "s", "seconds": "s", "ms": "ms", "msec": "ms", "millis": "ms",
            "us": "us", "usec": "us", "micros": "us", "ns": "ns", "nsec": "ns"}  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class LogSettings(Section):
-    """How logs of a skin are read; without columns, as their format says.
-
-    Parameters
-    ----------
-    time : str, optional
-        Column of the times. Without one, readings come at `rate_hz`.
-    time_unit : str
-        Of the times: s, ms, us or ns.
-    rate_hz : float, 1/s, optional
-        Readings per second, of a log without times.
-    columns : tuple of str
-        Of the taxels, in the order of their channels: names, patterns such as ch*, or numbers from
-        1 such as 3-66.
-    unit : str
-        Of the values: count, dC/C0, Pa or 1.
-    board : str
-        Whose counts they are; plain: each taxel rests at its own and rises when pressed;
-        plain-falling: falls.
-    gain : float, optional
-        Counts per unit of ΔC/C₀, a guess; forces stay relative by it.
-    load_cell : str, optional
-        Column of the force that presses.
-    """
-
-    time: str | None = None
-    time_unit: TimeUnit = "s"
-    rate_hz: Annotated[float | None, Positive("readings per second")] = None
-    columns: tuple[str, ...] = ()
-    unit: Unit = "count"
-    board: BoardName = "auto"
-    gain: float | None = None
-    load_cell: str | None = None
-
-    def check(self) -> None:
-        """See `Section`."""
-        if self.columns and (self.time is None) == (self.rate_hz is None):
-            raise self.wrong("time", "a column of times, or rate_hz without one")
-        if self.gain is not None and not 0.0 < abs(self.gain) < float("inf"):
-            raise self.wrong("gain", "counts per unit of ΔC/C₀, not 0")
 
 
 @dataclass(frozen=True)
@@ -109,6 +63,13 @@ class Table:
         place = self.names.index(name)
         cells = [row[place].strip() if place < len(row) else "" for row in self.rows]
         return np.array([float(cell) if is_number(cell) else np.nan for cell in cells])
+
+    def column(self, wanted: str) -> str:
+        """Name of the one column that is meant; InputError for none, or several."""
+        found = self.columns([wanted])
+        if len(found) > 1:
+            raise InputError(f"column {wanted!r} matches {shortlist(found)}, expected one column")
+        return found[0]
 
     def columns(self, wanted: Sequence[str], but: Sequence[str | None] = ()) -> tuple[str, ...]:
         """Names of columns that names, patterns and numbers mean, in their order.
@@ -198,10 +159,8 @@ def _clean(tokens: Sequence[str]) -> list[str]:
     found = []
     for token in tokens:
         name = token.strip().strip("\"'").strip()
-        try:
+        with suppress(UnicodeError):
             name = name.encode("latin-1").decode("utf-8")
-        except UnicodeError:
-            pass
         found.append(name)
     return found
 

@@ -13,9 +13,9 @@ from skinfield.files.mcap.container import MAGIC
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import LiveStream, live_stream
 from skinfield.files.recordings import archive, columns, cyskin, table, yarp
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.files.recordings.head import Magic, is_whole, read_head
 from skinfield.files.recordings.lines import Progress, RecordingStream
+from skinfield.skin.log import LogSettings
 from skinfield.skin.reading import Recording
 
 KNOWN = (

@@ -8,10 +8,10 @@ from tempfile import TemporaryFile
 import numpy as np
 
 from skinfield.errors import InputError
-from skinfield.files.recordings.columns import LogSettings
 from skinfield.files.recordings.matching import readings_for
 from skinfield.files.recordings.open import stream_recording
 from skinfield.skin import Patch
+from skinfield.skin.log import LogSettings
 from skinfield.skin.reading import Recording
 
 PIECE = 1 << 20  # numbers of a block: 8 MB
