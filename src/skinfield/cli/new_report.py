@@ -186,8 +186,8 @@ def _figure(review: LogReview, made: NewSkin) -> Any:
 
     names = made.names or tuple(map(str, range(len(review.plan.patch))))
     return draw_log(
-        review.plan.patch, names, review.seconds, review.readings, review.rest, review.noise, review.usable,
-        review.strongest, quantity=review.survey.conditioner.quantity.symbol,
+        review.plan.patch, names, review.seconds, review.readings, review.rest, review.noise,
+        review.usable, review.strongest, quantity=review.survey.conditioner.quantity.symbol,
         unit="counts" if review.plan.log.unit == "count" else review.plan.log.unit,
     )  # fmt: skip
 

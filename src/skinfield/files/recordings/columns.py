@@ -17,15 +17,18 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from pathlib import Path
 
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.files import numbers
 from skinfield.files.recordings import table
-from skinfield.files.recordings.head import Magic, is_number, usual_decimals
-from skinfield.files.recordings.lines import RecordingStream
+from skinfield.files.recordings.head import SAMPLE, Magic, is_number, usual_decimals
+from skinfield.files.recordings.lines import LIMIT, RecordingStream
 from skinfield.settings import nearest
 from skinfield.skin.log import NS, LogSettings, TimeUnit
+from skinfield.skin.reading import Recording
 
 SLOWEST = 2.0  # readings per second, in which times are taken to be told by their steps
 SHOWN = 12  # names in a message
@@ -154,6 +157,48 @@ def read_table(head: Magic) -> Table:
     return Table(str(head.path), tuple(names), delimiter, line, rows)
 
 
+def is_table_of_arrays(text: str) -> bool:
+    """Whether a log is a MATLAB, HDF5 or NumPy file whose columns are named by number."""
+    path = numbers.is_numbers(text) and Path(text)
+    return bool(path) and path.suffix.lower() not in (".csv", ".txt")
+
+
+def table_of_arrays(text: str) -> tuple[Table, Floats]:
+    """Table of a file of arrays, such as trial.mat:experiment.C, and its numbers (T, C)."""
+    found = numbers.read_numbers(text)
+    rows = [list(map(repr, row)) for row in found.values[:SAMPLE].tolist()]
+    return Table(found.source, found.names, None, 0, rows), found.values
+
+
+def recording_of_arrays(text: str, log: LogSettings) -> Recording:
+    """Recording of a file of arrays whose columns a skin's file names.
+
+    Raises
+    ------
+    FileError, InputError
+        If it cannot be read, or lacks a column.
+    """
+    found, values = table_of_arrays(text)
+    places = [found.names.index(name) for name in _places_of(found, log)]
+    if log.time is None:
+        stamps = np.arange(len(values)) * (NS["s"] / (log.rate_hz or 1.0))
+    else:
+        stamps = values[:, found.names.index(log.time)] * NS[log.time_unit]
+    if not np.isfinite(stamps).all() or np.abs(stamps).max(initial=0.0) >= LIMIT:
+        raise FileError(f"{text}: column {log.time!r} holds times that are no finite numbers")
+    chosen = np.where(np.isfinite(values[:, places]), values[:, places], np.nan)
+    return Recording(np.rint(stamps).astype(np.int64), chosen, None, log.unit, text)
+
+
+def _places_of(found: Table, log: LogSettings) -> tuple[str, ...]:
+    if log.time is not None and log.time not in found.names:
+        raise InputError(
+            f"column {log.time!r}, the time as [log] has it, is not in {found.source}, expected "
+            f"among its {len(found.names)}: {shortlist(found.names)}"
+        )
+    return found.columns(log.columns, (log.time, log.load_cell))
+
+
 def _clean(tokens: Sequence[str]) -> list[str]:
     """Names as people mean them: without quotes, in UTF-8 (files are read as Latin-1)."""
     found = []
@@ -235,11 +280,7 @@ def contents(head: Magic, log: LogSettings) -> RecordingStream:
         known = table.contents(head)  # one of skinfield's own, whose names say all
         if known is not None:
             return known
-        raise InputError(
-            f"column {log.time!r}, the time as [log] has it, is not in {found.source}, expected "
-            f"among its {len(found.names)}: {shortlist(found.names)}"
-        )
-    columns = found.columns(log.columns, (log.time, log.load_cell))
+    columns = _places_of(found, log)
     rate = log.rate_hz or 1.0
     return RecordingStream(
         path=head.path,

@@ -83,6 +83,8 @@ def stream_recording(
         A stream of text of any kind, or of MCAP, whose `blocks` are read one by one. An NPZ file is
         read as a whole: it is compressed as such.
     """
+    if log is not None and log.columns and columns.is_table_of_arrays(str(path)):
+        return columns.recording_of_arrays(str(path), log)
     head = read_head(file_of(Path(path)))
     if archive.matches(head):
         return archive.read(head, progress)
