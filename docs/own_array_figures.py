@@ -1,6 +1,6 @@
 """Picture of tutorials/own-array.md: that of `skinfield new` on the page's own data.
 
-  python docs/own_array_figures.py    docs/images/own-array.png
+python docs/own_array_figures.py    docs/images/own-array.png
 """
 
 import os

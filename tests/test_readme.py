@@ -1,5 +1,6 @@
 """What README and the guide show runs as it stands, and what they link to is there."""
 
+import csv
 import re
 import shlex
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from command_line import run
 
 ROOT = Path(__file__).resolve().parents[1]
 README, GUIDE = ROOT / "README.md", ROOT / "docs" / "getting-started.md"
-PAGES = [README, ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [README, ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 OUTSIDE = "right_foot"  # recordings of others, which are not in the project
 
 
@@ -84,6 +85,19 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
     assert follow(ROOT / "docs" / f"{page}.md") == (snippets, 0)
+
+
+def test_own_array_is_made_and_its_presses_are_found(capsys: pytest.CaptureFixture[str]) -> None:
+    assert follow(ROOT / "docs" / "tutorials" / "own-array.md") == (1, 5)
+    with Path("contacts.csv").open(encoding="utf-8") as lines:
+        found = [row for row in csv.DictReader(lines) if float(row["time_s"]) > 4.3]
+    place = min(found, key=lambda row: abs(float(row["time_s"]) - 4.5))  # in the second press
+    assert float(place["x_m"]) == pytest.approx(7e-3, abs=0.4e-3)
+    assert float(place["y_m"]) == pytest.approx(-3e-3, abs=0.4e-3)
+    assert float(place["force_N"]) == pytest.approx(2.0, rel=0.3)  # relative: by guessed values
+    thickness = re.search(r"thickness ([\d.]+) ± ([\d.]+) mm", capsys.readouterr().out)
+    assert thickness is not None
+    assert abs(float(thickness[1]) - 2.0) < 3.0 * float(thickness[2])
 
 
 def test_setup_commands_are_those_of_the_script() -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MOST_SHOWN = 8  # presses
 STANDS_OUT = 8.0  # deviations, of readings in which something presses
 APART = 0.2  # s between presses
-ENOUGH = 20  # presses that a calibration by touch needs
+ENOUGH = 40  # presses, from which on a calibration by touch is sure to begin
 FIRST = (
     Column("time s", "time_s", decimals=2), Column("taxel", "taxel"),
     Column("reads", "reading", decimals=3), Column("contacts", "contacts", decimals=0),
