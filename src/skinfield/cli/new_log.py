@@ -17,7 +17,7 @@ from skinfield.files.recordings.open import file_of, is_binary, stream_recording
 from skinfield.settings import Positive
 from skinfield.signal.polarity import Polarity, find_polarity
 from skinfield.skin import Patch
-from skinfield.skin.log import LogSettings, TimeUnit
+from skinfield.skin.log import NS, LogSettings, TimeUnit
 from skinfield.skin.reading import UNITS
 
 ICUB_REST = (225.0, 250.0)  # bytes
@@ -117,8 +117,8 @@ def _time(
     if flags.time_unit is None:
         note(f"times of column {time!r} are taken as {usual}: {why}")
     unit = ask.answer(
-        "--time-unit", f"Unit of the times ({', '.join(cols.NS)})", flags.time_unit, usual,
-        one_of(tuple(cols.NS)),
+        "--time-unit", f"Unit of the times ({', '.join(NS)})", flags.time_unit, usual,
+        one_of(tuple(NS)),
     )  # fmt: skip
     return time, unit or "s", None
 

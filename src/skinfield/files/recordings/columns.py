@@ -159,8 +159,7 @@ def read_table(head: Magic) -> Table:
 
 def is_table_of_arrays(text: str) -> bool:
     """Whether a log is a MATLAB, HDF5 or NumPy file whose columns are named by number."""
-    path = numbers.is_numbers(text) and Path(text)
-    return bool(path) and path.suffix.lower() not in (".csv", ".txt")
+    return numbers.is_numbers(text) and Path(text).suffix.lower() not in (".csv", ".txt")
 
 
 def table_of_arrays(text: str) -> tuple[Table, Floats]:
