@@ -189,6 +189,8 @@ def take_in(
     counts, folder = plan.counts, place.part.parent
     if all((name or "").lower().endswith(options.LIVE) for name in (counts.calibration, recording)):
         counts = replace(counts, calibration=recording)  # each has its own
+    if recording.lower().endswith(options.LIVE) and plan.log.columns:  # no log of its own
+        counts = replace(counts, board="auto", gain=None if "gain" in plan.assumed else counts.gain)
     how = options.conditioning_of(patch, counts)
     with explained(folder), report.progress("reading", quiet=quiet) as step:
         spool = Spool(recording, patch, folder, step, plan.log)
