@@ -15,7 +15,7 @@ from skinfield.cli.settings import load_settings, settings_from_toml
 
 SNAPSHOT = Path(__file__).with_name("cli_help.txt")  # UPDATE_HELP=1 writes it anew
 GROUPS = ("layout", "calibrate")
-VISIBLE = 12
+VISIBLE = 13
 
 
 def commands() -> list[tuple[str, ...]]:

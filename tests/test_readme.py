@@ -1,5 +1,6 @@
 """What README and the guide show runs as it stands, and what they link to is there."""
 
+import csv
 import re
 import shlex
 from collections.abc import Iterator
@@ -9,6 +10,8 @@ from typing import Any
 import matplotlib
 import pytest
 from command_line import run
+
+import skinfield as sf
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
@@ -89,6 +92,17 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
     assert follow(doc(page)) == (snippets, 0)
+
+
+def test_own_array_is_made_and_its_presses_are_found() -> None:
+    assert follow(ROOT / "docs" / "tutorials" / "own-array.md") == (1, 5)
+    with Path("contacts.csv").open(encoding="utf-8") as lines:
+        found = [row for row in csv.DictReader(lines) if float(row["time_s"]) > 4.3]
+    place = min(found, key=lambda row: abs(float(row["time_s"]) - 4.5))  # in the second press
+    assert float(place["x_m"]) == pytest.approx(7e-3, abs=0.4e-3)
+    assert float(place["y_m"]) == pytest.approx(-3e-3, abs=0.4e-3)
+    assert float(place["force_N"]) == pytest.approx(2.0, rel=0.3)  # relative: by guessed values
+    assert sf.load_calibration("my_skin_cal.toml").thickness == pytest.approx(2e-3, rel=0.1)
 
 
 def test_setup_commands_are_those_of_the_script() -> None:

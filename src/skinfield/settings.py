@@ -144,11 +144,17 @@ def plain_from_toml(text: str, path: str) -> dict[str, Any]:
 
 def value_from_toml(kind: type[T], text: str, path: str) -> T:
     """Object of a dataclass `kind` of a TOML text; `path` is what errors call it."""
+    return value_of_tables(kind, plain_from_toml(text, path), text, path)
+
+
+def value_of_tables(kind: type[T], tables: object, text: str, path: str, within: str = "") -> T:
+    """Object of a dataclass `kind` of tables of a TOML text, or of those `within` one of it."""
     try:
-        return from_plain(kind, plain_from_toml(text, path))
+        return from_plain(kind, tables)
     except Misfit as error:
-        line = line_of(text, error.table, error.key)
-        raise FileError(f"{path}:{line}: {error}" if line else f"{path}: {error}") from error
+        line = line_of(text, ".".join(filter(None, (within, error.table))), error.key)
+        where = f"[{within}] " if within else ""
+        raise FileError(f"{path}:{line}: {where}{error}" if line else f"{path}: {error}") from error
 
 
 def json_from_value(value: Any) -> str:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.skin import Patch
+    from skinfield.skin.log import LogSettings
 
 PLACE_STD = 0.3e-3  # m, of taxels as they are made
 
@@ -183,8 +184,9 @@ def by_force(
     its = options.patch_of(options.skin_from_text(layout), patch)
     files = (recording, labels_file, *more)
     counts, forces, notes = forces_together(
-        files, its, time=time, columns=columns, labels=labels, unit=unit, offset=offset
-    )
+        files, its, time=time, columns=columns, labels=labels, unit=unit, offset=offset,
+        log=options.log_of(layout),
+    )  # fmt: skip
     made, foretold = fit_force(its, counts, forces)
     facts = {
         "recording": ", ".join(files[::2]), "labels": ", ".join(files[1::2]),
@@ -331,7 +333,7 @@ def touch(
     layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
     if not recordings:
         raise InputError("RECORDING is missing, expected one or more of presses")
-    found = [readings_for(open_recording(each), plan.patch) for each in recordings]
+    found = [readings_for(open_recording(each, log=plan.log), plan.patch) for each in recordings]
     every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
     readings, each = np.concatenate([values for values, _ in every]), how.noise_std
     noise = noise_of_differences(readings) if each is None else np.full(len(plan.patch), each)
@@ -433,8 +435,9 @@ def check(
     _check_files(None, report_folder, force)
     made, relative = load_calibration(calibration), False
     its = options.patch_of(options.skin_from_text(layout), patch) if layout else None
+    log = options.log_of(layout)
     if isinstance(made, ForceCalibration | PressureCalibration):
-        skin = _counts_for(made, calibration, recording, its, time, columns)
+        skin = _counts_for(made, calibration, recording, its, time, columns, log)
     else:
         skin, relative = _contacts_for(calibration, recording, layout, patch, time or columns)
     name, notes = "Pa" if isinstance(made, PressureCalibration) else "N", skin.notes
@@ -444,7 +447,7 @@ def check(
         of = getattr(made, "force", getattr(made, "pressure", None))
         verdict, result = sum_up(values if of is None else of(values), name, relative)
     else:
-        label = label_series(labels_file, labels, unit, name, offset)
+        label = label_series(labels_file, labels, unit, name, offset, log)
         counts, wanted, notes = together(skin, label)
         if isinstance(made, PressureCalibration):
             verdict, result, figures = try_pressure(made, counts, wanted[:, 0], recording)
@@ -473,6 +476,7 @@ def _counts_for(
     patch: "Patch | None",
     time: str | None,
     columns: str | None,
+    log: "LogSettings | None",
 ) -> "Series":
     """Counts (T, L) of a recording, as many columns as a calibration has taxels."""
     from skinfield.cli.calibration_inputs import skin_series
@@ -481,7 +485,7 @@ def _counts_for(
         raise InputError(
             f"{calibration} has {len(made)} taxels, expected {len(patch)} of {patch.name!r}"
         )
-    skin = skin_series(recording, patch, time, columns)
+    skin = skin_series(recording, patch, time, columns, log)
     if skin.values.shape[1] != len(made):
         raise InputError(
             f"{recording} has {skin.values.shape[1]} columns, expected {len(made)} as {calibration}"

@@ -3,12 +3,16 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Patch
+from skinfield.skin.log import NS, LogSettings
+
+if TYPE_CHECKING:
+    from skinfield.files.numbers import Numbers
 
 UNITS = {  # of labels, by what they are in SI
     "Pa": {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "MPa": 1e6},
@@ -28,15 +32,24 @@ class Series(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def skin_series(name: str, patch: Patch | None, time: str | None, columns: str | None) -> Series:
-    """Counts (T, L) of a recording; without a patch, of its columns in their order."""
+def skin_series(
+    name: str,
+    patch: Patch | None,
+    time: str | None,
+    columns: str | None,
+    log: LogSettings | None = None,
+) -> Series:
+    """Counts (T, L) of a recording; without a patch, of its columns in their order.
+
+    Columns that are not given are those of a skin's file, if it has them.
+    """
     from skinfield.files import open_recording
     from skinfield.files.numbers import is_numbers, read_numbers
     from skinfield.files.recordings.matching import readings_for
 
     inside = is_numbers(name) and not Path(name).exists()  # FILE:NAME
     if not (columns or time or inside or Path(name).suffix.lower() in (".mat", ".npy")):
-        recording = open_recording(name)
+        recording = open_recording(name, log=log)
         if patch is not None:
             recording = readings_for(recording, patch)
         return Series(recording.counts, recording.stamp_ns / 1e9, recording.notes)
@@ -77,10 +90,16 @@ def factor_of(unit: str | None, si: str, names: Sequence[str]) -> float:
 
 
 def label_series(
-    name: str, labels: str | None, unit: str | None, si: str, offset: str | None = None
+    name: str,
+    labels: str | None,
+    unit: str | None,
+    si: str,
+    offset: str | None = None,
+    log: LogSettings | None = None,
 ) -> Series:
     """Labels (T, N) in `si`, N or Pa: of a force log its fx, fy and fz, else of columns by name.
 
+    Times of a log of the skin's own are those of `log`, and its load cell's column is the label.
     `offset` is what their sensor reads without load, in their unit, to be taken off.
     """
     from skinfield.files import open_recording
@@ -101,12 +120,24 @@ def label_series(
             open_recording(name)  # says what is wrong with it
             raise InputError(f"{name} is of a skin, expected labels: the skin's recording is first")
     table = read_numbers(name)
-    seconds = table.time()
+    seconds = _seconds(table, log)
+    if labels is None and log is not None and log.load_cell in table.names:
+        labels = log.load_cell
     if labels is None:
         chosen = [column for column in table.names if not _is_time(column)]
         labels = ",".join(chosen)
     factor = factor_of(unit, si, table.names_of(labels))
     return Series(_without(name, table.columns(labels), offset) * factor, seconds)
+
+
+def _seconds(table: "Numbers", log: LogSettings | None) -> Floats | None:
+    """Times (T,) of a table, s: as a skin's file has them, if it is a log of that skin."""
+    if log is not None and log.columns:
+        if log.time in table.names:
+            return table.column(log.time) * (NS[log.time_unit] * 1e-9)
+        if log.rate_hz is not None and log.load_cell in table.names:
+            return np.arange(len(table.values)) / log.rate_hz
+    return table.time()
 
 
 def _without(name: str, values: Floats, offset: str | None) -> Floats:
@@ -146,6 +177,7 @@ def forces_together(
     labels: str | None,
     unit: str | None,
     offset: str | None,
+    log: LogSettings | None = None,
 ) -> tuple[Floats, Floats, tuple[str, ...]]:
     """Counts (T, L) and forces (T,) or (T, 3) of recordings one after another, and notes.
 
@@ -157,9 +189,9 @@ def forces_together(
         raise InputError(f"{files[-1]} has no labels, expected RECORDING LABELS in pairs")
     tables, forces, notes, signs = [], [], [], set()
     for recording, its in zip(files[::2], files[1::2], strict=True):
-        label = label_series(its, labels, unit, "N", offset)
+        label = label_series(its, labels, unit, "N", offset, log)
         forces_of(its, label.values)  # refuses what it must before the skin is read
-        counts, values, said = together(skin_series(recording, patch, time, columns), label)
+        counts, values, said = together(skin_series(recording, patch, time, columns, log), label)
         tables.append(counts)
         forces.append(forces_of(its, values))
         if len(files) > 2:

@@ -41,6 +41,7 @@ LAB = {
 }
 COMMANDS = {
     "demo": Lazy("demo:demo", "Press a simulated patch, reconstruct it, draw it.", "Start"),
+    "new": Lazy("new:new", "Make the file of your own skin.", "Start"),
     "run": Lazy("run:run", "Bring a robot's skin alive.", "Start"),
     "view": Lazy("replay:view", "Show a recording, or skins elsewhere, in the browser.", "Start"),
     "record": Lazy("record:record", "Record a running skin into one MCAP file.", "Recordings"),
@@ -71,7 +72,8 @@ Start with
 
   skinfield demo                  a press without any hardware, as a picture
   skinfield run                   a virtual skin alive, in the browser
-  skinfield run my_robot.toml     your own
+  skinfield new                   your own skin, from a CSV of its taxels and a log
+  skinfield run my_robot.toml     your own robot
   skinfield COMMAND --help        what a command takes, with examples
   skinfield lab COMMAND --help    the same of press, rig, cases, validate, experiments
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from math import ceil, inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
 
@@ -20,11 +20,13 @@ from skinfield.cli.settings import (
     Settings,
     SolverName,
     TaxelSettings,
+    load_settings,
     taxels_of,
 )
 from skinfield.errors import FileError, InputError
 from skinfield.page.settings import PageSettings
-from skinfield.settings import Positive, Range, Section, from_plain
+from skinfield.settings import Positive, Range, Section, from_plain, text_of_file
+from skinfield.skin.log import BoardName, LogSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -84,7 +86,8 @@ class CountSettings(TaxelSettings):
     Parameters
     ----------
     board : str
-        Whose counts they are; auto goes by their range.
+        Whose counts they are; auto goes by their range, plain ones rest where each taxel does and
+        rise when pressed, plain-falling ones fall.
     smoothing_ms : float, ms
         Time constant of an exponential filter, ms; 0: none.
     noise : float, optional
@@ -94,7 +97,7 @@ class CountSettings(TaxelSettings):
         then. Default the quietest stretch.
     """
 
-    board: Literal["auto", "icub", "cyskin"] = "auto"
+    board: BoardName = "auto"
     smoothing_ms: Annotated[float, Range(0.0, 1e6, "ms; 0: none")] = 0.0
     noise: Annotated[float | None, Positive("no reading is exact")] = None
     tare: str | None = None
@@ -242,12 +245,20 @@ def config_of(
 def conditioning_of(patch: "sf.Patch", counts: CountSettings) -> "Conditioning":
     """What counts mean; gain and rest that are not set are the board's."""
     from skinfield.reconstruct.diagnostics import Conditioning
-    from skinfield.signal import Convention, CySkinCount, Exponential, ICubByte, NoFilter
+    from skinfield.signal import (
+        Convention,
+        CySkinCount,
+        Exponential,
+        ICubByte,
+        NoFilter,
+        PlainCount,
+    )
 
     no_load = counts.no_load or USUAL_NO_LOAD
     icub = ICubByte(no_load=no_load)
     conventions: dict[str, Convention | None] = {
         "auto": None if no_load == USUAL_NO_LOAD else icub, "icub": icub, "cyskin": CySkinCount(),
+        "plain": PlainCount(), "plain-falling": PlainCount(falls=True),
     }  # fmt: skip
     seconds, path = counts.smoothing_ms * 1e-3, counts.calibration
     return Conditioning(
@@ -369,6 +380,36 @@ def settings_in(path: str) -> Settings | None:
 
     plain = LiveRecording.open(Path(path)).description.get("settings")
     return None if plain is None else from_plain(Settings, plain)
+
+
+def own_settings(layout: str) -> tuple[Settings, LogSettings] | None:
+    """Settings in a skin's file, and how its logs are read; None of any other layout."""
+    from skinfield.files.layouts.own_toml import EXTENSIONS, LAYOUT_KEYS, log_settings
+
+    path = Path(layout)
+    if path.suffix.lower() not in EXTENSIONS or not path.is_file():
+        return None
+    if LAYOUT_KEYS[0] not in text_of_file(layout):
+        return None
+    return load_settings(layout), log_settings(path) or LogSettings()
+
+
+def log_of(layout: str | None) -> LogSettings | None:
+    """How logs of a skin are read, where its file says so."""
+    from skinfield.files.layouts.own_toml import log_settings
+
+    return None if layout is None else log_settings(Path(layout))
+
+
+def with_own(section: S, known: Section) -> S:
+    """Section of settings in which those of a skin's file stand for those that are not set."""
+    usual = {each.name: each.default for each in fields(section)}
+    found = {
+        name: getattr(known, name)
+        for name, value in usual.items()
+        if hasattr(known, name) and getattr(section, name) == value
+    }
+    return replace(section, **found)
 
 
 def flag_of(name: str) -> str:

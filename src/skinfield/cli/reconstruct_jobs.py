@@ -11,7 +11,7 @@ import secrets
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,7 +21,7 @@ import numpy as np
 
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
-from skinfield.cli.settings import Elastomer, ModelSettings
+from skinfield.cli.settings import Elastomer, ModelSettings, Settings
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.estimate.contact_table import RELATIVE, scale_of
 from skinfield.files import rows_from_estimate
@@ -43,8 +43,10 @@ from skinfield.loop.model_config import ModelConfig
 from skinfield.plot import plural
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
+from skinfield.settings import json_from_value
 from skinfield.signal import NoFilter
 from skinfield.skin import Patch
+from skinfield.skin.log import LogSettings
 
 RECORDING = (
     Column("recording", "recording"), Column("readings", "readings", decimals=0),
@@ -68,6 +70,7 @@ class JobPlan:
     elastomer: Elastomer
     model: ModelSettings
     assumed: tuple[str, ...] = ()  # of "gain" and "modulus", which give the scale of forces
+    log: LogSettings = field(default_factory=LogSettings)  # how the recording is read
 
     @classmethod
     def of(
@@ -80,26 +83,29 @@ class JobPlan:
     ) -> "JobPlan":
         """Plan with the values of the profile in use, which is named on stderr.
 
-        A layout that is a recording of a live skin brings its settings and calibration.
+        A layout that is a recording of a live skin brings its settings and calibration; one that
+        is a skin's file, its settings and how its logs are read.
         """
+        own, log = options.own_settings(layout), LogSettings()
+        if own is not None:
+            known, log = own
+            counts, elastomer, model = _with_own(known, log, counts, elastomer, model)
         board, given, scale = None if counts.board == "auto" else counts.board, elastomer, counts
         recorded = options.settings_in(layout) if layout.lower().endswith(options.LIVE) else None
         if recorded is None:
             profile = options.profile_in_use(elastomer, board, layout)
         else:
-            hardware, known = board or recorded.source.hardware, recorded.skin
-            for name, value in asdict(Elastomer()).items():
-                if getattr(elastomer, name) == value:  # not set
-                    elastomer = replace(elastomer, **{name: getattr(known, name)})
+            hardware, its = board or recorded.source.hardware, recorded.skin
+            elastomer = options.with_own(elastomer, its)
             if counts.gain is None and counts.calibration is None:
-                counts = replace(counts, gain=known.gain, calibration=layout)
-            counts = replace(counts, no_load=counts.no_load or known.no_load)
-            named = scale.calibration or known.calibration  # what it has enclosed may be a tare
-            scale = replace(scale, gain=scale.gain or known.gain, calibration=named)
-            if known.calibration is not None:
+                counts = replace(counts, gain=its.gain, calibration=layout)
+            counts = replace(counts, no_load=counts.no_load or its.no_load)
+            named = scale.calibration or its.calibration  # what it has enclosed may be a tare
+            scale = replace(scale, gain=scale.gain or its.gain, calibration=named)
+            if its.calibration is not None:
                 live = ModelConfig.from_json(json.dumps(LiveRecording.open(layout).configuration))
                 elastomer, model = options.by_model(live.layer, live.mechanics, elastomer, model)
-            profile = options.profile_in_use(elastomer, hardware, known.layout)
+            profile = options.profile_in_use(elastomer, hardware, its.layout)
         elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
         assumed = options.assumed_of(scale, given, skin)
         if recorded is not None and given.modulus_kpa is None and skin is None:
@@ -107,6 +113,8 @@ class JobPlan:
         if counts.calibration:  # workers run in other folders
             counts = replace(counts, calibration=str(Path(counts.calibration).resolve()))
         model = replace(model, solver=model.solver or options.USUAL_SOLVER)
+        if "gain" in assumed:
+            counts = replace(counts, gain=log.gain)
         return cls(
             layout=layout,
             patch=options.patch_of(options.skin_from_text(layout), patch),
@@ -114,6 +122,7 @@ class JobPlan:
             elastomer=replace(options.filled(elastomer, profile), profile=profile.name),
             model=options.filled(model, profile),
             assumed=assumed,
+            log=log,
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -128,11 +137,28 @@ class JobPlan:
         values = self.as_dict()
         del values["profile"], values["layout"]
         return values | {
+            "log": json.loads(json_from_value(self.log)),
             "store_fields": store_fields,
             "patch": self.patch.name,
             "layout_checksum": checksum(plain_from_value("patch", self.patch)),
             "calibration_checksum": checksum(plain_from_value("calibration", calibration)),
         }
+
+
+def _with_own(
+    known: Settings,
+    log: LogSettings,
+    counts: options.CountSettings,
+    elastomer: Elastomer,
+    model: ModelSettings,
+) -> tuple[options.CountSettings, Elastomer, ModelSettings]:
+    """What a skin's file knows for what is not set."""
+    told, board = counts.gain is not None or counts.calibration is not None, counts.board
+    its = replace(known.skin, gain=None, calibration=None) if told else known.skin
+    counts = options.with_own(counts, its)
+    if board == "auto":
+        counts = replace(counts, board=log.board)
+    return counts, options.with_own(elastomer, its), options.with_own(model, known.model)
 
 
 @contextmanager
@@ -163,9 +189,11 @@ def take_in(
     counts, folder = plan.counts, place.part.parent
     if all((name or "").lower().endswith(options.LIVE) for name in (counts.calibration, recording)):
         counts = replace(counts, calibration=recording)  # each has its own
+    if recording.lower().endswith(options.LIVE) and plan.log.columns:  # no log of its own
+        counts = replace(counts, board="auto", gain=None if "gain" in plan.assumed else counts.gain)
     how = options.conditioning_of(patch, counts)
     with explained(folder), report.progress("reading", quiet=quiet) as step:
-        spool = Spool(recording, patch, folder, step)
+        spool = Spool(recording, patch, folder, step, plan.log)
         quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[spool.like.unit])
         step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)

@@ -18,8 +18,9 @@ from skinfield.settings import (
     Section,
     SettingError,
     pair_from_text,
+    plain_from_toml,
     text_of_file,
-    value_from_toml,
+    value_of_tables,
 )
 
 SolverName = Literal[
@@ -281,12 +282,23 @@ def load_settings(path: str | Path) -> Settings:
 def settings_from_toml(text: str, path: str = "settings") -> Settings:
     """Settings of a TOML text; `path` is what errors call it.
 
+    The text may be that of a skin's file, whose layout is the skin's then.
+
     Raises
     ------
     FileError
         If it is not TOML, or holds what is not known or cannot be used.
     """
-    return value_from_toml(Settings, text, path)
+    from skinfield.files.layouts.own_toml import LAYOUT_KEYS, LOG
+
+    tables = plain_from_toml(text, path)
+    if LAYOUT_KEYS[0] in tables:  # a skin's file, which is its layout
+        for key in (*LAYOUT_KEYS, LOG):
+            tables.pop(key, None)
+        skin = tables.setdefault("skin", {})
+        if isinstance(skin, dict):
+            skin.setdefault("layout", path)
+    return value_of_tables(Settings, tables, text, path)
 
 
 def toml_from_settings(settings: Settings) -> str:

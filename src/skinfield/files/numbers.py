@@ -138,15 +138,18 @@ def _parted(text: str) -> tuple[str, str]:
 
 
 def _of_text(path: Path) -> Numbers:
-    lines = [line for line in path.read_text("utf-8-sig").splitlines() if line.strip()]
-    lines = [line for line in lines if not line.lstrip().startswith(("#", "%"))]
+    every = [line for line in path.read_text("utf-8-sig").splitlines() if line.strip()]
+    lines = [line for line in every if not line.lstrip().startswith(("#", "%"))]
     if not lines:
         raise FileError(f"{path} is empty, expected a line of names above lines of numbers")
     delimiter = next((each for each in (",", ";", "\t") if each in lines[0]), None)
     rows = list(csv.reader(lines, delimiter=delimiter)) if delimiter else [r.split() for r in lines]
     head = [each.strip() for each in rows[0]]
     named = not all(map(_is_number, head))
-    names = tuple(head) if named else tuple(str(k + 1) for k in range(len(head)))
+    above = every[every.index(lines[0]) - 1] if every[0] != lines[0] else ""
+    said = tuple(each.strip() for each in above.lstrip("#% ").split(delimiter))  # as NumPy writes
+    unnamed = said if len(said) == len(head) else tuple(str(k + 1) for k in range(len(head)))
+    names = tuple(head) if named else unnamed
     if len(rows) == named:
         raise FileError(f"{path} holds a line of names only, expected lines of numbers below it")
     values = np.full((len(rows) - named, len(names)), np.nan)

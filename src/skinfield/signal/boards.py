@@ -110,15 +110,16 @@ class ICubByte:
         return -rest_capacitance / farads_per_count / (1 << self.shift)
 
 
+USUAL_GAIN = 20_000.0  # counts: a firm press reads so many; no maker's figure
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Word(Section):
-    """An unsigned word per taxel, higher under pressure."""
+    """An unsigned word per taxel."""
 
     highest: Annotated[float, Positive("the largest word, 65535 for 16 bits")] = 65535.0
 
     lowest = 0.0
-    direction = 1
-    usual_gain = 20_000.0  # a firm press reads 20 000; no maker's figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,6 +136,8 @@ class CySkinCount(_Word):
     """
 
     rest = 0.0  # the board takes the baseline off
+    direction = 1
+    usual_gain = USUAL_GAIN
 
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the largest one."""
@@ -147,7 +150,7 @@ class CySkinCount(_Word):
 
 @dataclass(frozen=True, kw_only=True)
 class PlainCount(_Word):
-    """A word per taxel that rests wherever it does, higher under pressure: a converter's own count.
+    """A word per taxel that rests wherever it does: a converter's own count.
 
     What a board of one's own sends that takes no baseline off. A baseline must be measured.
 
@@ -155,9 +158,23 @@ class PlainCount(_Word):
     ----------
     highest : float, counts
         The largest word that is sent, 65535 for 16 bits.
+    falls : bool
+        Whether pressure lowers it, as of a resistive taxel below its pull-up.
     """
 
+    falls: bool = False
+
     rest = float("nan")  # each taxel's own
+
+    @property
+    def direction(self) -> int:
+        """Sign of the change of a count under pressure."""
+        return -1 if self.falls else 1
+
+    @property
+    def usual_gain(self) -> float:
+        """Guess of the counts per unit of ΔC/C₀."""
+        return self.direction * USUAL_GAIN
 
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the least or the largest one: nothing is connected, or off the scale."""

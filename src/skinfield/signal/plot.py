@@ -1,11 +1,12 @@
-"""Figures of signals: force over time against a reference; gains of taxels."""
+"""Figures of signals: force over time, gains of taxels, and a log of a new skin."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import as_floats, check_finite, check_shape
+from skinfield.errors import Floats, as_floats, check_finite, check_shape
 from skinfield.plot import (
     BLUE,
     INK,
@@ -20,12 +21,17 @@ from skinfield.plot import (
     open_axes,
     style,
 )
+from skinfield.signal.boards import Bools
 from skinfield.signal.calibration import Calibration
 from skinfield.skin import Patch
-from skinfield.skin.maps import draw_pads, extent_of_pads, frame_axes
+from skinfield.skin.maps import MM, axis_names, draw_pads, extent_of_pads, frame_axes
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+MOST_NAMED = 150  # taxels; names of more cannot be read
+MOST_TRACES = 6
 
 
 def plot_calibration(made: Calibration, ax: Place = None, patch: Patch | None = None) -> Any:
@@ -121,3 +127,103 @@ def draw_timeline(
         for axes in (forces, difference):
             open_axes(axes)
     return figure
+
+
+def draw_log(
+    patch: Patch,
+    names: Sequence[str],
+    time_s: Floats,
+    readings: Floats,
+    rest: Floats,
+    noise: Floats,
+    usable: Bools,
+    presses: Sequence[int],
+    *,
+    quantity: str = "reading",
+    unit: str = "counts",
+) -> "Figure":
+    """Figure of a log of a skin: its taxels by name, their rest and noise, readings over time.
+
+    Parameters
+    ----------
+    patch : Patch
+    names : sequence of L str
+    time_s : (T,) array, s
+    readings : (T, L) array
+        Conditioned; NaN where invalid.
+    rest, noise : (L,) arrays
+        In the unit of the log.
+    usable : (L,) bool array
+        False of taxels that are left out: they are crossed.
+    presses : sequence of int
+        Readings that are marked over time.
+    quantity, unit : str
+        What readings are of, and in which unit rest and noise are.
+    """
+    with style():
+        figure = new_figure(11.0, 6.6)
+        boxes = [(0.055 + 0.325 * k, 0.5, 0.24, 0.4) for k in range(3)]  # squares
+        order, lost = figure.add_axes(boxes[0]), int((~usable).sum())
+        title = f"taxels; {lost} left out" if lost else "taxels, in their order"
+        _draw_map(figure, order, patch, np.arange(float(len(patch))), usable, title, "")
+        if len(patch) <= MOST_NAMED:
+            for (x, y), name in zip(patch.plane * MM, names, strict=True):
+                order.text(x, y, name[-5:], fontsize=5.5, ha="center", va="center", color=INK)
+        for box, values, title in zip(boxes[1:], (rest, noise), ("rest", "noise"), strict=True):
+            words = f"{title} ({unit})"
+            _draw_map(figure, figure.add_axes(box), patch, values, usable, words, words)
+        axes = figure.add_axes((0.06, 0.08, 0.92, 0.28))
+        _draw_readings(axes, names, time_s, readings, presses, quantity)
+    return figure
+
+
+def _draw_map(
+    figure: "Figure",
+    axes: "Axes",
+    patch: Patch,
+    values: Floats,
+    usable: Bools,
+    title: str,
+    label: str,
+) -> None:
+    """Taxels at their places, coloured by a value; those that are left out are crossed."""
+    x, y = patch.plane.T * MM
+    look: dict[str, Any] = {} if label else {"alpha": 0.45}
+    low, high = extent_of_pads(patch) * MM
+    middle, half = (low + high) / 2, float((high - low).max()) / 2
+    axes.set(xlim=middle[0] + [-half, half], ylim=middle[1] + [-half, half])
+    size = float(np.clip(9000.0 / len(patch), 12.0, 160.0))
+    dots = axes.scatter(x, y, c=values, s=size, cmap="viridis", clip_on=False, zorder=2, **look)
+    axes.scatter(x[~usable], y[~usable], s=size, marker="x", color=ORANGE, lw=1.6, clip_on=False)
+    first, second = axis_names(patch)
+    axes.set(xlabel=f"{first} (mm)", ylabel=f"{second} (mm)")
+    axes.set_title(title, loc="left", fontsize=10, fontweight="bold")
+    if label:
+        box = axes.get_position()
+        bar = figure.add_axes((box.x1 + 0.004, box.y0, 0.008, box.height))
+        figure.colorbar(dots, cax=bar).ax.tick_params(labelsize=6.5)
+    open_axes(axes)
+
+
+def _draw_readings(
+    axes: "Axes",
+    names: Sequence[str],
+    time_s: Floats,
+    readings: Floats,
+    presses: Sequence[int],
+    quantity: str,
+) -> None:
+    """Readings over time of the taxels that are pressed most."""
+    known = np.nan_to_num(readings)
+    peak = known.max(axis=0)
+    chosen = [int(known[at].argmax()) for at in presses] or [int(peak.argmax())]
+    chosen = list(dict.fromkeys(chosen))[:MOST_TRACES]
+    for taxel in chosen:
+        axes.plot(time_s, readings[:, taxel], lw=0.9, label=names[taxel])
+    for at in presses:
+        axes.axvline(time_s[at], color=QUIET, lw=0.6, ls=":")
+    axes.set(xlabel="time (s)", ylabel=quantity, xlim=(time_s[0], time_s[-1]))
+    axes.set_title("the taxels that are pressed most", loc="left", fontsize=10, fontweight="bold")
+    axes.legend(frameon=False, fontsize=8, ncols=MOST_TRACES, loc="lower right",
+                bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)  # fmt: skip
+    open_axes(axes)

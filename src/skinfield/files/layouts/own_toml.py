@@ -1,4 +1,8 @@
-"""skinfield's own layout as text: TOML, to be read and edited by people."""
+"""skinfield's own layout as text: TOML, to be read and edited by people.
+
+The file of a skin holds beside its layout how its logs are read (`[log]`) and settings of a live
+skin (`[skin]` and so on), each as a table.
+"""
 
 import json
 import tomllib
@@ -13,6 +17,8 @@ from skinfield.errors import FileError, Floats
 from skinfield.files.layouts.repair import Content, Draft
 from skinfield.files.layouts.text import read_bytes
 from skinfield.files.pending import write_bytes
+from skinfield.settings import plain_from_toml, text_of_file, value_of_tables
+from skinfield.skin.log import LogSettings
 from skinfield.skin.patch import Patch, Skin
 
 NAME = "skinfield-toml"
@@ -21,6 +27,10 @@ EXPECTED = "a TOML file with skinfield_layout = 1"
 VERSION = 1
 HEADER = "# Layout of a robot skin. Lengths in millimetres, one row per taxel.\n"
 LARGEST_TOML = 2**63  # above it a uid is written as a string, as TOML's integers end there
+
+LAYOUT_KEYS = ("skinfield_layout", "name", "notes", "patch")
+LOG = "log"
+SECTIONS = (LOG, "skin", "source", "model", "loop", "page", "bridges", "record")
 
 Number = int | Decimal  # exact: 4.75 mm is 0.00475 m, not its neighbour
 Row = Annotated[list[Number], msgspec.Meta(min_length=3, max_length=3)]
@@ -67,7 +77,8 @@ def parse(path: Path) -> Content:
             "that version only"
         )
     try:
-        found = msgspec.convert(table, _File)
+        layout = {key: value for key, value in table.items() if key not in SECTIONS}
+        found = msgspec.convert(layout, _File)
         drafts = tuple(_draft(i, patch) for i, patch in enumerate(found.patch))
     except (msgspec.ValidationError, ValueError, ArithmeticError) as error:
         why = str(error)[:300].replace("`$.", "`")
@@ -75,11 +86,27 @@ def parse(path: Path) -> Content:
     return Content(path, found.name or path.stem, drafts, notes=tuple(found.notes))
 
 
-def write(skin: Skin, path: Path) -> None:
-    """Write a skin; nothing is lost."""
+def log_settings(path: Path) -> LogSettings | None:
+    """How logs of the skin of a file are read; None where it does not say, or is another file.
+
+    Raises
+    ------
+    FileError
+        If it says so in a way that cannot be used.
+    """
+    if path.suffix.lower() not in EXTENSIONS or not path.is_file():
+        return None
+    text = text_of_file(path)
+    found = plain_from_toml(text, str(path)).get(LOG)
+    return None if found is None else value_of_tables(LogSettings, found, text, str(path), LOG)
+
+
+def write(skin: Skin, path: Path, tables: str = "") -> None:
+    """Write a skin; nothing is lost. `tables` are TOML that stands before its patches."""
     head = [HEADER, f"skinfield_layout = {VERSION}\n", f"name = {_quoted(skin.name)}\n"]
     if skin.notes:
         head += ["notes = [\n", *(f"  {_quoted(note)},\n" for note in skin.notes), "]\n"]
+    head += [f"\n{tables.strip()}\n"] if tables.strip() else []
     text = "".join(head + [_patch_text(patch) for patch in skin])
     write_bytes(path, text.encode("utf-8"))
 

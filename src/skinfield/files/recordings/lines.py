@@ -36,9 +36,9 @@ class RecordingStream:
     keep : (C,) int array
         Columns that are readings.
     stamp : int
-        The column of times.
+        The column of times; -1 where there is none: lines are evenly spaced.
     scale : int
-        Nanoseconds in the time's unit.
+        Nanoseconds in the time's unit, or between lines.
     delimiter : str or None
         None stands for any space; with a delimiter, nothing between two of them is a missing value.
     blank : bytes
@@ -162,8 +162,11 @@ class RecordingStream:
         for row, (number, text) in enumerate(lines):
             try:
                 values = self._one(text) if table is None else table[row]
-                token = text.split(self.delimiter, self.stamp + 1)[self.stamp]
-                stamps.append(ns_from_text(token, self.scale))
+                if self.stamp < 0:
+                    stamps.append((number - self.skip - 1) * self.scale)
+                else:
+                    token = text.split(self.delimiter, self.stamp + 1)[self.stamp]
+                    stamps.append(ns_from_text(token, self.scale))
             except ValueError as error:
                 doubts.skip(number, str(error))
                 continue

@@ -12,9 +12,10 @@ from skinfield.errors import FileError
 from skinfield.files.mcap.container import MAGIC
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import LiveStream, live_stream
-from skinfield.files.recordings import archive, cyskin, table, yarp
+from skinfield.files.recordings import archive, columns, cyskin, table, yarp
 from skinfield.files.recordings.head import Magic, is_whole, read_head
 from skinfield.files.recordings.lines import Progress, RecordingStream
+from skinfield.skin.log import LogSettings
 from skinfield.skin.reading import Recording
 
 KNOWN = (
@@ -40,7 +41,9 @@ FORMATS: tuple[Callable[[Magic], RecordingStream | None], ...] = (  # the strict
 )
 
 
-def open_recording(path: str | Path, *, progress: Progress | None = None) -> Recording:
+def open_recording(
+    path: str | Path, *, log: LogSettings | None = None, progress: Progress | None = None
+) -> Recording:
     """Read a recording; its content says which format it has.
 
     Parameters
@@ -48,6 +51,8 @@ def open_recording(path: str | Path, *, progress: Progress | None = None) -> Rec
     path : str or Path
         A recording of a live skin (MCAP), a yarpdatadumper log (the folder or its `data.log`),
         CySkin text of either kind, CSV or NPZ: see the modules of this package for each.
+    log : LogSettings, optional
+        Columns of a CSV of any names, as a skin's file has them (`[log]`).
     progress : callable, optional
         Called with bytes done and bytes in all, every few megabytes.
 
@@ -63,12 +68,12 @@ def open_recording(path: str | Path, *, progress: Progress | None = None) -> Rec
     FileError
         If the file is no recording, or more than a fifth of its lines cannot be read.
     """
-    found = stream_recording(path, progress=progress)
+    found = stream_recording(path, log=log, progress=progress)
     return found if isinstance(found, Recording) else collected(found)
 
 
 def stream_recording(
-    path: str | Path, *, progress: Progress | None = None
+    path: str | Path, *, log: LogSettings | None = None, progress: Progress | None = None
 ) -> RecordingStream | LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
 
@@ -78,11 +83,17 @@ def stream_recording(
         A stream of text of any kind, or of MCAP, whose `blocks` are read one by one. An NPZ file is
         read as a whole: it is compressed as such.
     """
+    if log is not None and log.columns and columns.is_table_of_arrays(str(path)):
+        return columns.recording_of_arrays(str(path), log)
     head = read_head(file_of(Path(path)))
     if archive.matches(head):
         return archive.read(head, progress)
     if head.data.startswith(MAGIC):
         return live_stream(LiveRecording.open(head.path), progress)
+    if log is not None and log.columns and not is_binary(head):
+        stream = columns.contents(head, log)
+        stream.progress = progress
+        return stream
     for form in () if is_binary(head) else FORMATS:
         if (found := form(head)) is not None:
             found.progress = progress

@@ -11,6 +11,7 @@ from skinfield.errors import InputError
 from skinfield.files.recordings.matching import readings_for
 from skinfield.files.recordings.open import stream_recording
 from skinfield.skin import Patch
+from skinfield.skin.log import LogSettings
 from skinfield.skin.reading import Recording
 
 PIECE = 1 << 20  # numbers of a block: 8 MB
@@ -29,15 +30,22 @@ class Spool:
         Where there is room.
     step : function
         Shows the progress.
+    log : LogSettings, optional
+        See `open_recording`.
     """
 
     def __init__(
-        self, recording: str, patch: Patch, folder: Path, step: Callable[..., None]
+        self,
+        recording: str,
+        patch: Patch,
+        folder: Path,
+        step: Callable[..., None],
+        log: LogSettings | None = None,
     ) -> None:
         self.patch, self._count = patch, 0
         self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
         self._file = TemporaryFile(dir=folder)  # noqa: SIM115
-        opened, like = stream_recording(recording, progress=step), None
+        opened, like = stream_recording(recording, log=log, progress=step), None
         notes: tuple[str, ...] = ()
         for block in [opened] if isinstance(opened, Recording) else opened.blocks():
             mine = readings_for(block, patch)

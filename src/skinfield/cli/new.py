@@ -1,0 +1,237 @@
+"""`skinfield new`: a skin's file from positions of its taxels and a log of it."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+
+from skinfield.cli import options, report
+from skinfield.cli.new_log import LogFlags, log_settings_for, told_by_presses
+from skinfield.cli.profiles import profile_of
+from skinfield.cli.questions import Questions, one_of
+from skinfield.cli.settings import Elastomer
+from skinfield.errors import FileError, InputError
+from skinfield.files.layouts.positions import METRES, read_positions
+from skinfield.files.layouts.repair import Content, Draft, Finding, mend
+from skinfield.settings import Positive
+from skinfield.skin import Patch, Skin
+from skinfield.skin.log import LogSettings
+
+MATERIALS = {"silicone": 0.5, "rubber": 0.5, "foam": 0.3, "fabric": 0.3}  # Poisson's ratio
+EXAMPLE = "grid:rows=8,cols=8,pitch_mm=4"
+HEADER = (
+    "# A skin: where its taxels are, what covers it, how its logs are read. From skinfield new.\n"
+)
+
+
+def new(
+    *,
+    positions: str | None = None,
+    log: str | None = None,
+    time: str | None = None,
+    columns: str | None = None,
+    output: Annotated[str, options.OUTPUT] = "my_skin.toml",
+    yes: Annotated[bool, Parameter(negative=())] = False,
+    as_json: options.Json = False,
+    time_unit: str | None = None,
+    rate_hz: Annotated[float | None, Positive("readings per second")] = None,
+    unit: str | None = None,
+    load_cell: str | None = None,
+    calibration: str | None = None,
+    axes: str | None = None,
+    lengths: str | None = None,
+    pad_mm: Annotated[float | None, Positive("diameter of a pad")] = None,
+    patch: options.PatchName = None,
+    material: str | None = None,
+    elastomer: options.OfElastomer = Elastomer(),
+) -> None:
+    """Make the file of your own skin, from positions of its taxels and a log of it.
+
+    It asks for what flags do not say, with a guess to confirm; --yes takes the guesses. The file
+    holds where the taxels are, what covers them and how logs are read, so that every command takes
+    it without further options. Beside it goes a picture, to be looked at: taxels with their
+    numbers, rest, noise and faults. The log is best one of some presses on a skin at rest.
+
+      skinfield new
+      skinfield new --positions taxels.csv --log log.csv --time t --columns 'ch*' --yes
+      skinfield new --positions grid:rows=8,cols=8,pitch_mm=4 --log log.csv --thickness-mm 3 --yes
+      skinfield reconstruct log.csv --skin my_skin.toml
+
+    Parameters
+    ----------
+    positions : str, optional
+        Where the taxels are: a CSV of x, y (and z) with any column names, a grid such as
+        grid:rows=8,cols=8,pitch_mm=4, a layout file of a maker, or a generator by name.
+    log : str, optional
+        A log of the skin, or none: CSV with any column names, or a recording of a known format.
+    time : str, optional
+        Column of the times. Default the one that is named so.
+    columns : str, optional
+        Columns of the taxels, such as 'ch*', 3-66 or a,b,c. Default the most alike.
+    output : str
+        The skin's file (.toml); a picture (.png) goes beside it.
+    yes : bool
+        Ask nothing: take what is found, and write over files that are there.
+    time_unit : str, optional
+        Of the times: s, ms, us or ns. Default by name and steps.
+    rate_hz : float, 1/s, optional
+        Readings per second of a log without times.
+    unit : str, optional
+        Of the values: count, dC/C0, Pa or 1. Default by name and size.
+    load_cell : str, optional
+        Column of a force that is known, or none.
+    calibration : str, optional
+        Calibration of this skin (.toml, .npz), if there is one.
+    axes : str, optional
+        Columns of the positions, such as u,v. Default those named x, y and z.
+    lengths : str, optional
+        Unit of the positions: mm, cm, m or inch. Default by name and size.
+    pad_mm : float, mm, optional
+        Diameter of a pad. Default 4 mm, or 0.8 pitches on a finer skin.
+    material : str, optional
+        What covers the taxels: silicone, rubber, foam or fabric.
+    """
+    ask = Questions(yes)
+    picture = str(Path(output).with_suffix(".png"))
+    report.check_output("--output", output, True, ".toml")
+    for name in (output, picture):
+        if Path(name).exists():
+            ask.confirm(f"{name} is there already: write over it?")
+    skin, where, findings, names = _taxels(ask, positions, axes, lengths, pad_mm)
+    its = options.patch_of(skin, patch)
+    file = ask.answer("--log", "A log of it (or none)", log, "none", _there, optional=True)
+    settings, known = LogSettings(), None
+    if file is not None:
+        flags = LogFlags(time=time, time_unit=time_unit, rate_hz=rate_hz, columns=columns,
+                         unit=unit, load_cell=load_cell)  # fmt: skip
+        settings, its = log_settings_for(file, flags, ask, its, names)
+        settings, known = told_by_presses(file, settings)
+    cover = _cover(ask, elastomer, material, where)
+    tables = _tables(cover, calibration, settings)
+    from skinfield.cli.new_report import NewSkin, finish_new
+
+    its = replace(its, name=Path(output).stem if its.name in ("patch", "rectangular") else its.name)
+    made = NewSkin(
+        Skin((its,), name=Path(output).stem, notes=skin.notes), tables, findings, names, file,
+        settings, known,
+    )  # fmt: skip
+    finish_new(made, output, picture, as_json)
+
+
+def _there(text: str) -> str:
+    if not (Path(text).exists() or Path(text.rpartition(":")[0]).is_file()):  # FILE.mat:NAME
+        raise FileError(f"{text} is not there, expected a log of the skin")
+    return text
+
+
+def _taxels(
+    ask: Questions, positions: str | None, axes: str | None, lengths: str | None, pad: float | None
+) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
+    """Skin where the taxels are, its source, findings, and names of its taxels if there are any."""
+
+    def read(text: str) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
+        words = [word.strip() for word in axes.split(",")] if axes else []
+        return _skin_of(text, words, lengths, pad)
+
+    found = ask.answer(
+        "--positions", f"Where are the taxels? A CSV, a maker's file, or such as {EXAMPLE}",
+        positions, None, read,
+    )  # fmt: skip
+    assert found is not None
+    skin, _, findings, _ = found
+    for finding in findings:
+        report.note(f"{finding.severity}: {finding.message}", "yellow")
+    for patch in skin:
+        size = " x ".join(f"{side * 1e3:.4g}" for side in np.ptp(patch.positions, axis=0))
+        pitch = f"{patch.pitch * 1e3:.4g} mm apart" if len(patch) > 1 else "alone"
+        report.note(f"{patch.name}: {len(patch)} taxels, {pitch}, over {size} mm")
+    return found
+
+
+def _skin_of(
+    text: str, axes: list[str], lengths: str | None, pad: float | None
+) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
+    """What `--positions` means."""
+    from skinfield.files.layouts.load import fitting_formats, read_layout
+    from skinfield.files.layouts.text import read_bytes
+
+    if lengths is not None:
+        one_of(tuple(METRES))(lengths)
+    path = Path(text)
+    if not path.exists():
+        head, colon, rest = text.partition(":")
+        if head.strip() == "grid":  # the usual word for it
+            text = f"rectangular{colon}{rest.replace('cols=', 'columns=')}"
+        return _with_pad(options.skin_from_text(text), pad), text, (), ()
+    if path.is_dir() or fitting_formats(read_bytes(path)):
+        if axes or lengths:
+            raise InputError("--axes and --lengths are of a CSV, expected none beside a layout")
+        skin, findings = read_layout(path)
+        return _with_pad(skin, pad), text, findings, ()
+    table = read_positions(path, axes, lengths)  # type: ignore[arg-type]
+    for said in table.notes:
+        report.note(said)
+    flat = not np.ptp(table.positions[:, 2])
+    up = np.tile([0.0, 0.0, 1.0], (len(table.positions), 1)) if flat else None
+    draft = Draft(
+        table.positions, np.arange(len(table.positions)),
+        up if table.normals is None else table.normals, name=path.stem,
+        pad_diameter=None if pad is None else pad * 1e-3,
+    )  # fmt: skip
+    skin, findings = mend(Content(path, path.stem, (draft,)))
+    return skin, text, findings, table.names
+
+
+def _with_pad(skin: Skin, pad: float | None) -> Skin:
+    if pad is None:
+        return skin
+    patches: tuple[Patch, ...] = tuple(replace(each, pad_diameter=pad * 1e-3) for each in skin)
+    return replace(skin, patches=patches)
+
+
+def _cover(ask: Questions, given: Elastomer, material: str | None, where: str) -> Elastomer:
+    """What covers the taxels: a profile, thickness and Poisson's ratio."""
+    from skinfield.files.layouts.load import layout_format
+
+    profile = profile_of(given, None, layout_format(where) if Path(where).exists() else "")
+    thick, ratio = given.thickness_mm, given.poisson
+
+    def thickness(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = 0.0
+        Positive("thickness of the elastomer").check("--thickness-mm", value)
+        return value
+
+    if thick is None and ask.terminal:
+        usual = f"{profile.thickness_mm:g}"
+        thick = ask.answer(
+            "--thickness-mm", "Thickness of what covers it, mm", None, usual, thickness
+        )
+    if ratio is None and (material is not None or ask.terminal):
+        usual = "silicone" if profile.poisson > 0.4 else "foam"
+        question = f"What covers it ({', '.join(MATERIALS)})"
+        word = ask.answer("--material", question, material, usual, one_of(tuple(MATERIALS)))
+        ratio = MATERIALS[str(word)]
+    elif ratio is not None and material is not None:
+        raise InputError("--material and --poisson were both given, expected one of them")
+    return replace(given, profile=profile.name if given.profile == "auto" else given.profile,
+                   thickness_mm=thick, poisson=ratio)  # fmt: skip
+
+
+def _tables(cover: Elastomer, calibration: str | None, log: LogSettings) -> str:
+    """Tables of a skin's file, beside its layout, as TOML."""
+    import tomli_w
+
+    def changed_values(section: Any) -> dict[str, Any]:
+        usual = type(section)()
+        names = [name for name in vars(usual) if getattr(section, name) != getattr(usual, name)]
+        values = {name: getattr(section, name) for name in names}
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()}
+
+    skin = changed_values(cover) | ({} if calibration is None else {"calibration": calibration})
+    tables = {"skin": skin, "log": changed_values(log)}
+    return HEADER + tomli_w.dumps({name: its for name, its in tables.items() if its})
