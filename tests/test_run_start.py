@@ -8,9 +8,10 @@ from rich.console import Console
 
 import skinfield as sf
 from skinfield.cli import run as command
-from skinfield.loop.status_text import start_in_words
+from skinfield.loop.status_text import preparing_of, start_in_words
 from skinfield.loop.supervisor import EngineFailed
 
+COMPILING = {"compiled": 0.4, "compile_left_s": 12.0}
 PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41.2}}
 
 
@@ -19,8 +20,8 @@ PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41
     [
         ({"phase": "loading", "progress": {}}, "loading its code"),
         (
-            {"phase": "loading", "progress": {"compiled": 57}},
-            "once for this machine, a minute or two: 57",
+            {"phase": "loading", "progress": COMPILING},
+            "compiling once for this machine, 12 s left",
         ),
         (PATCHES, "preparing patch 7 of 60, about 41 s more"),
         ({"phase": "preparing", "progress": {"patches": 0, "of": 2}}, "preparing patch 1 of 2"),
@@ -29,6 +30,17 @@ PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41
 )
 def test_a_start_in_words(notes: dict, words: str) -> None:
     assert words in start_in_words(notes)
+
+
+def test_a_bar_has_what_is_prepared() -> None:
+    linear = {"phase": "running", "progress": {"patches": 0, "of": 1} | COMPILING}
+    for notes in ({"phase": "loading", "progress": COMPILING}, linear):
+        expected = {"what": "compiling", "done": 0.4, "seconds_left": 12.0}
+        assert preparing_of(notes) == expected
+    expected = {"what": "preparing", "done": 0.1, "seconds_left": 41.2}
+    assert preparing_of(PATCHES) == expected
+    for notes in ({"phase": "taring", "progress": {}}, {"phase": "running", "progress": {}}, {}):
+        assert preparing_of(notes) is None
 
 
 def test_nothing_is_said_of_a_skin_that_runs() -> None:

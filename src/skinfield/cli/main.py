@@ -55,6 +55,7 @@ COMMANDS = {
     "layout": Lazy("layout:layout", "Show, check and convert taxel layouts.", "Skin"),
     "design": Lazy("design:design", "Judge a layout before it is made.", "Skin"),
     "bench": Lazy("bench:bench", "Time the solvers here: cost, error against time.", "Machine"),
+    "doctor": Lazy("doctor:doctor", "What this machine has and lacks, and the remedy.", "Machine"),
     "status": Lazy("status:status", "What runs, and how well it keeps its time."),
     "tune": Lazy("status:tune", "Change how a running skin answers."),
     "tare": Lazy("status:tare", "Take the baseline of an untouched skin anew."),
