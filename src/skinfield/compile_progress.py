@@ -154,8 +154,9 @@ class CompileProgress(Listener):
 
 
 def words(seconds_left: float) -> str:
-    """What people read while it lasts."""
-    return f"compiling once for this machine, {max(seconds_left, 1.0):.0f} s left"
+    """What people read while it lasts; without the seconds where nothing known is left."""
+    text = "compiling once for this machine"
+    return f"{text}, {max(seconds_left, 1.0):.0f} s left" if seconds_left else text
 
 
 @contextmanager

@@ -41,7 +41,7 @@ def start_in_words(notes: Mapping[str, Any]) -> str:
         return "taking its baseline: leave the skin untouched"
     if phase not in ("loading", "preparing"):
         return ""
-    if progress.get("compile_left_s"):
+    if progress.get("compiled", 1.0) < 1.0:
         return words(progress["compile_left_s"])
     if "patches" not in progress:
         return "loading its code"
@@ -57,7 +57,7 @@ def preparing_of(notes: Mapping[str, Any]) -> dict[str, Any] | None:
     nothing that takes long is being done.
     """
     progress = notes.get("progress") or {}
-    if progress.get("compile_left_s"):
+    if progress.get("compiled", 1.0) < 1.0:
         done, left = progress["compiled"], progress["compile_left_s"]
         return {"what": "compiling", "done": done, "seconds_left": left}
     if progress.get("of") and notes.get("phase") in ("loading", "preparing", "running"):
