@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import refused, run
+from command_line import refused, result_of, run
 
 import skinfield as sf
 from skinfield.calibrate import save_calibration

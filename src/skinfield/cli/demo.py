@@ -140,6 +140,6 @@ def _total(balls: list["Sphere"], estimate: "Estimate") -> str:
     """Sum of what was found beside the true one; contacts err independently."""
     found = sum(each.normal_force for each in estimate.contacts)
     spread = sum((each.force_std or 0.0) ** 2 for each in estimate.contacts) ** 0.5
-    true = sum(ball.force for ball in balls)
+    true = sum(ball.force or 0.0 for ball in balls)
     doubt = f" ± {spread:.2f}" if spread else ""
     return f"total: {found:.2f}{doubt} N found, {true:.2f} N true"
