@@ -46,7 +46,7 @@ atexit.register(write)
 leave = os._exit
 os._exit = lambda code=0: (write(), leave(code))
 """
-SOLVERS = {"reconstruct": "demo -o {}/demo.png", "run": "warmup"}
+COMMANDS = {"reconstruct": "demo -o {}/demo.png", "run": "warmup"}
 
 
 def times_of(command: str) -> dict[str, dict[str, float]]:
@@ -75,7 +75,7 @@ def told_short(seconds: dict[str, float]) -> dict[str, float]:
 
 def main() -> None:
     """Measure, and write."""
-    by_use = {use: times_of(command) for use, command in SOLVERS.items()}
+    by_use = {use: times_of(command) for use, command in COMMANDS.items()}
     seconds = {name: told_short(its) for each in by_use.values() for name, its in each.items()}
     seconds = {name: its for name, its in seconds.items() if sum(its.values()) >= 0.05}
     uses = {use: [name for name in each if name in seconds] for use, each in by_use.items()}
