@@ -1,6 +1,8 @@
 """What a skin that starts says it waits for, and how a start that fails ends."""
 
 import io
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -8,6 +10,7 @@ from rich.console import Console
 
 import skinfield as sf
 from skinfield.cli import run as command
+from skinfield.cli.settings import Settings
 from skinfield.loop.status_text import preparing_of, start_in_words
 from skinfield.loop.supervisor import EngineFailed
 
@@ -101,3 +104,28 @@ def test_a_start_without_progress_ends_and_says_what_it_did(
     words = ["loading", "preparing patch 7 of 60"]
     with pytest.raises(EngineFailed, match=r"without progress: preparing patch 7 of 60"):
         wait(monkeypatch, words, ends=False)
+
+
+def test_the_page_is_open_before_a_recorder_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    events: list[str] = []
+
+    def noted(what: str, **parts: object) -> Callable[..., object]:
+        @contextmanager
+        def part(*_: object, **__: object) -> Iterator[SimpleNamespace]:
+            events.append(what)
+            yield SimpleNamespace(**parts)
+
+        return part
+
+    supervised = noted("engine", wait=lambda *_: io.StringIO())
+    monkeypatch.setattr(command, "loading_engine", noted("loading"))
+    monkeypatch.setattr(command, "virtual_skin", noted("skin", channels=["127.0.0.1:40001"]))
+    monkeypatch.setattr(command, "served_page", noted("page", address="http://here"))
+    monkeypatch.setattr("skinfield.loop.supervisor.Supervisor", supervised)
+    monkeypatch.setattr("skinfield.loop.client.Live", noted("ring"))
+    monkeypatch.setattr("skinfield.record.launch.recorder", noted("recorder"))
+    monkeypatch.setattr("skinfield.bridges.launch.bridges", noted("bridges"))
+    with ExitStack() as parts:
+        command.start_all(Settings(), parts, Console(file=io.StringIO()), events.append)
+    order = ["loading", "skin", "engine", "ring", "page", "http://here", "recorder", "bridges"]
+    assert events == order
