@@ -3,6 +3,9 @@
 import json
 import os
 import re
+import subprocess
+import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -132,3 +135,9 @@ def test_what_says_something_says_it_as_json(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert keys <= result_of(*command.split()).keys()
+
+
+def test_the_command_is_also_a_module() -> None:
+    words = [sys.executable, "-m", "skinfield", "--version"]
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    assert said == version("skinfield")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import refused, run
+from command_line import refused, result_of, run
 
 import skinfield as sf
 from skinfield.calibrate import save_calibration
@@ -42,6 +42,18 @@ def test_demo_writes_a_picture_and_compares_with_the_truth(tmp_path: Path, solve
     for word in ("force error", "place error", "latency", "the next time", "wrote"):
         assert word in said
     assert ("sphere" in said or "flat" in said) == (solver == "contact")
+
+
+def test_demo_finds_two_touches_within_some_per_cent_and_knows_how_well(tmp_path: Path) -> None:
+    found = result_of("demo", "-o", tmp_path / "demo.png")
+    assert found["solver"] == "ContactFit"  # the choice of Auto
+    assert len(found["contacts"]) == len(found["presses"]) == 2
+    for each in found["presses"]:
+        assert 1e-4 < abs(each["force_error"]) < 0.08
+        assert 1e-6 < each["place_error_m"] < 1.5e-3
+        std = each["estimated_force_std_N"]
+        assert 0.05 < std / each["force_N"] < 0.25
+        assert abs(each["estimated_force_N"] - each["force_N"]) < 2 * std
 
 
 def test_demo_refuses_a_press_it_does_not_understand(tmp_path: Path) -> None:

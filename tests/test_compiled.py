@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numba
 import pytest
 from command_line import result_of
 
@@ -30,7 +29,7 @@ SOURCES = {
 }
 RUN = (
     "from skinfield.caller import total; print(total(1), sum(total.stats.cache_hits.values()));"
-    "from skinfield import compiled; print(compiled._root())"
+    "from skinfield import compiled; print(compiled.code_folder())"
 )
 
 
@@ -92,11 +91,11 @@ def test_a_folder_that_cannot_be_written_to_is_named(
     monkeypatch.setattr(compiled.CONFIG, "CACHE_DIR", "")
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     with pytest.warns(RuntimeWarning, match=r"file/skinfield/kernels cannot be written to .*Set "):
-        root = compiled._root()
+        root = compiled.code_folder()
     assert root.parent == tmp_path
     root.chmod(0o777)  # as if another user had made it
     with pytest.warns(RuntimeWarning, match="cannot be written to"):
-        assert compiled._root() != root
+        assert compiled.code_folder() != root
 
 
 def test_few_versions_of_a_module_stay_and_no_checkout_that_is_gone(
@@ -130,16 +129,6 @@ def test_every_kernel_is_compiled_by_this_module() -> None:
     own = re.compile(r"^\s*from numba import .*\bn?jit\b|\bnumba\.n?jit\b", re.MULTILINE)
     users = [file for file in package.rglob("*.py") if own.search(file.read_text())]
     assert users == [package / "compiled.py"]
-
-
-def test_what_is_compiled_is_reported_once() -> None:
-    function = numba.njit(lambda x: x + 1)
-    names: list[tuple[str, int]] = []
-    with compiled.reported(lambda *each: names.append(each)) as compilations:
-        assert [function(1), function(2), function(1.5)] == [2, 3, 2.5]
-    assert function("a" == "b") == 1
-    assert names == [("<lambda>", 1), ("<lambda>", 2)]
-    assert compilations.count == 2
 
 
 @pytest.mark.slow

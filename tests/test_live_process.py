@@ -24,7 +24,7 @@ from skinfield.bridges.launch import Bridge
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop import engine_process, process_supervisor
+from skinfield.loop import preparation, process_supervisor
 from skinfield.loop.baseline import TareBaseline
 from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
@@ -312,16 +312,16 @@ def test_a_solver_that_is_loaded_by_the_baseline_answers_first(
 ) -> None:
     made = []
 
-    def preparation(model_config: ModelConfig, *_: object) -> SimpleNamespace:
+    def prepared(model_config: ModelConfig, *_: object, **__: object) -> SimpleNamespace:
         made.append(type(model_config.solver).__name__)
         return SimpleNamespace(updater=model_config, has_ended=loaded)
 
-    monkeypatch.setattr(engine_process, "Preparation", preparation)
+    monkeypatch.setattr(preparation, "Preparation", prepared)
     known = settings(solver=sf.Auto())
     model_config = ModelConfig.of(known, (Port("hexagon72", 72),))
-    start = engine_process.Start(known, model_config, None, np.zeros(1, np.int64))
+    start = preparation.Start(known, model_config, None, np.zeros(1, np.int64))
     start._tare = SimpleNamespace(skip=lambda _: None)
-    monkeypatch.setattr(engine_process, "BaselineCollector", Collected)
+    monkeypatch.setattr(preparation, "BaselineCollector", Collected)
     assert start.take(None, 0) is None  # loaded: now the baseline
     assert start.take(None, 0) is None
     assert made == ["GaussianField", "Auto", solvers]

@@ -1,6 +1,8 @@
 """What a skin that starts says it waits for, and how a start that fails ends."""
 
 import io
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -8,9 +10,11 @@ from rich.console import Console
 
 import skinfield as sf
 from skinfield.cli import run as command
-from skinfield.loop.status_text import start_in_words
+from skinfield.cli.settings import Settings
+from skinfield.loop.status_text import preparing_of, start_in_words
 from skinfield.loop.supervisor import EngineFailed
 
+COMPILING = {"compiled": 0.4, "compile_left_s": 12.0}
 PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41.2}}
 
 
@@ -19,8 +23,8 @@ PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41
     [
         ({"phase": "loading", "progress": {}}, "loading its code"),
         (
-            {"phase": "loading", "progress": {"compiled": 57}},
-            "once for this machine, a minute or two: 57",
+            {"phase": "loading", "progress": COMPILING},
+            "compiling once for this machine, 12 s left",
         ),
         (PATCHES, "preparing patch 7 of 60, about 41 s more"),
         ({"phase": "preparing", "progress": {"patches": 0, "of": 2}}, "preparing patch 1 of 2"),
@@ -29,6 +33,17 @@ PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41
 )
 def test_a_start_in_words(notes: dict, words: str) -> None:
     assert words in start_in_words(notes)
+
+
+def test_a_bar_has_what_is_prepared() -> None:
+    linear = {"phase": "running", "progress": {"patches": 0, "of": 1} | COMPILING}
+    for notes in ({"phase": "loading", "progress": COMPILING}, linear):
+        expected = {"what": "compiling", "done": 0.4, "seconds_left": 12.0}
+        assert preparing_of(notes) == expected
+    expected = {"what": "preparing", "done": 0.1, "seconds_left": 41.2}
+    assert preparing_of(PATCHES) == expected
+    for notes in ({"phase": "taring", "progress": {}}, {"phase": "running", "progress": {}}, {}):
+        assert preparing_of(notes) is None
 
 
 def test_nothing_is_said_of_a_skin_that_runs() -> None:
@@ -89,3 +104,28 @@ def test_a_start_without_progress_ends_and_says_what_it_did(
     words = ["loading", "preparing patch 7 of 60"]
     with pytest.raises(EngineFailed, match=r"without progress: preparing patch 7 of 60"):
         wait(monkeypatch, words, ends=False)
+
+
+def test_the_page_is_open_before_a_recorder_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    events: list[str] = []
+
+    def noted(what: str, **parts: object) -> Callable[..., object]:
+        @contextmanager
+        def part(*_: object, **__: object) -> Iterator[SimpleNamespace]:
+            events.append(what)
+            yield SimpleNamespace(**parts)
+
+        return part
+
+    supervised = noted("engine", wait=lambda *_: io.StringIO())
+    monkeypatch.setattr(command, "loading_engine", noted("loading"))
+    monkeypatch.setattr(command, "virtual_skin", noted("skin", channels=["127.0.0.1:40001"]))
+    monkeypatch.setattr(command, "served_page", noted("page", address="http://here"))
+    monkeypatch.setattr("skinfield.loop.supervisor.Supervisor", supervised)
+    monkeypatch.setattr("skinfield.loop.client.Live", noted("ring"))
+    monkeypatch.setattr("skinfield.record.launch.recorder", noted("recorder"))
+    monkeypatch.setattr("skinfield.bridges.launch.bridges", noted("bridges"))
+    with ExitStack() as parts:
+        command.start_all(Settings(), parts, Console(file=io.StringIO()), events.append)
+    order = ["loading", "skin", "engine", "ring", "page", "http://here", "recorder", "bridges"]
+    assert events == order

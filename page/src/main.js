@@ -15,6 +15,7 @@ import { PressPanel } from "./press.js";
 import { Replay } from "./replay.js";
 import { SkinScene } from "./scene/scene.js";
 import { PageSocket } from "./socket.js";
+import { showPreparing } from "./preparing.js";
 import { StatusLine } from "./status.js";
 import { startTheme } from "./theme.js";
 import { checkGeometry, checkUpdate, decode, WIRE, WireError } from "./wire.js";
@@ -136,6 +137,7 @@ function controlsMessage(message) {
 function statusMessage(message) {
   state.status = message;
   status.show(message);
+  showPreparing(message.preparing);
 }
 
 function noticeMessage({ level, text: words }) {

@@ -29,7 +29,6 @@ import numba
 from numba import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
-from numba.core.event import Listener, install_listener
 
 CONFIG: Any = numba.config
 UNLITERAL: Any = types.unliteral
@@ -172,45 +171,6 @@ class InnerCompiler(QuickCompiler):
         super().__init__(typing, target, code(target.codegen(), name), *rest)
 
 
-class Compilations(Listener):
-    """Counter of the functions that are compiled, each of which is reported.
-
-    Parameters
-    ----------
-    report : function
-        Called with the name of each, and its number from 1 on, before it is compiled.
-
-    Attributes
-    ----------
-    count : int
-    """
-
-    def __init__(self, report: Callable[[str, int], None]) -> None:
-        self.count, self._report = 0, report
-
-    def on_start(self, event: Any) -> None:
-        """A function is about to be compiled: there is none such in the cache."""
-        self.count += 1
-        self._report(event.data["dispatcher"].py_func.__name__, self.count)
-
-    def on_end(self, event: Any) -> None:
-        """It is compiled."""
-
-
-@contextmanager
-def reported(report: Callable[[str, int], None]) -> Iterator[Compilations]:
-    """Report each function that any thread compiles while this lasts.
-
-    Parameters
-    ----------
-    report : function
-        See `Compilations`.
-    """
-    listener = Compilations(report)
-    with install_listener("numba:compile", listener):
-        yield listener
-
-
 @contextmanager
 def parallel_compilation(script: str, function: Any) -> Iterator[None]:
     """Have another process compile what a script calls, while this one compiles something else.
@@ -227,9 +187,8 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
         One by `njit` that the script calls last.
     """
     source = Path(function.py_func.__code__.co_filename)
-    name = f"{source.stem}.{function.py_func.__qualname__}-*.nbi"
     allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
-    if len(allowed(0)) == 1 or any(cache_folder(source).rglob(name)):
+    if len(allowed(0)) == 1 or is_cached(source, function.py_func.__qualname__):
         yield
         return
     quiet = subprocess.DEVNULL
@@ -240,6 +199,11 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
         except BaseException:
             child.kill()
             raise
+
+
+def is_cached(file: Path, name: str) -> bool:
+    """Whether the cache holds machine code of a source file's kernel, of any types."""
+    return any(cache_folder(file).rglob(f"{file.stem}.{name}-*.nbi"))
 
 
 @cache
@@ -336,7 +300,7 @@ def _compilers() -> bytes:
 @cache
 def _checkout_folder() -> Path:
     """Folder of this checkout; those of checkouts that are no more are deleted."""
-    root = _root()
+    root = code_folder()
     folder = root / hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16]
     if not (folder / "checkout").is_file():
         folder.mkdir(exist_ok=True)
@@ -347,7 +311,7 @@ def _checkout_folder() -> Path:
     return folder
 
 
-def _root() -> Path:
+def code_folder() -> Path:
     """User's cache folder, below `NUMBA_CACHE_DIR` where that is set, or a temporary one."""
     home = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     wanted = Path(CONFIG.CACHE_DIR or home).expanduser() / "skinfield" / "kernels"

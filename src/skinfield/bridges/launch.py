@@ -15,7 +15,8 @@ from typing import Any
 from skinfield.bridges.settings import BridgeSettings, ZenohAddresses
 from skinfield.bridges.zenoh.session import zenoh_session
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_python
+from skinfield.loop.process_supervisor import SupervisedProcess, exit_text
+from skinfield.processes import Child, start_python
 from skinfield.settings import json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there

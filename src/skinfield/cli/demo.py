@@ -14,14 +14,15 @@ from skinfield.errors import InputError, as_floats
 
 if TYPE_CHECKING:
     from skinfield import Estimate
-    from skinfield.simulate import Sphere
+    from skinfield.simulate import Press, Sphere
 
-DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
+DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
 FAR = 8e-3  # m: a contact beyond is not of this press
 AGAINST = (
     Column("press", "press", decimals=0), Column("true N", "force_N", decimals=2),
     Column("found N", "estimated_force_N", decimals=2),
+    Column("± N", "estimated_force_std_N", decimals=2),
     Column("force error %", "force_error", 100.0, 0),
     Column("place error mm", "place_error_m", 1e3, 2),
 )  # fmt: skip
@@ -78,7 +79,7 @@ def demo(
         reconstructor = config.reconstructor()
         prepared = time.perf_counter() - start
         estimate = reconstructor(readings)
-    truth = [(ball.position, ball.force, ball.radius / 2) for ball in balls]
+    truth = [(b.position, b.force, r) for b, r in zip(balls, _radii(true, balls), strict=True)]
     report.save_picture(picture, estimate, readings, config, truth)
     report.say_notes(estimate.notes)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
@@ -94,6 +95,7 @@ def demo(
     def lines() -> Iterator[report.Shown]:
         yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
+        yield _total(balls, estimate)
         later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
         yield (
             f"latency: {duration(estimate.latency)}, {duration(float(later))} the next time, at "
@@ -113,6 +115,14 @@ def _ball_of(text: str) -> "Sphere":
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
+def _radii(true: "Press", balls: list["Sphere"]) -> list[float]:
+    """Radius of the circle that has the area of each ball's contact, m."""
+    cells = true.grid.plane[true.contact]
+    apart = [np.linalg.norm(cells - ball.position, axis=1) for ball in balls]
+    counts = np.bincount(np.argmin(apart, axis=0), minlength=len(balls))
+    return np.sqrt(counts / np.pi * true.grid.pitch**2).tolist()  # type: ignore[no-any-return]
+
+
 def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]:
     """A press beside the contact that is nearest to it, if one is near."""
     near = [(float(np.hypot(*(c.position[:2] - ball.position))), c) for c in estimate.contacts]
@@ -122,4 +132,14 @@ def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]
         return row | {"missed": True}
     force = contact.normal_force
     error = force / ball.force - 1
-    return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
+    found = {"estimated_force_N": force, "estimated_force_std_N": contact.force_std}
+    return row | found | {"force_error": error, "place_error_m": place}
+
+
+def _total(balls: list["Sphere"], estimate: "Estimate") -> str:
+    """Sum of what was found beside the true one; contacts err independently."""
+    found = sum(each.normal_force for each in estimate.contacts)
+    spread = sum((each.force_std or 0.0) ** 2 for each in estimate.contacts) ** 0.5
+    true = sum(ball.force or 0.0 for ball in balls)
+    doubt = f" ± {spread:.2f}" if spread else ""
+    return f"total: {found:.2f}{doubt} N found, {true:.2f} N true"

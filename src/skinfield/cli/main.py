@@ -56,6 +56,7 @@ COMMANDS = {
     "layout": Lazy("layout:layout", "Show, check and convert taxel layouts.", "Skin"),
     "design": Lazy("design:design", "Judge a layout before it is made.", "Skin"),
     "bench": Lazy("bench:bench", "Time the solvers here: cost, error against time.", "Machine"),
+    "doctor": Lazy("doctor:doctor", "What this machine has and lacks, and the remedy."),
     "status": Lazy("status:status", "What runs, and how well it keeps its time."),
     "tune": Lazy("status:tune", "Change how a running skin answers."),
     "tare": Lazy("status:tare", "Take the baseline of an untouched skin anew."),
@@ -74,6 +75,7 @@ Start with
   skinfield run                   a virtual skin alive, in the browser
   skinfield new                   your own skin, from a CSV of its taxels and a log
   skinfield run my_robot.toml     your own robot
+  skinfield doctor                what this machine lacks, and the remedy
   skinfield COMMAND --help        what a command takes, with examples
   skinfield lab COMMAND --help    the same of press, rig, cases, validate, experiments
 

@@ -1,9 +1,12 @@
 """Output of commands: tables, notes, progress, JSON, files to write, signals that end one."""
 
 import json
+import math
 import os
 import signal
 import sys
+import threading
+import time
 import webbrowser
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -17,11 +20,13 @@ from skinfield.errors import Floats, InputError
 
 if TYPE_CHECKING:
     from skinfield import Contact, Estimate
+    from skinfield.compile_progress import CompileProgress
     from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 MOST_CONTACTS = 12
 NONE = "–"  # in a cell whose number does not exist
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+BLINK, SAYS = 0.2, 10.0  # s between looks how far a compilation is, and between lines about it
 FLAT = 5e-5  # m: heights below read 0.0 mm
 Step = Callable[..., None]  # see `progress`
 Shown = RenderableType  # what a command prints for people
@@ -34,15 +39,19 @@ def console() -> Console:
 
 
 @contextmanager
-def progress(what: str, total: float | None = None, *, quiet: bool = False) -> Iterator[Step]:
+def progress(
+    what: str, total: float | None = None, *, quiet: bool = False, counted: bool = True
+) -> Iterator[Step]:
     """Bar on stderr that goes away when it is done; without a total it only moves.
 
+    Beside it stand the numbers of what is `counted`, and the time that is left.
     Yields a function of done, total and what, each optional, that moves it there or one step on.
     """
     from rich import progress as rich
 
-    columns = (rich.TextColumn("{task.description}"), rich.BarColumn(), rich.MofNCompleteColumn(),
-               rich.TimeRemainingColumn())  # fmt: skip
+    columns = [rich.TextColumn("{task.description}"), rich.BarColumn()]
+    if counted:
+        columns += [rich.MofNCompleteColumn(), rich.TimeRemainingColumn()]
     out = Console(stderr=True)
     quiet = quiet or not out.is_terminal  # a line would be left
     with rich.Progress(*columns, console=out, transient=True, disable=quiet) as bar:
@@ -59,21 +68,40 @@ def progress(what: str, total: float | None = None, *, quiet: bool = False) -> I
 
 @contextmanager
 def compilation(*, quiet: bool = False) -> Iterator[None]:
-    """Bar on stderr of the functions that are compiled for this machine; none if none is."""
-    from skinfield.compiled import reported
+    """Bar on stderr of what is compiled for this machine, or lines; nothing if nothing is."""
+    from skinfield.compile_progress import followed
 
-    with ExitStack() as bars:
-        steps: list[Step] = []
-
-        def report(name: str, number: int) -> None:
-            if not steps and not quiet:
-                note("the first time code is compiled for this machine, half a minute or so")
-            if not steps:
-                steps.append(bars.enter_context(progress("compiling", quiet=quiet)))
-            steps[0](number)
-
-        with reported(report):
+    with followed("reconstruct") as compiling:
+        if quiet:
             yield
+            return
+        shown = threading.Event()
+        thread = threading.Thread(target=_show_compilation, args=(compiling, shown), daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            shown.set()
+            thread.join()
+
+
+def _show_compilation(compiling: "CompileProgress", over: threading.Event) -> None:
+    """Show it as it goes on, until it is over."""
+    from skinfield.compile_progress import words
+
+    interactive, said = Console(stderr=True).is_terminal, -math.inf
+    with ExitStack() as bars:
+        step: Step | None = None
+        while not over.wait(BLINK):
+            if not compiling.is_going_on:
+                continue
+            text = words(compiling.seconds_left)
+            if interactive:
+                step = step or bars.enter_context(progress(text, 1.0, counted=False))
+                step(compiling.share, what=text)
+            elif time.monotonic() > said + SAYS:
+                said = time.monotonic()
+                note(text)
 
 
 def table(title: str | None, words: Sequence[str], numbers: Sequence[str], **look: Any) -> Table:
@@ -307,6 +335,11 @@ def end_undisturbed() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+def has_screen() -> bool:
+    """Whether a window can be opened here."""
+    return sys.platform != "linux" or bool({"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ))
+
+
 def show_address(address: str, where: Console, *, browser: bool, as_json: bool = False) -> None:
     """Print the page's address, and open it where somebody may be looking."""
     if as_json:  # standard output is for the object at the end
@@ -314,9 +347,7 @@ def show_address(address: str, where: Console, *, browser: bool, as_json: bool =
     else:
         say(f"page: {address}")
         sys.stdout.flush()
-    # on a robot it would be one in the terminal
-    screen = sys.platform != "linux" or bool({"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ))
-    if not browser or not screen:
+    if not browser or not has_screen():  # on a robot it would be one in the terminal
         return
     try:
         webbrowser.open(address)

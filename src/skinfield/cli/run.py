@@ -2,12 +2,14 @@
 
 import os
 import socket
+import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, get_args
+from typing import IO, Annotated, Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +34,12 @@ from skinfield.cli.settings import (
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.estimate.contact_table import scale_of
 from skinfield.page.settings import PageSettings
+from skinfield.processes import Child, start_python
 
 REFRESH = 0.25  # s
 DIGITS = 4  # to which numbers of contacts are rounded: what they are good for
 SETTLE = 3.0  # s that the engine answers a press, to warm up
-STARTING = "starting; the first time code is compiled for this machine, a minute or two"
+STARTING = "starting"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
 STARTS = 600.0  # s without any progress of a start: code may have to be compiled first
@@ -115,9 +118,12 @@ def run(
     check_settings(wanted, force)
     with report.signals_end(), ExitStack() as parts:
         try:
-            running = start_all(wanted, parts, console)
             browser = page.browser and not headless
-            report.show_address(running.page.address, console, browser=browser, as_json=as_json)
+
+            def opened(address: str) -> None:
+                report.show_address(address, console, browser=browser, as_json=as_json)
+
+            running = start_all(wanted, parts, console, opened)
             screen = None
             if not headless:
                 screen = Screen(console=console, auto_refresh=False, vertical_overflow="crop")
@@ -317,11 +323,32 @@ def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any
         controller.close()
 
 
-def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running":
+@contextmanager
+def loading_engine() -> Iterator[tuple[Child, IO[bytes]]]:
+    """An engine's process that loads its code while this one loads its own; with its errors."""
+    with tempfile.TemporaryFile() as errors:
+        words = ("skinfield.loop.engine_process", str(os.getpid()))
+        child = start_python(*words, stdin=subprocess.PIPE, stderr=errors)
+        try:
+            yield child, errors
+        finally:
+            if child.poll() is None:  # it was not needed
+                child.kill()
+                child.communicate()
+
+
+def start_all(
+    wanted: Settings,
+    parts: ExitStack,
+    console: Console,
+    opened: Callable[[str], None] = lambda address: None,
+) -> "Running":
     """Start the virtual skin, if there is no hardware, the engine, the page and what is beside it.
 
-    `parts` ends them all, the last one first.
+    `parts` ends them all, the last one first. The page is `opened` as soon as it is served: the
+    engine does not answer yet then.
     """
+    loading = parts.enter_context(loading_engine())
     from skinfield.bridges.launch import bridges
     from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
@@ -351,15 +378,16 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         if source.hardware is None:
             virtual = parts.enter_context(virtual_skin(wanted, profile))
             settings = settings_of(on_virtual_boards(source, virtual.channels))
-        supervisor = parts.enter_context(Supervisor(settings))
+        supervisor = parts.enter_context(Supervisor(settings, loading))
         supervisor.wait(STARTS, State.STARTING).close()
-        into = wanted.record.into
-        if into is not None:
-            Path(into).unlink(missing_ok=True)  # only --force lets it come so far
-        parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
         live = parts.enter_context(Live(settings.name))
         page = parts.enter_context(served_page(wanted, supervisor, virtual))
-        bridged = parts.enter_context(bridges(wanted.bridges, settings.name))
+    opened(page.address)
+    into = wanted.record.into
+    if into is not None:
+        Path(into).unlink(missing_ok=True)  # only --force lets it come so far
+    parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
+    bridged = parts.enter_context(bridges(wanted.bridges, settings.name))
 
     def check() -> None:
         page.check()

@@ -8,20 +8,15 @@ import os
 import pickle
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
-import numpy as np
-
-from skinfield.compiled import reported
-from skinfield.errors import InputError, Ints, check_type
+from skinfield.compile_progress import CompileProgress, followed
+from skinfield.errors import InputError, check_type
 from skinfield.files.mcap.schema import CycleFlag
-from skinfield.loop.baseline import BaselineCollector, TareBaseline
+from skinfield.loop.baseline import BaselineCollector
 from skinfield.loop.control import EngineControl
 from skinfield.loop.intake import Intake
 from skinfield.loop.model_config import FIELD as CONFIGURATION
@@ -31,9 +26,9 @@ from skinfield.loop.model_config import (
     model_config_of,
     write_configuration,
 )
+from skinfield.loop.preparation import Preparation, Start, quick
 from skinfield.loop.process_supervisor import end_with
 from skinfield.loop.realtime.clock import EventWaiter, PeriodicClock, Waiter
-from skinfield.loop.realtime.system import SOON_OVER
 from skinfield.loop.realtime.timing import TimingTable
 from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
 from skinfield.loop.runtime_parameters import Limits
@@ -43,8 +38,6 @@ from skinfield.loop.status_text import read_notes, write_notes
 from skinfield.loop.supervisor import GO, READY
 from skinfield.loop.update import Updater
 from skinfield.ring import RingReader, State
-from skinfield.signal import Channels
-from skinfield.solve import Auto, ContactFit, GaussianField, Solver
 
 FIRST_LEAD = 0.25  # of a period
 MOST_LEAD = 0.5
@@ -77,166 +70,10 @@ class Prefetch:
         self._lead = min(max(COOLING * self._lead, took), self._most)
 
 
-@cache
-def processors() -> frozenset[int]:
-    """Those that this process may use; asked first before the loop is pinned to one of them."""
-    allowed = getattr(os, "sched_getaffinity", lambda _: ())  # not on macOS
-    return frozenset(allowed(0))
-
-
-class Preparation:
-    """Updater that is prepared beside the loop, which goes on taking in readings.
-
-    Its thread uses any processor of the process: that of the loop may have no time for it.
-
-    Parameters
-    ----------
-    model_config : ModelConfig
-    baseline : TareBaseline
-    tracks : (1,) int64 array, optional
-        See `Updater`.
-    after : Preparation, optional
-        Whose end is waited for: it loads the same code.
-
-    Attributes
-    ----------
-    progress : dict
-        `patches` that are ready, `of` how many, and `left_s`, how long the others take, s, where
-        that can be said; while functions are compiled, `compiled` says how many so far. Empty
-        before the first.
-    """
-
-    def __init__(
-        self,
-        model_config: ModelConfig,
-        baseline: TareBaseline,
-        tracks: Ints | None = None,
-        after: "Preparation | None" = None,
-    ) -> None:
-        self.progress = dict[str, float]()
-        self._processors, self._after = processors(), after
-        self._arguments, self._began = (model_config, baseline, tracks), time.monotonic()
-        self._made: Future[Updater] = Future()
-        threading.Thread(target=self._run, name=SOON_OVER, daemon=True).start()
-
-    @property
-    def updater(self) -> Updater | None:
-        """When it is there; raises what went wrong."""
-        return self._made.result() if self._made.done() else None
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether it is made, or has failed."""
-        return self._made.done()
-
-    def _run(self) -> None:
-        try:
-            if self._processors:
-                os.sched_setaffinity(0, self._processors)  # of this thread
-            with reported(self._compiling):
-                before, self._after = self._after, None
-                if before is not None:
-                    before._made.exception()
-                self._made.set_result(Updater(*self._arguments, self._advance))
-        except BaseException as error:
-            self._made.set_exception(error)
-
-    def _compiling(self, name: str, number: int) -> None:
-        self.progress = {**self.progress, "compiled": number}
-
-    def _advance(self, ready: int, patches: int) -> None:
-        """So many patches are ready."""
-        now = time.monotonic()
-        if ready == 0:
-            self._began = now
-        progress: dict[str, float] = {"patches": ready, "of": patches}
-        if ready:
-            progress["left_s"] = round((now - self._began) / ready * (patches - ready), 1)
-        self.progress = progress
-
-
-class Start:
-    """First the code that must be compiled, then a baseline, then an engine for its noise.
-
-    What takes long to compile is loaded while the baseline is taken. Where that has ended by then,
-    the engine is one of the solver that was asked for, else of one that is quick to load.
-
-    Parameters
-    ----------
-    known : TareBaseline, optional
-        Of an engine that ran before on this ring: no new baseline is taken, as something may lie
-        on the skin now.
-    tracks : (1,) int64 array
-        Contacts numbered so far, written in place.
-
-    Attributes
-    ----------
-    phase : str
-        What it does, for people: "loading", "taring" or "preparing".
-    baseline : TareBaseline or None
-        When there is one.
-    rehearsal : Preparation or None
-        Of the solver that was asked for, by a typical noise, from when the quick one is loaded.
-    """
-
-    def __init__(
-        self,
-        settings: LiveSettings,
-        model_config: ModelConfig,
-        known: TareBaseline | None,
-        tracks: Ints,
-    ) -> None:
-        self._settings, self._model_config, self._tracks = settings, model_config, tracks
-        self._quick = replace(model_config, solver=quick(model_config.solver))
-        self.rehearsal: Preparation | None = None
-        self._tare = BaselineCollector(settings, model_config.binding)  # begun anew once it can be
-        self.baseline = known
-        self.phase = "loading"
-        self._preparation = Preparation(self._quick, known or self._typical(), tracks)
-
-    @property
-    def progress(self) -> dict[str, float]:
-        """Of what is being prepared, see `Preparation`."""
-        return {} if self.phase == "taring" else self._preparation.progress
-
-    def _typical(self) -> TareBaseline:
-        """Of a typical noise, by which all is compiled before readings are waited for."""
-        binding, quantity = self._model_config.binding, self._model_config.quantity
-        noise = np.full(len(binding.channel), quantity.typical_noise)
-        return TareBaseline(np.tile([0.0, 1.0, 1.0, 1.0], (len(noise), 1)), noise, 1_000_000_000)
-
-    def take(self, channels: Channels, now_ns: int) -> Updater | None:
-        """Take what is new; the updater when it is ready to answer."""
-        if self.phase == "taring":
-            if self._tare.take(channels, now_ns):
-                self.phase, self.baseline = "preparing", self._tare.finish()
-                loaded = self.rehearsal is not None and self.rehearsal.has_ended
-                by = self._model_config if loaded else self._quick
-                self._preparation = Preparation(by, self.baseline, self._tracks)
-            return None
-        made = self._preparation.updater
-        if made is not None and self.baseline is None:
-            self.phase = "taring"
-            if self._quick.solver != self._model_config.solver:
-                self.rehearsal = Preparation(self._model_config, self._typical())
-            self._tare = BaselineCollector(self._settings, self._model_config.binding)
-            self._tare.skip(channels)
-            return None
-        return made
-
-
 NS = 1e-9
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
 LISTEN = 8  # cycles from one look for orders to the next
 LATE, OVERRUN = int(CycleFlag.LATE), int(CycleFlag.OVERRUN)
-
-
-def quick(solver: Solver) -> Solver:
-    """Solver that answers until another one is compiled and prepared: itself, where that is soon.
-
-    Fits of contacts take half a minute to compile, once for a machine; linear answers do not.
-    """
-    return GaussianField() if isinstance(solver, Auto | ContactFit) else solver
 
 
 class EngineProcess:
@@ -247,9 +84,16 @@ class EngineProcess:
     settings : LiveSettings
     prepared : Updater, optional
         To go on with at once from what the engine before published last.
+    compiling : CompileProgress, optional
+        Of this process.
     """
 
-    def __init__(self, settings: LiveSettings, prepared: Updater | None = None) -> None:
+    def __init__(
+        self,
+        settings: LiveSettings,
+        prepared: Updater | None = None,
+        compiling: CompileProgress | None = None,
+    ) -> None:
         self.settings, self.prepared = settings, prepared
         self.intake = Intake(settings.sources, POLLED)
         self.model_config = ModelConfig.of(settings, self.intake.ports)
@@ -269,7 +113,8 @@ class EngineProcess:
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
-        self.start = Start(settings, self.model_config, known, self.ring.status["tracks"])
+        tracks, self.compiling = self.ring.status["tracks"], compiling
+        self.start = Start(settings, self.model_config, known, tracks, compiling)
         self.better: Preparation | None = None
         self.control = EngineControl(settings.name)
         self.updater: Updater | None = None
@@ -402,7 +247,9 @@ class EngineProcess:
             assert start.baseline is not None  # of which the updater was made
             rehearsal, start.rehearsal = start.rehearsal, None
             if updater.model_config.solver != self.model_config.solver:
-                self.better = Preparation(self.model_config, start.baseline, after=rehearsal)
+                self.better = Preparation(
+                    self.model_config, start.baseline, after=rehearsal, compiling=self.compiling
+                )
 
     def _improve(self, better: Preparation) -> None:
         """Go over to the solver that was asked for, as soon as it is ready."""
@@ -568,7 +415,8 @@ def main() -> None:
         sys.stdout.buffer.flush()
         if sys.stdin.buffer.readline() != GO:
             return  # it is not wanted any more
-    EngineProcess(settings, prepared).run()
+    with followed("run" if quick(settings.solver) != settings.solver else "linear") as compiling:
+        EngineProcess(settings, prepared, compiling).run()
     os._exit(0)  # others wait for the end of this process: to tear Numba down takes 0.1 s
 
 

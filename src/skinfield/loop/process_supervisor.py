@@ -5,7 +5,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -15,31 +14,12 @@ from contextlib import suppress
 from typing import IO, Self
 
 from skinfield.errors import InputError
+from skinfield.processes import Child
 
 ENDS = 5.0  # s for a process to end when told to
 SETTLED = 30.0  # s after which a failure counts as the first one again
 MOST_NOTICES = 20
 TAIL = 4000  # bytes of what a process wrote last
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-Child = subprocess.Popen[bytes]
-
-
-def start_python(
-    module: str,
-    *words: str,
-    stdin: int = subprocess.DEVNULL,
-    stdout: int = subprocess.DEVNULL,
-    stderr: IO[bytes] | None = None,
-) -> Child:
-    """Start a module of skinfield in a process of its own, with this one's path and one thread."""
-    return subprocess.Popen(
-        [sys.executable, "-X", "faulthandler", "-m", module, *words],
-        stdin=stdin,
-        stdout=stdout,
-        stderr=stderr,
-        process_group=0,  # a terminal's Ctrl-C is meant for whoever started it, and ends it
-        env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-    )
 
 
 def end_within(child: Child, seconds: float) -> None:

@@ -8,6 +8,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.compile_progress import words
 from skinfield.ring import Field
 
 ROOM = 1 << 16  # bytes
@@ -40,14 +41,29 @@ def start_in_words(notes: Mapping[str, Any]) -> str:
         return "taking its baseline: leave the skin untouched"
     if phase not in ("loading", "preparing"):
         return ""
-    if not progress:
+    if progress.get("compiled", 1.0) < 1.0:
+        return words(progress["compile_left_s"])
+    if "patches" not in progress:
         return "loading its code"
-    if "compiled" in progress:
-        count = int(progress["compiled"])
-        return f"compiling once for this machine, a minute or two: {count} functions so far"
     text = f"preparing patch {int(progress['patches']) + 1} of {int(progress['of'])}"
     left = progress.get("left_s", 0.0)
     return f"{text}, about {left:.0f} s more" if left >= 1.0 else text
+
+
+def preparing_of(notes: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What an engine prepares, for a bar: `what`, share `done` from 0 to 1, `seconds_left`.
+
+    `what` is "compiling" or "preparing"; the seconds are None where they are not known. None where
+    nothing that takes long is being done.
+    """
+    progress = notes.get("progress") or {}
+    if progress.get("compiled", 1.0) < 1.0:
+        done, left = progress["compiled"], progress["compile_left_s"]
+        return {"what": "compiling", "done": done, "seconds_left": left}
+    if progress.get("of") and notes.get("phase") in ("loading", "preparing", "running"):
+        done = progress["patches"] / progress["of"]
+        return {"what": "preparing", "done": done, "seconds_left": progress.get("left_s")}
+    return None
 
 
 def read_notes(room: Octets) -> dict[str, Any] | None:

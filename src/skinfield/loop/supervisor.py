@@ -20,17 +20,16 @@ from skinfield.errors import InputError, check_offers
 from skinfield.loop.control import address_of, order
 from skinfield.loop.model_config import Configuration
 from skinfield.loop.process_supervisor import (
-    Child,
     SupervisedProcess,
     close_pipes,
     end_within,
     last_line,
     last_words,
-    start_python,
 )
 from skinfield.loop.runtime_parameters import Tuning
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status_text import read_notes, start_in_words
+from skinfield.processes import Child, start_python
 from skinfield.ring import Ring, RingReader, State
 from skinfield.ring.files import sidecar, write_sidecar
 from skinfield.solve import Solver
@@ -48,13 +47,18 @@ def spawn(settings: LiveSettings, errors: IO[bytes], takes_over: bool = False) -
         stdout=subprocess.PIPE if takes_over else subprocess.DEVNULL,
         stderr=errors,
     )
+    send(settings, child, takes_over)
+    return child
+
+
+def send(settings: LiveSettings, child: Child, takes_over: bool = False) -> None:
+    """Let an engine's process begin."""
     assert child.stdin is not None  # it is a pipe
     with contextlib.suppress(BrokenPipeError):  # it is gone: whoever watches it says why
         pickle.dump((settings, takes_over), child.stdin)
         child.stdin.flush()
         if not takes_over:
             child.stdin.close()
-    return child
 
 
 @dataclass(eq=False)
@@ -159,6 +163,12 @@ class EngineFailed(InputError):
 class Supervisor(SupervisedProcess):
     """Runs the engine of a live skin as long as the `with` block lasts.
 
+    Parameters
+    ----------
+    settings : LiveSettings
+    loading : process and its standard error, optional
+        First engine, which loads its code already and waits for its settings.
+
     Attributes
     ----------
     events : deque of Event
@@ -170,8 +180,11 @@ class Supervisor(SupervisedProcess):
     poll = 0.1
     pauses = (0.1, 0.3, 1.0, 3.0)
 
-    def __init__(self, settings: LiveSettings) -> None:
+    def __init__(
+        self, settings: LiveSettings, loading: tuple[Child, IO[bytes]] | None = None
+    ) -> None:
         super().__init__("the engine")
+        self._loading = loading
         pickle.dumps(settings)  # what cannot be sent to a process is told now
         self.settings = settings
         self.events: deque[Event] = deque(maxlen=KEPT)
@@ -194,7 +207,13 @@ class Supervisor(SupervisedProcess):
 
     def spawn(self) -> Child:
         """See `SupervisedProcess`."""
-        return spawn(self.settings, self.new_errors())
+        loading, self._loading = self._loading, None
+        if loading is None:
+            return spawn(self.settings, self.new_errors())
+        self._forget()
+        child, self._errors = loading
+        send(self.settings, child)
+        return child
 
     def begin(self) -> None:
         """See `SupervisedProcess`; what failed before is told until it answers."""

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from skinfield.errors import SkinfieldError
 from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status_text import preparing_of
 from skinfield.page.controller import Controller
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import DataSource
@@ -146,7 +147,12 @@ class PageState:
                 engines.append({"name": source.name, "state": "failed", "notes": [str(error)]})
         states = {each["state"] for each in engines}
         one = states.pop() if len(states) == 1 else ("mixed" if states else "starting")
-        return {"state": one, "engines": engines, "page": self._rates()}
+        told = [each["notes"] for each in engines if isinstance(each.get("notes"), dict)]
+        preparing = min(
+            filter(None, map(preparing_of, told)), key=lambda its: its["done"], default=None
+        )
+        rates = self._rates()
+        return {"state": one, "engines": engines, "preparing": preparing, "page": rates}
 
     def _rates(self) -> dict[str, Any]:
         """What was sent to all browsers, per second since the last look."""

@@ -13,7 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import Child, end_child, exit_text, start_python
+from skinfield.loop.process_supervisor import end_child, exit_text
+from skinfield.processes import Child, start_python
 from skinfield.record.state import read_state
 
 PAUSE = 5.0  # s from one that was used, or died, to the next: it loads for a second
