@@ -5,6 +5,7 @@
 import * as THREE from "three";
 import { borderOf } from "./border.js";
 import { Dots } from "./dots.js";
+import { roundLength } from "./ruler.js";
 import { Surface } from "./surface.js";
 
 class Patch {
@@ -37,12 +38,14 @@ export class Patches {
     this.group = new THREE.Group();
     /** @type {Map<number, Patch>} */
     this.all = new Map();
-    this.exaggeration = 1;
+    this.exaggeration = 3;
     this.quantity = "pressure";
     this.taxels = true;
     this.bar = [0, 1];
     this.theme = null;
     this.perMetre = 1;
+    /** Side of the squares that are ruled on the skin, m. */
+    this.ruling = 0.005;
   }
 
   /** @param {{i: number}[]} patches of a hello: the scene begins anew */
@@ -53,6 +56,7 @@ export class Patches {
     }
     this.group.clear();
     this.all.clear();
+    this.ruling = roundLength(Math.max(0.01, ...patches.map(({ side }) => side || 0)) / 9);
     for (const about of patches) this.all.set(about.i, new Patch(about));
   }
 
@@ -63,7 +67,7 @@ export class Patches {
     if (arrays.taxels?.length && arrays.taxel_normals) this.#addDots(patch, arrays);
     patch.border ??= borderOf(arrays, patch.about.pitch);
     const { table, finest } = this;
-    const look = { table, finest, patches: this.all.size, border: patch.border };
+    const look = { table, finest, patches: this.all.size, border: patch.border, ruling: this.ruling };
     const surface = new Surface(head, arrays, look);
     patch.surfaces.set(head.rung, surface);
     if (old) {
@@ -118,11 +122,11 @@ export class Patches {
       const { uniforms } = surface.material;
       uniforms.missing.value = missing ? 1 : 0;
       uniforms.plain.value = PLAIN.has(this.quantity) ? 1 : 0;
-      uniforms.lines.value = PLAIN.has(this.quantity) ? 0.05 : 0.09;
       uniforms.bar.value.set(...this.bar);
       if (this.theme) {
         uniforms.grey.value.set(missing ? this.theme.missing : this.theme.plain);
         uniforms.rim.value.set(this.theme.rim);
+        uniforms.ink.value.set(this.theme.line);
       }
     }
     if (!patch.dots) return;
@@ -130,7 +134,7 @@ export class Patches {
     patch.dots.mesh.visible = !missing;
     patch.dots.show(this.taxels || large, large);
     patch.dots.setColours(patch.full, this.bar);
-    if (this.theme) patch.dots.material.uniforms.rim.value.set(this.theme.rim);
+    if (this.theme) patch.dots.setTheme(this.theme);
     patch.dots.setSize(this.perMetre);
     if (patch.surface) patch.dots.follow(patch.surface);
   }
@@ -191,6 +195,22 @@ export class Patches {
     const out = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.at(patch, best.x, best.y, out, true);
     return { patch, x: best.x, y: best.y, position: out.position };
+  }
+
+  /**
+   * Where the name of a patch stands: the place of its border that is lowest in the picture.
+   *
+   * @param {number} i
+   * @param {(at: ArrayLike<number>) => [number, number]} pixel of a place
+   * @returns {[number, number]} px
+   */
+  foot(i, pixel) {
+    let lowest = [0, -Infinity];
+    for (const at of this.all.get(i).surface.rim) {
+      const seen = pixel(at);
+      if (seen[1] > lowest[1]) lowest = seen;
+    }
+    return lowest;
   }
 
   /** What the home view has to show: the drawn skin of all patches, and its mean normal. */

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
-from skinfield.estimate.row_contacts import outline_of, shape_name
+from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
@@ -236,6 +236,7 @@ class Updates:
             rows.append({name: finite(row[name]) for name in alike} | {
                 "track": int(row["track"]),
                 "patch": number,
+                "place_cov": [finite(each) for each in covariance_of(row)[[0, 0, 1], [0, 1, 1]]],
                 "shape": shape_name(row),
                 "radius": finite(row["radius"]),
                 "maybe": int(row["maybe"]),
