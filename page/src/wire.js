@@ -92,6 +92,8 @@ function checkPatch(patch, arrays) {
     patch[key] ??= -1;
     need(patch[key] === -1 || arrays[patch[key]] instanceof Kind, `a patch without its ${key}`);
   }
+  patch.height_zero ??= 0;
+  need(isCount(patch.height_zero), "heights without the one of skin at rest");
 }
 
 function need(holds, what) {

@@ -5,7 +5,7 @@
 import * as THREE from "three";
 
 const FIELD = 26; // degrees; narrow, so that a millimetre is about as long in front as behind
-const HOME_TILT = [0.42, 0.62]; // rad from looking straight down, on a tall and on a wide screen
+const HOME_TILT = [0.42, 0.78]; // rad from looking straight down, on a tall and on a wide screen
 const STEEPEST = Math.PI - 0.02;
 const NEAREST = 0.15;
 const FARTHEST = 8;
@@ -66,7 +66,7 @@ export class OrbitCamera {
   home() {
     this.moved = false;
     this.yaw = 0;
-    this.tilt = this.upright ? 1.15 : clamp(0.3 + (0.16 * this.width) / this.height, ...HOME_TILT);
+    this.tilt = this.upright ? 1.15 : clamp(0.3 + (0.27 * this.width) / this.height, ...HOME_TILT);
     if (this.points.length > 0) this.#fit();
     this.homeDistance = this.distance;
     this.apply();

@@ -8,7 +8,7 @@ import { lengthWords, rulerLength } from "./ruler.js";
 
 const ARM = 30; // px
 const AT = { x: 44, y: 50 }; // of the axes' origin, px from the corner
-const LONGEST = 110; // px of the ruler
+const LONGEST = 140; // px of the ruler
 
 const AXES = [
   { name: "x", along: [1, 0, 0], colour: { dark: "#ff6369", light: "#cd2b31" } },

@@ -99,7 +99,7 @@ export class Dots {
     geometry.setAttribute("outward", new THREE.BufferAttribute(Float32Array.from(normals), 3));
     this.reading = attribute(new Uint8Array(this.count));
     this.repaired = attribute(new Uint8Array(this.count).fill(DEAD));
-    this.height = attribute(new Uint16Array(this.count));
+    this.height = attribute(new Float32Array(this.count), false);
     geometry.setAttribute("reading", this.reading);
     geometry.setAttribute("repaired", this.repaired);
     geometry.setAttribute("height", this.height);
@@ -132,7 +132,7 @@ export class Dots {
   follow(surface) {
     const { nodes } = surface;
     if (this.nodes !== nodes) this.#bind(nodes);
-    this.material.uniforms.depth.value = 65535 * surface.scale;
+    this.material.uniforms.depth.value = surface.scale;
     for (let i = 0; i < this.count; i += 1) this.height.array[i] = nodes.height[this.corners[i]];
     this.height.needsUpdate = true;
   }
@@ -177,8 +177,8 @@ export class Dots {
   }
 }
 
-function attribute(array) {
-  const made = new THREE.BufferAttribute(array, 1, true);
+function attribute(array, normalised = true) {
+  const made = new THREE.BufferAttribute(array, 1, normalised);
   made.setUsage(THREE.DynamicDrawUsage);
   return made;
 }

@@ -106,7 +106,7 @@ export class Patches {
       const height = fitting(arrays[entry.height], surface.nodes.given);
       const colour = fitting(arrays[entry.colour], surface.nodes.given);
       surface.setExaggeration(this.#times);
-      surface.setHeight(height, entry.height_scale);
+      surface.setHeight(height, entry.height_scale, entry.height_zero ?? 0);
       surface.setColour(colour, colour ? entry.colour_lo : 0, colour ? entry.colour_hi : 0);
     }
     const readings = arrays[entry.taxels];
@@ -205,12 +205,10 @@ export class Patches {
    * @returns {[number, number]} px
    */
   foot(i, pixel) {
-    let lowest = [0, -Infinity];
-    for (const at of this.all.get(i).surface.rim) {
-      const seen = pixel(at);
-      if (seen[1] > lowest[1]) lowest = seen;
-    }
-    return lowest;
+    const seen = this.all.get(i).surface.rim.map(pixel);
+    const lowest = Math.max(...seen.map(([, y]) => y));
+    const low = seen.filter(([, y]) => y > lowest - 5); // a level border: its middle
+    return [low.reduce((sum, [x]) => sum + x, 0) / low.length, lowest];
   }
 
   /** What the home view has to show: the drawn skin of all patches, and its mean normal. */

@@ -151,9 +151,8 @@ export class Surface {
     const place = plane.array.map((value) => value / this.ruling);
     geometry.setAttribute("place", new THREE.BufferAttribute(place, 2));
     geometry.setAttribute("cover", new THREE.BufferAttribute(cover, 1));
-    for (const name of ["height", "colour"]) {
-      geometry.setAttribute(name, moving(new Uint16Array(refiner.count), true));
-    }
+    geometry.setAttribute("height", moving(new Float32Array(refiner.count), false));
+    geometry.setAttribute("colour", moving(new Uint16Array(refiner.count), true));
     geometry.setAttribute("slope", moving(new Float32Array(2 * refiner.count), false, 2));
     return geometry;
   }
@@ -161,10 +160,11 @@ export class Surface {
   /**
    * @param {Uint16Array|null} height per node; null: flat
    * @param {number} scale m per unit of height
+   * @param {number} zero height of skin at rest
    */
-  setHeight(height, scale) {
+  setHeight(height, scale, zero = 0) {
     const was = this.nodes.flat;
-    this.nodes.setHeight(height);
+    this.nodes.setHeight(height, zero);
     this.heightScale = scale || 0;
     this.#depth();
     if (!height && was) return;
@@ -208,7 +208,7 @@ export class Surface {
   }
 
   #depth() {
-    this.material.uniforms.depth.value = 65535 * this.scale;
+    this.material.uniforms.depth.value = this.scale;
   }
 
   /** @param {THREE.Vector3} camera @returns {boolean} whether its middle shows it the outer side */
@@ -286,9 +286,9 @@ function firstAxis(positions, { fineRows, fineColumns }) {
   return new THREE.BufferAttribute(out, 3);
 }
 
-/** How fast the height grows along the plane's axes at each node: whole ranges per metre, x and y. */
+/** How fast the height grows along the plane's axes at each node, x and y, per metre. */
 function slopes({ height, rows, columns, pitch }, out) {
-  const per = 1 / (2 * pitch * 65535);
+  const per = 1 / (2 * pitch);
   for (let r = 0; r < rows; r += 1) {
     const up = Math.min(rows - 1, r + 1) * columns;
     const down = Math.max(0, r - 1) * columns;
