@@ -60,7 +60,7 @@ const FRAGMENT = /* glsl */ `
   varying vec3 vRest;
   varying vec3 vNormal;
   varying vec3 vSeen;
-  const vec3 KEY = vec3(-0.47, 0.68, 0.56);  // of the camera: from the upper left, behind it
+  const vec3 KEY = vec3(-0.75, 0.36, 0.555);  // of the camera: from its left, above and behind it
   float sheen(vec3 normal, vec3 eye) {
     return pow(max(dot(normal, normalize(KEY + eye)), 0.0), 28.0);
   }
