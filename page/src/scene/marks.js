@@ -105,9 +105,9 @@ export class Marks {
     const maybe = contact.maybe ? ` · ${orElse(contact.maybe)}?` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
-      aside: truth ? `truth ${fixed(truth.force, 2)}, ${fixed(1e3 * error_m)} mm off` : "",
+      aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: `#${contact.track}  ${old ? "not of now" : this.#where(contact)}`,
+      detail: `#${contact.track}  ${old ? "not of now" : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
