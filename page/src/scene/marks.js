@@ -13,7 +13,8 @@ import { Labels } from "./labels.js";
 import { leaderEnd } from "./layout.js";
 import { Lines } from "./lines.js";
 
-const AROUND = 48; // segments of a ring
+const AROUND = 32; // segments of a ring
+const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
 const EDGE_PX = 6; // from the picture's border, within which no arrow begins
@@ -248,7 +249,7 @@ export class Marks {
     const { a, b, angle } = ellipse;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const look = { width: 1.2, opacity: 0.85, rest: true };
-    this.#path(AROUND, patch, this.onSkin.contact, look, (t, out) => {
+    this.#path(THIN, patch, this.onSkin.contact, look, (t, out) => {
       const [u, v] = [a * Math.cos(2 * Math.PI * t), b * Math.sin(2 * Math.PI * t)];
       out[0] = x + c * u - s * v;
       out[1] = y + s * u + c * v;

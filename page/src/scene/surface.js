@@ -27,9 +27,12 @@ const VERTEX = /* glsl */ `
   varying float vCover;
   varying float vColour;
   varying vec2 vPlace;
-  varying vec3 vRest;
-  varying vec3 vNormal;
-  varying vec3 vSeen;
+  varying float vFacing;
+  varying vec2 vLit;       // by the light, and by its gloss, beyond what the skin at rest gets
+  const vec3 KEY = vec3(-0.75, 0.36, 0.555);  // of the camera: from its left, above and behind it
+  float gloss(vec3 normal, vec3 eye) {
+    return pow(max(dot(normal, normalize(KEY + eye)), 0.0), 28.0);
+  }
   void main() {
     vec3 sunk = position - outward * (height * depth);
     vec4 seen = modelViewMatrix * vec4(sunk, 1.0);
@@ -39,9 +42,11 @@ const VERTEX = /* glsl */ `
     vCover = cover;
     vColour = colour;
     vPlace = place;
-    vRest = normalMatrix * outward;
-    vNormal = normalMatrix * (outward + lean);
-    vSeen = -seen.xyz;
+    vec3 eye = normalize(-seen.xyz);
+    vec3 rest = normalize(normalMatrix * outward);
+    vec3 normal = normalize(normalMatrix * (outward + lean));
+    vFacing = dot(rest, eye);
+    vLit = vec2(dot(normal - rest, KEY), max(gloss(normal, eye) - gloss(rest, eye), 0.0));
     gl_Position = projectionMatrix * seen;
   }`;
 
@@ -57,13 +62,8 @@ const FRAGMENT = /* glsl */ `
   varying float vCover;
   varying float vColour;
   varying vec2 vPlace;
-  varying vec3 vRest;
-  varying vec3 vNormal;
-  varying vec3 vSeen;
-  const vec3 KEY = vec3(-0.75, 0.36, 0.555);  // of the camera: from its left, above and behind it
-  float sheen(vec3 normal, vec3 eye) {
-    return pow(max(dot(normal, normalize(KEY + eye)), 0.0), 28.0);
-  }
+  varying float vFacing;
+  varying vec2 vLit;
   void main() {
     float soft = fwidth(vCover) + 1e-5;
     float inside = clamp((vCover - 0.5) / soft + 0.5, 0.0, 1.0);
@@ -73,10 +73,7 @@ const FRAGMENT = /* glsl */ `
     vec2 cell = abs(fract(vPlace) - 0.5) / wide;
     float line = 1.0 - min(min(cell.x, cell.y), 1.0);
     line *= 1.0 - smoothstep(0.10, 0.22, max(wide.x, wide.y));
-    vec3 eye = normalize(vSeen);
-    vec3 rest = normalize(vRest);
-    float facing = dot(rest, eye);
-    if (facing < 0.0) {
+    if (vFacing < 0.0) {
       // Seen from inside: outlines only, which hide nothing behind them
       float seen = max(edge * inside, 0.2 * line);
       if (seen < 0.03) discard;
@@ -88,17 +85,15 @@ const FRAGMENT = /* glsl */ `
     vec3 colour = texture2D(map, vec2((at * 255.0 + 0.5) / 256.0, 0.5)).rgb;
     colour = mix(colour, grey, max(plain, missing));
     colour = mix(colour, ink, 0.09 * line * (1.0 - missing));
-    vec3 normal = normalize(vNormal);
-    float lit = dot(normal, KEY) - dot(rest, KEY);
-    colour *= 1.0 + 0.55 * min(lit, 0.0);
-    colour += (1.0 - colour) * 0.40 * max(lit, 0.0);
-    colour += 0.16 * max(sheen(normal, eye) - sheen(rest, eye), 0.0);
+    colour *= 1.0 + 0.55 * min(vLit.x, 0.0);
+    colour += (1.0 - colour) * 0.40 * max(vLit.x, 0.0);
+    colour += 0.16 * vLit.y;
     if (missing > 0.5) {
       float stripe = abs(fract((vPlace.x + vPlace.y) * 0.7) - 0.5);
       colour = mix(colour, rim, 0.35 * smoothstep(0.20, 0.25, stripe));
     }
     colour = mix(colour, rim, edge);
-    colour *= 0.84 + 0.16 * smoothstep(0.0, 0.42, facing);  // rounds off a limb's sides
+    colour *= 0.84 + 0.16 * smoothstep(0.0, 0.42, vFacing);  // rounds off a limb's sides
     gl_FragColor = vec4(colour, inside);
   }`;
 
