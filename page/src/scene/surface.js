@@ -24,6 +24,7 @@ const VERTEX = /* glsl */ `
   attribute vec2 slope;
   attribute vec2 place;
   uniform float depth;
+  uniform vec3 mean;       // outer side of the patch as a whole; short where it closes around
   varying float vCover;
   varying float vColour;
   varying vec2 vPlace;
@@ -47,6 +48,7 @@ const VERTEX = /* glsl */ `
     vec3 normal = normalize(normalMatrix * (outward + lean));
     vFacing = dot(rest, eye);
     vLit = vec2(dot(normal - rest, KEY), max(gloss(normal, eye) - gloss(rest, eye), 0.0));
+    vLit.x += 0.3 * dot(rest - normalMatrix * mean, KEY);  // nothing where the skin is flat
     gl_Position = projectionMatrix * seen;
   }`;
 
@@ -115,6 +117,8 @@ export class Surface {
     this.refiner = new Refiner(rows, columns, factor);
     this.geometry = this.#geometry();
     this.material = material(table);
+    this.mean = meanNormal(this.nodes);
+    this.material.uniforms.mean.value.copy(this.mean);
     this.mesh = new THREE.Mesh(this.geometry, this.material);
     this.mesh.frustumCulled = false; // its sphere would not know how deep the dents are drawn
     this.leans = new Float32Array(2 * this.nodes.count);
@@ -206,11 +210,10 @@ export class Surface {
     this.material.uniforms.depth.value = this.scale;
   }
 
-  /** @param {THREE.Vector3} camera @returns {boolean} whether its middle shows it the outer side */
+  /** @param {THREE.Vector3} camera @returns {boolean} whether it shows it the outer side as a whole */
   faces(camera) {
-    const { sphere, normals, count } = this.nodes;
-    const k = 3 * Math.floor(count / 2);
-    return sphere.centre.reduce((sum, at, a) => sum + (camera.getComponent(a) - at) * normals[k + a], 0) > 0;
+    const { centre } = this.nodes.sphere;
+    return camera.clone().sub(new THREE.Vector3(...centre)).dot(this.mean) >= 0;
   }
 
   /** Some places of its border, m. */
@@ -223,6 +226,19 @@ export class Surface {
     this.geometry.dispose();
     this.material.dispose();
   }
+}
+
+function meanNormal({ normals, covered }) {
+  const sum = new THREE.Vector3();
+  let count = 0;
+  for (let k = 0; k < covered.length; k += 1) {
+    if (!covered[k]) continue;
+    sum.x += normals[3 * k];
+    sum.y += normals[3 * k + 1];
+    sum.z += normals[3 * k + 2];
+    count += 1;
+  }
+  return sum.divideScalar(Math.max(1, count));
 }
 
 /** The outermost drawn vertices in 24 directions of the plane. */
@@ -260,6 +276,7 @@ function material(table) {
       grey: { value: new THREE.Color() },
       rim: { value: new THREE.Color() },
       depth: { value: 0 },
+      mean: { value: new THREE.Vector3() },
       plain: { value: 0 },
       missing: { value: 0 },
       ink: { value: new THREE.Color() },
