@@ -15,8 +15,8 @@ export const MAP_OF = {
   uncertainty: "plasma",
 };
 
-/** Part of a map that leads from the colour of bare skin to the map's own, at its low end. */
-const FADE = 0.12;
+/** Part of a map that leads from the colour of bare skin to the map's own, on dark and bright skin. */
+const FADE = { dark: 0.12, bright: 0.22 };
 
 /**
  * @typedef {object} Ground
@@ -52,7 +52,7 @@ function grounded(map, { plain, bright }) {
   const table = new Uint8Array(map.length).fill(255);
   const skin = [1, 3, 5].map((at) => Number.parseInt(plain.slice(at, at + 2), 16));
   for (let i = 0; i < LEVELS; i += 1) {
-    const t = Math.min(1, i / (FADE * (LEVELS - 1)));
+    const t = Math.min(1, i / ((bright ? FADE.bright : FADE.dark) * (LEVELS - 1)));
     const share = t * t * (3 - 2 * t);
     const from = 4 * (bright ? LEVELS - 1 - i : i);
     for (let c = 0; c < 3; c += 1) {
