@@ -6,7 +6,7 @@ import { mapColour, mapGradient, mapTable } from "../src/scene/colours.js";
 import { placeEllipse } from "../src/scene/ellipse.js";
 import { leaderEnd, overlap, placeLabels } from "../src/scene/layout.js";
 import { Nodes } from "../src/scene/nodes.js";
-import { lengthWords, roundLength, rulerLength } from "../src/scene/ruler.js";
+import { lengthWords, roundLength, rulerLength, steepestSeen } from "../src/scene/ruler.js";
 import { THEMES } from "../src/scene/theme.js";
 
 const close = (a, b, off) => assert.ok(Math.abs(a - b) <= off, `${a} is not ${b} within ${off}`);
@@ -119,6 +119,16 @@ test("the ellipse of a place holds nine in ten of a normal distribution", () => 
   close(inside / 4000, 0.9, 1e-3);
   assert.equal(placeEllipse([null, null, null]), null);
   assert.equal(placeEllipse([NaN, 0, 1]), null);
+});
+
+test("no wall is steeper than the line of sight", () => {
+  for (const angle of [0.2, 0.6, 0.78, 1.2]) {
+    const sight = Math.tan(Math.PI / 2 - angle); // slope of the line from the camera
+    const slope = steepestSeen(Math.cos(angle));
+    assert.ok(slope < sight && slope > 0.5 * sight);
+  }
+  assert.equal(steepestSeen(1), Infinity);
+  assert.ok(steepestSeen(-0.5) > 0);
 });
 
 test("round lengths, and their words", () => {

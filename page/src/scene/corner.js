@@ -4,6 +4,7 @@
  */
 
 import * as THREE from "three";
+import { fixed } from "../format.js";
 import { lengthWords, rulerLength } from "./ruler.js";
 
 const ARM = 30; // px
@@ -34,11 +35,12 @@ export class Corner {
    * @param {import("./lines.js").Lines} lines above all else
    * @param {object[]} wanted labels
    * @param {number} ruling m, side of the squares on the skin
+   * @param {number} times how much deeper than real its dents are drawn
    */
-  draw(view, lines, wanted, ruling) {
+  draw(view, lines, wanted, ruling, times) {
     if (view.height < 200) return;
     this.#triad(view, lines, wanted);
-    this.#ruler(view, lines, wanted, ruling);
+    this.#ruler(view, lines, wanted, `squares of ${lengthWords(ruling)}, depth ×${fixed(times, times < 9.95 ? 1 : 0)}`);
   }
 
   #triad(view, lines, wanted) {
@@ -61,7 +63,7 @@ export class Corner {
     }
   }
 
-  #ruler(view, lines, wanted, ruling) {
+  #ruler(view, lines, wanted, words) {
     const pixel = view.pixel(view.distance);
     const length = rulerLength(LONGEST * pixel);
     const [left, y] = [AT.x + ARM + 34, view.height - 20];
@@ -79,7 +81,7 @@ export class Corner {
     });
     wanted.push({
       key: "ruling",
-      title: `squares of ${lengthWords(ruling)}`,
+      title: words,
       plain: this.text,
       faint: true,
       left: [right + 12, y],

@@ -132,9 +132,14 @@ export class Dots {
   follow(surface) {
     const { nodes } = surface;
     if (this.nodes !== nodes) this.#bind(nodes);
-    this.material.uniforms.depth.value = surface.scale;
+    this.setDepth(surface.scale);
     for (let i = 0; i < this.count; i += 1) this.height.array[i] = nodes.height[this.corners[i]];
     this.height.needsUpdate = true;
+  }
+
+  /** @param {number} scale m inwards per unit of height */
+  setDepth(scale) {
+    this.material.uniforms.depth.value = scale;
   }
 
   #bind(nodes) {

@@ -78,7 +78,7 @@ export class Marks {
     for (const each of [this.lines, this.arrows, this.above]) each.clear();
     this.wanted.length = 0;
     this.kept.length = 0;
-    this.corner.draw(view, this.above, this.wanted, this.patches.ruling);
+    this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
     const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
     for (const press of this.waiting) this.#waits(press, view);

@@ -152,6 +152,23 @@ export class Patches {
     }
   }
 
+  /**
+   * Draws dents as deep as they can be seen into.
+   *
+   * @param {THREE.Vector3} out direction to the camera
+   * @returns {number} how much deeper than real the dents are drawn that are least so
+   */
+  setView(out) {
+    let least = this.exaggeration;
+    for (const { surface, dots } of this.all.values()) {
+      if (!surface) continue;
+      surface.setView(out);
+      dots?.setDepth(surface.scale);
+      if (!surface.nodes.flat) least = Math.min(least, surface.times);
+    }
+    return least;
+  }
+
   setSize(perMetre) {
     this.perMetre = perMetre;
     for (const { dots } of this.all.values()) dots?.setSize(perMetre);

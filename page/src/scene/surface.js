@@ -9,6 +9,7 @@
 import * as THREE from "three";
 import { Refiner, coverage, refinement, triangles } from "./grid.js";
 import { Nodes } from "./nodes.js";
+import { steepestSeen } from "./ruler.js";
 
 /** Dents are shallow: they are lit as if they were so many times deeper than they are drawn. */
 const RELIEF = 3;
@@ -124,6 +125,8 @@ export class Surface {
     this.leans = new Float32Array(2 * this.nodes.count);
     this.heightScale = 0;
     this.exaggeration = 1;
+    this.steepness = 0; // of the steepest wall, per unit of height
+    this.steepest = Infinity; // slope that is drawn
   }
 
   #geometry() {
@@ -165,12 +168,12 @@ export class Surface {
     const was = this.nodes.flat;
     this.nodes.setHeight(height, zero);
     this.heightScale = scale || 0;
+    this.steepness = height ? slopes(this.nodes, this.leans) : 0;
     this.#depth();
     if (!height && was) return;
     const { height: fine, slope } = this.geometry.attributes;
     if (height) {
       this.refiner.apply(this.nodes.height, null, fine.array);
-      slopes(this.nodes, this.leans);
       for (const offset of [0, 1]) {
         this.refiner.apply(this.leans, null, slope.array, { stride: 2, offset, bounded: false });
       }
@@ -201,9 +204,21 @@ export class Surface {
     this.#depth();
   }
 
+  /** @param {THREE.Vector3} out direction to the camera: near walls of dents are not to hide their bottom */
+  setView(out) {
+    this.steepest = steepestSeen(out.dot(this.mean) / (this.mean.length() || 1));
+    this.#depth();
+  }
+
+  /** How much deeper than real the dents are drawn: as asked, but no steeper than what can be seen into. */
+  get times() {
+    const slope = this.steepness * this.heightScale;
+    return slope > 0 ? Math.min(this.exaggeration, this.steepest / slope) : this.exaggeration;
+  }
+
   /** How deep a unit of height is drawn, in m. */
   get scale() {
-    return this.heightScale * this.exaggeration;
+    return this.heightScale * this.times;
   }
 
   #depth() {
@@ -298,9 +313,14 @@ function firstAxis(positions, { fineRows, fineColumns }) {
   return new THREE.BufferAttribute(out, 3);
 }
 
-/** How fast the height grows along the plane's axes at each node, x and y, per metre. */
+/**
+ * How fast the height grows along the plane's axes at each node, x and y, per metre.
+ *
+ * @returns {number} how fast at most, whatever the direction
+ */
 function slopes({ height, rows, columns, pitch }, out) {
   const per = 1 / (2 * pitch);
+  let most = 0;
   for (let r = 0; r < rows; r += 1) {
     const up = Math.min(rows - 1, r + 1) * columns;
     const down = Math.max(0, r - 1) * columns;
@@ -311,7 +331,8 @@ function slopes({ height, rows, columns, pitch }, out) {
       // Heights point inwards, so the skin's normal leans to where they grow
       out[2 * k] = (east - west) * per;
       out[2 * k + 1] = (height[up + c] - height[down + c]) * per;
+      most = Math.max(most, out[2 * k] ** 2 + out[2 * k + 1] ** 2);
     }
   }
-  return out;
+  return Math.sqrt(most);
 }
