@@ -313,7 +313,7 @@ def test_zero_pressure_is_the_skins_own_colour(page: Any, theme: str) -> None:
 
 
 def test_a_dent_has_a_bright_and_a_dark_side(page: Any) -> None:
-    """Lit from the left and above: the wall that faces the light, across the dent, is the bright one."""
+    """Lit from the left and above: the wall that faces the light is the bright one."""
     side = 0.17 * COUNT * PITCH  # from the middle, where walls are steep
     walls = [(-0.9 * side, 0.4 * side), (0.9 * side, -0.4 * side)]
     flat, shades = viridis(0.5).mean(), []
@@ -368,7 +368,8 @@ TOUCH = """([x, y, times]) => {
   scene.marks.truth = [{ ...place, id: "p", contact_radius: 3e-3 }];
   scene.showLabels(true);
   scene.draw();
-  const tips = [0, 1].map((i) => scene.project(scene.marks.arrows.data.slice(10 * i + 3, 10 * i + 6)));
+  const { data } = scene.marks.arrows;
+  const tips = [3, 13].map((at) => scene.project(data.slice(at, at + 3)));
   const middle = [0, 1].map((a) => round.slice(0, 32).reduce((sum, at) => sum + at[a], 0) / 32);
   const labels = scene.marks.labels.placed.filter((each) => each.accent).map(
     ({ x, y, width, height, anchorX, anchorY }) => ({ x, y, width, height, anchorX, anchorY }));

@@ -66,7 +66,7 @@ export class Corner {
   #ruler(view, lines, wanted, words) {
     const pixel = view.pixel(view.distance);
     const length = rulerLength(LONGEST * pixel);
-    const [left, y] = [AT.x + ARM + 34, view.height - 20];
+    const [left, y] = [AT.x + ARM + 34, view.height - 31];
     const right = left + length / pixel;
     const line = (ax, ay, bx, by) =>
       lines.add(view.at(ax, ay).toArray(), view.at(bx, by).toArray(), this.ink, { width: 2 });
@@ -84,7 +84,7 @@ export class Corner {
       title: words,
       plain: this.text,
       faint: true,
-      left: [right + 12, y],
+      left: [left - 4, y + 17],
     });
   }
 }
