@@ -81,6 +81,8 @@ export function checkUpdate({ head, arrays }) {
   for (const contact of head.contacts) {
     contact.outline ??= [];
     need(Array.isArray(contact.outline) && contact.outline.every(isVector), "an outline without places");
+    contact.place_cov ??= [null, null, null];
+    need(Array.isArray(contact.place_cov) && contact.place_cov.length === 3, "a covariance without its numbers");
   }
   return { head, arrays };
 }
