@@ -104,6 +104,7 @@ def test_one_port_serves_the_page_and_json(page: Page) -> None:
     status, text, headers = get(page, "/")
     assert (status, b"<!doctype html>") == (200, text[:15].lower())
     assert "default-src 'self'" in headers["Content-Security-Policy"]
+    assert "unsafe" not in headers["Content-Security-Policy"]
     for name in ("app.js", "app.css", "licences.txt"):
         assert get(page, f"/{name}")[0] == 200
     found = json.loads(get(page, "/api/status")[1])
@@ -236,10 +237,13 @@ def test_each_browser_chooses_what_it_sees(page: Page, source: StillSource) -> N
         assert ask(one, do="show", quantity="deformation")["ok"]
         head, arrays = following_update(one, condition=lambda head: head["unit"] == "m")
         row = head["patches"][0]
-        heights = arrays[row["height"]] * row["height_scale"]
+        heights = (arrays[row["height"]] - float(row["height_zero"])) * row["height_scale"]
         inwards = snapshot["hexagon72"].indentation
-        assert_allclose(heights, np.maximum(inwards, 0), atol=float(inwards.max()) / 65535)
-        assert_allclose(arrays[row["colour"]] / 65535 * row["colour_hi"], heights, atol=1e-9)
+        step = float(np.ptp(inwards)) / 65535
+        assert_allclose(heights, inwards, atol=step)
+        assert inwards.min() < -1e-2 * inwards.max()  # it swells around the dent
+        colours = arrays[row["colour"]] / 65535 * row["colour_hi"]
+        assert_allclose(colours, np.maximum(inwards, 0), atol=step)
         assert following_update(other)[0]["quantity"] == "pressure"
 
 

@@ -289,12 +289,110 @@ def viridis(value: float) -> np.ndarray:
 # In the middles of cells: the lines between them are lighter
 FLAT = [(-16.0 * PITCH, 1.0 * PITCH), (15.0 * PITCH, -14.0 * PITCH), (0.0, 0.0)]  # the bottom, too
 CORNER = 0.8 * (COUNT - 1) / 2 * PITCH
+SKIN = {"dark": (51, 58, 72), "light": (211, 217, 226)}  # that nothing presses
 
 
-@pytest.mark.parametrize("value", [0.0, 0.13, 0.5, 0.77, 1.0])
+@pytest.mark.parametrize("value", [0.13, 0.5, 0.77, 1.0])
 def test_the_skin_has_the_colours_of_the_bar(page: Any, value: float) -> None:
-    """Flat skin and the bottom of a dent, between the lines of the grid, within rounding."""
+    """Flat skin and the bottom of a dent, between the ruled lines, within rounding."""
     assert np.abs(colours_at(page, FLAT, value) - viridis(value)).max() <= 3
+
+
+@pytest.mark.parametrize("theme", SKIN)
+def test_zero_pressure_is_the_skins_own_colour(page: Any, theme: str) -> None:
+    """In the middle between black and white, and told from the background."""
+    page.evaluate("(name) => skinfield.scene.setTheme(name)", theme)
+    own = np.array(SKIN[theme])
+    assert np.ptp(own) < 25
+    assert np.abs(colours_at(page, FLAT) - own).max() <= 3
+    corner = page.evaluate("(() => skinfield.scene.colourAt(3, 3))()")
+    assert np.abs(np.array(corner) - own).min() > 20
+    bright = colours_at(page, FLAT, 1.0).mean() > colours_at(page, FLAT, 0.3).mean()
+    assert bright == (theme == "dark")  # more stands out more against the skin
+    page.evaluate("skinfield.scene.setTheme('dark')")
+
+
+def test_a_dent_has_a_bright_and_a_dark_side(page: Any) -> None:
+    """Lit from the left and above: the wall that faces the light is the bright one."""
+    side = 0.17 * COUNT * PITCH  # from the middle, where walls are steep
+    walls = [(-0.9 * side, 0.4 * side), (0.9 * side, -0.4 * side)]
+    flat, shades = viridis(0.5).mean(), []
+    for times in (6.0, 20.0):  # it is shallow
+        page.evaluate("(times) => skinfield.scene.setExaggeration(times)", times)
+        shades.append(colours_at(page, walls, 0.5).mean(axis=1))
+    page.evaluate("skinfield.scene.setExaggeration(3)")
+    [near, far], [nearer, farther] = shades
+    assert nearer < near - 4 < flat - 8
+    assert farther > far + 4 > flat + 8
+
+
+FILLED = """(colour) => {
+  const { scene } = skinfield, gl = scene.picture.renderer.getContext();
+  scene.draw();
+  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const bytes = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  let [left, right, low, high] = [width, 0, height, 0];
+  for (let k = 0; k < width * height; k += 1) {
+    if (!colour.every((value, a) => Math.abs(bytes[4 * k + a] - value) < 4)) continue;
+    const [x, y] = [k % width, Math.floor(k / width)];
+    [left, right] = [Math.min(left, x), Math.max(right, x)];
+    [low, high] = [Math.min(low, y), Math.max(high, y)];
+  }
+  return [(right - left) / width, (high - low) / height];
+}"""
+
+
+@pytest.mark.parametrize(
+    "size", [DESK, {"width": 900, "height": 1100}, {"width": 1600, "height": 640}]
+)
+def test_the_skin_fills_the_picture(page: Any, size: dict[str, int]) -> None:
+    """In the direction that limits it, also after the window has changed."""
+    colours_at(page, FLAT)
+    page.set_viewport_size(size)
+    page.wait_for_timeout(150)
+    across, along = page.evaluate(FILLED, SKIN["dark"])
+    page.set_viewport_size(DESK)
+    page.wait_for_timeout(150)
+    assert 0.80 < max(across, along) < 0.97
+    assert min(across, along) > 0.3
+
+
+TOUCH = """([x, y, times]) => {
+  const { scene } = skinfield, round = Array.from({ length: 33 }, (_, i) => [
+    x + 3e-3 * Math.cos(i * Math.PI / 16), y + 3e-3 * Math.sin(i * Math.PI / 16), 0]);
+  scene.setExaggeration(times);
+  const place = { patch: 0, x, y, position: [x, y, 0], normal: [0, 0, 1], force: 1.0 };
+  scene.marks.contacts = [{ ...place, key: "a", track: 1, force_std: 0.1, area: 28e-6,
+    place_cov: [4e-7, 1e-7, 2e-7], outline: round }];
+  scene.marks.truth = [{ ...place, id: "p", contact_radius: 3e-3 }];
+  scene.showLabels(true);
+  scene.draw();
+  const { data } = scene.marks.arrows;
+  const tips = [3, 13].map((at) => scene.project(data.slice(at, at + 3)));
+  const middle = [0, 1].map((a) => round.slice(0, 32).reduce((sum, at) => sum + at[a], 0) / 32);
+  const labels = scene.marks.labels.placed.filter((each) => each.accent).map(
+    ({ x, y, width, height, anchorX, anchorY }) => ({ x, y, width, height, anchorX, anchorY }));
+  const found = { tips, middle: scene.project([...middle, 0]), labels };
+  scene.marks.contacts = scene.marks.truth = [];
+  scene.showLabels(false);
+  scene.setExaggeration(3);
+  scene.draw();
+  return found;
+}"""
+
+
+@pytest.mark.parametrize("times", [1.0, 3.0, 30.0])
+def test_arrows_end_in_the_middle_of_the_ring_on_the_skin_at_rest(page: Any, times: float) -> None:
+    """However deep the dent is drawn; one label tells both, and covers neither."""
+    colours_at(page, FLAT)
+    found = page.evaluate(TOUCH, [2e-3, 1e-3, times])
+    middle = found["middle"]
+    for tip in found["tips"]:
+        assert np.hypot(tip["x"] - middle["x"], tip["y"] - middle["y"]) < 3.0  # px
+    [label] = found["labels"]
+    across = label["x"] <= middle["x"] <= label["x"] + label["width"]
+    assert not (across and label["y"] <= middle["y"] <= label["y"] + label["height"])
 
 
 def test_a_patch_without_reading_is_grey(page: Any) -> None:
@@ -306,7 +404,7 @@ def test_a_patch_without_reading_is_grey(page: Any) -> None:
 def test_raw_readings_are_dots_of_the_bars_colours(page: Any) -> None:
     spots = [(-CORNER, -CORNER), (CORNER, -CORNER), (-CORNER, CORNER)]
     colours = colours_at(page, spots, quantity="taxels")
-    wanted = [viridis(reading / 254) for reading in (0, 127, 254)]
+    wanted = [SKIN["dark"], viridis(127 / 254), viridis(1.0)]
     assert np.abs(colours - wanted).max() <= 3
 
 

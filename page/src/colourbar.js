@@ -3,6 +3,7 @@ import { byId, element, setText } from "./dom.js";
 import { fixed, placesOf, significant, ticks, unitFor } from "./format.js";
 import { CalmRange } from "./autorange.js";
 import { MAP_OF, mapGradient } from "./scene/colours.js";
+import { THEMES } from "./scene/theme.js";
 
 const NAMES = { pressure: "Pressure", deformation: "Deformation", uncertainty: "Uncertainty", taxels: "Readings" };
 
@@ -13,6 +14,7 @@ export class ColourBar {
   #quantity = null;
   #unit = "";
   #drawn = "";
+  #ground = null;
   #changed;
   #auto = byId("range-auto");
   #hi = byId("range-hi");
@@ -29,6 +31,13 @@ export class ColourBar {
   reset() {
     this.#quantity = null;
     this.#calm.reset();
+  }
+
+  /** With the colours of another theme. */
+  recolour(name) {
+    this.#ground = THEMES[name];
+    this.#drawn = "";
+    this.#draw();
   }
 
   /** Follow an update of the time now, s. */
@@ -64,7 +73,7 @@ export class ColourBar {
     this.#drawn = key;
     if (this.#auto.checked) this.#shown = unitFor(hi, this.#unit);
     const { factor, label } = this.#shown;
-    byId("colour-map").style.background = mapGradient(map);
+    byId("colour-map").style.background = mapGradient(map, "to right", this.#ground);
     const values = ticks(lo / factor, hi / factor, 5);
     const places = placesOf(values[1] - values[0]);
     byId("colour-ticks").replaceChildren(

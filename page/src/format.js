@@ -39,6 +39,11 @@ export function forceUnit(relative) {
   return relative ? "rel." : "N";
 }
 
+/** The force of a contact and its standard deviation, as the table and the picture both show it. */
+export function forceWords({ force, force_std }) {
+  return `${fixed(force, 2)}${Number.isFinite(force_std) ? ` ± ${fixed(force_std, 2)}` : ""}`;
+}
+
 /** A quantity with its unit: quantity(0.00123, "m") is "1.23 mm". */
 export function quantity(value, unit, digits = 3) {
   if (!Number.isFinite(value)) return "–";

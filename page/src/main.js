@@ -180,8 +180,11 @@ function malformed(why) {
 
 async function update({ head, arrays }) {
   try {
-    show(head, arrays);
+    const { hello: told } = state;
+    bar.follow(head, performance.now() / 1e3);
+    scene.update(head, arrays);
     await scene.whenDrawn();
+    if (state.hello === told) show(head); // in the same picture as the scene: one truth for each number
   } catch (error) {
     malformed(error.message);
     console.debug(error);
@@ -189,12 +192,10 @@ async function update({ head, arrays }) {
   socket.send({ do: "ack", number: head.number });
 }
 
-function show(head, arrays) {
+function show(head) {
   const now = performance.now() / 1e3;
   Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
   state.updates += 1;
-  bar.follow(head, now);
-  scene.update(head, arrays);
   const pairs = matched(head.contacts, head.truth);
   const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
   plots.add(time, pairs, head);
@@ -266,6 +267,7 @@ addEventListener("pagehide", () => press.leave());
 startView();
 startTheme((name) => {
   scene.setTheme(name);
+  bar.recolour(name);
   plots.recolour();
 });
 startKeyboard({

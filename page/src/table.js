@@ -1,6 +1,6 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
-import { contactWords, fixed, forceUnit, orElse } from "./format.js";
+import { contactWords, fixed, forceUnit, forceWords, orElse } from "./format.js";
 import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
@@ -52,7 +52,7 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
     element("th", { scope: "row", title: contactWords(contact) }, swatch(slotOf(contact.key)), ` ${contact.track}`, orTwo(contact)),
     element("td", { text: patchName(contact.patch), title: patchName(contact.patch), class: "patch" }),
     element("td", { class: "n", text: place(contact) }),
-    element("td", { class: "n", text: `${fixed(contact.force, 2)}${plusMinus(contact.force_std)}` }),
+    element("td", { class: "n", text: forceWords(contact) }),
     element("td", { class: "n", text: fixed(1e6 * contact.area, 0) }),
     element("td", { class: "n truth", text: truth ? fixed(truth.force, 2) : "" }),
     element("td", { class: "n truth", text: truth ? fixed(1e3 * error_m, 1) : "" }),
@@ -114,10 +114,6 @@ function orTwo({ maybe }) {
 
 function place({ x, y }) {
   return `${fixed(1e3 * x, 1)}, ${fixed(1e3 * y, 1)}`;
-}
-
-function plusMinus(std) {
-  return Number.isFinite(std) ? ` ± ${fixed(std, 2)}` : "";
 }
 
 function signed(value) {

@@ -81,6 +81,8 @@ export function checkUpdate({ head, arrays }) {
   for (const contact of head.contacts) {
     contact.outline ??= [];
     need(Array.isArray(contact.outline) && contact.outline.every(isVector), "an outline without places");
+    contact.place_cov ??= [null, null, null];
+    need(Array.isArray(contact.place_cov) && contact.place_cov.length === 3, "a covariance without its numbers");
   }
   return { head, arrays };
 }
@@ -92,6 +94,8 @@ function checkPatch(patch, arrays) {
     patch[key] ??= -1;
     need(patch[key] === -1 || arrays[patch[key]] instanceof Kind, `a patch without its ${key}`);
   }
+  patch.height_zero ??= 0;
+  need(isCount(patch.height_zero), "heights without the one of skin at rest");
 }
 
 function need(holds, what) {

@@ -7,8 +7,8 @@
 import * as THREE from "three";
 
 /** Of the skin's size: the shortest and the longest arrow. */
-const SHORT = 0.09;
-const LONG = 0.4;
+const SHORT = 0.07;
+const LONG = 0.3;
 /** Force in N whose arrow is half way between. */
 const HALF = 2;
 
@@ -65,9 +65,11 @@ const FRAGMENT = /* glsl */ `
   }
   void main() {
     float head = min(15.0 * ratio, max(vReach, 6.0 * ratio));
-    float d = arrow(vAt, vReach, 2.1 * ratio, head, 0.46 * head);
     float hollow = vTint.w;
-    d -= hollow * 4.2 * ratio;
+    float wider = hollow * 4.2 * ratio;
+    // What is wider all around still ends where it points to: 0.418 is the sine of half its angle
+    float reach = vReach - wider / 0.418;
+    float d = arrow(vAt, reach, 2.1 * ratio, head, 0.46 * head) - wider;
     float inside = 1.0 - smoothstep(-0.6, 0.6, d);
     float around = 1.0 - smoothstep(0.5 * ratio, 1.9 * ratio, d);
     float border = inside * smoothstep(-1.7 * ratio - 0.6, -1.7 * ratio + 0.6, d);

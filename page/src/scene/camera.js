@@ -5,7 +5,7 @@
 import * as THREE from "three";
 
 const FIELD = 26; // degrees; narrow, so that a millimetre is about as long in front as behind
-const HOME_TILT = [0.55, 0.95]; // rad from looking straight down, on a tall and on a wide screen
+const HOME_TILT = [0.42, 0.78]; // rad from looking straight down, on a tall and on a wide screen
 const STEEPEST = Math.PI - 0.02;
 const NEAREST = 0.15;
 const FARTHEST = 8;
@@ -19,7 +19,7 @@ export class OrbitCamera {
     this.aside = new THREE.Vector3(1, 0, 0);
     this.upright = false;
     this.homeDistance = 1;
-    this.margins = { left: 0.04, right: 0.04, top: 0.05, bottom: 0.04 };
+    this.margins = { left: 0.03, right: 0.03, top: 0.03, bottom: 0.055 };
     this.points = [];
     this.moved = false;
     this.width = 1;
@@ -66,7 +66,7 @@ export class OrbitCamera {
   home() {
     this.moved = false;
     this.yaw = 0;
-    this.tilt = this.upright ? 1.15 : clamp(0.42 + (0.26 * this.width) / this.height, ...HOME_TILT);
+    this.tilt = this.upright ? 1.15 : clamp(0.3 + (0.27 * this.width) / this.height, ...HOME_TILT);
     if (this.points.length > 0) this.#fit();
     this.homeDistance = this.distance;
     this.apply();
@@ -98,6 +98,29 @@ export class OrbitCamera {
       this.target.z += elements[i + 2] * d * step;
     }
     this.apply();
+  }
+
+  /** Direction from the skin to the camera, of length 1. */
+  out() {
+    return this.camera.position.clone().sub(this.target).normalize();
+  }
+
+  /** Whether the third axis is the one that leads out of the skin, or up along it. */
+  get zUp() {
+    return this.axis.z > 0.9;
+  }
+
+  /**
+   * A place that is seen at a pixel, in the plane through the target that faces the camera.
+   *
+   * @param {number} x CSS px
+   * @param {number} y
+   * @returns {THREE.Vector3} m
+   */
+  at(x, y) {
+    const { camera, target } = this;
+    const deep = target.clone().project(camera).z;
+    return new THREE.Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, deep).unproject(camera);
   }
 
   /** How many metres a CSS pixel is at a distance. */

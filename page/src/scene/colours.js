@@ -15,6 +15,15 @@ export const MAP_OF = {
   uncertainty: "plasma",
 };
 
+/** Part of a map that leads from the colour of bare skin to the map's own, on dark and bright skin. */
+const FADE = { dark: 0.12, bright: 0.22 };
+
+/**
+ * @typedef {object} Ground
+ * @property {string} plain "#rrggbb" of skin that nothing presses: what a map begins with
+ * @property {boolean} bright whether maps go from bright to dark, as on bright skin
+ */
+
 const tables = new Map();
 
 /** @returns {string[]} names of the maps */
@@ -26,12 +35,31 @@ export function mapNames() {
  * Colours of a map from low to high.
  *
  * @param {string} name
+ * @param {Ground|null} [ground] of the skin; null: the map alone
  * @returns {Uint8Array} 256 times red, green, blue, alpha (sRGB, 0..255)
  */
-export function mapTable(name) {
+export function mapTable(name, ground = null) {
   if (!(name in TABLES)) throw new RangeError(`colour map ${name}: one of ${mapNames()}`);
-  if (!tables.has(name)) tables.set(name, decode(TABLES[name]));
-  return tables.get(name);
+  const key = ground ? `${name} ${ground.plain} ${ground.bright}` : name;
+  if (!tables.has(key)) {
+    tables.set(key, ground ? grounded(mapTable(name), ground) : decode(TABLES[name]));
+  }
+  return tables.get(key);
+}
+
+/** The map as it is shown on skin: at zero it is the skin's own colour. */
+function grounded(map, { plain, bright }) {
+  const table = new Uint8Array(map.length).fill(255);
+  const skin = [1, 3, 5].map((at) => Number.parseInt(plain.slice(at, at + 2), 16));
+  for (let i = 0; i < LEVELS; i += 1) {
+    const t = Math.min(1, i / ((bright ? FADE.bright : FADE.dark) * (LEVELS - 1)));
+    const share = t * t * (3 - 2 * t);
+    const from = 4 * (bright ? LEVELS - 1 - i : i);
+    for (let c = 0; c < 3; c += 1) {
+      table[4 * i + c] = Math.round(skin[c] + share * (map[from + c] - skin[c]));
+    }
+  }
+  return table;
 }
 
 /**
@@ -39,10 +67,11 @@ export function mapTable(name) {
  *
  * @param {string} name of the map
  * @param {number} value 0 (low) .. 1 (high); beyond, the end's colour
+ * @param {Ground|null} [ground]
  * @returns {[number, number, number]} sRGB, 0..255
  */
-export function mapColour(name, value) {
-  const table = mapTable(name);
+export function mapColour(name, value, ground = null) {
+  const table = mapTable(name, ground);
   const at = 4 * Math.min(LEVELS - 1, Math.max(0, Math.round(value * (LEVELS - 1))));
   return [table[at], table[at + 1], table[at + 2]];
 }
@@ -52,11 +81,12 @@ export function mapColour(name, value) {
  *
  * @param {string} name
  * @param {string} direction such as "to right" or "to top"
+ * @param {Ground|null} [ground]
  * @returns {string}
  */
-export function mapGradient(name, direction = "to right") {
+export function mapGradient(name, direction = "to right", ground = null) {
   const stops = [];
-  for (let i = 0; i <= 32; i += 1) stops.push(`rgb(${mapColour(name, i / 32).join(" ")})`);
+  for (let i = 0; i <= 64; i += 1) stops.push(`rgb(${mapColour(name, i / 64, ground).join(" ")})`);
   return `linear-gradient(${direction}, ${stops.join(", ")})`;
 }
 

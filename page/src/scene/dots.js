@@ -4,7 +4,7 @@
  */
 
 import * as THREE from "three";
-import { ON_SKIN } from "./theme.js";
+import { DEAD_COLOUR } from "./theme.js";
 
 /** Reading that stands for a dead taxel or one that is left out. */
 export const DEAD = 255;
@@ -38,7 +38,7 @@ const VERTEX = /* glsl */ `
     vRepaired = repaired * 255.0;
     float dead = step(254.5, vReading);
     float level = min(vReading / 254.0, 1.0) * (1.0 - dead);
-    float share = mix(0.20 + 0.16 * level, 0.62, large);
+    float share = mix(0.14 + 0.14 * level, 0.62, large);
     vSize = max(4.0, size / -seen.z * mix(share, mix(0.42, 0.62, large), dead));
     gl_PointSize = vSize;
   }`;
@@ -47,6 +47,7 @@ const FRAGMENT = /* glsl */ `
   uniform sampler2D map;
   uniform vec3 dead;
   uniform vec3 rim;
+  uniform vec3 plain;   // of a taxel that is not what is looked at
   uniform float large;
   uniform float full;   // what the strongest reading stands for
   uniform vec2 bar;     // ends of the colour bar
@@ -75,7 +76,7 @@ const FRAGMENT = /* glsl */ `
       vec3 colour = colourOf(vReading);
       float ring = smoothstep(1.0 - 3.2 * soft, 1.0 - 2.2 * soft, r);
       vec4 wide = vec4(mix(colour, rim, ring), 1.0);
-      vec4 small = vec4(vec3(1.0), mix(0.34, 0.95, level));
+      vec4 small = vec4(plain, mix(0.26, 0.9, level));
       gl_FragColor = mix(small, wide, large);
       gl_FragColor.a *= inside;
     }
@@ -98,7 +99,7 @@ export class Dots {
     geometry.setAttribute("outward", new THREE.BufferAttribute(Float32Array.from(normals), 3));
     this.reading = attribute(new Uint8Array(this.count));
     this.repaired = attribute(new Uint8Array(this.count).fill(DEAD));
-    this.height = attribute(new Uint16Array(this.count));
+    this.height = attribute(new Float32Array(this.count), false);
     geometry.setAttribute("reading", this.reading);
     geometry.setAttribute("repaired", this.repaired);
     geometry.setAttribute("height", this.height);
@@ -131,9 +132,14 @@ export class Dots {
   follow(surface) {
     const { nodes } = surface;
     if (this.nodes !== nodes) this.#bind(nodes);
-    this.material.uniforms.depth.value = 65535 * surface.scale;
+    this.setDepth(surface.scale);
     for (let i = 0; i < this.count; i += 1) this.height.array[i] = nodes.height[this.corners[i]];
     this.height.needsUpdate = true;
+  }
+
+  /** @param {number} scale m inwards per unit of height */
+  setDepth(scale) {
+    this.material.uniforms.depth.value = scale;
   }
 
   #bind(nodes) {
@@ -159,6 +165,12 @@ export class Dots {
     this.material.uniforms.large.value = large ? 1 : 0;
   }
 
+  /** @param {import("./theme.js").Theme} theme */
+  setTheme({ rim, dot }) {
+    this.material.uniforms.rim.value.set(rim);
+    this.material.uniforms.plain.value.set(dot);
+  }
+
   /** @param {number} perMetre px that one metre takes at the distance of one metre */
   setSize(perMetre) {
     this.material.uniforms.size.value = perMetre * this.pitch;
@@ -170,8 +182,8 @@ export class Dots {
   }
 }
 
-function attribute(array) {
-  const made = new THREE.BufferAttribute(array, 1, true);
+function attribute(array, normalised = true) {
+  const made = new THREE.BufferAttribute(array, 1, normalised);
   made.setUsage(THREE.DynamicDrawUsage);
   return made;
 }
@@ -207,7 +219,8 @@ function material(table) {
       full: { value: 1 },
       bar: { value: new THREE.Vector2(0, 1) },
       shown: { value: 1 },
-      dead: { value: new THREE.Color(ON_SKIN.dead) },
+      dead: { value: new THREE.Color(DEAD_COLOUR) },
+      plain: { value: new THREE.Color("#ffffff") },
       rim: { value: new THREE.Color() },
     },
   });

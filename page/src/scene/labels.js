@@ -8,11 +8,9 @@
 import * as THREE from "three";
 import { placeLabels } from "./layout.js";
 
-const WIDTH = 240;
+const WIDTH = 300;
 const HEIGHT = 46;
 const FONT = 'ui-sans-serif, system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
-/** Text of a label changes at most so often, in ms: digits that flicker cannot be read. */
-const CALM = 110;
 
 const VERTEX = /* glsl */ `
   uniform vec4 box;      // left, top, width, height in CSS px
@@ -27,22 +25,27 @@ const VERTEX = /* glsl */ `
 
 const FRAGMENT = /* glsl */ `
   uniform sampler2D text;
-  uniform float opacity;
   varying vec2 vAt;
   void main() {
-    gl_FragColor = texture2D(text, vAt) * opacity;
+    gl_FragColor = texture2D(text, vAt);
   }`;
 
 /**
  * @typedef {object} Wanted
  * @property {string} key the same from update to update
  * @property {string} title
- * @property {string} detail
- * @property {string} accent colour of the bar at its side
- * @property {number} anchorX px
- * @property {number} anchorY
- * @property {-1|0|1} side
- * @property {number} opacity
+ * @property {string} [aside] beside the title, in the colour `second`
+ * @property {string} [second]
+ * @property {string} [detail]
+ * @property {string} [accent] colour of the bar at its side
+ * @property {string} [plain] colour of bare text, without a card
+ * @property {boolean} [faint] of less weight
+ * @property {number} [anchorX] px
+ * @property {number} [anchorY]
+ * @property {-1|0|1|2} [side] as in layout.js
+ * @property {boolean} [spare] better left out than covering anything
+ * @property {[number, number]} [middle] where it stands, whatever else is there, px
+ * @property {[number, number]} [left] the same, of the middle of its left border
  */
 
 class Label {
@@ -50,8 +53,6 @@ class Label {
     this.canvas = document.createElement("canvas");
     this.texture = null;
     this.written = "";
-    this.when = -Infinity;
-    this.key = "";
     this.width = 0;
     this.height = 0;
     this.material = material();
@@ -66,7 +67,6 @@ class Label {
     this.canvas.width = WIDTH * ratio;
     this.canvas.height = HEIGHT * ratio;
     this.written = "";
-    this.when = -Infinity;
     this.texture?.dispose();
     this.texture = new THREE.CanvasTexture(this.canvas);
     this.texture.minFilter = THREE.NearestFilter;
@@ -76,26 +76,45 @@ class Label {
     this.material.uniforms.text.value = this.texture;
   }
 
-  /** @returns {boolean} whether the text is as wanted */
-  write(wanted, theme, now) {
-    const all = `${wanted.title}\n${wanted.detail}\n${wanted.accent}\n${theme.panel}`;
-    if (all === this.written) return true;
-    if (now - this.when < CALM) return false;
+  /** Writes at once: the picture says what the table says. */
+  write(wanted, theme) {
+    const { title, aside, detail, accent, plain } = wanted;
+    const all = [title, aside, detail, accent, plain, theme.panel].join("\n");
+    if (all === this.written) return;
     this.written = all;
-    this.when = now;
-    this.#draw(wanted, theme);
-    this.texture.needsUpdate = true;
-    return true;
-  }
-
-  #draw({ title, detail, accent }, theme) {
     const pen = this.canvas.getContext("2d");
     pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     pen.clearRect(0, 0, WIDTH, HEIGHT);
+    if (plain) this.#bare(pen, wanted, theme);
+    else this.#card(pen, wanted, theme);
+    this.texture.needsUpdate = true;
+  }
+
+  /** Text that stands on the picture, with a rim of the background. */
+  #bare(pen, { title, plain, faint }, theme) {
+    pen.font = `${faint ? "" : "600 "}12px ${FONT}`;
+    this.width = Math.min(WIDTH, Math.ceil(pen.measureText(title).width) + 8);
+    this.height = 18;
+    pen.textBaseline = "alphabetic";
+    pen.lineJoin = "round";
+    pen.lineWidth = 3;
+    pen.strokeStyle = theme.background;
+    pen.globalAlpha = 0.85;
+    pen.strokeText(title, 4, 13.5);
+    pen.globalAlpha = 1;
+    pen.fillStyle = plain;
+    pen.fillText(title, 4, 13.5);
+  }
+
+  #card(pen, { title, aside, second, detail, accent }, theme) {
     const big = `600 14px ${FONT}`;
+    const middling = `600 12px ${FONT}`;
     const small = `12px ${FONT}`;
     pen.font = big;
-    let width = pen.measureText(title).width;
+    const titled = pen.measureText(title).width;
+    let width = titled;
+    pen.font = middling;
+    if (aside) width += 10 + pen.measureText(aside).width;
     pen.font = small;
     width = Math.max(width, detail ? pen.measureText(detail).width : 0);
     // Widths in steps: a label that breathes with each digit is hard to look at
@@ -118,17 +137,20 @@ class Label {
     pen.fillStyle = theme.ink;
     pen.font = big;
     pen.fillText(title, 14, 18, WIDTH - 20);
+    pen.font = middling;
+    pen.fillStyle = second ?? theme.ink;
+    if (aside) pen.fillText(aside, 24 + titled, 18, WIDTH - 28 - titled);
     pen.fillStyle = theme.muted;
     pen.font = small;
     if (detail) pen.fillText(detail, 14, 34, WIDTH - 20);
   }
 
-  show(screen, opacity) {
+  show(screen) {
     const { uniforms } = this.material;
+    this.mesh.visible = !this.hidden;
     uniforms.box.value.set(Math.round(this.x), Math.round(this.y), this.width, this.height);
     uniforms.part.value.set(this.width / WIDTH, this.height / HEIGHT);
     uniforms.screen.value.copy(screen);
-    uniforms.opacity.value = opacity;
   }
 }
 
@@ -146,6 +168,8 @@ export class Labels {
     this.shown = new Map();
     this.spare = [];
     this.order = [];
+    /** Those that stand where there is room, as they stand now. */
+    this.placed = [];
     this.ratio = 1;
     this.screen = new THREE.Vector2(1, 1);
   }
@@ -161,31 +185,32 @@ export class Labels {
    * @param {Wanted[]} wanted the more important first
    * @param {import("./layout.js").Box[]} kept places that are better not covered
    * @param {import("./theme.js").Theme} theme
-   * @param {number} now ms
-   * @returns {boolean} whether all show what is wanted; otherwise draw again a little later
    */
-  set(wanted, kept, theme, now) {
+  set(wanted, kept, theme) {
     const keys = new Set(wanted.map(({ key }) => key));
     for (const [key, label] of this.shown) if (!keys.has(key)) this.#put(key, label);
-    let current = true;
+    const placed = [];
     this.order.length = 0;
     for (const one of wanted) {
       const label = this.shown.get(one.key) ?? this.#take(one.key);
-      current = label.write(one, theme, now) && current;
-      label.anchorX = one.anchorX;
-      label.anchorY = one.anchorY;
-      label.side = one.side;
-      label.wantedOpacity = one.opacity;
+      label.write(one, theme);
+      const { anchorX, anchorY, side, spare, accent } = one;
+      Object.assign(label, { anchorX, anchorY, side, spare, accent, hidden: false });
       this.order.push(label);
+      const at = one.middle ?? one.left;
+      if (at) {
+        label.x = at[0] - (one.middle ? label.width / 2 : 0);
+        label.y = at[1] - label.height / 2;
+        kept.push(label);
+      } else placed.push(label);
     }
-    placeLabels(this.order, kept, this.screen.x, this.screen.y);
-    for (const label of this.order) label.show(this.screen, label.wantedOpacity);
-    return current;
+    placeLabels(placed, kept, this.screen.x, this.screen.y);
+    for (const label of this.order) label.show(this.screen);
+    this.placed = placed;
   }
 
   #take(key) {
     const label = this.spare.pop() ?? new Label(this.ratio);
-    label.when = -Infinity;
     label.taken = undefined;
     this.shown.set(key, label);
     this.group.add(label.mesh);
@@ -214,7 +239,6 @@ function material() {
       box: { value: new THREE.Vector4() },
       screen: { value: new THREE.Vector2(1, 1) },
       part: { value: new THREE.Vector2(1, 1) },
-      opacity: { value: 1 },
     },
   });
 }

@@ -4,15 +4,19 @@
  */
 
 const GAP = 4;
-const ASIDE = 11; // px between a label and what it names
 
-/** What covering another label costs, and covering all of a contact, in px of distance. */
+/** Px between a label and what it names: beside it, or further off at the end of a leader line. */
+const AWAY = [11, 26, 44, 66, 92, 124, 160];
+const TURNS = 16; // directions around what is named
+/** Off the level, beside what is named: an arrow comes from below. */
+const RAISED = Math.PI / TURNS;
+
+/** What covering costs, and crossing a leader line, in px of distance. */
 const COVER_LABEL = 4000;
-const COVER_CONTACT = 260;
-/** Shifts worth trying, px. */
-const NUDGES = [16, -16, 32, -32, 48, -48, 64, -64, 80, -80];
-/** A label changes its side only for so much gain: it is not to jump to and fro. */
-const STAY = 20;
+const COVER_CONTACT = 1200;
+const CROSS = 150;
+/** A label changes its place only for so much gain: it is not to jump to and fro. */
+const STAY = 30;
 
 /**
  * @typedef {{x: number, y: number, width: number, height: number}} Box left, top and size in px
@@ -22,72 +26,124 @@ const STAY = 20;
  * @property {number} anchorY
  * @property {number} width px
  * @property {number} height
- * @property {-1|0|1} side left of the anchor, above it, right of it
- * @property {number} [taken] the side it stood on before
+ * @property {-1|0|1|2} side where it stands best: left of the anchor, above it, right of it, below it
+ * @property {boolean} [spare] better left out than covering anything
+ * @property {number} [taken] the place it had before, set here
  * @property {number} x left edge, set here
  * @property {number} y top edge, set here
+ * @property {boolean} [hidden] left out, set here
  */
 
 /**
  * Sets x and y of each label; earlier ones have the better choice.
  *
  * @param {Placed[]} labels
- * @param {Box[]} kept places that are better not covered
+ * @param {Box[]} kept places that are not to be covered
  * @param {number} width of the picture, px
  * @param {number} height
  */
 export function placeLabels(labels, kept, width, height) {
   for (let i = 0; i < labels.length; i += 1) {
     const label = labels[i];
-    let least = Infinity;
-    let [x, y, taken] = [0, 0, label.side];
-    for (const side of [label.side, -label.side, 0, 1, -1]) {
-      label.x = clamp(wantedX(label, side), GAP, width - label.width - GAP);
-      for (const shift of shifts(label, side, labels, i)) {
-        label.y = clamp(shift, GAP, height - label.height - GAP);
-        const cost = costOf(label, side, labels, i, kept);
-        if (cost >= least) continue;
-        least = cost;
-        [x, y, taken] = [label.x, label.y, side];
-      }
+    const before = labels.slice(0, i).filter((each) => !each.hidden);
+    const best = { cost: Infinity, x: 0, y: 0, taken: 0 };
+    const consider = (x, y, taken) => {
+      label.x = clamp(x, GAP, width - label.width - GAP);
+      label.y = clamp(y, GAP, height - label.height - GAP);
+      const cost = costOf(label, before, kept) + (taken === label.taken ? -STAY : 0);
+      if (cost < best.cost) Object.assign(best, { cost, x: label.x, y: label.y, taken });
+    };
+    around(label, consider);
+    if (!label.spare) beside(label, before, consider);
+    label.hidden = Boolean(label.spare) && best.cost >= COVER_CONTACT / 4;
+    label.x = best.x;
+    label.y = best.y;
+    label.taken = best.taken;
+  }
+}
+
+/** Places all around what is named, near and far. */
+function around(label, consider) {
+  const { anchorX, anchorY, width, height } = label;
+  const rings = label.spare ? 1 : AWAY.length;
+  for (let ring = 0; ring < rings; ring += 1) {
+    for (let turn = 0; turn < TURNS; turn += 1) {
+      const angle = bestAngle(label) + (turn * 2 * Math.PI) / TURNS;
+      const [c, s] = [Math.cos(angle), -Math.sin(angle)];
+      // From the middle of the label to where its border meets the direction
+      const half = Math.min(width / 2 / Math.max(1e-9, Math.abs(c)), height / 2 / Math.max(1e-9, Math.abs(s)));
+      const far = AWAY[ring] + half;
+      consider(anchorX + c * far - width / 2, anchorY + s * far - height / 2, ring * TURNS + turn);
     }
-    Object.assign(label, { x, y, taken });
   }
 }
 
-function wantedX({ anchorX, width }, side) {
-  if (side === 0) return anchorX - width / 2;
-  return side > 0 ? anchorX + ASIDE : anchorX - ASIDE - width;
+/** Places right above and below each label that is there already. */
+function beside(label, before, consider) {
+  before.forEach((other, i) => {
+    for (const x of [other.x, label.anchorX + AWAY[0], label.anchorX - AWAY[0] - label.width]) {
+      consider(x, other.y - label.height - GAP, -1 - 2 * i);
+      consider(x, other.y + other.height + GAP, -2 - 2 * i);
+    }
+  });
 }
 
-function wantedY({ anchorY, height }, side) {
-  return side === 0 ? anchorY - height - ASIDE : anchorY - height * 0.62;
+function bestAngle({ side }) {
+  if (side === 0) return Math.PI / 2;
+  if (side === 2) return -Math.PI / 2;
+  return side > 0 ? RAISED : Math.PI - RAISED;
 }
 
-/** Heights worth trying: as wanted, and just above and below each label that is there already. */
-function shifts(label, side, labels, count) {
-  const wanted = wantedY(label, side);
-  const tries = [wanted, ...NUDGES.map((nudge) => wanted + nudge)];
-  for (let i = 0; i < count; i += 1) {
-    tries.push(labels[i].y - label.height - GAP, labels[i].y + labels[i].height + GAP);
+function costOf(label, before, kept) {
+  const [x, y] = leaderEnd(label);
+  const { anchorX, anchorY } = label;
+  let cost = Math.hypot(x - anchorX, y - anchorY);
+  const angle = Math.atan2(anchorY - label.y - label.height / 2, label.x + label.width / 2 - anchorX);
+  cost += 14 * Math.acos(Math.cos(angle - bestAngle(label)));
+  for (const other of before) {
+    if (overlap(label, widened(other))) cost += COVER_LABEL;
+    else if (crosses(anchorX, anchorY, x, y, other)) cost += COVER_CONTACT / 4;
+    const [ox, oy] = leaderEnd(other);
+    if (meet(anchorX, anchorY, x, y, other.anchorX, other.anchorY, ox, oy)) cost += CROSS;
   }
-  return tries;
-}
-
-function costOf(label, side, labels, count, kept) {
-  const dx = label.x - wantedX(label, label.side);
-  const dy = label.y - wantedY(label, label.side);
-  let cost = Math.hypot(0.35 * dx, dy);
-  if (label.taken !== undefined && side !== label.taken) cost += STAY;
-  for (let i = 0; i < count; i += 1) if (overlap(label, labels[i])) cost += COVER_LABEL;
   for (const box of kept) cost += COVER_CONTACT * shareCovered(box, label);
   return cost;
 }
 
+/**
+ * Where the leader line of a label ends: the place of its border next to what it names.
+ *
+ * @param {Placed} label @returns {[number, number]} px
+ */
+export function leaderEnd({ anchorX, anchorY, x, y, width, height }) {
+  return [clamp(anchorX, x, x + width), clamp(anchorY, y, y + height)];
+}
+
+function widened({ x, y, width, height }) {
+  return { x: x - 2, y: y - 2, width: width + 4, height: height + 4 };
+}
+
+/** More than nothing, however little is covered: a corner is not to be covered either. */
 function shareCovered(box, by) {
   const wide = Math.min(box.x + box.width, by.x + by.width) - Math.max(box.x, by.x);
   const tall = Math.min(box.y + box.height, by.y + by.height) - Math.max(box.y, by.y);
-  return wide > 0 && tall > 0 ? (wide * tall) / (box.width * box.height) : 0;
+  return wide > 0 && tall > 0 ? 0.25 + (0.75 * (wide * tall)) / (box.width * box.height) : 0;
+}
+
+/** Whether a line goes through a box (its middle cross, which is near enough). */
+function crosses(ax, ay, bx, by, { x, y, width, height }) {
+  return (
+    meet(ax, ay, bx, by, x, y + height / 2, x + width, y + height / 2) ||
+    meet(ax, ay, bx, by, x + width / 2, y, x + width / 2, y + height)
+  );
+}
+
+function meet(ax, ay, bx, by, cx, cy, dx, dy) {
+  const side = (px, py, qx, qy, rx, ry) => (qx - px) * (ry - py) - (qy - py) * (rx - px);
+  return (
+    side(ax, ay, bx, by, cx, cy) * side(ax, ay, bx, by, dx, dy) < 0 &&
+    side(cx, cy, dx, dy, ax, ay) * side(cx, cy, dx, dy, bx, by) < 0
+  );
 }
 
 /** @param {Box} a @param {Box} b @returns {boolean} whether two boxes cover each other */

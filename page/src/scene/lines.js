@@ -66,8 +66,11 @@ const FRAGMENT = /* glsl */ `
 const STRIDE = 13;
 
 export class Lines {
-  /** @param {number} capacity segments; more are left out */
-  constructor(capacity = 4096) {
+  /**
+   * @param {number} capacity segments; more are left out
+   * @param {{above?: boolean}} look above: whether they hide whatever is there
+   */
+  constructor(capacity = 4096, { above = false } = {}) {
     this.capacity = capacity;
     this.count = 0;
     this.data = new Float32Array(STRIDE * capacity);
@@ -84,12 +87,12 @@ export class Lines {
     geometry.setAttribute("style", part(3, 10));
     geometry.instanceCount = 0;
     this.geometry = geometry;
-    this.materials = [material(1), material(0)];
+    this.materials = [material(1, above), material(0, above)];
     this.mesh = new THREE.Group();
     this.materials.forEach((look, i) => {
       const mesh = new THREE.Mesh(geometry, look);
       mesh.frustumCulled = false;
-      mesh.renderOrder = 3 + i;
+      mesh.renderOrder = (above ? 16 : 3) + i;
       this.mesh.add(mesh);
     });
   }
@@ -132,6 +135,11 @@ export class Lines {
     this.buffer.needsUpdate = true;
   }
 
+  /** @param {string} colour around all of them */
+  setCasing(colour) {
+    for (const { uniforms } of this.materials) uniforms.casing.value.set(colour);
+  }
+
   /** @param {number} width @param {number} height of the canvas in its own pixels */
   setScreen(width, height, ratio) {
     for (const { uniforms } of this.materials) {
@@ -141,12 +149,13 @@ export class Lines {
   }
 }
 
-function material(below) {
+function material(below, above) {
   return new THREE.ShaderMaterial({
     vertexShader: VERTEX,
     fragmentShader: FRAGMENT,
     transparent: true,
     depthWrite: false,
+    depthTest: !above,
     side: THREE.DoubleSide,
     uniforms: {
       screen: { value: new THREE.Vector2(1, 1) },

@@ -4,15 +4,20 @@
  */
 
 import * as THREE from "three";
-import { fixed, orElse } from "../format.js";
+import { fixed, forceWords, orElse } from "../format.js";
+import { matched, unfound } from "../truth_match.js";
 import { Arrows, arrowLength } from "./arrows.js";
+import { Corner } from "./corner.js";
+import { placeEllipse } from "./ellipse.js";
 import { Labels } from "./labels.js";
+import { leaderEnd } from "./layout.js";
 import { Lines } from "./lines.js";
-import { ON_SKIN } from "./theme.js";
 
-const AROUND = 48; // segments of a ring
+const AROUND = 32; // segments of a ring
+const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
+const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
 const colour = (text) => new THREE.Color(text);
 
@@ -24,7 +29,9 @@ export class Marks {
     this.arrows = new Arrows();
     this.labels = new Labels();
     this.group = new THREE.Group();
-    this.group.add(this.lines.mesh, this.arrows.mesh, this.labels.group);
+    this.above = new Lines(256, { above: true });
+    this.corner = new Corner();
+    this.group.add(this.lines.mesh, this.arrows.mesh, this.above.mesh, this.labels.group);
     this.contacts = [];
     this.unit = "N"; // of their forces
     this.truth = [];
@@ -33,19 +40,18 @@ export class Marks {
     this.tool = null;
     this.size = 0.1;
     this.labelled = true;
-    this.onSkin = Object.fromEntries(
-      Object.entries(ON_SKIN).map(([name, text]) => [name, colour(text)]),
-    );
     this.place = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.from = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.wanted = [];
     this.kept = [];
     this.seen = new THREE.Vector3();
+    this.seenColour = new THREE.Color();
     this.tail = new THREE.Vector3();
   }
 
   setScreen(width, height, ratio) {
     this.lines.setScreen(width * ratio, height * ratio, ratio);
+    this.above.setScreen(width * ratio, height * ratio, ratio);
     this.arrows.setScreen(width * ratio, height * ratio, ratio);
     this.labels.setScreen(width, height, ratio);
   }
@@ -53,7 +59,13 @@ export class Marks {
   setTheme(theme) {
     this.theme = theme;
     this.arrows.setCasing(theme.background);
-    const { contact, truth, muted } = theme;
+    this.lines.setCasing(theme.casing);
+    this.above.setCasing(theme.background);
+    this.corner.setTheme(theme);
+    const { contact, truth, muted, onSkin } = theme;
+    this.onSkin = Object.fromEntries(
+      Object.entries(onSkin).map(([name, text]) => [name, colour(text)]),
+    );
     this.tint = { contact: colour(contact), truth: colour(truth), old: colour(muted) };
   }
 
@@ -61,55 +73,65 @@ export class Marks {
    * Writes all marks for this picture.
    *
    * @param {import("./camera.js").OrbitCamera} view
-   * @param {number} now ms
-   * @returns {boolean} whether labels are up to date; otherwise draw again a little later
    */
-  draw(view, now) {
-    this.lines.clear();
-    this.arrows.clear();
+  draw(view) {
+    for (const each of [this.lines, this.arrows, this.above]) each.clear();
     this.wanted.length = 0;
     this.kept.length = 0;
+    this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
+    const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
     for (const press of this.waiting) this.#waits(press, view);
-    for (const contact of this.contacts) this.#contact(contact, view);
-    for (const [i, patch] of this.patches.all) this.#missing(i, patch, view);
+    for (const row of rows) this.#contact(row, view);
+    for (const press of unfound(rows, this.truth)) this.#missed(press, view);
+    for (const [i, patch] of this.patches.all) this.#name(i, patch, view);
     if (this.focus) this.#window(this.focus);
     if (this.tool) this.#ring(this.tool, this.tool.radius, this.onSkin.tool, { opacity: 0.9 });
     this.lines.finish();
     this.arrows.finish();
-    return this.labels.set(this.labelled ? this.wanted : [], this.kept, this.theme, now);
+    const shown = this.labelled ? this.wanted : this.wanted.filter(({ plain }) => plain);
+    this.labels.set(shown, this.kept, this.theme);
+    for (const label of this.labels.placed) this.#leader(label, view);
+    this.above.finish();
   }
 
-  #contact(contact, view) {
-    this.#outline(contact, contact.old ? this.tint.old : this.onSkin.contact);
+  #contact({ contact, truth, error_m }, view) {
+    const { old } = contact;
+    this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
+    if (!old) this.#uncertainty(contact);
     const place = this.#rest(contact);
-    const tail = this.#arrow(place, contact, contact.old ? this.tint.old : this.tint.contact, false);
+    const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
     this.#keep(place.position, Math.sqrt((contact.area || 1e-5) / Math.PI), view);
-    for (const part of [0.5, 1]) {
-      const along = (value, i) => value + part * (tail.getComponent(i) - value);
-      this.#keep(place.position.map(along), 0, view);
-    }
-    const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
+    this.#keepArrow(place.position, tail, view);
+    const maybe = contact.maybe ? ` · ${orElse(contact.maybe)}?` : "";
     this.#label(`c${contact.key}`, tail, view, {
-      title: `${contact.force.toFixed(2)} ${this.unit}${spread}${contact.maybe ? ` · ${orElse(contact.maybe)}?` : ""}`,
-      detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
-      accent: contact.old ? this.theme.muted : this.theme.contact,
+      title: `${forceWords(contact)} ${this.unit}${maybe}`,
+      aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
+      second: this.theme.truth,
+      detail: `#${contact.track}  ${old ? "not of now" : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
   }
 
   #truth(press, view) {
     const place = this.#rest(press);
-    const tail = this.#arrow(place, press, this.tint.truth, true);
-    this.#label(`t${press.id}`, tail, view, {
-      title: `truth ${press.force.toFixed(2)} N`,
-      detail: this.#where(press),
+    const tail = this.#arrow(place, press, this.tint.truth, true, view);
+    const radius = press.contact_radius || press.radius || 0.002;
+    this.#keep(place.position, radius, view);
+    this.#keepArrow(place.position, tail, view);
+    this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+  }
+
+  /** A press that was not found, or not yet. */
+  #missed(press, view) {
+    const place = this.#rest(press);
+    this.#label(`t${press.id}`, this.#tail(place, press, view), view, {
+      title: `truth ${fixed(press.force, 2)} N`,
+      detail: `${this.#where(press)}  not found`,
       accent: this.theme.truth,
       side: -1,
     });
-    this.#keep(place.position, press.contact_radius || 0.002, view);
-    const radius = press.contact_radius || press.radius || 0.002;
-    this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
   }
 
   /** Place of a contact on the skin at rest: the bottom of its dent, drawn deeper than it is, stands beside it. */
@@ -132,21 +154,39 @@ export class Marks {
     });
   }
 
-  #missing(i, { answer, waiting, surface, about }, view) {
-    if (answer !== "missing" || waiting || !surface) return;
-    const [x, y, z] = surface.nodes.sphere.centre;
-    this.#label(`m${i}`, this.seen.set(x, y, z).clone(), view, {
-      title: about.name,
-      detail: "no reading",
-      accent: this.theme.muted,
-      side: 0,
-    });
+  /** The name of a patch at its lower border; where it does not answer, that too. */
+  #name(i, { answer, waiting, surface, about }, view) {
+    if (!surface) return;
+    const silent = answer === "missing" && !waiting;
+    const { centre } = surface.nodes.sphere;
+    if (silent) {
+      this.#label(`m${i}`, this.seen.set(...centre).clone(), view, {
+        title: about.name,
+        detail: "no reading",
+        accent: this.theme.muted,
+        side: 0,
+      });
+      return;
+    }
+    if (!surface.faces(view.camera.position)) return;
+    const [anchorX, anchorY] = this.patches.foot(i, (at) => this.#pixel(this.seen.set(...at), view));
+    const look = { plain: this.theme.muted, faint: true, side: 2, spare: true };
+    this.wanted.push({ key: `n${i}`, title: about.name, ...look, anchorX, anchorY: anchorY - 8 });
   }
 
   #label(key, at, view, label) {
     const [x, y] = this.#pixel(at, view);
     if (Math.abs(this.seen.z) > 1) return;
-    this.wanted.push({ key, ...label, anchorX: x, anchorY: y, opacity: 1 });
+    this.wanted.push({ key, ...label, anchorX: x, anchorY: y });
+  }
+
+  /** From a label to what it names. */
+  #leader(label, view) {
+    if (label.hidden || !label.accent) return;
+    const [x, y] = leaderEnd(label);
+    if (Math.hypot(x - label.anchorX, y - label.anchorY) < 4) return;
+    const ends = [view.at(label.anchorX, label.anchorY), view.at(x, y)].map((at) => at.toArray());
+    this.above.add(...ends, this.seenColour.set(label.accent), { width: 1.5 });
   }
 
   /** A place in words; the patch is named where there are several. */
@@ -164,6 +204,16 @@ export class Marks {
     this.kept.push({ x: x - reach, y: y - reach, width: 2 * reach, height: 2 * reach });
   }
 
+  #keepArrow(tip, tail, view) {
+    const [ax, ay] = this.#pixel(this.seen.set(...tip), view);
+    const [bx, by] = this.#pixel(tail, view);
+    for (let part = 0; part < 4; part += 1) {
+      const [x, y] = [ax + ((part + 0.5) / 4) * (bx - ax), ay + ((part + 0.5) / 4) * (by - ay)];
+      const tall = Math.max(10, Math.abs(by - ay) / 4);
+      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall });
+    }
+  }
+
   /** CSS px of a place; its depth stays in `seen.z`. */
   #pixel(at, view) {
     const { seen } = this;
@@ -172,13 +222,38 @@ export class Marks {
   }
 
   /** @returns {THREE.Vector3} where the arrow begins */
-  #arrow({ position, normal }, { patch, force }, tint, hollow) {
+  #arrow(place, press, tint, hollow, view) {
+    const tail = this.#tail(place, press, view);
+    this.arrows.add(tail.toArray(), place.position, tint, hollow);
+    return tail;
+  }
+
+  /** Where an arrow begins: inside the picture, if its tip is. */
+  #tail({ position, normal }, { patch, force }, view) {
     // On a small patch of a large skin, an arrow of the patch's own size
     const side = this.patches.all.get(patch)?.about.side || this.size;
     const long = arrowLength(force, Math.min(this.size, 1.8 * side));
-    this.tail.set(...position).addScaledVector(this.seen.set(...normal), long);
-    this.arrows.add(this.tail.toArray(), position, tint, hollow);
-    return this.tail;
+    const { tail } = this;
+    for (const part of [1, 0.85, 0.7, 0.55, 0.4]) {
+      tail.set(...position).addScaledVector(this.seen.set(...normal), part * long);
+      const [x, y] = this.#pixel(tail, view);
+      if (x > EDGE_PX && y > EDGE_PX && x < view.width - EDGE_PX && y < view.height - EDGE_PX) break;
+    }
+    return tail;
+  }
+
+  /** The ellipse that holds the place of a contact nine times in ten. */
+  #uncertainty({ patch, x, y, place_cov }) {
+    const ellipse = place_cov && placeEllipse(place_cov);
+    if (!ellipse || !(ellipse.a > 0) || ellipse.a > this.size) return;
+    const { a, b, angle } = ellipse;
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    const look = { width: 1.2, opacity: 0.85, rest: true };
+    this.#path(THIN, patch, this.onSkin.contact, look, (t, out) => {
+      const [u, v] = [a * Math.cos(2 * Math.PI * t), b * Math.sin(2 * Math.PI * t)];
+      out[0] = x + c * u - s * v;
+      out[1] = y + s * u + c * v;
+    });
   }
 
   /** A circle on the skin. */

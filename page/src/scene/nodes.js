@@ -32,15 +32,19 @@ export class Nodes {
     this.source = sources(this, rows, columns, pad);
     this.origin = [this.plane[0], this.plane[1]];
     this.pitch = pitchOf(this);
-    this.height = new Uint16Array(this.count);
+    /** Inwards, in the unit of the server; below zero where the skin swells. */
+    this.height = new Float32Array(this.count);
     this.flat = true;
     this.sunk = new Float32Array(3 * this.count);
     this.sphere = boundingSphere(this.positions, this.covered);
   }
 
-  /** @param {ArrayLike<number>|null} values u16 per node, inwards; null: flat */
-  setHeight(values) {
-    if (values) for (let k = 0; k < this.count; k += 1) this.height[k] = values[this.source[k]];
+  /**
+   * @param {ArrayLike<number>|null} values u16 per node, inwards; null: flat
+   * @param {number} zero the value of skin at rest
+   */
+  setHeight(values, zero = 0) {
+    if (values) for (let k = 0; k < this.count; k += 1) this.height[k] = values[this.source[k]] - zero;
     else if (!this.flat) this.height.fill(0);
     this.flat = !values;
   }

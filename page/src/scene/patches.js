@@ -5,6 +5,7 @@
 import * as THREE from "three";
 import { borderOf } from "./border.js";
 import { Dots } from "./dots.js";
+import { roundLength } from "./ruler.js";
 import { Surface } from "./surface.js";
 
 class Patch {
@@ -37,12 +38,14 @@ export class Patches {
     this.group = new THREE.Group();
     /** @type {Map<number, Patch>} */
     this.all = new Map();
-    this.exaggeration = 1;
+    this.exaggeration = 3;
     this.quantity = "pressure";
     this.taxels = true;
     this.bar = [0, 1];
     this.theme = null;
     this.perMetre = 1;
+    /** Side of the squares that are ruled on the skin, m. */
+    this.ruling = 0.005;
   }
 
   /** @param {{i: number}[]} patches of a hello: the scene begins anew */
@@ -53,6 +56,7 @@ export class Patches {
     }
     this.group.clear();
     this.all.clear();
+    this.ruling = roundLength(Math.max(0.01, ...patches.map(({ side }) => side || 0)) / 9);
     for (const about of patches) this.all.set(about.i, new Patch(about));
   }
 
@@ -63,7 +67,7 @@ export class Patches {
     if (arrays.taxels?.length && arrays.taxel_normals) this.#addDots(patch, arrays);
     patch.border ??= borderOf(arrays, patch.about.pitch);
     const { table, finest } = this;
-    const look = { table, finest, patches: this.all.size, border: patch.border };
+    const look = { table, finest, patches: this.all.size, border: patch.border, ruling: this.ruling };
     const surface = new Surface(head, arrays, look);
     patch.surfaces.set(head.rung, surface);
     if (old) {
@@ -102,7 +106,7 @@ export class Patches {
       const height = fitting(arrays[entry.height], surface.nodes.given);
       const colour = fitting(arrays[entry.colour], surface.nodes.given);
       surface.setExaggeration(this.#times);
-      surface.setHeight(height, entry.height_scale);
+      surface.setHeight(height, entry.height_scale, entry.height_zero ?? 0);
       surface.setColour(colour, colour ? entry.colour_lo : 0, colour ? entry.colour_hi : 0);
     }
     const readings = arrays[entry.taxels];
@@ -118,11 +122,11 @@ export class Patches {
       const { uniforms } = surface.material;
       uniforms.missing.value = missing ? 1 : 0;
       uniforms.plain.value = PLAIN.has(this.quantity) ? 1 : 0;
-      uniforms.lines.value = PLAIN.has(this.quantity) ? 0.05 : 0.09;
       uniforms.bar.value.set(...this.bar);
       if (this.theme) {
         uniforms.grey.value.set(missing ? this.theme.missing : this.theme.plain);
         uniforms.rim.value.set(this.theme.rim);
+        uniforms.ink.value.set(this.theme.line);
       }
     }
     if (!patch.dots) return;
@@ -130,7 +134,7 @@ export class Patches {
     patch.dots.mesh.visible = !missing;
     patch.dots.show(this.taxels || large, large);
     patch.dots.setColours(patch.full, this.bar);
-    if (this.theme) patch.dots.material.uniforms.rim.value.set(this.theme.rim);
+    if (this.theme) patch.dots.setTheme(this.theme);
     patch.dots.setSize(this.perMetre);
     if (patch.surface) patch.dots.follow(patch.surface);
   }
@@ -146,6 +150,23 @@ export class Patches {
       patch.surface?.setExaggeration(this.#times);
       this.#show(patch);
     }
+  }
+
+  /**
+   * Draws dents as deep as they can be seen into.
+   *
+   * @param {THREE.Vector3} out direction to the camera
+   * @returns {number} how much deeper than real the dents are drawn that are least so
+   */
+  setView(out) {
+    let least = this.exaggeration;
+    for (const { surface, dots } of this.all.values()) {
+      if (!surface) continue;
+      surface.setView(out);
+      dots?.setDepth(surface.scale);
+      if (!surface.nodes.flat) least = Math.min(least, surface.times);
+    }
+    return least;
   }
 
   setSize(perMetre) {
@@ -191,6 +212,20 @@ export class Patches {
     const out = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.at(patch, best.x, best.y, out, true);
     return { patch, x: best.x, y: best.y, position: out.position };
+  }
+
+  /**
+   * Where the name of a patch stands: the place of its border that is lowest in the picture.
+   *
+   * @param {number} i
+   * @param {(at: ArrayLike<number>) => [number, number]} pixel of a place
+   * @returns {[number, number]} px
+   */
+  foot(i, pixel) {
+    const seen = this.all.get(i).surface.rim.map(pixel);
+    const lowest = Math.max(...seen.map(([, y]) => y));
+    const low = seen.filter(([, y]) => y > lowest - 5); // a level border: its middle
+    return [low.reduce((sum, [x]) => sum + x, 0) / low.length, lowest];
   }
 
   /** What the home view has to show: the drawn skin of all patches, and its mean normal. */

@@ -16,7 +16,7 @@ import { Pointer } from "./pointer.js";
 import { THEMES } from "./theme.js";
 
 /** Of the skin's size, kept free above it in the home view: arrows and labels are there. */
-const HEADROOM = 0.13;
+const HEADROOM = 0.03;
 
 /**
  * @typedef {object} Handlers
@@ -51,12 +51,13 @@ export class SkinScene {
     this.view = new OrbitCamera();
     this.root = new THREE.Scene();
     this.root.add(this.patches.group, this.marks.group);
+    this.map = "viridis";
     this.waiting = [];
     this.requested = 0;
     this.drawn = 0;
     this.draw = this.draw.bind(this);
     this.setTheme("dark");
-    this.setColours({ lo: 0, hi: 1, map: "viridis" });
+    this.setColours({ lo: 0, hi: 1 });
     this.pointer = new Pointer(this.canvas, this);
   }
 
@@ -135,8 +136,15 @@ export class SkinScene {
     this.picture.setBackground(own || theme.background);
     this.marks.setTheme(theme);
     this.patches.theme = theme;
+    this.theme = theme;
+    this.#recolour();
     this.patches.refresh();
     this.redraw();
+  }
+
+  #recolour() {
+    this.table.image.data.set(mapTable(this.map, this.theme));
+    this.table.needsUpdate = true;
   }
 
   /** @param {number} times how much deeper than real the dents are drawn */
@@ -149,8 +157,8 @@ export class SkinScene {
   /** @param {{lo: number, hi: number, map?: string}} bar ends of the colour bar, in its unit */
   setColours({ lo, hi, map }) {
     if (map) {
-      this.table.image.data.set(mapTable(map));
-      this.table.needsUpdate = true;
+      this.map = map;
+      this.#recolour();
     }
     this.patches.bar = [lo, hi];
     this.patches.refresh();
@@ -286,14 +294,10 @@ export class SkinScene {
   draw() {
     cancelAnimationFrame(this.requested);
     this.requested = 0;
-    const calm = this.marks.draw(this.view, performance.now());
+    this.marks.draw(this.view);
     this.picture.render(this.root, this.view.camera);
     this.drawn += 1;
     for (const resolve of this.waiting.splice(0)) resolve();
-    if (!calm) {
-      clearTimeout(this.later);
-      this.later = setTimeout(() => this.redraw(), 120);
-    }
   }
 }
 

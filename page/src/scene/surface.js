@@ -2,35 +2,54 @@
  * The skin of one patch on one grid: a mesh that sinks where it is pressed, coloured by a map.
  *
  * Colours are those of the colour bar: the map's table is looked up per pixel and written as it is.
- * Only where the skin slopes, a mild shade is added; flat skin and the bottom of a dent are exact.
+ * A light that stays with the camera shades only what leans away from the skin at rest; flat skin
+ * and the bottom of a dent are exact.
  */
 
 import * as THREE from "three";
 import { Refiner, coverage, refinement, triangles } from "./grid.js";
 import { Nodes } from "./nodes.js";
+import { steepestSeen } from "./ruler.js";
+
+/** Dents are shallow: they are lit as if they were so many times deeper than they are drawn. */
+const RELIEF = 3;
+/** Slope that steeper walls are lit as: none of them is black. */
+const STEEPEST = 0.9;
 
 const VERTEX = /* glsl */ `
   attribute vec3 outward;
+  attribute vec3 along;    // the plane's first axis
   attribute float cover;
   attribute float height;
   attribute float colour;
-  attribute float slope;
+  attribute vec2 slope;
   attribute vec2 place;
   uniform float depth;
-  uniform float lower;
+  uniform vec3 mean;       // outer side of the patch as a whole; short where it closes around
   varying float vCover;
   varying float vColour;
-  varying float vSlope;
   varying vec2 vPlace;
   varying float vFacing;
+  varying vec2 vLit;       // by the light, and by its gloss, beyond what the skin at rest gets
+  const vec3 KEY = vec3(-0.75, 0.36, 0.555);  // of the camera: from its left, above and behind it
+  float gloss(vec3 normal, vec3 eye) {
+    return pow(max(dot(normal, normalize(KEY + eye)), 0.0), 28.0);
+  }
   void main() {
-    vec3 sunk = position - outward * (height * depth + lower);
+    vec3 sunk = position - outward * (height * depth);
     vec4 seen = modelViewMatrix * vec4(sunk, 1.0);
+    vec3 across = cross(outward, along);
+    vec3 lean = (along * slope.x + across * slope.y) * depth * ${RELIEF.toFixed(1)};
+    lean /= sqrt(1.0 + dot(lean, lean) / ${(STEEPEST * STEEPEST).toFixed(2)});
     vCover = cover;
     vColour = colour;
-    vSlope = slope * depth;
     vPlace = place;
-    vFacing = dot(normalize(normalMatrix * outward), normalize(-seen.xyz));
+    vec3 eye = normalize(-seen.xyz);
+    vec3 rest = normalize(normalMatrix * outward);
+    vec3 normal = normalize(normalMatrix * (outward + lean));
+    vFacing = dot(rest, eye);
+    vLit = vec2(dot(normal - rest, KEY), max(gloss(normal, eye) - gloss(rest, eye), 0.0));
+    vLit.x += 0.3 * dot(rest - normalMatrix * mean, KEY);  // nothing where the skin is flat
     gl_Position = projectionMatrix * seen;
   }`;
 
@@ -40,65 +59,74 @@ const FRAGMENT = /* glsl */ `
   uniform vec2 bar;       // ends of the colour bar
   uniform vec3 grey;
   uniform vec3 rim;
+  uniform vec3 ink;       // of the ruled squares
   uniform float plain;    // 1: no colours of the map
   uniform float missing;  // 1: no reading
-  uniform float lines;
   varying float vCover;
   varying float vColour;
-  varying float vSlope;
   varying vec2 vPlace;
   varying float vFacing;
+  varying vec2 vLit;
   void main() {
     float soft = fwidth(vCover) + 1e-5;
     float inside = clamp((vCover - 0.5) / soft + 0.5, 0.0, 1.0);
     if (inside <= 0.0) discard;
+    float edge = 1.0 - clamp((vCover - 0.5) / (2.2 * soft), 0.0, 1.0);
+    vec2 wide = fwidth(vPlace) + 1e-6;  // of a pixel, in squares
+    vec2 cell = abs(fract(vPlace) - 0.5) / wide;
+    float line = 1.0 - min(min(cell.x, cell.y), 1.0);
+    line *= 1.0 - smoothstep(0.10, 0.22, max(wide.x, wide.y));
+    if (vFacing < 0.0) {
+      // Seen from inside: outlines only, which hide nothing behind them
+      float seen = max(edge * inside, 0.2 * line);
+      if (seen < 0.03) discard;
+      gl_FragColor = vec4(rim, 0.6 * seen);
+      return;
+    }
     float value = span.x + vColour * (span.y - span.x);
     float at = clamp((value - bar.x) / max(bar.y - bar.x, 1e-30), 0.0, 1.0);
     vec3 colour = texture2D(map, vec2((at * 255.0 + 0.5) / 256.0, 0.5)).rgb;
     colour = mix(colour, grey, max(plain, missing));
-    float steep = vSlope / sqrt(1.0 + vSlope * vSlope);
-    colour *= 1.0 + 0.22 * min(steep, 0.0);
-    colour += (1.0 - colour) * 0.12 * max(steep, 0.0);
-    vec2 wide = fwidth(vPlace) + 1e-6;  // of a pixel, in cells
-    vec2 cell = abs(fract(vPlace - 0.5) - 0.5) / wide;
-    float line = 1.0 - min(min(cell.x, cell.y), 1.0);
-    line *= 1.0 - smoothstep(0.10, 0.22, max(wide.x, wide.y));
-    colour = mix(colour, vec3(1.0), line * lines * (1.0 - missing));
+    colour = mix(colour, ink, 0.09 * line * (1.0 - missing));
+    colour *= 1.0 + 0.55 * min(vLit.x, 0.0);
+    colour += (1.0 - colour) * 0.40 * max(vLit.x, 0.0);
+    colour += 0.16 * vLit.y;
     if (missing > 0.5) {
-      float stripe = abs(fract((vPlace.x + vPlace.y) * 0.25) - 0.5);
+      float stripe = abs(fract((vPlace.x + vPlace.y) * 0.7) - 0.5);
       colour = mix(colour, rim, 0.35 * smoothstep(0.20, 0.25, stripe));
     }
-    float edge = 1.0 - clamp((vCover - 0.5) / (2.2 * soft), 0.0, 1.0);
     colour = mix(colour, rim, edge);
-    colour *= 0.84 + 0.16 * smoothstep(0.0, 0.42, abs(vFacing));  // rounds off a limb's sides
-    if (vFacing < 0.0) colour = mix(colour, rim, 0.6) * 0.75;
+    colour *= 0.84 + 0.16 * smoothstep(0.0, 0.42, vFacing);  // rounds off a limb's sides
     gl_FragColor = vec4(colour, inside);
   }`;
-
-/** Where the light comes from, in the patch's plane: the upper left. */
-const LIGHT = [-0.7, 0.7];
 
 export class Surface {
   /**
    * @param {object} head of the geometry
    * @param {object} arrays of the geometry
    * @param {{table: THREE.Texture, patches: number, finest: number,
-   *   border: import("./border.js").Border|null}} look colours of the map, how many patches share
-   *   the picture, vertices along a side, where the skin ends
+   *   border: import("./border.js").Border|null, ruling: number}} look colours of the map, how many
+   *   patches share the picture, vertices along a side, where the skin ends, side of the ruled squares
    */
-  constructor(head, arrays, { table, patches, finest, border }) {
+  constructor(head, arrays, { table, patches, finest, border, ruling }) {
     this.pad = border?.pad(arrays.plane) ?? 1;
     this.nodes = new Nodes(head, arrays, this.pad);
     this.border = border;
+    this.ruling = ruling;
     const { rows, columns } = this.nodes;
     const factor = refinement(head.rows, head.columns, patches, finest);
     this.refiner = new Refiner(rows, columns, factor);
     this.geometry = this.#geometry();
     this.material = material(table);
+    this.mean = meanNormal(this.nodes);
+    this.material.uniforms.mean.value.copy(this.mean);
     this.mesh = new THREE.Mesh(this.geometry, this.material);
     this.mesh.frustumCulled = false; // its sphere would not know how deep the dents are drawn
+    this.leans = new Float32Array(2 * this.nodes.count);
     this.heightScale = 0;
     this.exaggeration = 1;
+    this.steepness = 0; // of the steepest wall, per unit of height
+    this.steepest = Infinity; // slope that is drawn
   }
 
   #geometry() {
@@ -113,37 +141,42 @@ export class Surface {
       }
       return new THREE.BufferAttribute(out, stride);
     };
-    const place = nodes.plane.map((value, i) => (value - nodes.origin[i % 2]) / nodes.pitch);
     const plane = spread(nodes.plane, 2);
     this.border?.trim(cover, plane.array, 4 * nodes.pitch);
     const geometry = new THREE.BufferGeometry();
     const index = triangles(refiner.fineRows, refiner.fineColumns, cover);
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    geometry.setAttribute("position", spread(nodes.positions, 3));
+    const positions = spread(nodes.positions, 3);
+    geometry.setAttribute("position", positions);
     geometry.setAttribute("outward", spread(nodes.normals, 3));
-    geometry.setAttribute("place", spread(place, 2));
+    geometry.setAttribute("along", firstAxis(positions.array, refiner));
+    const place = plane.array.map((value) => value / this.ruling);
+    geometry.setAttribute("place", new THREE.BufferAttribute(place, 2));
     geometry.setAttribute("cover", new THREE.BufferAttribute(cover, 1));
-    for (const name of ["height", "colour"]) {
-      geometry.setAttribute(name, moving(new Uint16Array(refiner.count), true));
-    }
-    geometry.setAttribute("slope", moving(new Float32Array(refiner.count), false));
+    geometry.setAttribute("height", moving(new Float32Array(refiner.count), false));
+    geometry.setAttribute("colour", moving(new Uint16Array(refiner.count), true));
+    geometry.setAttribute("slope", moving(new Float32Array(2 * refiner.count), false, 2));
     return geometry;
   }
 
   /**
    * @param {Uint16Array|null} height per node; null: flat
    * @param {number} scale m per unit of height
+   * @param {number} zero height of skin at rest
    */
-  setHeight(height, scale) {
+  setHeight(height, scale, zero = 0) {
     const was = this.nodes.flat;
-    this.nodes.setHeight(height);
+    this.nodes.setHeight(height, zero);
     this.heightScale = scale || 0;
+    this.steepness = height ? slopes(this.nodes, this.leans) : 0;
     this.#depth();
     if (!height && was) return;
     const { height: fine, slope } = this.geometry.attributes;
     if (height) {
       this.refiner.apply(this.nodes.height, null, fine.array);
-      slopes(fine.array, this.refiner, this.nodes.pitch / this.refiner.factor, slope.array);
+      for (const offset of [0, 1]) {
+        this.refiner.apply(this.leans, null, slope.array, { stride: 2, offset, bounded: false });
+      }
     } else {
       fine.array.fill(0);
       slope.array.fill(0);
@@ -171,13 +204,37 @@ export class Surface {
     this.#depth();
   }
 
+  /** @param {THREE.Vector3} out direction to the camera: near walls of dents are not to hide their bottom */
+  setView(out) {
+    this.steepest = steepestSeen(out.dot(this.mean) / (this.mean.length() || 1));
+    this.#depth();
+  }
+
+  /** How much deeper than real the dents are drawn: as asked, but no steeper than what can be seen into. */
+  get times() {
+    const slope = this.steepness * this.heightScale;
+    return slope > 0 ? Math.min(this.exaggeration, this.steepest / slope) : this.exaggeration;
+  }
+
   /** How deep a unit of height is drawn, in m. */
   get scale() {
-    return this.heightScale * this.exaggeration;
+    return this.heightScale * this.times;
   }
 
   #depth() {
-    this.material.uniforms.depth.value = 65535 * this.scale;
+    this.material.uniforms.depth.value = this.scale;
+  }
+
+  /** @param {THREE.Vector3} camera @returns {boolean} whether it shows it the outer side as a whole */
+  faces(camera) {
+    const { centre } = this.nodes.sphere;
+    return camera.clone().sub(new THREE.Vector3(...centre)).dot(this.mean) >= 0;
+  }
+
+  /** Some places of its border, m. */
+  get rim() {
+    this.edge ??= rimOf(this.geometry.attributes);
+    return this.edge;
   }
 
   dispose() {
@@ -186,8 +243,36 @@ export class Surface {
   }
 }
 
-function moving(array, normalised) {
-  const attribute = new THREE.BufferAttribute(array, 1, normalised);
+function meanNormal({ normals, covered }) {
+  const sum = new THREE.Vector3();
+  let count = 0;
+  for (let k = 0; k < covered.length; k += 1) {
+    if (!covered[k]) continue;
+    sum.x += normals[3 * k];
+    sum.y += normals[3 * k + 1];
+    sum.z += normals[3 * k + 2];
+    count += 1;
+  }
+  return sum.divideScalar(Math.max(1, count));
+}
+
+/** The outermost drawn vertices in 24 directions of the plane. */
+function rimOf({ position, cover, place }) {
+  const found = new Map();
+  for (let turn = 0; turn < 24; turn += 1) {
+    const [c, s] = [Math.cos((turn * Math.PI) / 12), Math.sin((turn * Math.PI) / 12)];
+    let [best, most] = [0, -Infinity];
+    for (let k = 0; k < cover.count; k += 1) {
+      const far = c * place.array[2 * k] + s * place.array[2 * k + 1];
+      if (cover.array[k] >= 0.5 && far > most) [best, most] = [k, far];
+    }
+    found.set(best, Array.from(position.array.subarray(3 * best, 3 * best + 3)));
+  }
+  return [...found.values()];
+}
+
+function moving(array, normalised, size = 1) {
+  const attribute = new THREE.BufferAttribute(array, size, normalised);
   attribute.setUsage(THREE.DynamicDrawUsage);
   return attribute;
 }
@@ -206,28 +291,48 @@ function material(table) {
       grey: { value: new THREE.Color() },
       rim: { value: new THREE.Color() },
       depth: { value: 0 },
-      lower: { value: 0 },
+      mean: { value: new THREE.Vector3() },
       plain: { value: 0 },
       missing: { value: 0 },
-      lines: { value: 0.08 },
+      ink: { value: new THREE.Color() },
     },
   });
 }
 
-/** How much each vertex leans towards the light, per unit of height over the whole range. */
-function slopes(height, { fineRows, fineColumns }, step, out) {
-  const per = 1 / (2 * step * 65535);
-  for (let r = 0; r < fineRows; r += 1) {
-    const up = Math.min(fineRows - 1, r + 1) * fineColumns;
-    const down = Math.max(0, r - 1) * fineColumns;
-    const here = r * fineColumns;
-    for (let c = 0; c < fineColumns; c += 1) {
-      const east = height[here + Math.min(fineColumns - 1, c + 1)];
-      const west = height[here + Math.max(0, c - 1)];
+/** At each vertex the direction of the plane's first axis, of length 1. */
+function firstAxis(positions, { fineRows, fineColumns }) {
+  const out = new Float32Array(positions.length);
+  for (let k = 0; k < fineRows * fineColumns; k += 1) {
+    const c = k % fineColumns;
+    const before = 3 * (c > 0 ? k - 1 : k);
+    const after = 3 * (c + 1 < fineColumns ? k + 1 : k);
+    const d = [0, 1, 2].map((a) => positions[after + a] - positions[before + a]);
+    const long = Math.hypot(...d) || 1;
+    for (let a = 0; a < 3; a += 1) out[3 * k + a] = d[a] / long;
+  }
+  return new THREE.BufferAttribute(out, 3);
+}
+
+/**
+ * How fast the height grows along the plane's axes at each node, x and y, per metre.
+ *
+ * @returns {number} how fast at most, whatever the direction
+ */
+function slopes({ height, rows, columns, pitch }, out) {
+  const per = 1 / (2 * pitch);
+  let most = 0;
+  for (let r = 0; r < rows; r += 1) {
+    const up = Math.min(rows - 1, r + 1) * columns;
+    const down = Math.max(0, r - 1) * columns;
+    for (let c = 0; c < columns; c += 1) {
+      const k = r * columns + c;
+      const east = height[r * columns + Math.min(columns - 1, c + 1)];
+      const west = height[r * columns + Math.max(0, c - 1)];
       // Heights point inwards, so the skin's normal leans to where they grow
-      const toRight = (east - west) * per;
-      const toTop = (height[up + c] - height[down + c]) * per;
-      out[here + c] = toRight * LIGHT[0] + toTop * LIGHT[1];
+      out[2 * k] = (east - west) * per;
+      out[2 * k + 1] = (height[up + c] - height[down + c]) * per;
+      most = Math.max(most, out[2 * k] ** 2 + out[2 * k + 1] ** 2);
     }
   }
+  return Math.sqrt(most);
 }

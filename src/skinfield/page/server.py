@@ -27,9 +27,7 @@ HERE = ("localhost", "127.0.0.1", "::1")  # as a browser on this machine says it
 FILES = ("index.html", "app.js", "app.css", "licences.txt", "favicon.svg")
 SOCKET = "/socket"
 HEADERS = {
-    # 'unsafe-eval' for those who drive the page: they wait by functions that they hand in as text
-    "Content-Security-Policy": "default-src 'self'; script-src 'self' 'unsafe-eval'; "
-    "img-src 'self' data: blob:; "
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data: blob:; "
     "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",  # a token stands in the address

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
-from skinfield.estimate.row_contacts import outline_of, shape_name
+from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
@@ -174,7 +174,7 @@ class Updates:
         if looked_at and fields["invalid"] and snapshot.prepared:
             fields["repaired"] = parcel.put("repaired", self._repaired(number, snapshot[name]))
         fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
-        fields |= {"height": -1, "colour": -1, "height_scale": 0.0}
+        fields |= {"height": -1, "colour": -1, "height_scale": 0.0, "height_zero": 0}
         if answer >= Answer.LINEAR:
             fields |= self._fields(name, snapshot, parcel)
         return fields
@@ -184,9 +184,13 @@ class Updates:
         fields: dict[str, Any] = {}
         heights = snapshot.indentation(name)
         if heights is not None:
-            scale = float(max(heights.max(initial=0.0), 1e-9)) / 65535.0
-            fields["height_scale"] = scale
-            fields["height"] = parcel.put("height", scaled(heights, 0.0, 65535.0 * scale))
+            # A dent swells around itself: heights go both ways from the skin at rest
+            low, high = float(heights.min(initial=0.0)), float(heights.max(initial=0.0))
+            scale = max(high - low, 1e-9) / 65535.0
+            zero = round(-low / scale)
+            bounds = -zero * scale, (65535 - zero) * scale
+            fields |= {"height_scale": scale, "height_zero": zero}
+            fields["height"] = parcel.put("height", scaled(heights, *bounds))
         values = self._values(name, snapshot, heights)
         if values is not None:
             high = float(values.max(initial=0.0))
@@ -236,6 +240,7 @@ class Updates:
             rows.append({name: finite(row[name]) for name in alike} | {
                 "track": int(row["track"]),
                 "patch": number,
+                "place_cov": [finite(each) for each in covariance_of(row)[[0, 0, 1], [0, 1, 1]]],
                 "shape": shape_name(row),
                 "radius": finite(row["radius"]),
                 "maybe": int(row["maybe"]),
