@@ -19,7 +19,8 @@ from skinfield.emulator.packet import PacketDevices
 from skinfield.emulator.scenes import SCENES, CurrentPress, Scene, scene_from_text, with_fingers
 from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
 from skinfield.emulator.transports import Command, ControlServer, Request
-from skinfield.emulator.world import TruthLog, World
+from skinfield.emulator.truth_log import TruthLog
+from skinfield.emulator.world import World
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
 
