@@ -131,7 +131,10 @@ def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> N
     assert slot.head[CycleHead.FRESH] == 0
     assert slot.patches["stamp_ns"][0] == NOW
     assert slot.used_contacts().tobytes() == found.tobytes()  # also where something is not known
-    assert not made.answer(channels, NOW + 2 * 10**8, slot)
+    assert not made.answer(channels, NOW + 2 * made.stale_ns, slot)  # a pause, as of a busy machine
+    assert slot.used_contacts().tobytes() == found.tobytes()
+    assert slot.patches["stamp_ns"][0] == NOW
+    assert not made.answer(channels, NOW + 4 * made.stale_ns, slot)
     assert slot.patches["answer"][0] == int(Answer.MISSING)
     assert len(slot.used_contacts()) == 0
 

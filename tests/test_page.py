@@ -92,7 +92,8 @@ def test_it_loads_and_goes_on(look: Look) -> None:
     look.until(f"skinfield.state.updates > {before + 5}")
     look.until("skinfield.state.status !== null")
     assert "skinfield" in look.page.title()
-    assert "running" in look.at("status-line").inner_text()
+    assert look.at("status-line").get_attribute("data-state")
+    assert look.value("document.querySelector('#mode').textContent") == "simulated"
     assert look.value("skinfield.state.hello.mode") == "live"
     assert look.rows() == []
     names = "resolution solver deadline quantity tare record contacts-table skin-canvas force-plot"

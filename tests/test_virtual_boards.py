@@ -23,8 +23,8 @@ from skinfield.emulator import (
     Wires,
     fault_from_text,
     temperature_from_text,
+    truth_log,
 )
-from skinfield.emulator import truth_log
 from skinfield.emulator import world as press_tables
 from skinfield.emulator.hardware import NEVER, Schedule, Wire
 from skinfield.emulator.packet import Ear

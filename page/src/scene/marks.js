@@ -92,7 +92,7 @@ export class Marks {
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${contact.force.toFixed(2)} ${this.unit}${spread}${contact.maybe ? ` · ${orElse(contact.maybe)}?` : ""}`,
-      detail: `#${contact.track}  ${contact.old ? "not of now" : this.#where(contact)}`,
+      detail: `#${contact.track}  ${contact.old ? (contact.seen ?? "not of now") : this.#where(contact)}`,
       accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
