@@ -150,7 +150,7 @@ def test_a_pause_of_readings_keeps_the_number_of_a_contact(made, pause: float) -
         found.append(slot.used_contacts()["track"].tolist())
     assert len(found[0]) == 1
     assert found == [found[0]] * 12
-    channels.apply(fed(np.full(72, 240), stamp + step))  # let go: gone with the first reading
+    channels.apply(fed(np.full(72, REST), stamp + step))  # let go: gone with the first reading
     made.answer(channels, stamp + step, slot, budget=1.0)
     assert slot.patches["answer"][0] == int(Answer.IDLE)
     assert len(slot.used_contacts()) == 0

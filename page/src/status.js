@@ -29,7 +29,7 @@ export function headline(status, { unread_s = 0, fades_s = 0.5 } = {}) {
   if (status.state === "calibrating") return { state, text: "Taking the baseline: leave the skin untouched" };
   if (state === "waiting") return { state, text: status.state };
   if (unread_s > fades_s) return { state: "bad", text: `No reading for ${fixed(unread_s, unread_s < 10 ? 1 : 0)} s` };
-  const silent = engines.flatMap((each) => each.patches ?? []).filter((each) => each.stale).length;
+  const silent = engines.flatMap((each) => each.patches ?? []).filter(({ stale, age }) => stale && !(age <= fades_s)).length;
   if (silent) return { state: "bad", text: `${silent} patch${silent > 1 ? "es" : ""} without a reading` };
   const failed = engines.map((each) => each.notes?.failed).find(Boolean);
   if (failed) return { state: "waiting", text: "Linear answers only" };

@@ -24,7 +24,7 @@ test("a running engine is good; its numbers are in Health", () => {
 test("what is wrong is one phrase, the worst first", () => {
   assert.deepEqual(said({}, { unread_s: 1.24, fades_s: 0.5 }), { state: "bad", text: "No reading for 1.2 s" });
   assert.equal(said({}, { unread_s: 0.4, fades_s: 0.5 }).text, "Good");
-  assert.equal(said({ patches: [{ stale: true }, { stale: false }] }).text, "1 patch without a reading");
+  assert.equal(said({ patches: [{ stale: true, age: 3 }, { stale: true, age: 0.2 }, { stale: false }] }).text, "1 patch without a reading");
   assert.equal(said({ notes: { failed: "ContactFit cannot be prepared" } }).text, "Linear answers only");
   assert.equal(said({ lately: { late: 120, cycles: 1000 } }).text, "12 % of the estimates are late");
   assert.equal(said({ sources_lately: { udp: { received: 90, lost: 10 } } }).text, "10 % of the messages are lost");
