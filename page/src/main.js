@@ -97,8 +97,8 @@ function refuse(why, said = "") {
   if (!why) return;
   const [title, remedy] = REFUSALS[why];
   setText(byId("refused-title"), title);
-  setText(byId("refused-text"), [said, remedy].filter(Boolean).join(": "));
-  status.refused(title);
+  setText(byId("refused-text"), [said, remedy].filter(Boolean).join(". "));
+  status.refused(title, why === "full" ? "full" : "locked");
 }
 
 /** "Simulated skin: click to press it", until somebody has. */

@@ -98,9 +98,9 @@ export class StatusLine {
   }
 
   /** The server does not let this page in. */
-  refused(why) {
+  refused(why, chip) {
     this.connection(why);
-    setText(byId("mode"), "locked");
+    setText(byId("mode"), chip);
   }
 
   hello(message) {
