@@ -55,6 +55,12 @@ class StillSource:
         self._cycle.answer(self._channels, now, slot, reset=True, budget=0.05)
         self._newest = Snapshot(slot, self._number, self._models, now)
 
+    def miss(self) -> None:
+        """A cycle in which the newest reading is too old."""
+        self._number += 1
+        slot, now = CycleSlot.empty(self._cycle.sizes), time.time_ns()
+        self._newest = Snapshot(slot, self._number, self._models, now)
+
     @property
     def name(self) -> str:
         return self._name

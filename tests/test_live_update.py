@@ -131,8 +131,28 @@ def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> N
     assert slot.head[CycleHead.FRESH] == 0
     assert slot.patches["stamp_ns"][0] == NOW
     assert slot.used_contacts().tobytes() == found.tobytes()  # also where something is not known
-    assert not made.answer(channels, NOW + 2 * 10**8, slot)
+    assert not made.answer(channels, NOW + 2 * made.stale_ns, slot)  # a pause, as of a busy machine
+    assert slot.used_contacts().tobytes() == found.tobytes()
+    assert slot.patches["stamp_ns"][0] == NOW
+    assert not made.answer(channels, NOW + 4 * made.stale_ns, slot)
     assert slot.patches["answer"][0] == int(Answer.MISSING)
+    assert len(slot.used_contacts()) == 0
+
+
+@pytest.mark.parametrize("pause", [0.02, 0.1, 0.7])
+def test_a_pause_of_readings_keeps_the_number_of_a_contact(made, pause: float) -> None:
+    channels, slot, found = Channels(72), CycleSlot.empty(made.sizes), []
+    stamp, step = NOW, 10**7
+    for reading in range(12):
+        stamp += step if reading != 6 else round(pause * 1e9)
+        channels.apply(fed(pressed_counts(1.0), stamp))
+        made.answer(channels, stamp, slot, reset=not reading, budget=1.0)
+        found.append(slot.used_contacts()["track"].tolist())
+    assert len(found[0]) == 1
+    assert found == [found[0]] * 12
+    channels.apply(fed(np.full(72, REST), stamp + step))  # let go: gone with the first reading
+    made.answer(channels, stamp + step, slot, budget=1.0)
+    assert slot.patches["answer"][0] == int(Answer.IDLE)
     assert len(slot.used_contacts()) == 0
 
 

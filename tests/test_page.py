@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -92,7 +93,8 @@ def test_it_loads_and_goes_on(look: Look) -> None:
     look.until(f"skinfield.state.updates > {before + 5}")
     look.until("skinfield.state.status !== null")
     assert "skinfield" in look.page.title()
-    assert "running" in look.at("status-line").inner_text()
+    look.until("['good', 'waiting'].includes(document.querySelector('#status-line').dataset.state)")
+    assert look.value("document.querySelector('#mode').textContent") == "simulated"
     assert look.value("skinfield.state.hello.mode") == "live"
     assert look.rows() == []
     names = "resolution solver deadline quantity tare record contacts-table skin-canvas force-plot"
@@ -478,13 +480,66 @@ def test_tare_takes_a_new_baseline(look: Look, hand: Hand) -> None:
     look.wait_rows(lambda rows: len(rows) == 1 and is_found(rows[0]))
 
 
+def test_a_first_visit_is_invited_to_press(browser: Any, skin: Served) -> None:
+    with looking(browser) as look:
+        look.open(skin.address)
+        look.until("!document.querySelector('#invitation').hidden")
+        assert look.value("document.querySelector('#mode').textContent") == "simulated"
+        groups = look.value(
+            "[...document.querySelectorAll('#solver optgroup')].map((g) => g.label)"
+        )
+        assert groups == ["Use", "Study"]
+        look.shoot("first-visit", 500)
+        Hand(look).click(0.0, 3.0)
+        look.until("document.querySelector('#invitation').hidden")
+        look.page.reload()
+        look.until("skinfield.state.status !== null")
+        assert look.value("document.querySelector('#invitation').hidden")  # of this browser's first
+        assert look.wrong == []
+
+
+def test_a_contact_tells_how_old_its_reading_is(look: Look, hand: Hand, skin: Served) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1 and float(rows[0]["ageMs"]) < 500.0)
+    track = look.rows()[0]["track"]
+    boards = children_of(skin.process.pid, "skinfield.emulator")
+    assert len(boards) == 1
+    os.kill(boards[0], signal.SIGSTOP)  # a pause of readings
+    try:
+        (row,) = look.wait_rows(lambda rows: len(rows) == 1 and float(rows[0]["ageMs"]) > 600.0)
+        assert row["track"] == track
+        assert look.page.locator("tr.old").count() == 1
+        assert "last seen" in look.page.locator("#contacts-seen").inner_text()
+        assert look.value("document.querySelector('#scene').dataset.fade") == "1.00"
+        look.shoot("pause")
+    finally:
+        os.kill(boards[0], signal.SIGCONT)
+    look.wait_rows(lambda rows: len(rows) == 1 and float(rows[0]["ageMs"]) < 500.0)
+
+
+def children_of(pid: int, module: str) -> list[int]:
+    """Processes that another one has started, which run a module."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdecimal():
+            continue
+        with suppress(OSError):
+            words = (folder / "cmdline").read_bytes().decode().split("\0")
+            parent = (folder / "stat").read_text().rpartition(")")[2].split()[1]
+            if int(parent) == pid and module in words:
+                found.append(int(folder.name))
+    return found
+
+
 def test_contacts_are_grey_once_the_engine_has_ended(look: Look, hand: Hand, skin: Served) -> None:
     hand.click(0.0, 3.0)
     look.wait_rows(lambda rows: len(rows) == 1)
     look.until("skinfield.state.contacts.every((each) => !each.old)")
     os.kill(skin.ask("/api/status")["engines"][0]["pid"], signal.SIGKILL)
     look.until("skinfield.state.contacts.length > 0 && skinfield.state.contacts[0].old")
-    assert look.page.locator("tr.old").count() == 1
+    look.until("document.querySelectorAll('tr.old').length === 1")
+    look.until("document.querySelector('#scene').dataset.fade === '1.00'")
+    look.until("document.querySelector('#status-line').dataset.state === 'bad'")
     look.shoot("ended")
     skin.wait_running()
     look.until("skinfield.state.contacts.length > 0 && !skinfield.state.contacts[0].old")

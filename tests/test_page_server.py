@@ -15,13 +15,15 @@ from hypothesis.extra.numpy import arrays
 from live_skins import wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 from page_sources import NotingController, StillSource, unpacked
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 import skinfield as sf
 from skinfield.errors import InputError
+from skinfield.page.notes import viewer_notes
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.server import Page, serve_page
+from skinfield.page.session import FULL, HUNG
 from skinfield.page.settings import PageSettings
 from skinfield.page.source import EngineView
 from skinfield.page.updates import Updates
@@ -214,6 +216,132 @@ def test_an_update_says_whether_forces_are_newtons(relative: bool, unit: str) ->
     snapshot = source.latest()
     assert snapshot is not None
     assert snapshot["hexagon72"].relative is relative
+
+
+def test_contacts_outlast_a_pause_of_readings_and_say_how_old_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    source, clock = StillSource(), Clock(monkeypatch)
+    updates = Updates(SceneLayout((source,)))
+
+    def told(old: bool = False, lives: bool = True) -> dict[str, Any]:
+        view = EngineView(source.latest(), old, lives)
+        return unpacked(updates.make(1, [view], ())[-1])[0]
+
+    source.read(1.0)
+    (first,) = told()["contacts"]
+    assert first["seen_s"] < LONG  # of this machine, however busy
+    clock.now += 0.3
+    (later,) = told()["contacts"]
+    assert later["seen_s"] - first["seen_s"] == pytest.approx(0.3)
+    assert later["seen_ms"] == first["seen_ms"] == source.latest().stamp_ns / 1e6  # type: ignore[union-attr]
+    source.miss()  # the engine has dropped what is too old
+    clock.now += 0.3
+    head = told()
+    (kept,) = head["contacts"]
+    assert (kept["track"], kept["force"]) == (first["track"], first["force"])
+    assert kept["seen_s"] - first["seen_s"] == pytest.approx(0.6)
+    assert kept["old"]
+    assert head["patches"] == []  # its field stays, and fades
+    assert told(old=True)["old"]
+    clock.now += 5.0
+    head = told()
+    assert head["contacts"] == []
+    assert head["patches"][0]["answer"] == "missing"
+
+
+def test_a_lift_is_shown_at_the_first_reading_without_it() -> None:
+    source = StillSource()
+    updates = Updates(SceneLayout((source,)))
+    for force, count in ((1.0, 1), (None, 0)):
+        source.read(force)
+        head = unpacked(updates.make(1, [EngineView(source.latest(), False, True)], ())[-1])[0]
+        assert len(head["contacts"]) == count
+
+
+def test_a_recording_does_not_age(monkeypatch: pytest.MonkeyPatch) -> None:
+    source, clock = StillSource(), Clock(monkeypatch)
+    source.read(1.0)
+    updates, ages = Updates(SceneLayout((source,))), []
+    for _ in range(2):
+        head = unpacked(updates.make(1, [EngineView(source.latest())], ())[-1])[0]
+        ages.append((head["contacts"][0]["seen_s"], head["contacts"][0]["old"]))
+        clock.now += 60.0
+    assert ages[0] == ages[1]
+    assert not ages[0][1]
+
+
+class Clock:
+    """What `time.monotonic` of the page says, on top of what it is."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        begin = self.now = time.monotonic()
+        monkeypatch.setattr("skinfield.page.source.time", self)
+        monkeypatch.setattr("skinfield.page.updates.time", self)
+        assert begin
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+def test_the_seventeenth_browser_is_told_why(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("skinfield.page.server.CLIENTS", 1)
+    with socket(page) as first:
+        following(first, "hello")
+        with socket(page) as second, pytest.raises(ConnectionClosed) as refused:
+            second.recv(LONG)
+        end = refused.value.rcvd
+        assert end is not None
+        assert end.code == FULL
+        assert "browsers look on already" in end.reason
+    wait_for(lambda: not page.state.sessions, LONG)
+    with socket(page) as third:
+        following(third, "hello")
+
+
+def test_a_browser_that_draws_nothing_loses_its_place(
+    page: Page, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skinfield.page.session.SILENT", 0.2)
+    with socket(page) as talk:
+        following(talk, "hello")
+        with pytest.raises(ConnectionClosed) as ended:
+            list(iter(lambda: talk.recv(LONG), None))  # and no word about any of it
+    end = ended.value.rcvd
+    assert end is not None
+    assert end.code == HUNG
+    assert "nothing was drawn" in end.reason
+    wait_for(lambda: not page.state.sessions, LONG)
+
+
+def test_notes_are_those_that_a_viewer_can_act_on() -> None:
+    now = time.time_ns()
+    tare = [
+        "hand: in 100 readings the taxels change too rarely to tell a dead one from a quiet one",
+        "hand: gain not given: -342 counts per unit of ΔC/C₀ is a guess",
+    ]
+    events = [
+        [now - 10**12, "failed", "ended with status 1"],
+        [now, "failed", "ended with signal SIGKILL"],
+    ]
+    status = {
+        "patches": [{"name": "hand"}],
+        "notes": {
+            "tare": [*tare, "the baseline stays as it was: it was touched"],
+            "readings": {"hand": ["calibrate"]},
+            "granted": {"refused": ["no real-time priority"]},
+        },
+        "beside": {"supervisor": {"events": [*events, [now, "started", "process 1"]]}},
+        "lately": {"late": 0, "cycles": 1000},
+    }
+    ended = "the engine ended with signal SIGKILL"
+    stays = "the baseline stays as it was: it was touched"
+    assert viewer_notes(status, simulated=True) == [ended, "hand: calibrate", stays]
+    assert viewer_notes(status, simulated=False) == [ended, "hand: calibrate", tare[1], stays]
+    status["lately"] = {"late": 300, "cycles": 1000}
+    assert viewer_notes(status, simulated=True)[-1] == "no real-time priority"
+    assert viewer_notes({"notes": ["it is gone"]}, simulated=False) == ["it is gone"]
+    assert viewer_notes({"state": "running"}, simulated=False) == []
 
 
 def test_one_update_is_in_flight_and_the_newest_wins(page: Page, source: StillSource) -> None:

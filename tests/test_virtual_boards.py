@@ -4,6 +4,7 @@ import json
 import math
 import re
 import tomllib
+import tracemalloc
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -22,6 +23,7 @@ from skinfield.emulator import (
     Wires,
     fault_from_text,
     temperature_from_text,
+    truth_log,
 )
 from skinfield.emulator import world as press_tables
 from skinfield.emulator.hardware import NEVER, Schedule, Wire
@@ -37,7 +39,8 @@ from skinfield.emulator.scenes import (
 )
 from skinfield.emulator.settings import numbers_of
 from skinfield.emulator.transports import ANSWER, Request, answer_to, encoded
-from skinfield.emulator.world import FORCES, PressTable, TruthLog, World, cache_path, table_for
+from skinfield.emulator.truth_log import TruthLog
+from skinfield.emulator.world import FORCES, PressTable, World, cache_path, table_for
 from skinfield.errors import FileError, InputError
 from skinfield.settings import json_from_value, value_from_json
 from skinfield.simulate import press
@@ -305,7 +308,7 @@ def test_commands_are_found_in_a_stream_cut_anywhere():
 
 
 def test_the_truth_has_the_end_of_every_movement(tmp_path, monkeypatch):
-    monkeypatch.setattr(press_tables, "LINES", 4)  # in memory: it does not grow
+    monkeypatch.setattr(truth_log, "LINES", 4)  # in memory: it does not grow
     truth = TruthLog(SKIN, str(tmp_path / "truth.jsonl"))
     at = lambda x: [CurrentPress("a", 0, SceneTool(), x, 0.0, 1.0, 2e-3)]
     truth.note([], 0)
@@ -323,6 +326,44 @@ def test_the_truth_has_the_end_of_every_movement(tmp_path, monkeypatch):
     assert found == [(0, []), (1, [1e-3]), (11, [11e-3]), (21, [21e-3]), (29, [29e-3]), (100, [])]
     assert truth.after(3, 2) == lines[3:5]
     assert truth.after(0, 100) == lines[2:]
+
+
+def test_the_truth_of_a_press_that_moves_takes_no_more_memory_with_time():
+    """Lines once took 0.4 kB each: 2.3 MB a minute, until there were 10,000."""
+    truth, tool = TruthLog(SKIN), SceneTool()
+    at = lambda step: [
+        CurrentPress(f"press-{each}", 0, SceneTool(), 1e-6 * step, 0.0, 1.0, 2e-3)
+        for each in range(2)
+    ]
+    for step in range(100):
+        truth.note(at(step), step * 10 * MS)
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        for step in range(100, 5000):
+            truth.note(at(step), step * 10 * MS)
+        grown = tracemalloc.get_traced_memory()[0] - before
+    finally:
+        tracemalloc.stop()
+    assert truth.made == 5000
+    assert grown < 5_000  # bytes: one for each line
+    newest = truth.after(4999, 9)[0]
+    assert [each["x"] for each in newest["presses"]] == [4.999e-3] * 2
+    assert newest["presses"][1]["radius"] == tool.radius
+
+
+def test_the_truth_of_many_presses_goes_back_less_far(monkeypatch):
+    monkeypatch.setattr(truth_log, "LINES", 8)
+    monkeypatch.setattr(truth_log, "PRESSES", 9)
+    truth = TruthLog(SKIN)
+    for number in range(12):
+        presses = [
+            CurrentPress(f"{number}-{k}", 0, SceneTool(), 1e-3 * k, 0.0, 1.0) for k in range(4)
+        ]
+        truth.note(presses, number * 10 * MS)
+    lines = truth.after(0, 100)
+    assert [line["number"] for line in lines] == [10, 11]
+    assert [press["id"] for press in lines[0]["presses"]] == ["10-0", "10-1", "10-2", "10-3"]
 
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12)

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from bus_peers import wait_for
 from icub_triangle import triangle_payloads
-from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
+from virtual_host import SECOND, START, Host, Stepped, byte_of, bytes_by_channel
 
 from skinfield.elastic import Layer
 from skinfield.emulator import Fault, VirtualSettings, VirtualSkin, Wires
@@ -178,6 +179,34 @@ def test_the_base_that_a_board_takes_has_the_press_in_it(stepped):
     assert set(bytes_by_channel(stepped.step())[:72]) == {240}
     stepped.skin.world.release(Request())
     assert bytes_by_channel(stepped.step())[7] == 255
+
+
+def test_what_a_host_said_while_the_process_was_held_up_is_passed_over(stepped):
+    """It took the boards for silent: configured anew, they would take the press for their base."""
+    skin, pressed = stepped.skin, []
+    stepped.step()
+    skin.world.press(Request(taxel=7, force=1.0))
+    for _ in range(2):
+        pressed.append(bytes_by_channel(stepped.step())[7])
+        skin._wait(set())
+        stepped.now_ns += 3 * SECOND
+        stepped.host.tell(*START)
+        skin._wait(set())
+    assert skin.hardware.commands == 0
+    assert pressed[0] == pressed[1] != 240
+    stepped.now_ns += SECOND // 100
+    stepped.host.tell(*START)  # of now
+    wait_for(lambda: (skin._wait(set()), skin.hardware.commands == 3)[1])
+    assert set(bytes_by_channel(stepped.step())[:72]) == {240}
+
+
+def test_boards_that_do_not_send_yet_hear_whatever_came():
+    with Stepped() as stepped:
+        stepped.skin._wait(set())
+        stepped.now_ns += 3 * SECOND
+        stepped.host.tell(*START)
+        hardware = stepped.skin.hardware
+        wait_for(lambda: (stepped.skin._wait(set()), hardware.commands == 3)[1])
 
 
 def test_every_fault_of_the_wire_is_counted_exactly():

@@ -100,7 +100,8 @@ export class Controls {
     this.#showWaiting(select, pending || told?.preparing != null);
     able(select, why ?? (told ? null : "the engine does not tell it"));
     if (!told) return;
-    setOptions(select, (told.options ?? [told.value]).map((value) => [value, String(value)]));
+    const options = (told.options ?? [told.value]).map((value) => [value, String(value)]);
+    setOptions(select, what === "solver" ? solverOptions(options) : options);
     const wanted = String(told.preparing ?? told.value);
     if (!pending && select.value !== wanted) select.value = wanted;
   }
@@ -198,6 +199,24 @@ export class Controls {
     await this.#ask(command);
     button.removeAttribute("aria-busy");
   }
+}
+
+const SOLVERS = {
+  auto: ["Use", "Auto"],
+  contact: ["Use", "ContactFit"],
+  nonnegative: ["Use", "NonNegative"],
+  gaussian: ["Study", "Gaussian, linear"],
+  tikhonov: ["Study", "Tikhonov, the paper's"],
+  "pseudo-inverse": ["Study", "Pseudo-inverse, the paper's"],
+  inverse: ["Study", "Inverse, the paper's"],
+};
+
+/** Solvers in two groups, for use and for study, as [value, label, group]; those to use first. */
+export function solverOptions(options) {
+  const order = Object.keys(SOLVERS);
+  const place = ([value]) => (value in SOLVERS ? order.indexOf(value) : order.length);
+  const known = options.map(([value, label]) => [value, SOLVERS[value]?.[1] ?? label, SOLVERS[value]?.[0] ?? "Study"]);
+  return known.sort((one, other) => place(one) - place(other));
 }
 
 /** Enable a control, or disable it and say why. */

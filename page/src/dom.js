@@ -23,13 +23,20 @@ export function setText(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }
 
-/** Fill a select with [value, label] pairs, only where they differ; keeps what was chosen. */
+/** Fill a select with [value, label] or [value, label, group], only where they differ; keeps what was chosen. */
 export function setOptions(select, pairs) {
   const key = JSON.stringify(pairs);
   if (select.dataset.options === key) return;
   select.dataset.options = key;
   const chosen = select.value;
-  select.replaceChildren(...pairs.map(([value, text]) => element("option", { value, text })));
+  const made = [];
+  for (const [value, text, label] of pairs) {
+    const option = element("option", { value, text });
+    if (!label) made.push(option);
+    else if (made.at(-1)?.label === label) made.at(-1).append(option);
+    else made.push(element("optgroup", { label }, option));
+  }
+  select.replaceChildren(...made);
   if (pairs.some(([value]) => String(value) === chosen)) select.value = chosen;
 }
 

@@ -1,11 +1,13 @@
 // The page: connects, decodes, and hands everything on to the scene and the panels.
 import "./app.css";
 import "./panels.css";
+import "./live.css";
+import { Ageing } from "./ageing.js";
 import { Pending } from "./pending.js";
 import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
-import { byId, setText } from "./dom.js";
+import { byId, remember, remembered, setText } from "./dom.js";
 import { fixed, forceUnit } from "./format.js";
 import { startKeyboard } from "./keyboard.js";
 import { matched } from "./truth_match.js";
@@ -22,6 +24,7 @@ import { checkGeometry, checkUpdate, decode, WIRE, WireError } from "./wire.js";
 
 const LOST = "connection lost, trying again …";
 const STUCK_MS = 2000; // after bytes that say nothing, until the connection is made anew
+const UNSEEN_MS = 1000; // from update to update in a tab that is not seen
 const KEPT = 20; // reasons why messages were passed over
 
 /** All that the page knows; tests look at it too. */
@@ -35,13 +38,14 @@ const state = {
   connections: 0,
   updates: 0,
   bytes: 0,
+  pressed: remembered("pressed") !== null, // somebody has
   malformed: [], // why messages were passed over, the newest
 };
 
 const socket = new PageSocket({
   onOpen: opened,
-  onLost: () => status.connection(LOST),
-  onRefused: () => refuse(true),
+  onLost: (why) => status.connection(why ? `${why}, trying again …` : LOST),
+  onRefused: refuse,
   onText: text,
   onBinary: binary,
 });
@@ -58,6 +62,11 @@ const controls = new Controls(ask, scene, patchName);
 const press = new PressPanel(ask, scene);
 const replay = new Replay(ask);
 const pending = new Pending(quantityInForce);
+const ageing = new Ageing({
+  rows: () => document.querySelectorAll("#contacts-table tr[data-key]"),
+  scene,
+  unread: (of) => status.unread(of),
+});
 
 /** Send a command; true when it was obeyed, and a notice when it was not. */
 async function ask(command) {
@@ -72,16 +81,32 @@ async function ask(command) {
 
 function opened() {
   state.connections += 1;
-  refuse(false);
   status.connection(null);
   press.forget();
   showQuantity();
 }
 
-function refuse(refused) {
-  byId("refused").hidden = !refused;
-  byId("main").hidden = refused;
-  if (refused) status.refused();
+const REFUSALS = {
+  token: ["This page needs its token", "Open the address that skinfield run printed: it ends with ?token=…."],
+  full: ["No place is free", "Close one of the browsers that look on. This page comes in by itself as soon as there is a place."],
+};
+
+/** The server does not let this page in: "token", "full"; null: it does. */
+function refuse(why, said = "") {
+  byId("refused").hidden = !why;
+  byId("main").hidden = Boolean(why);
+  if (!why) return;
+  const [title, remedy] = REFUSALS[why];
+  setText(byId("refused-title"), title);
+  setText(byId("refused-text"), [said, remedy].filter(Boolean).join(". "));
+  status.refused(title, why === "full" ? "full" : "locked");
+}
+
+/** "Simulated skin: click to press it", until somebody has. */
+function invite() {
+  const { hello, status: told } = state;
+  const can = hello?.press && told?.state === "running" && !state.controls?.off?.press;
+  byId("invitation").hidden = !can || state.pressed;
 }
 
 function patchName(i) {
@@ -107,10 +132,13 @@ function hello(message) {
   if (state.hello && message.version !== state.hello.version) {
     notice("warn", `the server is skinfield ${message.version} now: load the page again to be sure`);
   }
+  refuse(null);
   const another = subject(message) !== subject(state.hello);
   Object.assign(state, { hello: message, lastUpdate: null, contacts: [], truth: [] });
   scene.setSkin(message);
   for (const part of [status, press, replay]) part.hello(message);
+  ageing.passes(message.mode !== "replay");
+  invite();
   if (another) {
     plots.clear();
     table.clear();
@@ -138,6 +166,7 @@ function statusMessage(message) {
   state.status = message;
   status.show(message);
   showPreparing(message.preparing);
+  invite();
 }
 
 function noticeMessage({ level, text: words }) {
@@ -182,14 +211,23 @@ async function update({ head, arrays }) {
   try {
     const { hello: told } = state;
     bar.follow(head, performance.now() / 1e3);
+    ageing.update(head);
     scene.update(head, arrays);
-    await scene.whenDrawn();
+    await drawn();
     if (state.hello === told) show(head); // in the same picture as the scene: one truth for each number
   } catch (error) {
     malformed(error.message);
     console.debug(error);
   }
+  ageing.drawn();
   socket.send({ do: "ack", number: head.number });
+}
+
+/** When it is on the screen; a page that nobody sees draws nothing, and asks for little. */
+function drawn() {
+  if (document.hidden) return new Promise((resolve) => setTimeout(resolve, UNSEEN_MS));
+  const hidden = new Promise((resolve) => document.addEventListener("visibilitychange", resolve, { once: true }));
+  return Promise.race([scene.whenDrawn(), hidden]);
 }
 
 function show(head) {
@@ -205,6 +243,12 @@ function show(head) {
     each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
   }
   press.seen(head.truth);
+  if (head.truth.length && !state.pressed) {
+    state.pressed = true;
+    remember("pressed", "yes");
+    invite();
+  }
+  ageing.look();
   replay.at(head.time_s);
   const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
   byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);

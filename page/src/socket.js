@@ -3,6 +3,8 @@
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
 const PATIENCE_MS = 5000; // with a server that is busy
+const FULL = 1013; // codes with which the server ends a connection: no place is free,
+const HUNG = 4008; // or this page was silent for too long
 const SILENT_S = 15; // without a word the line is dead: the server tells its status twice a second
 
 /** A command that was refused, or whose connection went away; its text says why. */
@@ -37,7 +39,7 @@ export class PageSocket {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.#opened();
     socket.onmessage = ({ data }) => this.#message(data);
-    socket.onclose = () => this.#lost(socket);
+    socket.onclose = ({ code, reason }) => this.#lost(socket, code, reason);
     clearInterval(this.#watch);
     this.#silent = 0;
     this.#watch = setInterval(() => this.#look(socket), 1000);
@@ -105,13 +107,14 @@ export class PageSocket {
     socket.close();
   }
 
-  #lost(socket) {
+  #lost(socket, code = 0, reason = "") {
     if (socket !== this.#socket) return;
     this.#socket = null;
     clearInterval(this.#watch);
     for (const { reject } of this.#asked.values()) reject(new Refused("the connection was lost"));
     this.#asked.clear();
-    this.#handlers.onLost();
+    if (code === FULL) this.#handlers.onRefused("full", reason);
+    else this.#handlers.onLost(code === HUNG ? reason : "");
     this.#again();
   }
 
@@ -120,7 +123,7 @@ export class PageSocket {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(async () => {
       const status = await this.#statusThere();
-      if (status === 401 || status === 403) this.#handlers.onRefused();
+      if (status === 401 || status === 403) this.#handlers.onRefused("token");
       else if (status === 0) this.#again();
       else this.connect();
     }, this.#wait);

@@ -15,21 +15,64 @@ export function colourOf(state) {
   return WAITING.has(state) ? "waiting" : "bad";
 }
 
-/** One sentence about all engines. */
-export function statusWords(status) {
+const LATE = 0.05; // of the estimates, from which on it is said
+const LOST = 0.02; // of the messages
+
+/** One phrase about all engines: good, or what is wrong; what can be done is in the notes. */
+export function headline(status, { unread_s = 0, fades_s = 0.5 } = {}) {
   const engines = status.engines ?? [];
   const gone = engines.filter((each) => colourOf(each.state) === "bad").length;
-  const rate = engines.reduce((sum, each) => sum + (each.rate || 0), 0) / Math.max(engines.length - gone, 1);
-  const late = engines.reduce((sum, each) => sum + (timesOf(each).late ?? 0), 0);
+  if (status.state === "mixed") return { state: "waiting", text: `${engines.length - gone} of ${engines.length} engines run` };
+  const state = colourOf(status.state);
+  if (state === "bad") return { state, text: status.state === "failed" ? "The engine has ended" : `The engine is ${status.state ?? "unknown"}` };
+  if (status.state === "starting") return { state, text: "The engine starts" };
+  if (status.state === "calibrating") return { state, text: "Taking the baseline: leave the skin untouched" };
+  if (state === "waiting") return { state, text: status.state };
+  if (unread_s > fades_s) return { state: "bad", text: `No reading for ${fixed(unread_s, unread_s < 10 ? 1 : 0)} s` };
+  const silent = engines.flatMap((each) => each.patches ?? []).filter(({ stale, age }) => stale && !(age <= fades_s)).length;
+  if (silent) return { state: "bad", text: `${silent} patch${silent > 1 ? "es" : ""} without a reading` };
+  const failed = engines.map((each) => each.notes?.failed).find(Boolean);
+  if (failed) return { state: "waiting", text: "Linear answers only" };
+  const share = worst(engines, ({ lately }) => (lately?.late ?? 0) / Math.max(lately?.cycles ?? 0, 1));
+  if (share > LATE) return { state: "waiting", text: `${fixed(100 * share, 0)} % of the estimates are late` };
+  const lost = worst(engines, lostShare);
+  if (lost > LOST) return { state: "waiting", text: `${fixed(100 * lost, 0)} % of the messages are lost` };
+  return { state: "good", text: REPLAYED.has(status.state) ? capital(status.state) : "Good" };
+}
+
+function worst(engines, share) {
+  return Math.max(0, ...engines.map(share).filter(Number.isFinite));
+}
+
+function lostShare({ sources_lately: sources }) {
+  const all = Object.values(sources ?? {});
+  const sum = (name) => all.reduce((total, each) => total + (each[name] ?? 0), 0);
+  const lost = sum("lost") + sum("overflowed");
+  return lost / Math.max(lost + sum("received"), 1);
+}
+
+function capital(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** What the header needs no number of. */
+export function healthWords(status) {
+  const engines = status.engines ?? [];
   const known = engines.map((each) => timesOf(each).latency_us).filter((times) => times?.count !== 0);
-  const worst = (key) => Math.max(...known.map((times) => times?.[key]).filter(Number.isFinite));
-  const some = `${engines.length - gone} of ${engines.length} engines run`;
-  const parts = [status.state === "mixed" ? some : (status.state ?? "unknown")];
-  if (engines.length > 1 && status.state !== "mixed") parts.push(`${engines.length} engines`);
-  if (rate > 0 && !NO_ANSWERS.has(status.state)) parts.push(`${count(rate)} estimates/s`);
-  if (Number.isFinite(worst("p50"))) parts.push(`latency ${micros(worst("p50"))}, p99 ${micros(worst("p99"))}`);
-  if (late > 0) parts.push(`${count(late)} late`);
+  const highest = (key) => Math.max(...known.map((times) => times?.[key]).filter(Number.isFinite));
+  const { updates_per_s: updates, bytes_per_s: sent, clients } = status.page ?? status;
+  const parts = [];
+  if (Number.isFinite(highest("p50"))) parts.push(`latency ${micros(highest("p50"))}, p99 ${micros(highest("p99"))}`);
+  if (Number.isFinite(updates)) parts.push(`${fixed(updates, 0)} updates/s, ${bytes(sent)}/s`);
+  const others = (clients ?? 1) - 1;
+  if (others > 0) parts.push(`${others} other${others > 1 ? "s" : ""} look${others > 1 ? "" : "s"} on`);
   return parts;
+}
+
+/** Simulated, live, or a recording. */
+export function chipOf({ mode, press }) {
+  if (mode === "replay") return "recording";
+  return press ? "simulated" : "live";
 }
 
 /** What an engine tells of its times lately. */
@@ -43,46 +86,61 @@ export class StatusLine {
   #lost = false;
   #mode = "live";
 
+  #status = null;
+  #unread = {};
+
   /** There is a connection, or why there is none. */
   connection(text) {
     this.#lost = text !== null;
     document.body.classList.toggle("lost", this.#lost);
     byId("main").inert = this.#lost;
-    if (this.#lost) this.#say("waiting", [text]);
+    if (this.#lost) this.#say("waiting", text);
   }
 
   /** The server does not let this page in. */
-  refused() {
-    this.connection("this page needs its token");
-    setText(byId("mode"), "locked");
+  refused(why, chip) {
+    this.connection(why);
+    setText(byId("mode"), chip);
   }
 
-  hello({ mode, name }) {
+  hello(message) {
+    const { mode, name } = message;
     this.#mode = mode;
-    setText(byId("mode"), mode === "replay" ? "recording" : mode === "remote" ? "remote" : "live");
-    byId("mode").dataset.mode = mode;
+    this.#status = null; // of what was looked at before
+    setText(byId("mode"), chipOf(message));
+    byId("mode").dataset.mode = chipOf(message);
+    byId("mode").title = mode === "remote" ? "A skin elsewhere: this page only looks on" : "";
     setText(byId("skin-name"), name ?? "");
     byId("skin-name").title = name ?? "";
     document.title = name ? `${name} · skinfield` : "skinfield";
   }
 
   show(status) {
+    this.#status = status;
     if (this.#lost) return;
-    const { updates_per_s: updates, bytes_per_s: sent, clients } = status.page ?? status;
-    const page = `${fixed(updates, 0)} updates/s, ${bytes(sent)}/s`;
-    const words = statusWords(status);
-    if (this.#mode === "replay" && status.engines?.length && !REPLAYED.has(status.state)) words[0] = `live skin ${words[0]}`;
-    this.#say(colourOf(status.state), words, page);
+    this.#headline();
+    const words = healthWords(status).join(" · ");
+    setText(byId("health-text"), words);
     this.#showEngines(status.engines ?? []);
     this.#showNotes((status.engines ?? []).flatMap(notesOf));
-    const others = (clients ?? 1) - 1;
-    setText(byId("health-text"), others > 0 ? `${page} · ${others} other${others > 1 ? "s" : ""}` : page);
   }
 
-  #say(state, parts, more = "") {
+  /** How long no reading has come, which is seen before the server tells its status. */
+  unread(unread) {
+    this.#unread = unread;
+    if (this.#status && !this.#lost) this.#headline();
+  }
+
+  #headline() {
+    const { state, text } = headline(this.#status, this.#unread);
+    const other = this.#mode === "replay" && !REPLAYED.has(this.#status.state) && this.#status.engines?.length;
+    this.#say(state, other ? `Live skin: ${text}` : text);
+  }
+
+  #say(state, text) {
     this.#line.dataset.state = state;
-    setText(this.#line.querySelector(".status-text"), parts.join(" · "));
-    this.#line.title = [...parts, more].filter(Boolean).join("\n");
+    setText(this.#line.querySelector(".status-text"), text);
+    this.#line.title = text;
   }
 
   #showEngines(engines) {
@@ -110,20 +168,7 @@ export class StatusLine {
   }
 }
 
-/** What somebody should know of an engine: failures, what its readings are like, its baseline ... */
-export function notesOf({ error, notes, beside }) {
-  const events = (beside?.supervisor?.events ?? []).filter(([, kind]) => kind !== "started").slice(-3);
-  const readings = Object.entries(notes?.readings ?? {});
-  const said = Array.isArray(notes)
-    ? notes
-    : [
-        notes?.failed,
-        ...readings.flatMap(([patch, texts]) => texts.map((text) => `${patch}: ${text}`)),
-        ...(notes?.tare ?? []),
-        ...(notes?.granted?.refused ?? []),
-      ];
-  const told = [error, ...said];
-  return [...events.map((event) => event.slice(1).join(": ")), ...told].filter(
-    (text) => typeof text === "string" && text !== "",
-  );
+/** What somebody can do something about; the server has left out the rest. */
+export function notesOf({ error, viewer_notes: notes }) {
+  return [error, ...(notes ?? [])].filter((text) => typeof text === "string" && text !== "");
 }

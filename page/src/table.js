@@ -46,7 +46,7 @@ export class ContactsTable {
 }
 
 function contactRow({ contact, truth, error_m, error_percent }, patchName, slotOf) {
-  return element(
+  const row = element(
     "tr",
     { ...dataOf(contact, truth, error_m, error_percent), class: contact.old ? "old" : null },
     element("th", { scope: "row", title: contactWords(contact) }, swatch(slotOf(contact.key)), ` ${contact.track}`, orTwo(contact)),
@@ -58,11 +58,15 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
     element("td", { class: "n truth", text: truth ? fixed(1e3 * error_m, 1) : "" }),
     element("td", { class: "n truth", text: truth ? signed(error_percent) : "" }),
   );
+  row.style.setProperty("--fade", fixed(contact.fade ?? 0, 2));
+  return row;
 }
 
 function dataOf(contact, truth, error_m, error_percent) {
   const data = {
     "data-track": contact.track,
+    "data-key": contact.key,
+    "data-age-ms": number(contact.age_ms, 0),
     "data-patch": contact.patch,
     "data-x-mm": number(1e3 * contact.x, 3),
     "data-y-mm": number(1e3 * contact.y, 3),

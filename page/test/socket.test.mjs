@@ -19,10 +19,10 @@ class FakeSocket {
   send(text) {
     this.sent.push(JSON.parse(text));
   }
-  close() {
+  close(code = 1006, reason = "") {
     if (this.readyState === 3) return;
     this.readyState = 3;
-    this.onclose();
+    this.onclose({ code, reason });
   }
   accept() {
     this.readyState = 1;
@@ -65,8 +65,8 @@ afterEach(() => {
 function made() {
   const socket = new PageSocket({
     onOpen: () => heard.push("open"),
-    onLost: () => heard.push("lost"),
-    onRefused: () => heard.push("refused"),
+    onLost: (why) => heard.push(`lost${why}`),
+    onRefused: (why, said = "") => heard.push(`refused ${why} ${said}`.trim()),
     onText: (message) => heard.push(message?.kind ?? "nothing"),
     onBinary: (data) => heard.push(`bytes ${data.byteLength}`),
   });
@@ -123,8 +123,26 @@ test("without the token it says so and stops", async () => {
   status = 401;
   sockets[0].close();
   await pass(5000);
-  assert.equal(heard.at(-1), "refused");
+  assert.equal(heard.at(-1), "refused token");
   assert.equal(sockets.length, 1);
+});
+
+test("where no place is free it says so, and comes in once there is one", async () => {
+  made();
+  sockets[0].accept();
+  sockets[0].close(1013, "16 browsers look on already");
+  assert.equal(heard.at(-1), "refused full 16 browsers look on already");
+  await pass(1000);
+  assert.equal(sockets.length, 2);
+  sockets[1].accept();
+  assert.equal(heard.at(-1), "open");
+});
+
+test("a page that lost its place by silence says why", () => {
+  made();
+  sockets[0].accept();
+  sockets[0].close(4008, "nothing was drawn");
+  assert.equal(heard.at(-1), "lostnothing was drawn");
 });
 
 test("a line without a word for long is given up", async () => {

@@ -1,44 +1,58 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { colourOf, notesOf, statusWords, timesOf } from "../src/status.js";
+import { chipOf, colourOf, headline, healthWords, notesOf, timesOf } from "../src/status.js";
 
 const engine = (more = {}) => ({
   name: "a",
   state: "running",
   rate: 999.7,
   since_start: { late: 4 },
-  lately: { latency_us: { p50: 182, p99: 1530, count: 9 } },
+  lately: { latency_us: { p50: 182, p99: 1530, count: 9 }, late: 1, cycles: 1000 },
   ...more,
 });
+const said = (more = {}, unread = {}) => headline({ state: "running", engines: [engine(more)] }, unread);
 
-test("a running engine in one line", () => {
-  const words = statusWords({ state: "running", engines: [engine()] });
-  assert.deepEqual(words, ["running", "1\u202f000 estimates/s", "latency 182 µs, p99 1.53 ms", "4 late"]);
-  assert.equal(colourOf("running"), "good");
+test("a running engine is good; its numbers are in Health", () => {
+  assert.deepEqual(said(), { state: "good", text: "Good" });
+  const page = { updates_per_s: 30, bytes_per_s: 2000, clients: 3 };
+  const words = healthWords({ engines: [engine()], page });
+  assert.equal(words[0], "latency 182 µs, p99 1.53 ms");
+  assert.match(words[1], /^30 updates\/s/);
+  assert.equal(words[2], "2 others look on");
+});
+
+test("what is wrong is one phrase, the worst first", () => {
+  assert.deepEqual(said({}, { unread_s: 1.24, fades_s: 0.5 }), { state: "bad", text: "No reading for 1.2 s" });
+  assert.equal(said({}, { unread_s: 0.4, fades_s: 0.5 }).text, "Good");
+  assert.equal(said({ patches: [{ stale: true, age: 3 }, { stale: true, age: 0.2 }, { stale: false }] }).text, "1 patch without a reading");
+  assert.equal(said({ notes: { failed: "ContactFit cannot be prepared" } }).text, "Linear answers only");
+  assert.equal(said({ lately: { late: 120, cycles: 1000 } }).text, "12 % of the estimates are late");
+  assert.equal(said({ sources_lately: { udp: { received: 90, lost: 10 } } }).text, "10 % of the messages are lost");
+  assert.equal(headline({ state: "failed", engines: [engine({ state: "failed" })] }).text, "The engine has ended");
+  assert.equal(headline({ state: "calibrating" }).state, "waiting");
+  assert.equal(headline({ state: "paused", engines: [engine({ state: "paused" })] }).text, "Paused");
+  assert.equal(headline({}).state, "bad");
 });
 
 test("one of three is gone: said, and not averaged away", () => {
-  const gone = { name: "c", state: "failed", notes: ["it was killed"] };
-  const engines = [engine(), engine({ name: "b", since_start: { late: 0 } }), gone];
-  const words = statusWords({ state: "mixed", engines });
-  assert.equal(words[0], "2 of 3 engines run");
-  assert.equal(words[1], "1\u202f000 estimates/s");
+  const gone = { name: "c", state: "failed", viewer_notes: ["it was killed"] };
+  const engines = [engine(), engine({ name: "b" }), gone];
+  assert.equal(headline({ state: "mixed", engines }).text, "2 of 3 engines run");
   assert.equal(colourOf("mixed"), "waiting");
   assert.equal(colourOf("failed"), "bad");
   assert.deepEqual(engines.flatMap(notesOf), ["it was killed"]);
 });
 
 test("whatever is missing is left out", () => {
-  assert.deepEqual(statusWords({ state: "starting", engines: [] }), ["starting"]);
-  assert.deepEqual(statusWords({}), ["unknown"]);
+  assert.deepEqual(healthWords({}), []);
   assert.deepEqual(timesOf({ name: "a", late: 2, latency_us: { p50: 1 } }), { latency_us: { p50: 1 }, late: 2 });
   assert.deepEqual(notesOf({}), []);
+  assert.deepEqual(notesOf({ error: "no answer", viewer_notes: ["calibrate", ""] }), ["no answer", "calibrate"]);
 });
 
-test("notes: restarts, baseline, what was refused, and no start", () => {
-  const beside = { supervisor: { events: [[1, "started", "x"], [2, "ended", "signal 9"]] } };
-  const notes = { tare: ["gain is a guess"], granted: { refused: ["no real-time priority"] } };
-  assert.deepEqual(notesOf({ beside, notes }), ["ended: signal 9", "gain is a guess", "no real-time priority"]);
-  const readings = { hexagon72: ["calibrate"] };
-  assert.deepEqual(notesOf({ notes: { readings } }), ["hexagon72: calibrate"]);
+test("the chip says what is looked at", () => {
+  assert.equal(chipOf({ mode: "live", press: {} }), "simulated");
+  assert.equal(chipOf({ mode: "live", press: null }), "live");
+  assert.equal(chipOf({ mode: "remote" }), "live");
+  assert.equal(chipOf({ mode: "replay", press: null }), "recording");
 });

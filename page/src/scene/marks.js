@@ -108,7 +108,7 @@ export class Marks {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
       aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: `#${contact.track}  ${old ? "not of now" : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      detail: `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });

@@ -42,6 +42,6 @@ class RemoteController(Controller):
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
         return [
-            EngineView(source.latest(), isinstance(source, ZenohSource) and source.gone)
+            EngineView(source.latest(), isinstance(source, ZenohSource) and source.gone, True)
             for source in sources
         ]

@@ -135,6 +135,16 @@ class CanBoards(Hardware, Generic[StateT]):
         if changed:
             self.reschedule(now_ns)
 
+    def listen_late(self, now_ns: int, warmth: float) -> None:
+        """See `Hardware`; a host took boards that send for silent, and would have them tared."""
+        if not any(state.sending for state in self.states):
+            self.listen(now_ns, warmth)
+            return
+        for wire in self._buses:
+            for _ in range(ROUNDS):
+                if wire.bus.receive(self._heard) < HEARD:
+                    break
+
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         """Obey one message; whether a board of ours was meant."""
         raise NotImplementedError

@@ -260,6 +260,10 @@ class Hardware:
         """Take in what hosts say, and answer; never waits."""
         raise NotImplementedError
 
+    def listen_late(self, now_ns: int, warmth: float) -> None:
+        """Take in what hosts said while this process was held up."""
+        self.listen(now_ns, warmth)
+
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """Send the counts of now from some boards."""
         raise NotImplementedError

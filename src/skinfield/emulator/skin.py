@@ -19,7 +19,8 @@ from skinfield.emulator.packet import PacketDevices
 from skinfield.emulator.scenes import SCENES, CurrentPress, Scene, scene_from_text, with_fingers
 from skinfield.emulator.settings import FOREVER, Fault, VirtualSettings, fault_from_text
 from skinfield.emulator.transports import Command, ControlServer, Request
-from skinfield.emulator.world import TruthLog, World
+from skinfield.emulator.truth_log import TruthLog
+from skinfield.emulator.world import World
 from skinfield.errors import InputError
 from skinfield.files.layouts.load import skin_from_text
 
@@ -93,6 +94,9 @@ class FaultClock:
 LINES = 100  # of truth in one answer, at most
 LONGEST_WAIT = 0.05  # s: how often it looks for signals and for tables that are solved
 SECOND = 1_000_000_000
+HELD_UP = (
+    1.0  # s without a turn of the loop: boards, which have processors of their own, never stop
+)
 
 
 class VirtualSkin:
@@ -131,7 +135,7 @@ class VirtualSkin:
         self.stream_ns = 0  # when the first reading was sent
         self._scene_ns = 0
         self.pressing: list[CurrentPress] = []
-        self._slow_ns = 0
+        self._slow_ns = self._turned_ns = 0
         try:
             self.faults = FaultClock(self.hardware)
             for fault in (*self.hardware.converters.faults, *settings.faults):
@@ -200,9 +204,12 @@ class VirtualSkin:
         ready = set(select.select(descriptors, [], [], min(max(wait, 0.0), LONGEST_WAIT))[0])
         if self._control is not None and self._control.fileno() in ready:
             self._control.poll()
+        now_ns = self.clock()
+        late = 0 < self._turned_ns < now_ns - HELD_UP * SECOND
+        self._turned_ns = now_ns
         if ready.intersection(self.hardware.filenos()):
-            now_ns = self.clock()
-            self.hardware.listen(now_ns, self.warmth(now_ns))
+            listen = self.hardware.listen_late if late else self.hardware.listen
+            listen(now_ns, self.warmth(now_ns))
         return ready
 
     def step(self, now_ns: int) -> None:

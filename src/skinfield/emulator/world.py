@@ -1,19 +1,17 @@
-"""World of a virtual skin: tables of presses, what taxels read of them, and ground truth."""
+"""World of a virtual skin: tables of presses, and what taxels read of them."""
 
 import hashlib
 import itertools
-import json
 import math
 import os
 import subprocess
 import sys
 from bisect import bisect_right
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,104 +19,11 @@ from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
 from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, patch_index
 from skinfield.emulator.transports import Request
-from skinfield.errors import FileError, Floats, InputError
+from skinfield.errors import Floats, InputError
 from skinfield.skin import Skin
 
 if TYPE_CHECKING:
     from skinfield.simulate import Press
-
-LINES = 10_000  # in memory: 100 s of a press that moves all the time
-INTERVAL_NS = 10_000_000  # between lines while a press only moves
-Line = dict[str, Any]
-
-
-class TruthLog:
-    """Lines about the presses: one at each change of what presses, and every 10 ms on the way.
-
-    A line holds from its stamp to that of the next one. The newest are in memory; all are in the
-    file.
-
-    Parameters
-    ----------
-    skin : Skin
-    path : str, optional
-        File to write the lines to as JSON, one object each.
-
-    Attributes
-    ----------
-    made : int
-        Lines so far.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
-
-    def __init__(self, skin: Skin, path: str = "") -> None:
-        self._skin = skin
-        self.made = 0
-        self._lines: deque[tuple[int, list[CurrentPress]]] = deque(maxlen=LINES)
-        self._waiting: tuple[int, list[CurrentPress]] | None = None
-        self._file: IO[str] | None = None
-        if path:
-            try:
-                self._file = Path(path).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115
-            except OSError as error:
-                raise FileError(f"{path} cannot be written: {error.strerror}") from error
-
-    def note(self, touches: list[CurrentPress] | None, stamp_ns: int) -> None:
-        """Take down what presses from now on; None: as before.
-
-        The end of a movement that is too soon after the line before is taken down later.
-        """
-        if touches is not None:
-            self._waiting = stamp_ns, touches
-        if self._waiting is None:
-            return
-        if self._lines and stamp_ns - self._lines[-1][0] < INTERVAL_NS:
-            pair = self._lines[-1], self._waiting
-            before, now = ([touch.id for touch in touches] for _, touches in pair)
-            if before == now:
-                return
-        self._lines.append(self._waiting)
-        if self._file is not None:
-            self._file.write(json.dumps(self._line(self.made, *self._waiting)) + "\n")
-        self.made += 1
-        self._waiting = None
-
-    def _line(self, number: int, stamp_ns: int, touches: list[CurrentPress]) -> Line:
-        presses = [self._press(touch) for touch in touches]
-        return {"number": number, "stamp_ns": stamp_ns, "presses": presses}
-
-    def _press(self, touch: CurrentPress) -> Line:
-        patch = self._skin.patches[touch.patch]
-        position = patch.surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
-        return {
-            "id": touch.id,
-            "patch": patch.name,
-            "x": touch.x,
-            "y": touch.y,
-            "position": position.tolist(),
-            "force": touch.force,
-            "radius": touch.tool.radius,
-            "shape": touch.tool.shape,
-            "contact_radius": touch.contact_radius,
-        }
-
-    def after(self, number: int, most: int) -> list[Line]:
-        """Lines from `number` on, at most so many, as far as they are in memory."""
-        first = self.made - len(self._lines)
-        begin = max(number, first)
-        lines = itertools.islice(self._lines, begin - first, begin - first + most)
-        return [self._line(begin + i, *line) for i, line in enumerate(lines)]
-
-    def close(self) -> None:
-        """Close the file."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
-
 
 DEEPEST = 0.75  # of the thickness: where tables end
 SOFTEST = 1.0 / 400.0  # of the largest force: the least that is solved; below it, in proportion
@@ -460,6 +365,9 @@ class World:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
+        before = self._by_hand.get(name)
+        if before is not None and before.tool == tool:  # the same objects: the truth keeps them
+            name, tool = before.id, before.tool
         touch = CurrentPress(name, patch, tool, x, y, force)
         table = self._table(touch)
         if table is not None:

@@ -1,5 +1,6 @@
 """Snapshot of a running skin: one cycle, as its readers get it."""
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -32,6 +33,8 @@ class Snapshot(Pictured, Mapping[str, Estimate]):
         Of the newest reading in it when it was fetched; infinite before the first.
     stamp_ns : int, ns
         Of that reading, since the epoch.
+    fetched : float, s
+        When it was fetched, by `time.monotonic`.
     fresh : bool
         Whether the cycle had a new reading; else it holds the answers of an earlier one.
     contacts : structured (N,) array
@@ -51,7 +54,7 @@ class Snapshot(Pictured, Mapping[str, Estimate]):
         wall_ns: int,
         notes: Callable[[], Mapping[str, Any] | None] = dict,
     ) -> None:
-        self.number, self._notes = number, notes
+        self.number, self._notes, self.fetched = number, notes, time.monotonic()
         self.slot, self._models = slot, models
         self.patches: NDArray[Any] = slot.patches
         self.contacts: NDArray[Any] = slot.used_contacts()

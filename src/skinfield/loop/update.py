@@ -65,6 +65,7 @@ CONTACT_WORDS, IDLE, FOUND = CONTACT.itemsize // 8, int(Answer.IDLE), int(Answer
 
 
 DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
+KEEPS = 3  # times the age at which a reading is too old: an answer outlives a short pause
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 
@@ -294,7 +295,7 @@ class Updater:
         """Keep the answers of the patches with a new reading, and drop what is too old."""
         results, kept = self.engine.results, self._kept
         answers = results.answer, results.rung, results.gap, results.iterations, results.invalid
-        when = now_ns, now_ns - self.stale_ns
+        when = now_ns, now_ns - KEEPS * self.stale_ns
         count = self._kernel.take_over(
             self._arrived,
             self._newest,

@@ -56,7 +56,8 @@ class Controller:
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """The newest cycle of each source."""
-        return [EngineView(source.latest()) for source in sources]
+        lives = self.mode != "replay"
+        return [EngineView(source.latest(), lives=lives) for source in sources]
 
     def hello(self) -> dict[str, Any]:
         """What the page must know of it: `press`, `record`, `recordings`."""

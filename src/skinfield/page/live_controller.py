@@ -109,7 +109,11 @@ class LiveController(Controller):
 
     def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
         """See `Controller`."""
-        return [EngineView(s.latest(), s.old) for s in sources if isinstance(s, LiveSource)]
+        return [
+            EngineView(each.latest(), each.old, True, each.fades)
+            for each in sources
+            if isinstance(each, LiveSource)
+        ]
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """See `Controller`."""

@@ -14,6 +14,7 @@ from skinfield.errors import SkinfieldError
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status_text import preparing_of
 from skinfield.page.controller import Controller
+from skinfield.page.notes import viewer_notes
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import DataSource
 
@@ -142,7 +143,9 @@ class PageState:
         engines = []
         for source in self.layout.sources:
             try:
-                engines.append(without_paths(source.status()))
+                status = without_paths(source.status())
+                told = viewer_notes(status, self.controller.presser is not None)
+                engines.append({**status, "viewer_notes": told})
             except SkinfieldError as error:
                 engines.append({"name": source.name, "state": "failed", "notes": [str(error)]})
         states = {each["state"] for each in engines}

@@ -15,7 +15,7 @@ from skinfield.errors import InputError, SkinfieldError
 from skinfield.loop.status import plain_contacts
 from skinfield.page.controller import Controller
 from skinfield.page.page_state import PageState
-from skinfield.page.session import Session
+from skinfield.page.session import FULL, Session
 from skinfield.page.settings import PORT, PageSettings
 from skinfield.page.source import DataSource
 
@@ -168,6 +168,8 @@ def _connection() -> "type[ServerConnection]":
 
 
 CLIENTS = 16
+PING = 10.0  # s between pings, and for an answer to one: who gives none loses the place
+ENDS = 2.0  # s for a browser to say goodbye
 LARGEST = 1 << 16  # bytes of a command
 STARTS = 20.0  # s for a server to be there
 
@@ -249,6 +251,9 @@ class Page:
                     compression=None,  # numbers hardly shrink, and it would cost more than they do
                     max_size=LARGEST,
                     max_queue=64,
+                    ping_interval=PING,
+                    ping_timeout=PING,
+                    close_timeout=ENDS,
                     write_limit=1 << 18,
                     server_header=None,
                 )
@@ -261,7 +266,9 @@ class Page:
 
     async def _client(self, socket: Any) -> None:
         if self.state.sessions >= CLIENTS:
-            await socket.close(1013, f"{CLIENTS} browsers look on already")
+            await socket.close(
+                FULL, f"{CLIENTS} browsers look on already, the most this page serves"
+            )
             return
         self.state.sessions += 1
         self._made += 1

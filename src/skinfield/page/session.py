@@ -80,6 +80,8 @@ LOOK = 0.008  # s between looks for something new
 SHORTEST = 1 / 40  # s from one update to the next
 STILL = 0.5  # s after which an update comes though nothing is new: ages grow
 STATUS = 0.5  # s from status to status
+SILENT = 20.0  # s without a word about an update, after which a browser loses its place
+FULL, HUNG = 1013, 4008  # codes of ends that a page tells: no place, or lost it by silence
 COMMANDS = 32  # of a browser that are not answered yet
 PRESSES = ("press", "move", "lift")  # may come with every movement of a pointer
 
@@ -158,7 +160,9 @@ class Session:
         for place, level, words in [each for each in state.notices if each[0] > self._noted]:
             self._noted = place
             await self._send_kind("notice", level=level, text=words)
-        if not self._awaited and now - self._sent_at >= SHORTEST:
+        if self._awaited and now - self._sent_at > SILENT:
+            await self._socket.close(HUNG, f"nothing was drawn here for {SILENT:g} s")
+        elif not self._awaited and now - self._sent_at >= SHORTEST:
             await self._update(now)
 
     async def _begin(self, layout: SceneLayout, replay: Any) -> None:

@@ -38,7 +38,7 @@ class DataSource(Protocol):
 
 
 RECENT = 1.0  # s that the status calls the last
-OLD = 0.5  # s since the newest reading: contacts of it are not of now
+OLD = 0.5  # s since the newest reading, at least: contacts of it are not of now
 
 
 class LiveSource:
@@ -85,7 +85,12 @@ class LiveSource:
         newest = self._newest
         if newest is None or self.live.state != State.RUNNING:
             return True
-        return time.time_ns() - newest.stamp_ns > OLD * 1e9
+        return time.time_ns() - newest.stamp_ns > self.fades * 1e9
+
+    @property
+    def fades(self) -> float:
+        """Age from which on a reading is not of now, s: more where readings come seldom."""
+        return max(OLD, float(self.live.reader.status_view["stale_ns"][0]) * 1e-9)
 
     @property
     def replaced(self) -> bool:
@@ -111,7 +116,20 @@ class EngineView(NamedTuple):
     snapshot : Snapshot or None
     old : bool
         Whether the cycle is not of now any more: its engine has ended, or no readings arrive.
+    lives : bool
+        Whether time passes for it; not in a recording.
+    fades : float, s
+        Age from which on a reading is not of now.
     """
 
     snapshot: Snapshot | None
     old: bool = False
+    lives: bool = False
+    fades: float = OLD
+
+    @property
+    def since(self) -> float:
+        """Seconds since the snapshot was fetched, by which its ages have grown."""
+        if self.snapshot is None or not self.lives:
+            return 0.0
+        return time.monotonic() - self.snapshot.fetched

@@ -1,9 +1,10 @@
 """Updates of the page: what a cycle's fields, taxels and contacts become on the wire."""
 
 import math
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
-from skinfield.page.source import EngineView
+from skinfield.page.source import OLD, EngineView
 from skinfield.page.wire import packed, scaled
 from skinfield.reconstruct.engine.report import WORDS
 
@@ -49,6 +50,7 @@ Array = NDArray[Any]
 QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
 DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
+LASTS = 5.0  # s for which the last contacts of a patch are shown while no reading comes
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
 
 
@@ -66,6 +68,26 @@ class Parcel:
         return len(self.arrays) - 1
 
 
+class SeenContacts(NamedTuple):
+    """Contacts of a patch's newest reading.
+
+    Attributes
+    ----------
+    rows : list of dict
+    stamp_ns : int, ns
+        Of the reading.
+    age : float, s
+        Of it, at `at`.
+    at : float, s
+        By `time.monotonic`.
+    """
+
+    rows: list[dict[str, Any]]
+    stamp_ns: int
+    age: float
+    at: float
+
+
 class Updates:
     """Makes the updates of one browser; knows what it has already."""
 
@@ -75,6 +97,7 @@ class Updates:
         self._grids: set[tuple[int, int]] = set()
         self._sent: dict[int, tuple[Any, ...]] = {}
         self._strongest: dict[int, float] = {}
+        self._seen: dict[int, SeenContacts] = {}
 
     def show(self, quantity: Any) -> None:
         """Choose what the colours mean.
@@ -117,12 +140,15 @@ class Updates:
             row = self._patch(place, each, its, parcel)
             if row is not None:
                 patches.append(row)
-            contacts += self._contacts(place, each, its)
+            contacts += self._contacts_seen(place, each, its)
         known = [each.snapshot for each in views if each.snapshot is not None]
         relative = any(each.model_config.relative for each in known)
         head = newest_of(known)
+        if head["age_s"] is not None:
+            head["age_s"] += max(each.since for each in views)
         head |= {
             "kind": "update",
+            "fades_s": max((each.fades for each in views), default=OLD),
             "number": number,
             "quantity": self.quantity,
             "unit": self._unit(known, relative),
@@ -130,6 +156,7 @@ class Updates:
             "range": [0.0, parcel.highest],
             "patches": patches,
             "contacts": contacts,
+            "old": bool(known) and all(each.old for each in views if each.snapshot is not None),
             "truth": [found for press in truth if (found := self._truth(press)) is not None],
         }
         if time_s is not None:
@@ -151,7 +178,7 @@ class Updates:
         row, name = snapshot.patches[each.place], each.patch.name
         answer, rung = Answer(int(row["answer"])), int(row["rung"])
         key = (int(row["stamp_ns"]), int(answer), rung)
-        if self._sent.get(number) == key:
+        if self._sent.get(number) == key or self._rests(number, answer, its):
             return None
         self._sent[number] = key
         shown = rung if answer >= Answer.LINEAR else snapshot.model_config.rungs[-1]
@@ -230,6 +257,33 @@ class Updates:
             return np.zeros(len(strength))
         return np.nan_to_num(np.clip(strength * (FULL / full), 0, FULL))
 
+    def _rests(self, number: int, answer: Answer, its: EngineView) -> bool:
+        """Whether a patch that has no reading now still shows the last one, which fades."""
+        seen = self._seen.get(number)
+        gone = answer == Answer.MISSING and its.lives and seen is not None
+        return gone and time.monotonic() - seen.at + seen.age < LASTS  # type: ignore[union-attr]
+
+    def _contacts_seen(
+        self, number: int, each: PlacedPatch, its: EngineView
+    ) -> list[dict[str, Any]]:
+        """Contacts of a patch, or those of its last reading while none comes."""
+        snapshot, now = its.snapshot, time.monotonic()
+        assert snapshot is not None  # whoever calls has looked
+        row = snapshot.patches[each.place]
+        answer = Answer(int(row["answer"]))
+        if not self._rests(number, answer, its):
+            rows = self._contacts(number, each, its)
+            age = snapshot.ages()[each.patch.name] + its.since
+            self._seen[number] = SeenContacts(rows, int(row["stamp_ns"]), age, now)
+            if answer == Answer.MISSING:
+                del self._seen[number]
+                return rows
+        seen = self._seen[number]
+        age = seen.age + (now - seen.at)
+        told = {"seen_s": finite(age), "seen_ms": seen.stamp_ns / 1e6, "fades_s": its.fades}
+        told["old"] = its.old or (its.lives and age > its.fades)
+        return [contact | told for contact in seen.rows]
+
     def _contacts(self, number: int, each: PlacedPatch, its: EngineView) -> list[dict[str, Any]]:
         snapshot, rows = its.snapshot, []
         assert snapshot is not None  # whoever calls has looked
@@ -251,7 +305,6 @@ class Updates:
                 "force": float(row["normal_force"]),
                 "peak": finite(row["peak_pressure"]),
                 "age_s": finite(row["age"]),
-                "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
                 "position": each.in_scene(row["position"][None])[0].tolist(),
                 "normal": each.turned(row["normal"][None])[0].tolist(),
