@@ -28,6 +28,8 @@ from skinfield.skin import Patch
 from skinfield.skin.generators import hexagon72, rectangular
 from skinfield.skin.reading import Recording
 
+__all__ = ["Dataset", "load", "names"]
+
 RUNGS = 4  # forces that are solved, by their roots; between them readings are lines over the root
 SECOND = (3 / RUNGS) ** 2  # part of the highest force that is solved, too
 ROOM = 293.15  # K
@@ -320,3 +322,7 @@ def load(name: str, *, seed: int = 0) -> Dataset:
     check_choice("name", name, NAMES, "of a data set")
     check_count("seed", seed, 0, 2**31 - 1, "of all that is random")
     return _made(name, seed)
+
+
+def __dir__() -> list[str]:
+    return [*__all__]
