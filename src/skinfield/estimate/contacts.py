@@ -87,6 +87,7 @@ class Contacts(tuple[Any, ...]):
         pandas.DataFrame
             The columns of the table of contacts (`skinfield reconstruct -o contacts.csv`), SI units
             in their names: reading (its row in the run), stamp_ns, time_s since the first, ...
+            Without the two of time where the readings had no stamps.
 
         Raises
         ------
@@ -99,9 +100,11 @@ class Contacts(tuple[Any, ...]):
         first = int(np.ravel(self.stamp_ns)[0]) if np.size(self.stamp_ns) else 0
         rows = list(rows_from_estimate(self, 0, first))
         columns = {name: [row[place] for row in rows] for place, name in enumerate(COLUMNS)}
+        timed = np.any(self.stamp_ns)
+        names = [name for name in COLUMNS if timed or name not in ("stamp_ns", "time_s")]
         kinds = {name: object if kind.kind == "U" else kind for name, kind in KINDS}
         return pandas.DataFrame(
-            {name: pandas.Series(columns[name], dtype=kinds[name]) for name in COLUMNS}
+            {name: pandas.Series(columns[name], dtype=kinds[name]) for name in names}
         )
 
     def _repr_html_(self) -> str:
