@@ -59,6 +59,7 @@ sphinx_gallery_conf = {
     "examples_dirs": ["../examples/gallery"],
     "gallery_dirs": ["gallery"],
     "filename_pattern": r"/",
+    "within_subsection_order": "FileNameSortKey",
     "ignore_pattern": r"__init__",
     "abort_on_example_error": True,
     "min_reported_time": 5,

@@ -1,0 +1,61 @@
+"""
+Messages of ROS 2, without ROS
+==============================
+
+Contacts become the messages that `skinfield run --ros2` publishes, byte for byte; no ROS is
+installed for that. Read back, they say the same to seven digits.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import skinfield as sf
+from skinfield.files.ros import RosbagKinds
+from skinfield.files.ros.messages import SkinMessages
+
+NOISE = 0.002  # ΔC/C₀ of one reading
+
+patch = sf.layouts.hexagon72()
+presses = [((8e-3, -6e-3), 2.0), ((-10e-3, 7e-3), 1.2)]  # m, N
+balls = [sf.simulate.Sphere(radius=8e-3, position=place, force=f) for place, f in presses]
+readings = sf.simulate.press(sf.Layer(), balls).capacitance(patch.positions, patch.pad_diameter)
+readings += np.random.default_rng(0).normal(scale=NOISE, size=len(patch))
+
+# %%
+# Contacts as rows of an array, as loops have them, and their messages: all contacts, the wrench on
+# the patch, a frame for each contact.
+
+reconstruct = sf.Reconstructor(patch, noise_std=NOISE)
+rows = reconstruct.rows()
+count = reconstruct.into(readings, rows, stamp_ns=1_000_000_000)
+kinds = RosbagKinds()
+messages = SkinMessages(sf.Skin((patch,)), kinds)
+sent = {
+    message.topic: (message.kind, kinds.bytes_of(message.kind, message.message))
+    for message in messages.of_contacts([1_000_000_000], rows[:count], [True])
+}
+for topic, (kind, data) in sent.items():
+    print(f"{topic}: {kind}, {len(data)} bytes")
+
+# %%
+# Any reader of ROS 2 takes these bytes; here rosbags.
+
+kind, data = sent["/skin/contacts"]
+received = kinds.store.deserialize_cdr(data, kind)
+for contact in received.contacts:
+    at = contact.position
+    print(f"{contact.normal_force:.3f} ± {contact.force_std:.3f} N on {contact.header.frame_id}, "
+          f"{contact.shape} at ({at.x * 1e3:.1f}, {at.y * 1e3:.1f}, {at.z * 1e3:.1f}) mm")  # fmt: skip
+
+# %%
+# What was received, beside the field that the same reading gives.
+
+axes = reconstruct(readings).plot()
+for contact in received.contacts:
+    x, y = contact.position.x * 1e3, contact.position.y * 1e3
+    words = f"{contact.contact_frame}\nforce.z = {contact.wrench.force.z:.2f} N"
+    axes.annotate(words, (x, y), (10, -26), textcoords="offset points", color="#d55e00", fontsize=8)
+plt.show()
+
+wrench = kinds.store.deserialize_cdr(*sent[f"/skin/{patch.name}/wrench"][::-1]).wrench
+assert np.isclose(-wrench.force.z, rows["normal_force"][:count].sum())  # N
