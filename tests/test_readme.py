@@ -84,7 +84,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     ("page", "snippets"),
     [
         ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1), ("engine", 3),
-        ("batch", 2), ("icub", 1), ("packet", 1), ("cyskin", 3), ("hardware", 2), ("settings", 1),
+        ("batch", 2), ("icub", 1), ("packet", 1), ("cyskin", 2), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
