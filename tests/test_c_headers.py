@@ -155,14 +155,20 @@ def test_example_prints_each_new_slot(tmp_path: Path) -> None:
 
 
 def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    page = doc("ring").read_text(encoding="utf-8")
-    programs = dict(re.findall(r"^```(python|c)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL))
-    assert programs["c"] == WATCH.read_text()  # which is compiled and runs above
-    with own_name() as name:
-        exec(compile(programs["python"].replace('"demo"', repr(name)), "ring.md", "exec"), {})
-    shown, log = capsys.readouterr().out.splitlines()
-    assert shown == "1 [ 0.   0.  -1.5] {'unit': 'N'} RUNNING True"
-    assert log == "16 bytes, 0 lost"
+    page = doc("shared-memory")
+    text = page.read_text(encoding="utf-8")
+    (shown,) = re.findall(r"\{literalinclude\} (\S+\.c)$", text, re.MULTILINE)
+    assert (page.parent / shown).resolve() == WATCH  # which is compiled and runs above
+    (program,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    with own_name() as name, Ring.create(name, [Field("force", "f8")], [], {"unit": "N"}) as ring:
+        ring.set_state(State.RUNNING)
+        ring.begin()["force"][()] = -1.5
+        ring.log(np.arange(16, dtype=np.uint8))
+        ring.publish()
+        found: dict[str, object] = {}
+        exec(compile(program.replace('"skin"', repr(name)), page.name, "exec"), found)
+        assert found["slot"]["force"] == -1.5  # type: ignore[index]
+    assert capsys.readouterr().out == "1 RUNNING ['unit'] 16 0\n"
 
 
 def test_rows_lie_as_in_python(tmp_path: Path) -> None:

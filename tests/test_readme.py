@@ -98,7 +98,7 @@ def test_first_press_runs_and_finds_both_balls(capsys: pytest.CaptureFixture[str
     ("page", "snippets"),
     [
         ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1), ("engine", 3),
-        ("batch", 2), ("icub", 3), ("packet", 2), ("cyskin", 3), ("hardware", 2), ("settings", 1),
+        ("batch", 2), ("icub", 1), ("packet", 1), ("cyskin", 2), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:

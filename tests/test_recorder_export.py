@@ -5,6 +5,7 @@ import json
 import re
 from contextlib import contextmanager
 from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from pyarrow import parquet
 from recorder_ring import FakeEngine, recorder_of
 from test_readme import doc
 
-from skinfield.files import open_recording, readings_for
+from skinfield.files import LiveRecording, open_recording, readings_for
 from skinfield.signal import Blocks, Kind, Status
 
 CYCLES = 60
@@ -118,31 +119,30 @@ def test_reconstruct_takes_it(recorded, tmp_path):
     run("reconstruct", path, *words)
     assert contacts.exists()
     made = json.loads(summary.read_text())
-    assert "thickness=0.003, young_modulus=90000.0" in made["layer"]
+    assert "thickness 3.00 mm, E 90.0 kPa" in made["layer"]
     assert "gain not given" not in " ".join(made["notes"])  # as it is without a calibration
 
 
-PAGE = doc("recording-file")
-PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-
-
-def names_of(program: str) -> dict[str, object]:
-    """What one of the page's programs leaves behind, run where the recording is."""
-    found: dict[str, object] = {}
-    exec(compile(program, "recorder.md", "exec"), found)
-    return found
+(PROGRAM,) = re.findall(
+    r"```python\n(.*?)```", doc("recording-file").read_text(encoding="utf-8"), re.DOTALL
+)
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "read_recording.py"
 
 
 def test_programs_of_the_page(recorded, monkeypatch):
     """With mcap alone, and with skinfield."""
-    path, counts, engine = recorded
+    path, counts, _ = recorded
     monkeypatch.chdir(path.parent)
-    assert "skinfield" not in PROGRAMS[0].replace("/skin/", "")
-    found = names_of(PROGRAMS[0])
-    np.testing.assert_array_equal([values for _, _, values in found["readings"]], counts)
-    assert found["log"] == b"".join(engine.written)
-    assert len(found["forces"]) == CYCLES
-    found = names_of(PROGRAMS[1])
+    assert "skinfield" not in re.sub(r'""".*?"""', "", EXAMPLE.read_text(), flags=re.DOTALL)
+    example = run_path(str(EXAMPLE))
+    read = list(example["readings"]("touch.mcap"))
+    np.testing.assert_array_equal([values for _, _, values in read], counts)
+    forces = list(example["forces"]("touch.mcap"))
+    wanted = [cycle.contacts["normal_force"].sum() for cycle in LiveRecording.open(path).cycles()]
+    assert forces == wanted
+    assert len(forces) == CYCLES
+    found: dict[str, object] = {}
+    exec(compile(PROGRAM, "recording-file.md", "exec"), found)
     np.testing.assert_array_equal(found["counts"].counts, counts)
     assert found["cycle"].number == CYCLES
     assert found["field"].sides.tolist() == [4]

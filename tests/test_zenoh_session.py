@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import pytest
 from live_skins import fill, skin_ring, unique_name, wait_for
-from test_readme import doc
 
 from skinfield.bridges.launch import bridge_settings, bridges
 from skinfield.bridges.settings import BridgeSettings
@@ -32,7 +31,7 @@ from skinfield.bridges.zenoh.discovery import ZenohSources
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 
 TESTS = Path(__file__).resolve().parent
-DOCS = doc("zenoh")
+FILES = TESTS.parent / "examples" / "zenoh"
 KEY = "skinfield/robot/part/estimate"
 ASKED = "skinfield/robot/part/description"
 TOKEN = "skinfield/robot/part/alive"
@@ -42,20 +41,19 @@ LONG, QUIET = 600.0, 0.4  # s: on a busy machine, and what is long enough otherw
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Certificates, made by what the docs say, and one of a name that nobody lets in."""
+    """Certificates, made by the example, and one of a name that nobody lets in."""
     if shutil.which("openssl") is None or shutil.which("sh") is None:
         pytest.skip("no program openssl here to make certificates with")
     made = tmp_path_factory.mktemp("certificates")
-    (block,) = re.findall(r"```sh\n(openssl.*?)```", DOCS.read_text(), re.DOTALL)
-    script = block.replace("engine viewer", "engine viewer stranger")
-    subprocess.run(["sh", "-e", "-c", script], cwd=made, check=True, capture_output=True)
+    script = ["sh", FILES / "certificates.sh", "engine", "viewer", "stranger"]
+    subprocess.run(script, cwd=made, check=True, capture_output=True)
     return made
 
 
-def made_by_the_docs(folder: Path, who: str, of: str, port: int) -> ZenohSettings:
-    """The docs' file for an engine or a viewer, with the certificate of somebody, at a port."""
-    blocks = re.findall(r"```json5\n// (\w+)\.json5.*?\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    text = dict(blocks)[who].replace("7447", str(port)).replace(f"{who}.", f"{of}.")
+def made_by_the_example(folder: Path, who: str, of: str, port: int) -> ZenohSettings:
+    """The example's file for an engine or a viewer, with somebody's certificate, at a port."""
+    text = (FILES / f"{who}.json5").read_text()
+    text = text.replace("7447", str(port)).replace(f"{who}.", f"{of}.")
     path = folder / f"{who}-{of}-{port}.json5"
     path.write_text(re.sub(r'"([a-z]+\.(?:pem|key))"', rf'"{folder}/\1"', text))
     return ZenohSettings(config=path)
@@ -93,7 +91,7 @@ class Reader:
 def engine(folder: Path, of: str = "engine") -> Iterator[tuple[list[bytes], int]]:
     """What a publisher does, on a session of its own: what it hears meanwhile, and its port."""
     port, stop, heard = free_port(), threading.Event(), []
-    with open_session(made_by_the_docs(folder, "engine", of, port)) as session:
+    with open_session(made_by_the_example(folder, "engine", of, port)) as session:
 
         def answer(query: Any) -> None:
             with query:
@@ -129,7 +127,7 @@ def reader(settings: ZenohSettings) -> Iterator[Reader]:
 def test_the_right_certificate_gets_all_that_is_allowed(folder) -> None:
     with (
         engine(folder) as (heard, port),
-        reader(made_by_the_docs(folder, "viewer", "viewer", port)) as found,
+        reader(made_by_the_example(folder, "viewer", "viewer", port)) as found,
     ):
         wait_for(lambda: KEY in found.seen(), LONG)
         wait_for(lambda: found.answers() == [b"described"], LONG)
@@ -144,7 +142,7 @@ def test_the_right_certificate_gets_all_that_is_allowed(folder) -> None:
 
 def test_without_the_right_certificate_there_is_nothing(folder) -> None:
     with engine(folder) as (_, port), ExitStack() as ends:
-        stranger = made_by_the_docs(folder, "viewer", "stranger", port)
+        stranger = made_by_the_example(folder, "viewer", "stranger", port)
         text = stranger.config.read_text()
         bare = folder / "bare.json5"
         bare.write_text(re.sub(r"connect_(certificate|private_key):.*\n", "", text))
@@ -163,7 +161,7 @@ def test_without_the_right_certificate_there_is_nothing(folder) -> None:
 def test_only_who_may_write_is_believed(folder) -> None:
     """Beside an engine, somebody with a certificate of ours that is no engine's."""
     with engine(folder) as (_, port), engine(folder, "stranger") as (_, other):
-        settings = made_by_the_docs(folder, "viewer", "viewer", port)
+        settings = made_by_the_example(folder, "viewer", "viewer", port)
         both = tuple(f"tls/localhost:{each}" for each in (port, other))
         with reader(replace(settings, connect=both)) as found:
             wait_for(lambda: len(found.session.info.peers_zid()) == 2, LONG)

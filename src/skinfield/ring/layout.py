@@ -1,8 +1,8 @@
 """Layout of a ring's file: header, table of fields, status, slots and log, little-endian.
 
-What lies where is a table in ``docs/reference/ring.md``, and in C in ``skinfield_ring.h``. What
-changes has cache lines of its own. Slot n lies at index n modulo the number of slots, byte p of the
-log at p modulo its size.
+What lies where is a table in ``docs/reference/shared-memory.md``, and in C in ``skinfield_ring.h``.
+What changes has cache lines of its own. Slot n lies at index n modulo the number of slots, byte p
+of the log at p modulo its size.
 """
 
 import json
