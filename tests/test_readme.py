@@ -83,7 +83,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1), ("engine", 3),
+        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1),
         ("batch", 2), ("icub", 3), ("packet", 2), ("cyskin", 3), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip
