@@ -102,6 +102,18 @@ def test_setup_commands_are_those_of_the_script() -> None:
     assert lines[:2] == ["python3 dev.py demo", "python3 dev.py test"]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_take_what_pages_give_them(page: Path) -> None:
+    """Also those that need hardware, or run until they are stopped."""
+    from skinfield.cli.main import app_for
+
+    for language, _, text in blocks(page):
+        for line in text.replace("\\\n", " ").splitlines() if language == "sh" else ():
+            if line.startswith("skinfield "):
+                words = shlex.split(re.split(r" [|>&] ?", line)[0], comments=True)[1:]
+                app_for(words).parse_args(words, exit_on_error=False)  # raises
+
+
 def anchors(page: Path) -> set[str]:
     """Anchors of the headings of a page, as they are made of their words."""
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
