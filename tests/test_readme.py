@@ -134,6 +134,13 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in anchors(target), f"{page.name} links to {link}: no such heading"
 
 
+def test_no_line_of_a_page_is_a_comment() -> None:
+    for page in PAGES:
+        lines = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.M | re.S)
+        lost = re.findall(r"^\s*%.*", lines, re.MULTILINE)  # MyST leaves it out
+        assert not lost, f"{page.name}: {lost[0]!r} begins with %: break the line elsewhere"
+
+
 def test_pictures_are_small_and_used() -> None:
     text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
     pictures = list((ROOT / "docs" / "images").glob("*"))
