@@ -34,11 +34,13 @@ def test_contacts_are_certified_where_time_is_no_matter(bench: ModuleType) -> No
     assert bench.shown(row).count("|") == bench.COLUMNS.count("|") + 2
 
 
-def test_the_page_of_whole_robots_runs(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_page_about_the_engine_runs_and_finds_its_ball(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    text, page = doc("whole-robot").read_text(), tmp_path / "whole-robot.md"
+    text, page, names = doc("engine").read_text(), tmp_path / "engine.md", {}
     page.write_text(text.replace("budget=500e-6", "budget=60.0"))  # on a machine that is busy
-    assert follow(page) == (1, 0)
-    assert capsys.readouterr().out == "5 contacts\n"
+    assert follow(page, names) == (2, 0)
+    assert len(names["estimates"].report.idle) == 5
+    assert names["strongest"]["normal_force"] == pytest.approx(1.5, rel=0.25)
+    assert names["strongest"]["position"] == pytest.approx([12e-3, -10e-3, 0.0], abs=1e-3)

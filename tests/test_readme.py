@@ -97,7 +97,7 @@ def test_first_press_runs_and_finds_both_balls(capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1), ("engine", 3),
+        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1),
         ("batch", 2), ("icub", 1), ("packet", 1), ("cyskin", 2), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip
@@ -127,6 +127,18 @@ def test_setup_commands_are_those_of_the_script() -> None:
     assert lines[:2] == ["python3 dev.py demo", "python3 dev.py test"]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_take_what_pages_give_them(page: Path) -> None:
+    """Also those that need hardware, or run until they are stopped."""
+    from skinfield.cli.main import app_for
+
+    for language, _, text in blocks(page):
+        for line in text.replace("\\\n", " ").splitlines() if language == "sh" else ():
+            if line.startswith("skinfield "):
+                words = shlex.split(re.split(r" [|>&] ?", line)[0], comments=True)[1:]
+                app_for(words).parse_args(words, exit_on_error=False)  # raises
+
+
 def anchors(page: Path) -> set[str]:
     """Anchors of the headings of a page, as they are made of their words."""
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
@@ -145,6 +157,13 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert target.exists(), f"{page.name} links to {link}, which is not there"
         if anchor:
             assert anchor in anchors(target), f"{page.name} links to {link}: no such heading"
+
+
+def test_no_line_of_a_page_is_a_comment() -> None:
+    for page in PAGES:
+        lines = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.M | re.S)
+        lost = re.findall(r"^\s*%.*", lines, re.MULTILINE)  # MyST leaves it out
+        assert not lost, f"{page.name}: {lost[0]!r} begins with %: break the line elsewhere"
 
 
 def test_pictures_are_small_and_used() -> None:
