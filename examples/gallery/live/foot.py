@@ -16,12 +16,11 @@ step = sf.datasets.load("foot_step")
 print(step.about)
 
 # %%
-# Each fourth reading. Readings without load have no centre.
+# Readings without load have no centre.
 
 reconstruct = sf.Reconstructor(step.patch, step.layer, calibration=step.calibration)
-chosen = slice(0, None, 4)
-estimate = reconstruct(step.recording.counts[chosen], stamp_ns=step.recording.stamp_ns[chosen])
-time, force = step.recording.time[chosen], estimate.normal_force
+estimate = reconstruct(step.recording.counts, stamp_ns=step.recording.stamp_ns)
+time, force = step.recording.time, estimate.normal_force
 centre = np.full((len(time), 2), np.nan)
 for row, contacts in enumerate(estimate.contacts):
     if force[row] > 2.0:  # N
@@ -31,9 +30,9 @@ for row, contacts in enumerate(estimate.contacts):
 # %%
 # The truth is dashed.
 
-true_force = step.force[chosen].sum(axis=1)
+true_force = step.force.sum(axis=1)
 with np.errstate(invalid="ignore"):
-    weighted = np.einsum("tp,tpc->tc", step.force[chosen], step.place[chosen])
+    weighted = np.einsum("tp,tpc->tc", step.force, step.place)
     true_centre = weighted / true_force[:, None]
 figure, (left, right) = plt.subplots(
     1, 2, figsize=(9.6, 5.2), width_ratios=(1, 2), layout="constrained"
@@ -53,7 +52,6 @@ plt.show()
 
 loaded = true_force > 10.0
 off = np.nanmedian(np.hypot(*(centre - true_centre)[loaded].T)) * 1e3
-print(
-    f"centre off by {off:.1f} mm (median), load at most {force.max():.0f} N, {true_force.max():.0f} N true"
-)
+highest, truly = force.max(), true_force.max()
+print(f"centre off by {off:.1f} mm (median), at most {highest:.0f} N; {truly:.0f} N true")
 assert off < 3.0  # mm
