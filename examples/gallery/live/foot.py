@@ -16,13 +16,15 @@ step = sf.datasets.load("foot_step")
 print(step.about)
 
 # %%
-# Readings without load have no centre.
+# Each reading by itself. Readings without load have no centre.
 
 reconstruct = sf.Reconstructor(step.patch, step.layer, calibration=step.calibration)
-estimate = reconstruct(step.recording.counts, stamp_ns=step.recording.stamp_ns)
-time, force = step.recording.time, estimate.normal_force
+time, force = step.recording.time, np.zeros(len(step))
 centre = np.full((len(time), 2), np.nan)
-for row, contacts in enumerate(estimate.contacts):
+for row, counts in enumerate(step.recording.counts):
+    reconstruct.reset()
+    contacts = reconstruct(counts).contacts
+    force[row] = contacts.normal_force
     if force[row] > 2.0:  # N
         load = np.array([c.normal_force for c in contacts])
         centre[row] = load @ np.array([c.position[:2] for c in contacts]) / load.sum()

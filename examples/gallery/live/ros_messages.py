@@ -56,7 +56,7 @@ axes = reconstruct(readings).plot()
 for contact in received.contacts:
     x, y = contact.position.x * 1e3, contact.position.y * 1e3
     words = f"{contact.contact_frame}\nforce.z = {contact.wrench.force.z:.2f} N"
-    axes.annotate(words, (x, y), (10, -26), textcoords="offset points", color="#d55e00", fontsize=8)
+    axes.annotate(words, (x, y), (14, -30), textcoords="offset points", color="#d55e00", fontsize=8)
 plt.show()
 
 kind, data = sent[f"/skin/{patch.name}/wrench"]

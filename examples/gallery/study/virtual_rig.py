@@ -55,9 +55,9 @@ right.plot(
     label="load cell",
 )
 right.plot(truth.press_release_s - 0.25, force, "x", color="#d55e00", ms=8, mew=1.5, label="skin")
-right.set(xlabel="time (s)", ylabel="force (N)")
+right.set(xlabel="time (s)", ylabel="force (N)", ylim=(-0.05, 1.3))
 right.spines[["top", "right"]].set_visible(False)
-right.legend(frameon=False)
+right.legend(frameon=False, loc="upper left", ncols=2)
 plt.show()
 
 off = np.hypot(*(place - true_place).T) * 1e3
