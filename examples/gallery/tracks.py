@@ -47,15 +47,13 @@ for step in range(len(x)):
         tracks.setdefault(contact.track_id, []).append(row)
 
 # %%
-# Where they went and how hard they pressed; dashed is the truth. A third contact, of noise, was
-# seen in a few readings only.
+# Where they went and how hard they pressed; dashed is the truth.
 
-lasting = {number: rows for number, rows in tracks.items() if len(rows) > 10}
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
 frame_axes(left, patch, extent_of_pads(patch))
 draw_modules(left, patch)
 outline_pads(left, patch)
-for colour, (number, rows) in zip(("#0072b2", "#d55e00"), lasting.items()):
+for colour, (number, rows) in zip(("#0072b2", "#d55e00"), tracks.items()):
     east, north, force = np.array(rows).T
     left.plot(east * 1e3, north * 1e3, color=colour, lw=2)
     right.plot(np.arange(len(force)) * PERIOD, force, color=colour, label=f"Number {number}")
@@ -67,6 +65,6 @@ right.spines[["top", "right"]].set_visible(False)
 right.legend(frameon=False)
 plt.show()
 
-forces = [np.array(rows)[:, 2].mean() for rows in lasting.values()]
+forces = [np.array(rows)[:, 2].mean() for rows in tracks.values()]
 print("mean force:", ", ".join(f"{force:.2f} N" for force in forces))
 assert np.allclose(forces, (1.5, 1.0), atol=0.15)  # N
