@@ -6,6 +6,8 @@ A ball, a rod and a tube press with 6 N each. Contacts are exact where what pres
 shape; a field of pressure supposes none, and shows a ring as a ring.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -18,7 +20,7 @@ PLACE = (1e-3, 1.5e-3)  # m
 
 patch = sf.layouts.rectangular(rows=10, columns=10, pitch=4e-3)
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3)  # m, Pa
-pressed = {"position": PLACE, "force": FORCE}
+pressed: dict[str, Any] = {"position": PLACE, "force": FORCE}
 bodies = {
     "Ball": sf.simulate.Sphere(radius=10e-3, **pressed),
     "Rod": sf.simulate.Rod(radius=4e-3, length=24e-3, edge_radius=4e-3, rotation=0.6, **pressed),
@@ -26,10 +28,10 @@ bodies = {
 }
 
 # %%
-# Contacts that are fitted, and a field that is never negative, from the same readings of 100 taxels.
+# Contacts that are fitted, and a field that is never negative, of the same 100 readings.
 
 rng = np.random.default_rng(0)
-solvers = {"Contacts": sf.ContactFit(), "Field": sf.NonNegative()}
+solvers: dict[str, Any] = {"Contacts": sf.ContactFit(), "Field": sf.NonNegative()}
 methods = {
     name: sf.Reconstructor(patch, layer, solver=solver, noise_std=NOISE)
     for name, solver in solvers.items()

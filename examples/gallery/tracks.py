@@ -6,12 +6,11 @@ Two fingers slide over the skin and pass each other. :class:`~skinfield.Tracker`
 reading to reading: each keeps its number, with a filtered place, force and speed.
 """
 
-from typing import Any
-
 import matplotlib.pyplot as plt
 import numpy as np
 
 import skinfield as sf
+from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.maps import draw_modules, extent_of_pads, frame_axes, outline_pads
 
 PERIOD, NOISE = 0.02, 0.002  # s; ΔC/C₀ of one reading
@@ -23,21 +22,16 @@ patch, layer = sf.layouts.hexagon72(), sf.Layer(thickness=2e-3, young_modulus=10
 # that move the other way. 1.5 N slides to the right above, 1 N to the left below.
 
 firm, light = (
-    sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=f)], extent=12e-3, cell=4e-4)
-    for f in (1.5, 1.0)  # N
+    readings_anywhere(
+        sf.simulate.press(layer, [sf.simulate.Sphere(radius=6e-3, force=force)], extent=12e-3),
+        patch.pad_diameter,
+        "capacitance",
+    )
+    for force in (1.5, 1.0)  # N
 )
 x = np.linspace(-18e-3, 18e-3, 40)
 paths = np.stack([np.column_stack([x, 12e-3 - 0 * x]), np.column_stack([-x, -12e-3 - 0 * x])])
-
-
-def readings(step: int) -> Any:
-    """What the taxels read, ΔC/C₀."""
-    both = (firm, paths[0, step]), (light, paths[1, step])
-    return sum(
-        press.readings(patch.plane - place, patch.pad_diameter, "capacitance")
-        for press, place in both
-    )
-
+clean = [firm(patch.plane - one) + light(patch.plane - other) for one, other in zip(*paths)]
 
 # %%
 # Reconstruct each reading, and hand what touches to the tracker.
@@ -48,20 +42,18 @@ tracker = sf.Tracker(period=PERIOD)
 tracks: dict[int, list[tuple[float, ...]]] = {}
 for step in range(len(x)):
     noise = rng.normal(scale=NOISE, size=len(patch))
-    for contact in tracker(reconstruct(readings(step) + noise)):
+    for contact in tracker(reconstruct(clean[step] + noise)):
         row = (*contact.position[:2], contact.normal_force)
         tracks.setdefault(contact.track_id, []).append(row)
 
 # %%
-# Where they went and how hard they pressed; dashed is the truth. A third contact, of noise, was
-# seen in a few readings only.
+# Where they went and how hard they pressed; dashed is the truth.
 
-lasting = {number: rows for number, rows in tracks.items() if len(rows) > 10}
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
 frame_axes(left, patch, extent_of_pads(patch))
 draw_modules(left, patch)
 outline_pads(left, patch)
-for colour, (number, rows) in zip(("#0072b2", "#d55e00"), lasting.items()):
+for colour, (number, rows) in zip(("#0072b2", "#d55e00"), tracks.items()):
     east, north, force = np.array(rows).T
     left.plot(east * 1e3, north * 1e3, color=colour, lw=2)
     right.plot(np.arange(len(force)) * PERIOD, force, color=colour, label=f"Number {number}")
@@ -73,6 +65,6 @@ right.spines[["top", "right"]].set_visible(False)
 right.legend(frameon=False)
 plt.show()
 
-forces = [np.array(rows)[:, 2].mean() for rows in lasting.values()]
+forces = [np.array(rows)[:, 2].mean() for rows in tracks.values()]
 print("mean force:", ", ".join(f"{force:.2f} N" for force in forces))
 assert np.allclose(forces, (1.5, 1.0), atol=0.15)  # N

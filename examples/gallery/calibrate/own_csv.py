@@ -51,7 +51,7 @@ log = np.loadtxt(log_csv, delimiter=",", skiprows=1)
 recording = Recording(np.round(log[:, 0] * 1e9).astype(np.int64), log[:, 1:], source="log.csv")
 
 # %%
-# Rest and noise are found in the log, in its stillest second. The gain is the board's, from its
+# Rest and noise are found in the first three seconds of the log. The gain is the board's, from its
 # data sheet; without one, forces hold up to a factor, which
 # :ref:`a load cell <sphx_glr_gallery_calibrate_scale.py>` finds.
 

@@ -2,8 +2,8 @@
 A live loop with tracks
 =======================
 
-What `skinfield run` does in a process of its own, in a loop of yours: an engine answers each reading
-within its budget, contacts keep their number while they move.
+What `skinfield run` does in a process of its own, in a loop of yours: an engine answers each
+reading within its budget, and contacts keep their number while they move.
 """
 
 import matplotlib.pyplot as plt

@@ -6,6 +6,8 @@ Contacts become the messages that `skinfield run --ros2` publishes, byte for byt
 installed for that. Read back, they say the same to seven digits.
 """
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -41,11 +43,11 @@ for topic, (kind, data) in sent.items():
 # Any reader of ROS 2 takes these bytes; here rosbags.
 
 kind, data = sent["/skin/contacts"]
-received = kinds.store.deserialize_cdr(data, kind)
+received: Any = kinds.store.deserialize_cdr(data, kind)
 for contact in received.contacts:
-    at = contact.position
-    print(f"{contact.normal_force:.3f} ± {contact.force_std:.3f} N on {contact.header.frame_id}, "
-          f"{contact.shape} at ({at.x * 1e3:.1f}, {at.y * 1e3:.1f}, {at.z * 1e3:.1f}) mm")  # fmt: skip
+    x, y = contact.position.x * 1e3, contact.position.y * 1e3
+    force, std = contact.normal_force, contact.force_std
+    print(f"{force:.3f} ± {std:.3f} N, {contact.shape} at ({x:.1f}, {y:.1f}) mm")
 
 # %%
 # What was received, beside the field that the same reading gives.
@@ -54,8 +56,9 @@ axes = reconstruct(readings).plot()
 for contact in received.contacts:
     x, y = contact.position.x * 1e3, contact.position.y * 1e3
     words = f"{contact.contact_frame}\nforce.z = {contact.wrench.force.z:.2f} N"
-    axes.annotate(words, (x, y), (10, -26), textcoords="offset points", color="#d55e00", fontsize=8)
+    axes.annotate(words, (x, y), (14, -30), textcoords="offset points", color="#d55e00", fontsize=8)
 plt.show()
 
-wrench = kinds.store.deserialize_cdr(*sent[f"/skin/{patch.name}/wrench"][::-1]).wrench
-assert np.isclose(-wrench.force.z, rows["normal_force"][:count].sum())  # N
+kind, data = sent[f"/skin/{patch.name}/wrench"]
+stamped: Any = kinds.store.deserialize_cdr(data, kind)
+assert np.isclose(-stamped.wrench.force.z, rows["normal_force"][:count].sum())  # N

@@ -48,6 +48,7 @@ plt.show()
 
 # %%
 
+# sphinx_gallery_thumbnail_number = 2
 figure, pair = plt.subplots(1, 2, figsize=(10.6, 4.6), layout="constrained")
 for axes, (name, (force, place)) in zip(pair, touched.items()):
     estimates[name].plot(axes, truth=[(place, force, 0.0)])

@@ -6,6 +6,8 @@ A dead taxel, one that sticks and one that is noisy are found in a recording of 
 with the evidence in words. Readings of the others go on being used.
 """
 
+from itertools import pairwise
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -25,7 +27,7 @@ ball = sf.simulate.Sphere(radius=8e-3, force=1.5)
 press = sf.simulate.press(layer, [ball], extent=16e-3)
 rng = np.random.default_rng(0)
 corners = rng.uniform(-20e-3, 20e-3, (14, 2))
-way = np.concatenate([np.linspace(a, b, 60) for a, b in zip(corners, corners[1:])])
+way = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(corners)])
 points = (patch.plane[None] - way[:, None]).reshape(-1, 2)
 felt = readings_anywhere(press, patch.pad_diameter, "capacitance")(points)
 change = np.concatenate([np.zeros((100, len(patch))), felt.reshape(len(way), -1)])

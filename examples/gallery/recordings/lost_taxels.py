@@ -8,6 +8,7 @@ have read comes back with the estimate, by the contacts and the neighbours, with
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import Normalize
 
 import skinfield as sf
 from skinfield.skin.maps import draw_pads, extent_of_pads, frame_axes
@@ -39,7 +40,7 @@ for axes, values, title in (
 ):
     frame_axes(axes, patch, extent_of_pads(patch))
     pads = draw_pads(axes, patch, values)
-    pads.set(norm=plt.Normalize(truth.min(), truth.max()), cmap="magma_r")
+    pads.set(norm=Normalize(truth.min(), truth.max()), cmap="magma_r")
     axes.set_title(title)
 figure.colorbar(pads, ax=(left, right), label="ΔC/C₀", shrink=0.8)
 plt.show()

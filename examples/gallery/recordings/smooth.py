@@ -51,7 +51,7 @@ axes.legend(frameon=False, loc="upper left")
 plt.show()
 
 settled = time > 1.5
-print(f"{force['filtered'][settled].mean():.2f} ± {force['filtered'][settled].std():.2f} N filtered, "
-      f"{force['raw'][settled].mean():.2f} ± {force['raw'][settled].std():.2f} N raw")  # fmt: skip
+for name, found in force.items():
+    print(f"{name}: {found[settled].mean():.2f} ± {found[settled].std():.2f} N")
 assert (force["filtered"][settled] > 0).all()
 assert abs(force["filtered"][settled].mean() - FORCE) < 0.05  # N

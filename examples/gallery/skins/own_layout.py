@@ -27,6 +27,7 @@ plt.show()
 
 # %%
 
+# sphinx_gallery_thumbnail_number = 2
 punch = sf.simulate.Cylinder(radius=4e-3, position=PLACE, force=FORCE)
 press = sf.simulate.press(layer, [punch], extent=40e-3)
 readings = press.capacitance(patch.positions, patch.pad_diameter)

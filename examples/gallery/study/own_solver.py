@@ -7,6 +7,7 @@ each taxel alone; beside it the default, on the same reading.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -51,7 +52,8 @@ readings += np.random.default_rng(0).normal(scale=NOISE, size=len(patch))
 
 figure, pair = plt.subplots(1, 2, figsize=(10.6, 4.6), layout="constrained")
 found = {}
-for solver, axes in zip((EachAlone(), sf.Auto()), pair):
+solvers: tuple[Any, ...] = EachAlone(), sf.Auto()
+for solver, axes in zip(solvers, pair):
     estimate = sf.Reconstructor(patch, layer, solver=solver, noise_std=NOISE)(readings)
     estimate.plot(axes, truth=[(PLACE, FORCE, 0.0)])
     name = type(solver).__name__

@@ -2,10 +2,12 @@
 The paper's method, and today's
 ===============================
 
-The inverse of the paper (half-space, stress at the taxels' centres, 20 x 20 nodes) beside the default
-solver, on one reading that suits both. It finds less than the 2 N that press, as it interpolates
-between the taxels; contacts that are fitted do not.
+The inverse of the paper (half-space, stress at the taxels' centres, 20 x 20 nodes) beside the
+default solver, on one reading that suits both. It finds less than the 2 N that press, as it
+interpolates between the taxels; contacts that are fitted do not.
 """
+
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -24,7 +26,7 @@ stress += np.random.default_rng(0).normal(scale=NOISE, size=len(patch))
 # %%
 # Both are told the same: layer, mechanics, quantity and noise.
 
-told = {
+told: dict[str, Any] = {
     "mechanics": sf.HalfSpace(),
     "quantity": sf.BaseStress(pad_averaged=False),
     "noise_std": NOISE,
@@ -39,12 +41,8 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(10.6, 4.6), layout="constrai
 truth = [(PLACE, FORCE, 0.0)]
 paper.plot(left, truth=truth)
 today.plot(right, truth=truth)
-left.set_title(
-    f"as in the paper: {paper.normal_force:.2f} N in all", loc="left", fontsize=10, pad=32
-)
-right.set_title(
-    f"default solver: {today.normal_force:.2f} N in all", loc="left", fontsize=10, pad=32
-)
+left.set_title(f"Inverse: {paper.normal_force:.2f} N in all", loc="left", pad=32)
+right.set_title(f"Auto: {today.normal_force:.2f} N in all", loc="left", pad=32)
 plt.show()
 
 print(f"{paper.normal_force:.2f} N and {today.normal_force:.2f} N, {FORCE} N pressed")

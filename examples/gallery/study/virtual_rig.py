@@ -2,8 +2,8 @@
 A test rig in software
 ======================
 
-A rig presses a foam at four places and logs counts, as a lab would; what the readings give is judged
-by what truly happened. A method that is to be published can so be tried before the rig is built.
+A rig presses a foam at four places and logs counts, as a lab would; what the readings give is
+judged by what truly happened. So a method can be tried before the rig is built.
 """
 
 import matplotlib.pyplot as plt
@@ -55,12 +55,12 @@ right.plot(
     label="load cell",
 )
 right.plot(truth.press_release_s - 0.25, force, "x", color="#d55e00", ms=8, mew=1.5, label="skin")
-right.set(xlabel="time (s)", ylabel="force (N)")
+right.set(xlabel="time (s)", ylabel="force (N)", ylim=(-0.05, 1.3))
 right.spines[["top", "right"]].set_visible(False)
-right.legend(frameon=False)
+right.legend(frameon=False, loc="upper left", ncols=2)
 plt.show()
 
 off = np.hypot(*(place - true_place).T) * 1e3
-print(f"off by {np.nanmedian(off):.2f} mm and {np.median(np.abs(force - truth.press_force_N)):.2f} N "
-      "(medians)")  # fmt: skip
+newtons = np.abs(force - truth.press_force_N)
+print(f"off by {np.nanmedian(off):.2f} mm and {np.median(newtons):.2f} N (medians)")
 assert np.nanmedian(off) < 0.5  # mm
