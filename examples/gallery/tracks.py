@@ -45,6 +45,7 @@ for step in range(len(x)):
     for contact in tracker(reconstruct(clean[step] + noise)):
         row = (*contact.position[:2], contact.normal_force)
         tracks.setdefault(contact.track_id, []).append(row)
+tracks = {number: rows for number, rows in tracks.items() if len(rows) > 10}  # false ones are brief
 
 # %%
 # Where they went and how hard they pressed; dashed is the truth.
