@@ -21,11 +21,13 @@ from skinfield.emulator import (
     VirtualSkin,
     Wires,
     fault_from_text,
+    press_tables,
     temperature_from_text,
+    world,
 )
-from skinfield.emulator import world as press_tables
 from skinfield.emulator.hardware import NEVER, Schedule, Wire
 from skinfield.emulator.packet import Ear
+from skinfield.emulator.press_tables import FORCES, PressTable, cache_path, table_for
 from skinfield.emulator.scenes import (
     SCENES,
     BodyPath,
@@ -37,7 +39,7 @@ from skinfield.emulator.scenes import (
 )
 from skinfield.emulator.settings import numbers_of
 from skinfield.emulator.transports import ANSWER, Request, answer_to, encoded
-from skinfield.emulator.world import FORCES, PressTable, TruthLog, World, cache_path, table_for
+from skinfield.emulator.world import TruthLog, World
 from skinfield.errors import FileError, InputError
 from skinfield.settings import json_from_value, value_from_json
 from skinfield.simulate import press
@@ -217,7 +219,8 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
     begun: list[SimpleNamespace] = []
 
     def start(words: list[str], **_: object) -> SimpleNamespace:
-        begun.append(SimpleNamespace(script=words[2], poll=lambda: None))
+        ends = dict.fromkeys(("kill", "wait"), lambda: None)
+        begun.append(SimpleNamespace(script=words[2], poll=lambda: None, stdout=None, **ends))
         return begun[-1]
 
     monkeypatch.setattr(press_tables.subprocess, "Popen", start)
@@ -305,7 +308,7 @@ def test_commands_are_found_in_a_stream_cut_anywhere():
 
 
 def test_the_truth_has_the_end_of_every_movement(tmp_path, monkeypatch):
-    monkeypatch.setattr(press_tables, "LINES", 4)  # in memory: it does not grow
+    monkeypatch.setattr(world, "LINES", 4)  # in memory: it does not grow
     truth = TruthLog(SKIN, str(tmp_path / "truth.jsonl"))
     at = lambda x: [CurrentPress("a", 0, SceneTool(), x, 0.0, 1.0, 2e-3)]
     truth.note([], 0)
@@ -338,7 +341,7 @@ COMMAND = st.fixed_dictionaries({"do": st.sampled_from(WORDS.split())}).flatmap(
 @pytest.fixture(scope="module")
 def skin():
     made = VirtualSkin(VirtualSettings(**QUIET, control="", at_once=True))
-    made.world._solving._solve = lambda _: None  # nothing is solved beside
+    made.world._solving._solve = lambda *_: None  # nothing is solved beside
     yield made
     made.close()
 
@@ -409,5 +412,5 @@ def test_the_process_that_solves_a_table_is_asked_for_that_table(
     asked: list = []
     monkeypatch.setattr(press_tables, "table_for", lambda *what: asked.append(what))
     tool, layer = SceneTool(6e-3, "flat"), Layer()
-    exec(press_tables.SCRIPT.format(tool=tool, layer=layer, pad_diameter=4e-3), {})
-    assert asked == [(tool, layer, 4e-3)]
+    exec(press_tables.SCRIPT.format(tool=tool, layer=layer, pad_diameter=4e-3, nice=0), {})
+    assert [what[:3] for what in asked] == [(tool, layer, 4e-3)]

@@ -114,6 +114,8 @@ class Session:
 
         if (recordings := self._state.controller.recordings) is not None:
             self._state.submit(recordings.prepare)  # it is not waited for
+        if (presser := self._state.controller.presser) is not None:
+            self._state.submit(presser.prepare_common)
         listening = asyncio.create_task(self._listen())
         try:
             while not listening.done():
@@ -279,6 +281,9 @@ class Session:
             "move": lambda: controller.pressing.press(self._press(command)),
             "lift": lambda: controller.pressing.lift(self._mine(command.get("id"))),
             "scene": lambda: controller.pressing.scene(text(command, "name")),
+            "tool": lambda: controller.pressing.prepare(
+                text(command, "shape"), number(command, "radius", 1e-4, 0.1, "metres")
+            ),
         }
         if do not in commands:
             raise InputError(f"do is {do[:40]!r}, expected one of {', '.join(commands)}")
