@@ -6,7 +6,10 @@ import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
 import { byId, setText } from "./dom.js";
+import { MAP_OF } from "./scene/colours.js";
 import { fixed, forceUnit } from "./format.js";
+import { savePicture } from "./export.js";
+import { total } from "./lookback.js";
 import { startKeyboard } from "./keyboard.js";
 import { matched } from "./truth_match.js";
 import { notice } from "./notices.js";
@@ -54,18 +57,25 @@ const table = new ContactsTable();
 const plots = new Plots(byId("force-plot"), byId("latency-plot"));
 const bar = new ColourBar((colours) => scene.setColours(colours));
 const controls = new Controls(ask, scene, patchName);
-const press = new PressPanel(ask, scene);
-const replay = new Replay(ask);
+const press = new PressPanel((command) => {
+  if (command.do === "press") replay.live(); // its result is to be seen
+  return ask(command);
+}, scene);
+const replay = new Replay(ask, query, showMoment);
 const pending = new Pending(quantityInForce);
 
 /** Send a command; true when it was obeyed, and a notice when it was not. */
 async function ask(command) {
+  return (await query(command)) !== null;
+}
+
+/** Send a command; its answer, or null and a notice. */
+async function query(command) {
   try {
-    await socket.ask(command);
-    return true;
+    return await socket.ask(command);
   } catch (error) {
     if (socket.open) notice("error", error.message);
-    return false;
+    return null;
   }
 }
 
@@ -90,7 +100,8 @@ function patchName(i) {
 // what the server says
 
 function text(message) {
-  const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage };
+  const timeline = (told) => replay.timeline(told);
+  const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage, timeline };
   const kind = Object.hasOwn(kinds, message?.kind ?? "") ? kinds[message.kind] : null;
   if (!kind) return malformed("a message of no known kind");
   try {
@@ -148,7 +159,7 @@ function binary(buffer) {
   try {
     message = decode(buffer);
     if (message.head.kind === "geometry") geometry(checkGeometry(message));
-    else if (message.head.kind === "update") update(checkUpdate(message));
+    else if (message.head.kind === "update") update(checkUpdate(message), buffer.byteLength);
     else throw new WireError(`a binary message of kind ${message.head.kind}`);
   } catch (error) {
     malformed(error.message);
@@ -176,9 +187,9 @@ function malformed(why) {
 
 // one update at a time: the next one is asked for when this one is on the screen
 
-async function update({ head, arrays }) {
+async function update({ head, arrays }, size) {
   try {
-    show(head, arrays);
+    show(head, arrays, size);
     await scene.whenDrawn();
   } catch (error) {
     malformed(error.message);
@@ -187,24 +198,44 @@ async function update({ head, arrays }) {
   socket.send({ do: "ack", number: head.number });
 }
 
-function show(head, arrays) {
+function show(head, arrays, size) {
+  state.updates += 1;
+  const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
+  replay.keep(time, head, arrays, size);
+  press.seen(head.truth);
+  if (replay.lookingBack) return;
+  scene.update(head, arrays);
+  plots.add(time, tell(head), head);
+  replay.at(head.time_s);
+  const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
+  byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);
+}
+
+/** Show a moment of a live skin's past, or the newest one, with which it goes on. */
+function showMoment({ time, head, parts }, isNow) {
+  const byMessage = Map.groupBy(parts.values(), ({ arrays }) => arrays);
+  if (head.quantity !== state.lastUpdate?.quantity) scene.setQuantity(head.quantity);
+  scene.update({ ...head, patches: [] }, []);
+  for (const [arrays, each] of byMessage) scene.update({ ...head, patches: each.map(({ entry }) => entry) }, arrays);
+  tell(head);
+  plots.until(isNow ? null : time);
+}
+
+/** Tell in numbers what an update says; its contacts beside what presses. */
+function tell(head) {
   const now = performance.now() / 1e3;
   Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
-  state.updates += 1;
   bar.follow(head, now);
-  scene.update(head, arrays);
   const pairs = matched(head.contacts, head.truth);
-  const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
-  plots.add(time, pairs, head);
   table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords(), relative: head.relative });
   for (const each of document.querySelectorAll(".force-unit")) {
     setText(each, forceUnit(head.relative));
     each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
   }
-  press.seen(head.truth);
-  replay.at(head.time_s);
-  const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
-  byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);
+  const { length } = head.contacts;
+  setText(byId("readout-force"), `${fixed(total(head.contacts), 2)} ${forceUnit(head.relative)}`);
+  setText(byId("readout-count"), length ? `${length} contact${length > 1 ? "s" : ""}` : "no contact");
+  return pairs;
 }
 
 /** What a table without contacts says: nobody knows of any before there are answers. */
@@ -218,6 +249,7 @@ function noneWords() {
 
 async function showQuantity() {
   const select = byId("quantity");
+  replay.live(); // what is kept has the colours of its own quantity
   scene.setQuantity(select.value);
   await pending.wait("quantity", ask({ do: "show", quantity: select.value }));
 }
@@ -242,11 +274,20 @@ function exaggeration() {
   scene.setExaggeration(factor);
 }
 
+function savePng() {
+  const name = state.hello?.name || "skin";
+  const { quantity } = state.lastUpdate ?? {};
+  const said = [byId("readout-force"), byId("readout-count"), byId("colour-name")].map((each) => each.textContent);
+  const when = new Date().toISOString().slice(0, 19).replace("T", " ");
+  savePicture(`${name}.png`, scene, MAP_OF[quantity] ?? "viridis", [said.join(" · "), `${name} · ${when} UTC`]);
+}
+
 function startView() {
   byId("quantity").addEventListener("change", showQuantity);
   byId("exaggeration").addEventListener("input", exaggeration);
   byId("show-taxels").addEventListener("change", (event) => scene.showTaxels(event.target.checked));
   byId("show-labels").addEventListener("change", (event) => scene.showLabels(event.target.checked));
+  byId("export-png").addEventListener("click", savePng);
   byId("home").addEventListener("click", () => scene.home());
   byId("plot-window").addEventListener("change", (event) => plots.setWindow(Number(event.target.value)));
   byId("refused-again").addEventListener("click", () => socket.connect());
@@ -265,11 +306,16 @@ startView();
 startTheme((name) => {
   scene.setTheme(name);
   plots.recolour();
+  replay.recolour();
 });
 startKeyboard({
   orbit: (x, y) => scene.orbit(x, y),
   zoom: (factor) => scene.zoom(factor),
   home: () => scene.home(),
+  shift: (right, up) => press.shift(right, up),
+  harder: (newtons) => press.harder(newtons),
+  step: (readings) => replay.step(readings),
+  loop: () => replay.loop(),
   quantity: setQuantity,
   tare: () => controls.tare(),
   record: () => controls.record(),

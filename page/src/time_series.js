@@ -39,6 +39,11 @@ export class Series {
     if (this.#first > 1024) this.#drop();
   }
 
+  /** There is nothing to draw from the newest row to the next. */
+  gap() {
+    if (this.length) this.push(this.now + 1e-6, []);
+  }
+
   /** [times, column, ...] of the newest `window` seconds, as uPlot takes them. */
   rows(window) {
     let from = this.#first;
