@@ -267,7 +267,7 @@ export class PressPanel {
       const button = element(
         "button",
         { type: "button", class: "tool", "data-testid": `tool-${shape}-${millimetres(radius)}`, "aria-label": `${name}, radius ${size}` },
-        element("i", { class: `tool-shape ${shape}`, "aria-hidden": "true" }),
+        shape === "finger" ? null : element("i", { class: `tool-shape ${shape}`, "aria-hidden": "true" }),
         element("span", { text: shape === "finger" ? name : String(millimetres(radius)) }),
       );
       Object.assign(button.dataset, { shape, radius });

@@ -3,6 +3,7 @@
 import csv
 import io
 import threading
+from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -59,8 +60,8 @@ class Timeline:
     Attributes
     ----------
     told : dict or None
-        `times` and total `force` of equal parts of the recording, s and N, the largest of each;
-        `touches`: pairs of times. None until they are known.
+        `times` and total `force` of equal parts of the recording, s and N, the largest of each
+        that has a cycle; `touches`: pairs of times. None until they are known.
     damage : str
         Why it could not be read to its end, if so.
     """
@@ -69,13 +70,13 @@ class Timeline:
         self._path, self._first_ns, self._end_s = path, first_ns, end_s
         self.told: dict[str, Any] | None = None
         self.damage = ""
-        self._fresh: list[float] = []
+        self._fresh = array("d")  # when readings were, s
         self._closed = False
         self._thread = threading.Thread(target=self._run, name=f"timeline-{path.name}", daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
-        force = np.zeros(BINS)
+        force = np.full(BINS, np.nan)  # parts without a cycle stay so, and are not told
         touches: dict[int, list[float]] = {}
         try:
             for cycle in LiveRecording.open(self._path).cycles():
@@ -85,16 +86,17 @@ class Timeline:
                 if (cycle.patches["fresh"] > 0).any():
                     self._fresh.append(time_s)
                 part = min(int(BINS * time_s / max(self._end_s, 1e-9)), BINS - 1)
-                force[part] = max(force[part], float(cycle.contacts["normal_force"].sum()))
+                force[part] = np.fmax(force[part], cycle.contacts["normal_force"].sum())
                 for track in cycle.contacts["track"].tolist():
                     touches.setdefault(track, [time_s, time_s])[1] = time_s
         except SkinfieldError as error:  # what is before it is told
             self.damage = str(error)
         times = (np.arange(BINS) + 0.5) * (self._end_s / BINS)
+        there = np.isfinite(force)
         known = sorted(touches.values())[:MOST_TOUCHES]
         self.told = {
-            "times": np.round(times, 4).tolist(),
-            "force": np.round(force, 4).tolist(),
+            "times": np.round(times[there], 4).tolist(),
+            "force": np.round(force[there], 4).tolist(),
             "touches": [[round(begin, 3), round(end, 3)] for begin, end in known],
         }
 
