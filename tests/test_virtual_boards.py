@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -235,6 +237,49 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
     assert all(repr(key[0]) in each.script for key, each in zip(wanted, begun, strict=True))
     assert mine.get(keys[-1]) == keys[-1][0]
     assert mine.get(keys[0]) is None
+
+
+def test_tools_are_prepared_before_they_press(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[tuple[SceneTool, int]] = []
+
+    class Fake(press_tables.PressTables):
+        def _solve(self, key: press_tables.Key, nice: int) -> None:
+            begun.append((key[0], nice))
+            process = subprocess.Popen(["sleep", "60"], stdout=subprocess.PIPE)
+            self._running[key] = press_tables.Solving(process)
+
+    monkeypatch.setattr(world, "PressTables", Fake)
+    made = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
+    monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path("nowhere"))
+    try:
+        for radius in (21e-3, 22e-3):
+            assert made.prepare(Request(radius=radius)) == {"solving": True}
+        made.poll()
+        made.poll()
+        assert begun == [(SceneTool(22e-3), press_tables.BESIDE)]  # one at a time, the newest first
+        made.press(Request(x=0.0, y=0.0, radius=23e-3))
+        assert begun[1:] == [(SceneTool(23e-3), 0)]  # a press comes at once, beside it
+        told = made.tools(Request())
+        assert told["ready"] == [{"shape": "ball", "radius": 10e-3}]
+        assert [each["radius"] for each in told["preparing"]] == [22e-3, 23e-3]
+        assert made.prepare(Request()) == {"solving": False}
+    finally:
+        made.close()
+
+
+def test_a_process_that_solves_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(press_tables, "SHARES", (0.1, 0.4, 0.7, 1.0))
+    monkeypatch.setattr(press_tables, "CELL", 1e-3)  # coarse: this is not about the numbers
+    shares: list[float] = []
+    press_tables.solve_table(SceneTool(6e-3), Layer(), 4e-3, shares.append)
+    assert shares == pytest.approx([0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
+    script = "print(0.25, flush=True); print(0.5, flush=True)"
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
+    solving = press_tables.Solving(process)
+    process.wait()
+    assert solving.ended()
+    assert solving.share == 0.5
+    solving.close()
 
 
 def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
