@@ -9,6 +9,7 @@ import { Strip } from "./strip.js";
 const SEEK_MS = 100;
 const SETTLE_MS = 600; // after a seek, older times that are still on their way are passed over
 const STRIP_MS = 250; // the strip of a live skin is drawn this often
+const ARROWS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }; // readings, on the bar
 const PLAY_MS = 50; // from moment to moment while the half minute is played
 
 export class Replay {
@@ -48,6 +49,12 @@ export class Replay {
       this.#sought = performance.now();
       this.#label(value);
       seek(value);
+    });
+    this.#bar.addEventListener("keydown", (event) => {
+      const count = ARROWS[event.key];
+      if (!count) return;
+      event.preventDefault(); // the bar's own steps are hundredths of a second
+      this.step(count);
     });
     this.#bar.addEventListener("pointerdown", () => (this.#held = true));
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, () => (this.#held = false));

@@ -39,11 +39,11 @@ def rows_of(snapshot: Snapshot, start_ns: int) -> Iterator[Row]:
 
 
 def lines(rows: Iterable[Row]) -> list[str]:
-    """Rows as lines of a CSV file, numbers with seven digits; times and counts whole."""
+    """Rows as lines of a CSV file, numbers with nine digits; times and counts whole."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for row in rows:
-        writer.writerow([f"{each:.7g}" if isinstance(each, float) else each for each in row])
+        writer.writerow([f"{each:.9g}" if isinstance(each, float) else each for each in row])
     return out.getvalue().splitlines()
 
 
