@@ -42,7 +42,7 @@ def look(opened: Look) -> Iterator[Look]:
     """The page, untouched, without an error before and after."""
     yield opened
     opened.page.keyboard.press("Escape")
-    opened.until("skinfield.state.truth.length === 0")
+    opened.until("skinfield.state.truth.length + skinfield.state.contacts.length === 0")
     assert opened.wrong == []
     assert opened.value("skinfield.state.malformed") == []
 

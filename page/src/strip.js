@@ -37,7 +37,9 @@ export class Strip {
     this.#area(pen, times.map(x), force.map(y), foot);
     this.#marks(pen, touches, x, [start, end], foot);
     const peak = `${fixed(top, top < 10 ? 1 : 0)} ${unit ?? "N"}`;
-    this.#canvas.title = `total force, up to ${peak}; marks: touches begin and end`;
+    const many = `${touches.length} touch${touches.length === 1 ? "" : "es"}`;
+    const words = `Total force over time, up to ${peak}; ${many}, marked where they begin and end`;
+    if (this.#canvas.title !== words) this.#canvas.setAttribute("aria-label", (this.#canvas.title = words));
   }
 
   #area(pen, xs, ys, foot) {
