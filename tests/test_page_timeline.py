@@ -219,3 +219,34 @@ def test_the_result_is_in_sight_while_the_panel_presses(
         look.at("back-to-live").click()
         Hand(look).lift()
         assert look.wrong == []
+
+
+def test_fingers_press_drag_and_pinch(browser: Any, skin: Served) -> None:
+    with looking(browser, size={"width": 390, "height": 844}, has_touch=True) as look:
+        look.open(skin.address)
+        hand, talk = Hand(look), look.page.context.new_cdp_session(look.page)
+
+        def touch(kind: str, *points: tuple[float, float]) -> None:
+            there = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)]
+            talk.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": there})
+
+        look.page.touchscreen.tap(*hand.pixel(-8.0, 2.0))  # a tap stays
+        look.until("skinfield.state.truth.length === 1")
+        (x, y), (right, _) = hand.pixel(-8.0, 2.0), hand.pixel(4.0, 2.0)
+        touch("Start", (x, y))  # and can be dragged
+        for step in range(1, 9):
+            touch("Move", (x + (right - x) * step / 8, y))
+        touch("End")
+        look.until("Math.abs(skinfield.state.truth[0].x - 0.004) < 1e-3")
+        hand.lift()
+        camera = "skinfield.scene.view.camera.position.toArray()"
+        before = look.value(camera)
+        touch("Start", (x, y))
+        touch("Start", (x, y), (right, y))
+        touch("Move", (x - 30, y), (right + 30, y))
+        touch("End")
+        moved = f"(before) => Math.hypot(...{camera}.map((v, i) => v - before[i])) > 1e-3"
+        look.until(moved, before)
+        look.until("skinfield.state.truth.length === 0")  # two fingers do not press
+        assert look.value("[scrollY, visualViewport.scale]") == [0, 1]
+        assert look.wrong == []

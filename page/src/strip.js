@@ -1,10 +1,12 @@
 // The strip above the time bar: total force over time, and when something began and ended to touch.
 import { fixed } from "./format.js";
+import { unbroken } from "./time_series.js";
 import { cssColour } from "./theme.js";
 
 const INSET = 8; // px at both ends, half the knob of the bar below
 const LEAST_N = 0.5; // at its top, at the least
 const MARK = 4; // px, of a touch's ends
+const GAP_S = 1; // without a word, at the least: a live skin's page is told of it twice a second
 
 export class Strip {
   #canvas;
@@ -34,7 +36,9 @@ export class Strip {
     const top = force.reduce((most, value) => Math.max(most, value || 0), LEAST_N);
     const foot = height - MARK - 1;
     const y = (value) => foot - ((foot - 2) * value) / top;
-    this.#area(pen, times.map(x), force.map(y), foot);
+    for (const [from, to] of unbroken(times, Math.max(GAP_S, (end - start) / 300))) {
+      this.#area(pen, times.slice(from, to).map(x), force.slice(from, to).map(y), foot);
+    }
     this.#marks(pen, touches, x, [start, end], foot);
     const peak = `${fixed(top, top < 10 ? 1 : 0)} ${unit ?? "N"}`;
     const many = `${touches.length} touch${touches.length === 1 ? "" : "es"}`;

@@ -67,6 +67,12 @@ function finite(value) {
   return Number.isFinite(value) ? value : null;
 }
 
+/** [from, to[ of the runs of times without a gap. */
+export function unbroken(times, gap) {
+  const starts = times.flatMap((time, i) => (i === 0 || time - times[i - 1] > gap ? [i] : []));
+  return starts.map((from, k) => [from, starts[k + 1] ?? times.length]);
+}
+
 /** Gives each track a colour of few, the same while it is to be seen. */
 export class Slots {
   #slots; // {track, seen} of each

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { LookBack } from "../src/lookback.js";
+import { unbroken } from "../src/time_series.js";
 
 /** An update in which patches changed, with what one array holds of each. */
 function update(values, contacts = [], rows = []) {
@@ -67,4 +68,9 @@ test("force over time, touches from begin to end, and each row once", () => {
   back.add(3, ...update({}, [two], ["3,b"]));
   assert.deepEqual(back.outline(), { times: [0, 1, 2, 3], force: [0, 1, 1.5, 0.5], touches: [[1, 2], [2, 3]] });
   assert.deepEqual(back.rows(), ["1,a", "2,b", "3,b"]);
+});
+
+test("the strip breaks where nothing was told", () => {
+  assert.deepEqual(unbroken([0, 0.5, 1, 4, 4.5, 9], 1), [[0, 3], [3, 5], [5, 6]]);
+  assert.deepEqual(unbroken([], 1), []);
 });
