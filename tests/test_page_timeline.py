@@ -130,7 +130,7 @@ def test_the_newest_half_minute_is_looked_back_at(look: Look, hand: Hand) -> Non
     look.at("play").click()
     updates = look.value("skinfield.state.updates")
     ago = look.value("(then) => (skinfield.state.lastUpdate.stamp_ns - then) * 1e-9", pressed)
-    look.at("time-bar").evaluate(LOOK_AT, -ago)
+    look.at("time-bar").evaluate(LOOK_AT, 0.011 - ago)  # the bar has steps of 10 ms
     rows = look.wait_rows(lambda rows: len(rows) == 1)
     assert look.value("skinfield.state.lastUpdate.stamp_ns") <= pressed + 0.02e9
     assert f"{float(rows[0]['force']):.2f} N" in look.at("total-force").inner_text()
