@@ -1,7 +1,6 @@
 // What can be saved: the table of contacts, and the picture as it is seen.
 import { byId } from "./dom.js";
 import { cssColour } from "./theme.js";
-import { mapTable } from "./scene/colours.js";
 
 const FOOT = 46; // px below the picture, for the colour bar and what is shown
 const BAR = { width: 180, height: 10 }; // px
@@ -21,7 +20,7 @@ function save(name, blob) {
 }
 
 /** Save the picture with its colour bar; `words` says what is shown. */
-export function savePicture(name, scene, map, words) {
+export function savePicture(name, scene, words) {
   scene.draw(); // what was drawn before is not kept by the browser
   const { width, height } = scene.canvas;
   const ratio = width / Math.max(scene.canvas.clientWidth, 1);
@@ -31,12 +30,12 @@ export function savePicture(name, scene, map, words) {
   pen.fillRect(0, 0, made.width, made.height);
   pen.drawImage(scene.canvas, 0, 0);
   pen.scale(ratio, ratio);
-  drawFoot(pen, height / ratio, map, words);
+  drawFoot(pen, height / ratio, scene.table.image.data, words);
   made.toBlob((blob) => blob && save(name, blob), "image/png");
 }
 
-function drawFoot(pen, top, map, words) {
-  const table = mapTable(map);
+/** Below the picture: its colour table, 256 times RGBA, with the ticks of the page's colour bar, and words. */
+function drawFoot(pen, top, table, words) {
   for (let i = 0; i < 256; i += 1) {
     pen.fillStyle = `rgb(${table[4 * i]} ${table[4 * i + 1]} ${table[4 * i + 2]})`;
     pen.fillRect(12 + (i * BAR.width) / 256, top + 10, BAR.width / 256 + 0.6, BAR.height);

@@ -6,7 +6,6 @@ import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
 import { byId, setText } from "./dom.js";
-import { MAP_OF } from "./scene/colours.js";
 import { fixed, forceUnit } from "./format.js";
 import { savePicture } from "./export.js";
 import { total } from "./lookback.js";
@@ -276,10 +275,9 @@ function exaggeration() {
 
 function savePng() {
   const name = state.hello?.name || "skin";
-  const { quantity } = state.lastUpdate ?? {};
   const said = [byId("readout-force"), byId("readout-count"), byId("colour-name")].map((each) => each.textContent);
   const when = new Date().toISOString().slice(0, 19).replace("T", " ");
-  savePicture(`${name}.png`, scene, MAP_OF[quantity] ?? "viridis", [said.join(" · "), `${name} · ${when} UTC`]);
+  savePicture(`${name}.png`, scene, [said.join(" · "), `${name} · ${when} UTC`]);
 }
 
 function startView() {
