@@ -292,17 +292,23 @@ function tell(head) {
     each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
   }
   const { length } = head.contacts;
-  setText(byId("readout-force"), `${fixed(total(head.contacts), 2)} ${forceUnit(head.relative)}`);
-  setText(byId("readout-count"), length ? `${length} contact${length > 1 ? "s" : ""}` : "no contact");
+  const known = length > 0 || answers();
+  setText(byId("readout-force"), known ? `${fixed(total(head.contacts), 2)} ${forceUnit(head.relative)}` : "–");
+  const none = known ? "no contact" : "no answer";
+  setText(byId("readout-count"), length ? `${length} contact${length > 1 ? "s" : ""}` : none);
   ageing.look();
   return pairs;
 }
 
-/** What a table without contacts says: nobody knows of any before there are answers. */
-function noneWords() {
+/** Are there answers? Nobody knows of contacts before. */
+function answers() {
   const { state: name } = state.status ?? {};
-  const answers = !name || state.hello?.mode === "replay" || name === "running" || name === "mixed";
-  return answers ? "No contact" : `No answer: ${state.controls?.busy ?? `the engine is ${name}`}`;
+  return !name || state.hello?.mode === "replay" || name === "running" || name === "mixed";
+}
+
+/** What a table without contacts says. */
+function noneWords() {
+  return answers() ? "No contact" : `No answer: ${state.controls?.busy ?? `the engine is ${state.status.state}`}`;
 }
 
 // what this browser alone shows

@@ -229,6 +229,7 @@ export class Replay {
 
   #showLive() {
     document.body.classList.remove("looking-back");
+    byId("replay-marks").replaceChildren(); // of a recording
     Object.assign(this.#bar, { min: -this.#back.seconds, max: 0, value: 0 });
     this.#bar.setAttribute("aria-label", "Time before now, s");
     byId("replay-close").hidden = true;
